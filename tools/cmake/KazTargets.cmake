@@ -43,6 +43,19 @@ if(KAZ_COVERAGE)
   target_link_options(kaz_flags INTERFACE --coverage)
 endif()
 
+# KAZ_SANITIZED_COPIES: some libraries are compiled a second time, under sanitizers, and their tests linked with both
+# (SANITIZED below). Not where everything is compiled so already, nor for coverage or clang's fuzzer.
+set(KAZ_SANITIZED_COPIES OFF)
+set(KAZ_SANITIZERS -fsanitize=address,undefined)
+set(KAZ_SANITIZED_OPTIONS -O1 -g1 -UNDEBUG ${KAZ_SANITIZERS} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND KAZ_SANITIZED_OPTIONS $<$<COMPILE_LANGUAGE:CXX>:-Wno-maybe-uninitialized>)
+endif()
+if(CMAKE_BUILD_TYPE STREQUAL "Release" AND (BUILD_TESTING OR NOT DEFINED BUILD_TESTING) AND NOT KAZ_SANITIZE
+   AND NOT KAZ_COVERAGE)
+  set(KAZ_SANITIZED_COPIES ON)
+endif()
+
 # Precompiled headers, one for each set of compiler flags; targets reuse them. What is in them: precompiled.h.
 # kaz_pch_library: product code. kaz_pch_light: product code that waits, parses and reports, compiled with -O1 in
 # release builds; kaz_pch_json: the same for libraries with JSON. kaz_pch_test: tests, with GoogleTest, -O1 too.
@@ -66,14 +79,7 @@ endfunction()
 # -O1: code in which no run spends its time, and test programs. g++ needs a third less time for it.
 # Inlining half of std::string there, g++ 12 warns of bounds that no string exceeds.
 set(KAZ_LIGHT_OPTIONS $<$<CONFIG:Release>:-O1>)
-# A check of each pointer of GoogleTest's macros takes g++ a third of the time for a test, so `./tools/dev test` does
-# without; a wrong one is found by the address sanitizer, or by `./tools/dev sanitize`.
-set(KAZ_FAST_TEST_OPTIONS "")
-if(KAZ_SANITIZE MATCHES "undefined" AND NOT KAZ_POINTER_CHECKS_IN_TESTS)
-  set(KAZ_FAST_TEST_OPTIONS
-    -fno-sanitize=null,vptr,alignment,object-size,nonnull-attribute,returns-nonnull-attribute,return,unreachable)
-endif()
-set(KAZ_TEST_OPTIONS ${KAZ_LIGHT_OPTIONS} ${KAZ_FAST_TEST_OPTIONS})
+set(KAZ_TEST_OPTIONS ${KAZ_LIGHT_OPTIONS})
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND KAZ_LIGHT_OPTIONS $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>)
 endif()
@@ -83,7 +89,10 @@ kaz_precompiled(json HEADER precompiled_json.h OPTIONS ${KAZ_LIGHT_OPTIONS})
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)
   kaz_precompiled(test PROGRAM HEADER precompiled_test.h LIBS GTest::gtest OPTIONS ${KAZ_TEST_OPTIONS})
-  kaz_precompiled(fast_test PROGRAM HEADER precompiled_test.h LIBS GTest::gtest OPTIONS ${KAZ_FAST_TEST_OPTIONS})
+  kaz_precompiled(fast_test PROGRAM HEADER precompiled_test.h LIBS GTest::gtest)
+endif()
+if(KAZ_SANITIZED_COPIES)
+  kaz_precompiled(sanitized HEADER precompiled.h OPTIONS ${KAZ_SANITIZED_OPTIONS})
 endif()
 
 # kaz_reuse_precompiled(TARGET NAME): for targets with C++ sources whose compile options are those of NAME.
@@ -107,7 +116,6 @@ function(kaz_precompiled_program target)
   # The header has GoogleTest, too: g++ takes it with the same macros only.
   target_compile_options(${target} PRIVATE $<TARGET_PROPERTY:GTest::gtest,INTERFACE_COMPILE_OPTIONS>)
   if("FAST" IN_LIST ARGN)
-    target_compile_options(${target} PRIVATE ${KAZ_FAST_TEST_OPTIONS})
     kaz_reuse_precompiled(${target} fast_test)
   else()
     target_compile_options(${target} PRIVATE ${KAZ_TEST_OPTIONS})
@@ -115,12 +123,85 @@ function(kaz_precompiled_program target)
   endif()
 endfunction()
 
-# kaz_library(NAME [STRICT] [LIGHT [JSON]] [NO_PCH] SOURCES ... [PUBLIC lib ...] [PRIVATE lib ...])
+# kaz_sanitized_copy(TARGET): library TARGET_sanitized, with the sources and options of TARGET and the sanitizers, linked
+# with the copies of what TARGET is linked with. Sees what was added to TARGET so far: call it last in its folder.
+function(kaz_sanitized_copy target)
+  if(NOT KAZ_SANITIZED_COPIES)
+    return()
+  endif()
+  get_target_property(folder ${target} SOURCE_DIR)
+  get_target_property(sources ${target} SOURCES)
+  set(absolute "")
+  foreach(source IN LISTS sources)
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder} NORMALIZE)
+    list(APPEND absolute ${source})
+  endforeach()
+  add_library(${target}_sanitized STATIC ${absolute})
+  foreach(property INCLUDE_DIRECTORIES INTERFACE_INCLUDE_DIRECTORIES COMPILE_DEFINITIONS INTERFACE_COMPILE_DEFINITIONS
+                   COMPILE_OPTIONS)
+    get_target_property(value ${target} ${property})
+    if(value)
+      set_target_properties(${target}_sanitized PROPERTIES ${property} "${value}")
+    endif()
+  endforeach()
+  target_compile_options(${target}_sanitized PRIVATE ${KAZ_SANITIZED_OPTIONS})
+  target_link_options(${target}_sanitized INTERFACE ${KAZ_SANITIZERS})
+  kaz_sanitized_libraries(${target} libraries)
+  target_link_libraries(${target}_sanitized PUBLIC ${libraries})
+  get_target_property(first ${target} MANUALLY_ADDED_DEPENDENCIES)
+  if(first)
+    add_dependencies(${target}_sanitized ${first})
+  endif()
+  kaz_reuse_precompiled(${target}_sanitized sanitized)
+endfunction()
+
+# kaz_sanitized_libraries(TARGET OUT): what TARGET is linked with, each library of the tree replaced by its copy.
+function(kaz_sanitized_libraries target out)
+  get_target_property(libraries ${target} LINK_LIBRARIES)
+  set(replaced "")
+  foreach(library IN LISTS libraries)
+    string(REPLACE "kaz::" "kaz_" copy ${library})
+    if(TARGET ${copy}_sanitized)
+      set(library ${copy}_sanitized)
+    elseif(library MATCHES "^kaz::")
+      message(FATAL_ERROR "${target} is SANITIZED, so ${library} has to be, too")
+    endif()
+    list(APPEND replaced ${library})
+  endforeach()
+  set(${out} "${replaced}" PARENT_SCOPE)
+endfunction()
+
+# kaz_sanitized_test(NAME): the compiled sources of test NAME, linked with sanitized copies of its libraries. Its cases,
+# in four parts, are the tests sanitized.NAME.1 to 4, labelled `sanitized`: a process for each case would take longer
+# to start than to run.
+function(kaz_sanitized_test name)
+  if(NOT KAZ_SANITIZED_COPIES)
+    return()
+  endif()
+  add_executable(${name}_sanitized_test $<TARGET_OBJECTS:${name}_test>)
+  set_target_properties(${name}_sanitized_test PROPERTIES LINKER_LANGUAGE CXX)
+  kaz_sanitized_libraries(${name}_test libraries)
+  target_link_libraries(${name}_sanitized_test PRIVATE ${libraries})
+  get_target_property(first ${name}_test MANUALLY_ADDED_DEPENDENCIES)
+  if(first)
+    add_dependencies(${name}_sanitized_test ${first})
+  endif()
+  foreach(part RANGE 1 4)
+    math(EXPR index "${part} - 1")
+    add_test(NAME sanitized.${name}.${part} COMMAND nice -n 10 $<TARGET_FILE:${name}_sanitized_test>
+             WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    set_tests_properties(sanitized.${name}.${part} PROPERTIES LABELS sanitized TIMEOUT 600
+                         ENVIRONMENT "GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=${index}")
+  endforeach()
+endfunction()
+
+# kaz_library(NAME [STRICT] [LIGHT [JSON]] [NO_PCH] [SANITIZED] SOURCES ... [PUBLIC lib ...] [PRIVATE lib ...])
 # Makes target kaz_NAME with the alias kaz::NAME. STRICT adds -Wconversion: for code whose result must be
 # the same bit for bit on another machine. LIGHT: compiled quickly (KAZ_LIGHT_OPTIONS), since no run spends its time
-# there; JSON: most of its sources use nlohmann/json. Headers are included by their path from the root of the tree.
+# there; JSON: most of its sources use nlohmann/json. SANITIZED: a second copy of it, for tests that are SANITIZED.
+# Headers are included by their path from the root of the tree.
 function(kaz_library name)
-  cmake_parse_arguments(ARG "STRICT;LIGHT;JSON;NO_PCH" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "STRICT;LIGHT;JSON;NO_PCH;SANITIZED" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(kaz_${name} STATIC ${ARG_SOURCES})
   add_library(kaz::${name} ALIAS kaz_${name})
   set_target_properties(kaz_${name} PROPERTIES EXPORT_NAME ${name})
@@ -142,28 +223,30 @@ function(kaz_library name)
   if(NOT ARG_NO_PCH)
     kaz_reuse_precompiled(kaz_${name} ${precompiled})
   endif()
+  if(ARG_SANITIZED)
+    cmake_language(EVAL CODE "cmake_language(DEFER CALL kaz_sanitized_copy kaz_${name})")
+  endif()
   install(TARGETS kaz_${name} EXPORT kaz)
 endfunction()
 
-# kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board] [FAST] [NO_PCH] [TIMEOUT seconds])
+# kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board|suite] [FAST] [NO_PCH] [SANITIZED] [TIMEOUT seconds])
 # One GoogleTest program NAME_test; each of its cases is a test of CTest's, with NAME as its label. REALTIME: it
-# mostly waits for a clock (robot: with a body or cameras, which need most of a core; board: without). No two of the
-# same kind run side by side, and they begin first, while the others, which compute, have a lower priority: so
-# ctest may run two more jobs than there are cores. FAST: its own code is optimised as the product is.
+# mostly waits for a clock (robot: with a body or cameras, which need most of a core; board: without; suite: conformance
+# suite or fuzzer against a board). No two of the same kind run side by side, and they begin first, while the others,
+# which compute, have a lower priority: so ctest may run three more jobs than there are cores. FAST: its own code is optimised as the product is.
+# SANITIZED: also with the sanitized copies of LIBS, all of which have to be SANITIZED libraries.
 function(kaz_test name)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "FAST;NO_PCH" "REALTIME;TIMEOUT" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "FAST;NO_PCH;SANITIZED" "REALTIME;TIMEOUT" "SOURCES;LIBS" ${ARGN})
   find_package(GTest REQUIRED)
   include(GoogleTest)
   add_executable(${name}_test ${ARG_SOURCES})
   target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
-  target_link_libraries(${name}_test PRIVATE kaz_flags ${ARG_LIBS} GTest::gtest_main)
+  target_link_libraries(${name}_test PRIVATE kaz_flags ${ARG_LIBS} kaz_json_testing GTest::gtest_main)
   set(precompiled fast_test)
-  if(ARG_FAST)
-    target_compile_options(${name}_test PRIVATE ${KAZ_FAST_TEST_OPTIONS})
-  else()
+  if(NOT ARG_FAST)
     set(precompiled test)
     target_compile_options(${name}_test PRIVATE ${KAZ_TEST_OPTIONS})
   endif()
@@ -182,10 +265,14 @@ function(kaz_test name)
   endif()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. PROPERTIES ${properties}
                        WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} DISCOVERY_TIMEOUT 60)
+  if(ARG_SANITIZED)
+    cmake_language(EVAL CODE "cmake_language(DEFER CALL kaz_sanitized_test ${name})")
+  endif()
 endfunction()
 
 # kaz_unity(SIZE): up to SIZE sources of a target become one for the compiler, which reads headers and templates once
-# for all of them. unity_groups.py finds sources that share no name. To be called behind all targets.
+# for all of them; a target's property KAZ_UNITY_SIZE is its own SIZE. unity_groups.py finds sources that share no name.
+# To be called behind all targets.
 function(kaz_unity size)
   set(lists "")
   set(folders ${PROJECT_SOURCE_DIR})
@@ -196,6 +283,11 @@ function(kaz_unity size)
     get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
     foreach(target IN LISTS targets)
       get_target_property(type ${target} TYPE)
+      # A sanitized copy has the groups of the sources that it is made of.
+      if(target MATCHES "_sanitized$")
+        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+        continue()
+      endif()
       if(NOT type MATCHES "^(STATIC_LIBRARY|EXECUTABLE)$")
         continue()
       endif()
@@ -210,14 +302,18 @@ function(kaz_unity size)
       endforeach()
       list(LENGTH absolute count)
       if(count GREATER 1)
-        string(APPEND lists "${target};${absolute}\n")
+        get_target_property(own_size ${target} KAZ_UNITY_SIZE)
+        if(NOT own_size)
+          set(own_size ${size})
+        endif()
+        string(APPEND lists "${target};${own_size};${absolute}\n")
         set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
       endif()
     endforeach()
   endwhile()
   file(WRITE ${PROJECT_BINARY_DIR}/unity_sources.txt "${lists}")
   execute_process(
-    COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/cmake/unity_groups.py ${PROJECT_SOURCE_DIR} ${size}
+    COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/cmake/unity_groups.py ${PROJECT_SOURCE_DIR}
     INPUT_FILE ${PROJECT_BINARY_DIR}/unity_sources.txt OUTPUT_VARIABLE groups COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX REPLACE "\n" "|" groups "${groups}")
   string(REGEX REPLACE ";" ">" groups "${groups}")

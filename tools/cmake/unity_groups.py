@@ -1,8 +1,8 @@
 # Which sources of a target are compiled together, so that headers are read once for several of them.
 # SPDX-License-Identifier: Apache-2.0
-"""usage: unity_groups.py ROOT SIZE <list
+"""usage: unity_groups.py ROOT <list
 
-Reads lines `TARGET;SOURCE;SOURCE...` (paths of C++ sources, absolute) and prints one line `SOURCE;GROUP`
+Reads lines `TARGET;SIZE;SOURCE;SOURCE...` (paths of C++ sources, absolute) and prints one line `SOURCE;GROUP`
 for each source that joins a group. Two sources are in one group only if neither has a name of file scope (in
 an unnamed namespace, static, a macro, an alias) that is a word of the other one, so that none can mean or
 hide anything in the other. A group has at most SIZE sources."""
@@ -84,10 +84,9 @@ def record(names, statement, scopes):
 
 
 def main():
-    size = int(sys.argv[2])
     root = pathlib.Path(sys.argv[1])
     for line in sys.stdin:
-        target, *sources = line.strip().split(";")
+        target, size, *sources = line.strip().split(";")
         groups = []  # (names of file scope, words, sources)
         for source in sources:
             path = pathlib.Path(source)
@@ -95,7 +94,7 @@ def main():
             if "*" in names:
                 continue
             for group in groups:
-                if len(group[2]) < size and not (group[0] & words or names & group[1]):
+                if len(group[2]) < int(size) and not (group[0] & words or names & group[1]):
                     group[0].update(names)
                     group[1].update(words)
                     group[2].append(source)

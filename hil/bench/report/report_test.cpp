@@ -9,6 +9,7 @@
 
 #include "hil/bench/report/numbers.h"
 #include "hil/bench/report/report_testing.h"
+#include "shared/base/json_testing.h"
 #include "shared/base/xml_testing.hpp"
 
 namespace kaz::hil {
@@ -69,7 +70,7 @@ TEST(BenchJson, ComesBackAsItWas) {
 
 TEST(BenchReports, HaveNoValueOfWhatWasLeftOut) {
   const BenchReport report = test_report();
-  const auto all = nlohmann::json::parse(bench_json(report));
+  const auto all = parse_json(bench_json(report));
   int left_out = 0;
   for (const auto& one : all["measurements"]) {
     if (one["verdict"] != "left out") continue;
@@ -86,7 +87,7 @@ TEST(BenchReports, HaveNoValueOfWhatWasLeftOut) {
 TEST(BenchReports, HaveTheirProvenance) {
   BenchReport report = test_report();
   report.from = {"2026-01-02T03:04:05Z", "0.1.0", "a <cpu>", "an OS", 2, "kaz bench 'all\n'"};
-  const auto from = nlohmann::json::parse(bench_json(report))["provenance"];
+  const auto from = parse_json(bench_json(report))["provenance"];
   EXPECT_EQ(from["date"], "2026-01-02T03:04:05Z");
   EXPECT_EQ(from["machine"]["cores"], 2);
   EXPECT_EQ(from["command"], "kaz bench 'all '");
@@ -101,14 +102,14 @@ TEST(BenchReports, HaveNoSeedOfABoardAtAPort) {
   report.seed.reset();
   EXPECT_EQ(bench_html(report).find("seed"), std::string::npos);
   EXPECT_EQ(bench_junit(report).find("seed"), std::string::npos);
-  EXPECT_FALSE(nlohmann::json::parse(bench_json(report)).contains("seed"));
+  EXPECT_FALSE(parse_json(bench_json(report)).contains("seed"));
   const auto is = parse_bench_json(bench_json(report), "report.json");
   ASSERT_TRUE(is) << is.error().message;
   EXPECT_FALSE(is->seed);
 }
 
 TEST(BenchJson, ReportsWhatIsThere) {
-  const auto all = nlohmann::json::parse(bench_json(test_report()));
+  const auto all = parse_json(bench_json(test_report()));
   EXPECT_EQ(all["passed"], 5);
   EXPECT_EQ(all["failed"], 3);
   EXPECT_EQ(all["left_out"], 1);

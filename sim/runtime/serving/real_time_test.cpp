@@ -4,6 +4,7 @@
 // Server, kernel and host take turns as the machine wants: what a test waits for is a line of the server, a
 // reply to a certain request, or simulated time, never a while of the wall clock.
 #include "sim/runtime/serving/real_time.h"
+#include "shared/base/json_testing.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -75,7 +76,7 @@ class Running {
     if (::send(control.get(), "status\n", 7, MSG_NOSIGNAL) != 7) throw std::runtime_error("send");
     for (; letter != '\n'; line += letter)
       if (::recv(control.get(), &letter, 1, 0) != 1) throw std::runtime_error("recv");
-    return nlohmann::json::parse(line)["time_s"].get<double>();
+    return parse_json(line)["time_s"].get<double>();
   }
 
   std::unique_ptr<Simulation> simulation_ = test_simulation();

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/base/camera_stream.hpp"
+#include "shared/base/json_testing.h"
 #include "sim/runtime/serving/camera_server.h"
 #include "sim/runtime/serving/control_server.h"
 #include "sim/runtime/serving/socket_testing.h"
@@ -271,7 +272,7 @@ TEST(ControlServer, AnswersLineByLine) {
   const Descriptor a = connect_to(folder.file("ctl")), b = connect_to(folder.file("ctl"));
   EXPECT_EQ(answer_to(**server, a, "reset\n"), "{\"ok\":true}\n");
   EXPECT_EQ(answer_to(**server, b, "status\n"), "{\"ok\":true,\"time_s\":1.5}\n");
-  const auto wrong = nlohmann::json::parse(answer_to(**server, a, "\xff\n"));
+  const auto wrong = parse_json(answer_to(**server, a, "\xff\n"));
   EXPECT_FALSE(wrong["ok"]);
   EXPECT_EQ(board.resets, 1);
 }
@@ -282,7 +283,7 @@ TEST(ControlServer, LongLineIsRefusedAndTheClientDropped) {
   auto server = ControlServer::open(folder.file("ctl"), board.commands);
   ASSERT_TRUE(server);
   const Descriptor client = connect_to(folder.file("ctl"));
-  const auto reply = nlohmann::json::parse(answer_to(**server, client, std::string(5000, 'x')));
+  const auto reply = parse_json(answer_to(**server, client, std::string(5000, 'x')));
   EXPECT_FALSE(reply["ok"]);
   char rest = 0;
   while (true) {

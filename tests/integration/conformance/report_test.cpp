@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/conformance/report.h"
+#include "shared/base/json_testing.h"
 
 namespace kaz::hil {
 namespace {
@@ -73,7 +74,7 @@ TEST(ConformanceReport, ARunThatBrokeOffHasAnError) {
   EXPECT_NE(text.find("tests=\"3\" failures=\"0\" errors=\"1\""), std::string::npos) << text;
   EXPECT_NE(text.find("<error message=\"the port &lt;x&gt; is gone\"/>"), std::string::npos)
       << text;
-  EXPECT_EQ(nlohmann::json::parse(json_text(passed, facts))["error"], facts.broken_off);
+  EXPECT_EQ(parse_json(json_text(passed, facts))["error"], facts.broken_off);
   const std::string page = html_text(passed, facts);
   expect_balanced(page);
   EXPECT_NE(page.find("not decided"), std::string::npos);
@@ -97,14 +98,14 @@ TEST(ConformanceReport, AnInterruptedRunHasAnErrorAndSkippedCases) {
   EXPECT_NE(text.find("<error message=\"interrupted by SIGINT, after 1 of 3 cases\"/>"),
             std::string::npos)
       << text;
-  const auto all = nlohmann::json::parse(json_text(cut, facts));
+  const auto all = parse_json(json_text(cut, facts));
   EXPECT_EQ(all["interrupted"], true);
   EXPECT_EQ(all["cases"], 1);
   EXPECT_EQ(all["cases_chosen"], 3);
 }
 
 TEST(ConformanceReport, Json) {
-  const auto all = nlohmann::json::parse(json_text(report(), kFacts));
+  const auto all = parse_json(json_text(report(), kFacts));
   EXPECT_EQ(all["cases"], 3);
   EXPECT_EQ(all["passed"], 1);
   EXPECT_EQ(all["failed"], 1);
@@ -122,7 +123,7 @@ TEST(ConformanceReport, UndecidedCases) {
   late.results[1].verdict = Verdict::undecided;
   late.results[1].message = "no answer; but this program was kept waiting";
   late.results[1].runs = 4;
-  const auto all = nlohmann::json::parse(json_text(late, kFacts));
+  const auto all = parse_json(json_text(late, kFacts));
   EXPECT_EQ(all["failed"], 0);
   EXPECT_EQ(all["left_out"], 1);
   EXPECT_EQ(all["undecided"], 1);

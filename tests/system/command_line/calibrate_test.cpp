@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 #include "vision/calibration/calibration_file.h"
 #include "vision/calibration/rectify.h"
@@ -66,7 +67,7 @@ TEST(Calibrate, PhotographsOfAChessboardToUnderHalfAPixel) {
   const Finished finished = calibrate(kPictures, out, {"--json"});
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_TRUE(finished.err.empty()) << finished.err;
-  const json report = json::parse(finished.out);
+  const json report = parse_json(finished.out);
   std::printf("pairs %d of %d; reprojection px rms: left %.3f, right %.3f, both %.3f; rows %.3f\n",
               report["pairs_used"].get<int>(), report["pairs"].get<int>(),
               report["left"]["rms_px"].get<double>(), report["right"]["rms_px"].get<double>(),
@@ -129,7 +130,7 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
            "--calibration", folder / "stereo.yml", "--modules", "color,depth,planes", "--nearest",
            "0.3", "--export", "depth,points", "--out", folder / "found", "--json"}));
   ASSERT_EQ(seen.exit_code, 0) << seen.err;
-  const json pair = json::parse(seen.out)["frames"][0];
+  const json pair = parse_json(seen.out)["frames"][0];
   EXPECT_FALSE(pair["ball"]["found"].get<bool>());  // grey pictures
   EXPECT_GT(pair["depth"]["known"].get<double>(), 0.1);
   ASSERT_FALSE(pair["planes"].empty());

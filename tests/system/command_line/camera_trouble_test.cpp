@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/base/camera_stream.hpp"
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -136,13 +137,13 @@ TEST_F(CameraTrouble, SilenceIsTheMachinesAndNamesTheCamera) {
       EXPECT_EQ(ended.exit_code, 3) << ended.err;
       EXPECT_NE(ended.err.find(why), std::string::npos) << ended.err;
     }
-    const json lost = json::parse(read_file(folder_ / "run/result.json"));
+    const json lost = parse_json(read_file(folder_ / "run/result.json"));
     EXPECT_EQ(lost["outcome"], "environment");
     EXPECT_EQ(lost["robot"], "serial:" + (folder_ / "board"));
     EXPECT_NE(lost["provenance"].value("command", "").find("track-ball"), std::string::npos)
         << lost;
     EXPECT_EQ(read_file(folder_ / "run/vision.csv").find("module,frame,"), 0u);
-    const json kept = json::parse(read_file(folder_ / "seen/result.json"));
+    const json kept = parse_json(read_file(folder_ / "seen/result.json"));
     EXPECT_EQ(kept["frames_looked_at"], passes == Passes::header ? 0 : 3);
     EXPECT_NE(kept["ended_early"].get<std::string>().find("stopped"), std::string::npos);
     std::filesystem::remove(folder_ / "relay");
@@ -161,7 +162,7 @@ TEST_F(CameraTrouble, SwappedCamerasAreReportedOfTheWholeRun) {
   const Finished ran = run(behaviour("3", folder_ / "run"), seconds(60));
   EXPECT_NE(ran.out.find("warning: left and right look exchanged"), std::string::npos)
       << ran.out << ran.err;
-  const json result = json::parse(read_file(folder_ / "run/result.json"));
+  const json result = parse_json(read_file(folder_ / "run/result.json"));
   EXPECT_NE(result["warning"].get<std::string>().find("exchanged"), std::string::npos);
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -30,7 +31,7 @@ TEST_P(Ptys, ABoardBehindAPtyConforms) {
                folder / "report.html"}),
           seconds(90));
   EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
-  const json report = json::parse(read_file(folder / "report.json"), nullptr, false);
+  const json report = parse_json(read_file(folder / "report.json"));
   ASSERT_TRUE(report.is_object());
   EXPECT_EQ(report["failed"], 0) << finished.out;
   EXPECT_GE(report["passed"], 25);
@@ -73,7 +74,7 @@ TEST_F(StoppedSimulator, FailsNoCaseOfTheSuite) {
   stop_and_continue(suite);
   const Finished end = suite.wait(seconds(90));
   EXPECT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.exit_code << end.out << end.err;
-  const json report = json::parse(read_file(folder_ / "report.json"), nullptr, false);
+  const json report = parse_json(read_file(folder_ / "report.json"));
   ASSERT_TRUE(report.is_object()) << end.err;
   EXPECT_EQ(report["failed"], 0) << end.out;
   EXPECT_GE(report["passed"], 10);
@@ -104,7 +105,7 @@ TEST_F(StoppedSimulator, WhereTheFuzzerIsInterruptedOrGivesUpItReportsWhatItTrie
     sim_.signal(SIGCONT);
     const Finished end = fuzz.wait(seconds(30));
     EXPECT_EQ(end.exit_code, number == 0 ? 3 : 128 + number) << end.out << end.err;
-    const json result = json::parse(end.out, nullptr, false);
+    const json result = parse_json(end.out);
     ASSERT_TRUE(result.is_object()) << end.out << end.err;
     EXPECT_GT(result["cases"], 0) << result;
     if (number == 0) {
@@ -131,7 +132,7 @@ TEST_F(StoppedSimulator, ThatStaysStoppedIsALoss) {
   EXPECT_EQ(end.exit_code, 3) << end.out << end.err;
   EXPECT_NE(end.err.find("as it is stopped or has ended; case "), std::string::npos) << end.err;
   EXPECT_NE(end.err.find("kaz recover " + port()), std::string::npos) << end.err;
-  const json report = json::parse(read_file(folder_ / "report.json"), nullptr, false);
+  const json report = parse_json(read_file(folder_ / "report.json"));
   ASSERT_TRUE(report.is_object()) << end.err;
   EXPECT_EQ(report["failed"], 0) << end.out;
 }
@@ -146,7 +147,7 @@ TEST_F(StoppedSimulator, InterruptedMeanwhileTheRunCountsAsInterrupted) {
   sim_.signal(SIGCONT);
   EXPECT_EQ(end.exit_code, 130) << end.out << end.err;
   EXPECT_NE(end.err.find("kaz recover " + port()), std::string::npos) << end.err;
-  const json report = json::parse(read_file(folder_ / "report.json"), nullptr, false);
+  const json report = parse_json(read_file(folder_ / "report.json"));
   ASSERT_TRUE(report.is_object()) << end.err;
   EXPECT_EQ(report.value("interrupted", false), true) << report;
   EXPECT_EQ(report.value("signal", ""), "SIGINT");
@@ -169,7 +170,7 @@ TEST(ConformanceVerb, ListsItsCases) {
   EXPECT_NE(listed.out.find("watchdog.default"), std::string::npos);
   EXPECT_EQ(listed.out.find("\nframe."), std::string::npos);
   const Finished as_json = run(kaz({"conformance", "--list", "--json", "--filter", "SAFE-5"}));
-  const json cases = json::parse(as_json.out, nullptr, false);
+  const json cases = parse_json(as_json.out);
   ASSERT_TRUE(cases.is_array()) << as_json.out << as_json.err;
   EXPECT_FALSE(cases.at(0)["sentence"].get<std::string>().empty());
   EXPECT_TRUE(cases.at(0)["needs"].is_array());
@@ -194,12 +195,12 @@ TEST(ConformanceVerb, VirtualBoardsReportJsonOnStandardOutput) {
   const Finished finished =
       run(kaz({"conformance", "--virtual", "native", "--filter", "^frame", "--json", "-"}));
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
-  const json report = json::parse(finished.out, nullptr, false);
+  const json report = parse_json(finished.out);
   ASSERT_TRUE(report.is_object());
   EXPECT_EQ(report["left_out"], 0);
   const Finished flag =
       run(kaz({"conformance", "--json", "--virtual", "native", "--filter", "^frame"}));
-  EXPECT_TRUE(json::parse(flag.out, nullptr, false).is_object()) << flag.out << flag.err;
+  EXPECT_TRUE(parse_json(flag.out).is_object()) << flag.out << flag.err;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -31,7 +32,7 @@ std::vector<json> without_speed(const std::string& folder, int episodes) {
   for (int i = 0; i < episodes; ++i) {
     const std::string path = folder + "/episodes/00000" + std::to_string(i) + ".json";
     if (!fs::exists(path)) continue;
-    all.push_back(json::parse(read_file(path)));
+    all.push_back(parse_json(read_file(path)));
     all.back().erase("rtf");
   }
   return all;
@@ -41,8 +42,8 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   const TemporaryFolder folder;
   const Finished whole = evaluate({"--episodes", "4", "--jobs", "2", "--out", folder / "whole"});
   ASSERT_EQ(whole.exit_code, 0) << whole.err;
-  const json result = json::parse(whole.out);
-  EXPECT_EQ(result, json::parse(read_file(folder / "whole/result.json")));
+  const json result = parse_json(whole.out);
+  EXPECT_EQ(result, parse_json(read_file(folder / "whole/result.json")));
   EXPECT_EQ(result["episodes"], 4);
   const double rate = result["success_rate"].get<double>();
   EXPECT_LE(result["interval"][0].get<double>(), rate);
@@ -66,13 +67,13 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   for (const char* part : {"1/2", "2/2"}) {
     const Finished done = evaluate({"--episodes", "4", "--shard", part, "--out", folder / part});
     ASSERT_EQ(done.exit_code, 0) << done.err;
-    EXPECT_EQ(json::parse(done.out)["episodes"], 2);
+    EXPECT_EQ(parse_json(done.out)["episodes"], 2);
   }
   const Finished merged = run(kaz(
       {"evaluate", "merge", folder / "1/2", folder / "2/2", "--out", folder / "merged", "--json"}));
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
   EXPECT_EQ(without_speed(folder / "merged", 4), all);
-  EXPECT_EQ(json::parse(merged.out)["success_rate"], result["success_rate"]);
+  EXPECT_EQ(parse_json(merged.out)["success_rate"], result["success_rate"]);
 
   // Of a part alone the merge is kept, but it is no whole.
   const Finished half =
@@ -80,16 +81,16 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   EXPECT_EQ(half.exit_code, 3) << half.err;
   EXPECT_NE(half.err.find("part 2/2, episodes 1, 3, is in no folder"), std::string::npos)
       << half.err;
-  const json half_result = json::parse(read_file(folder / "half/result.json"));
+  const json half_result = parse_json(read_file(folder / "half/result.json"));
   EXPECT_EQ(half_result["episodes"], 2);
   EXPECT_EQ(half_result["missing"], json::array({1, 3}));
   EXPECT_EQ(half_result["interrupted"], true);
-  EXPECT_FALSE(json::parse(merged.out).contains("interrupted")) << merged.out;
+  EXPECT_FALSE(parse_json(merged.out).contains("interrupted")) << merged.out;
 
   // More of the same go on, others do not mix in.
   const Finished more = evaluate({"--episodes", "5", "--out", folder / "whole"});
   ASSERT_EQ(more.exit_code, 0) << more.err;
-  EXPECT_EQ(json::parse(more.out)["episodes"], 5);
+  EXPECT_EQ(parse_json(more.out)["episodes"], 5);
   EXPECT_EQ(without_speed(folder / "whole", 4), all);
   // A report of fewer than are there would not be of the folder.
   const std::string report = read_file(folder / "whole/result.json");
@@ -132,8 +133,8 @@ TEST(Evaluate, GoesOnAfterAnInterruption) {
       run(kaz({"evaluate", "merge", folder / "out", "--out", folder / "merged", "--json"}));
   EXPECT_EQ(merged.exit_code, 3) << merged.err;
   EXPECT_NE(merged.err.find("out' was interrupted by SIGINT"), std::string::npos) << merged.err;
-  EXPECT_EQ(json::parse(merged.out)["interrupted"], true);
-  EXPECT_EQ(json::parse(merged.out)["signal"], "SIGINT");
+  EXPECT_EQ(parse_json(merged.out)["interrupted"], true);
+  EXPECT_EQ(parse_json(merged.out)["signal"], "SIGINT");
   const Finished second = run(command);
   EXPECT_NE(second.err.find("there already"), std::string::npos) << second.err;
   const auto all = without_speed(folder / "out", 9);

@@ -16,6 +16,7 @@
 
 #include "host/flash/diagnostic.h"
 #include "host/flash/flash_image.h"
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 #include "tests/system/flash/variant_testing.h"
@@ -49,7 +50,7 @@ class FlashPty : public ::testing::Test {
     write_file(folder_ / name, {bytes.begin(), bytes.end()});
   }
   json control(const std::string& request) const {
-    return json::parse(query_control(folder_ / "board.ctl", request));
+    return parse_json(query_control(folder_ / "board.ctl", request));
   }
   std::vector<std::string> flash(const std::string& verb, const std::string& image,
                                  std::vector<std::string> more = {}) const {
@@ -64,7 +65,7 @@ class FlashPty : public ::testing::Test {
     options.emplace_back("--json");
     const Finished done = run(flash("write", name, options), seconds(90));
     ASSERT_EQ(done.exit_code, 0) << done.err;
-    const json answer = json::parse(done.out, nullptr, false);
+    const json answer = parse_json(done.out);
     ASSERT_TRUE(answer.is_object()) << done.out;
     EXPECT_TRUE(answer["ok"]);
     EXPECT_TRUE(answer["verified"]);
@@ -94,7 +95,7 @@ class FlashPty : public ::testing::Test {
     const Finished status =
         run(kaz({"status", "--port", folder_ / "board", "--json"}), seconds(20));
     if (status.exit_code == 0) {
-      const json said = json::parse(status.out);
+      const json said = parse_json(status.out);
       const auto crc = said["image_crc"];
       EXPECT_TRUE(crc == old_.identity()->crc || crc == next_.identity()->crc) << status.out;
     }

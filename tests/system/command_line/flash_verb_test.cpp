@@ -11,6 +11,7 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
@@ -56,7 +57,7 @@ class FlashVerb : public ::testing::Test {
 TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
   const Finished first = run(write({"--reset", control(), "--json"}), seconds(90));
   ASSERT_EQ(first.exit_code, 0) << first.err;
-  const json report = json::parse(first.out, nullptr, false);
+  const json report = parse_json(first.out);
   ASSERT_TRUE(report.is_object()) << first.out;
   EXPECT_TRUE(report["ok"]);
   EXPECT_TRUE(report["verified"]);
@@ -65,7 +66,7 @@ TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
   // The same image through the loader: nothing to do.
   const Finished again = run(write({"--json"}), seconds(60));
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_EQ(json::parse(again.out)["written"], 0);
+  EXPECT_EQ(parse_json(again.out)["written"], 0);
   // A file of the loader's block alone: forced, but nothing of it can be written.
   write_file(folder_ / "loader.bin", std::string(64, 'x'));
   const Finished kept = run(kaz({"flash", "write", folder_ / "loader.bin", "--format", "raw",
@@ -90,7 +91,7 @@ TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
           seconds(20));
   EXPECT_EQ(cut.exit_code, 2);
   EXPECT_NE(cut.err.find("cut off"), std::string::npos) << cut.err;
-  const json refusal = json::parse(cut.out, nullptr, false);
+  const json refusal = parse_json(cut.out);
   ASSERT_TRUE(refusal.is_object()) << cut.out;
   EXPECT_FALSE(refusal["ok"]);
   EXPECT_NE(refusal["error"].get<std::string>().find("cut off"), std::string::npos);
@@ -152,8 +153,8 @@ TEST_F(FlashVerb, TheControlSocketIsNoPort) {
 TEST_F(FlashVerb, EachVerbSaysWhatItDid) {
   ASSERT_EQ(run(write({"--reset", control()}), seconds(90)).exit_code, 0);
   const Finished info = verb("info", {"--json"});
-  EXPECT_EQ(json::parse(info.out)["application"]["board_id"], "2128") << info.out;
-  EXPECT_EQ(json::parse(info.out)["application"]["version"], "0.2") << info.out;
+  EXPECT_EQ(parse_json(info.out)["application"]["board_id"], "2128") << info.out;
+  EXPECT_EQ(parse_json(info.out)["application"]["version"], "0.2") << info.out;
   const Finished run_it = verb("run");
   EXPECT_EQ(run_it.exit_code, 0) << run_it.err;
   EXPECT_NE(run_it.out.find("runs: firmware"), std::string::npos) << run_it.out;
@@ -170,7 +171,7 @@ TEST_F(FlashVerb, EachVerbSaysWhatItDid) {
   EXPECT_NE(erased.out.find("erased: EB4"), std::string::npos) << erased.out;
   const Finished nothing = verb("run", {"--json"});
   EXPECT_EQ(nothing.exit_code, 1) << nothing.out;
-  EXPECT_FALSE(json::parse(nothing.out)["ok"]);
+  EXPECT_FALSE(parse_json(nothing.out)["ok"]);
   EXPECT_NE(verb("info").out.find("application: none"), std::string::npos);
   const Finished all = verb("erase", {"--reset", control()});
   EXPECT_EQ(all.exit_code, 0) << all.err;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -62,7 +63,7 @@ TEST_P(Misdeeds, EndTheRunInOrder) {
   for (const std::string& text : words)
     EXPECT_NE(end.err.find(text), std::string::npos) << text << "\n" << end.err;
   EXPECT_NE(end.err.find("kaz run: " + kHostile), std::string::npos) << end.err;
-  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  const json result = parse_json(read_file(folder / "out/result.json"));
   ASSERT_TRUE(result.is_object()) << end.err;
   EXPECT_EQ(result["outcome"], "failed");
   EXPECT_EQ(result["cause"], "crashed");
@@ -77,11 +78,11 @@ TEST_P(Misdeeds, AreCountedAsTheProgramsError) {
   const Finished end = run(kaz({"evaluate", kHostile, "--set", "does=" + does, "--episodes", "1",
                                 "--mcu", "native", "--eyes", "ideal", "--out", folder / "out"}));
   EXPECT_EQ(end.exit_code, 1) << end.out << end.err;
-  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  const json result = parse_json(read_file(folder / "out/result.json"));
   ASSERT_TRUE(result.is_object()) << end.err;
   EXPECT_EQ(result["failures"], json({{"crashed", {0}}})) << result.dump(1);
   EXPECT_TRUE(result["environment"].empty());
-  const json episode = json::parse(read_file(folder / "out/episodes/000000.json"), nullptr, false);
+  const json episode = parse_json(read_file(folder / "out/episodes/000000.json"));
   EXPECT_NE(episode.value("sentence", "").find(words[0]), std::string::npos) << episode;
   EXPECT_GT(episode.value("seconds", 0.0), 0.1) << episode;
   EXPECT_TRUE(fs::exists(folder / "out/failures/000000/recording.mcap"));
@@ -111,7 +112,7 @@ TEST_P(Stuck, IsAnnouncedAndEndsAtCtrlC) {
   EXPECT_NE(end.err.find(kHostile + " did not return; interrupted at 0."), std::string::npos)
       << end.err;
   EXPECT_EQ(end.err.find("waiting for") == std::string::npos, calls) << end.err;
-  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  const json result = parse_json(read_file(folder / "out/result.json"));
   ASSERT_TRUE(result.is_object()) << end.err;
   EXPECT_EQ(result["outcome"], "interrupted");
   EXPECT_EQ(result["signal"], "SIGINT");
@@ -128,7 +129,7 @@ TEST(StuckPlugin, OfAnEvaluationEndsWithIt) {
   program.signal(SIGINT);
   const Finished end = program.wait(seconds(10));
   EXPECT_EQ(end.exit_code, 130) << end.err;
-  EXPECT_EQ(json::parse(read_file(folder / "out/result.json"))["episodes"], 0);
+  EXPECT_EQ(parse_json(read_file(folder / "out/result.json"))["episodes"], 0);
   EXPECT_FALSE(fs::exists(folder / "out/failures/000000"));
 }
 
@@ -156,7 +157,7 @@ TEST(HostilePlugin, ReturnsNonsense) {
         run(kaz({"evaluate", kHostile, "--set", "does=" + does, "--episodes", "1", "--mcu",
                  "native", "--eyes", "ideal", "--out", folder / "ten"}));
     EXPECT_EQ(counted.exit_code, status == 0 ? 0 : 1) << does << "\n" << counted.err;
-    EXPECT_TRUE(json::parse(read_file(folder / "ten/result.json"))["environment"].empty()) << does;
+    EXPECT_TRUE(parse_json(read_file(folder / "ten/result.json"))["environment"].empty()) << does;
   }
 }
 

@@ -20,6 +20,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -296,7 +297,7 @@ TEST_P(Interrupted, EndsWithinASecondAndKeepsWhatThereIs) {
   EXPECT_TRUE(end.err.empty() || end.err.back() == '\n') << end.err;
   if (!row.result.empty()) {
     const std::string text = row.result == "-" ? end.out : read_file(folder / row.result);
-    const json result = json::parse(text, nullptr, false);
+    const json result = parse_json(text);
     ASSERT_TRUE(result.is_object()) << text;
     EXPECT_TRUE(result.value("interrupted", false)) << text;
     EXPECT_EQ(result.value("signal", ""), row.signal == SIGINT    ? "SIGINT"
@@ -384,7 +385,7 @@ TEST(Interrupts, TwoAtOnceAreOne) {
       EXPECT_TRUE(end.exit_code == 128 + first || (pause_ms == 0 && end.exit_code == 128 + second))
           << end.exit_code << end.err;
       EXPECT_EQ(end.err.find("at once"), std::string::npos) << end.err;
-      const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+      const json result = parse_json(read_file(folder / "out/result.json"));
       ASSERT_TRUE(result.is_object()) << end.err;
       EXPECT_TRUE(result.value("interrupted", false)) << result;
     }

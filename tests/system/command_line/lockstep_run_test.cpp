@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -20,7 +21,7 @@ json demo(const TemporaryFolder& folder, const std::string& name,
   arguments.insert(arguments.end(), {"--out", out});
   const Finished finished = run(kaz(arguments), std::chrono::seconds(200));
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
-  return json::parse(read_file(out + "/result.json"), nullptr, false);
+  return parse_json(read_file(out + "/result.json"));
 }
 
 TEST(Demo, FindsAndTracksThroughTheEmulatedFirmware) {
@@ -54,7 +55,7 @@ TEST(Demo, ProfileNamesTheParts) {
       run(kaz({"run", "track-ball", "--mcu", "native", "--duration", "3", "--profile", "--json"}),
           std::chrono::seconds(60));
   ASSERT_EQ(done.exit_code, 0) << done.err;
-  const json profile = json::parse(done.out)["profile"];
+  const json profile = parse_json(done.out)["profile"];
   std::map<std::string, double> cpu_s;
   double sum_s = 0;
   for (const auto& part : profile["parts"]) sum_s += cpu_s[part["name"]] = part["cpu_s"];
@@ -92,13 +93,13 @@ TEST(MotorsOff, AreAFailureOfTheRobot) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Finished end = run(kaz(arguments), std::chrono::seconds(60));
     EXPECT_EQ(end.exit_code, 1) << name << end.err;
-    const json result = json::parse(read_file(out + "/result.json"), nullptr, false);
+    const json result = parse_json(read_file(out + "/result.json"));
     ASSERT_TRUE(result.is_object()) << name << end.err;
     EXPECT_EQ(result["outcome"], "failed");
     EXPECT_EQ(result["cause"], "error");
     EXPECT_NE(result["sentence"].get<std::string>().find(words), std::string::npos) << result;
     EXPECT_EQ(result["recording_sha256"].get<std::string>().size(), 64u);
-    EXPECT_EQ(json::parse(end.out, nullptr, false)["outcome"], "failed") << end.out;
+    EXPECT_EQ(parse_json(end.out)["outcome"], "failed") << end.out;
     const Finished again = run(kaz({"replay", out + "/recording.mcap", "--whole"}));
     EXPECT_EQ(again.exit_code, 0) << name << again.out << again.err;
   }
@@ -111,7 +112,7 @@ TEST(MotorsOff, ByASilentLineAreNot) {
   const Finished end = run(kaz({"run", "stand", "--world", "empty", "--mcu", "native", "--out",
                                 folder / "out", "--faults", folder / "cut"}));
   EXPECT_EQ(end.exit_code, 3) << end.err;
-  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  const json result = parse_json(read_file(folder / "out/result.json"));
   ASSERT_TRUE(result.is_object()) << end.err;
   EXPECT_EQ(result["outcome"], "environment");
   // What it was of stands there as in any result.

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -346,13 +347,13 @@ TEST(OutputPlaces, EpisodesLostToTheMachineAreInNoRate) {
                              "was ended by signal 9)"),
             std::string::npos)
       << stopped.err;
-  const json result = json::parse(read_file(out + "/result.json"));
+  const json result = parse_json(read_file(out + "/result.json"));
   EXPECT_EQ(result["episodes"], 1) << result.dump(1);
   ASSERT_EQ(result["environment"].size(), 1u);
   EXPECT_EQ(result["environment"][0]["episode"], 0);
   // The same command makes up for it.
   EXPECT_LE(run(kaz(command)).exit_code, 1);
-  const json whole = json::parse(read_file(out + "/result.json"));
+  const json whole = parse_json(read_file(out + "/result.json"));
   EXPECT_EQ(whole["episodes"], 2);
   EXPECT_TRUE(whole["environment"].empty());
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -25,7 +26,7 @@ TEST(OwnBehavior, RunsAndIsReplayed) {
   const std::string wave = kModules + "/wave.so";
   const Finished finished = run_plugin(wave, {"--set", "times=1", "--out", folder / "out"});
   EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
-  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  const json result = parse_json(read_file(folder / "out/result.json"));
   ASSERT_TRUE(result.is_object());
   EXPECT_EQ(result["outcome"], "done");
   EXPECT_EQ(result["behavior"], wave);

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/robot/kinematics.h"
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
@@ -228,7 +229,7 @@ TEST(PythonBall, TurnsTheHeadToTheBall) {
   ASSERT_EQ(std::sscanf(finished.out.c_str() + at + words.size(), "pan %lf, tilt %lf", &pan, &tilt),
             2);
 
-  const auto ball = nlohmann::json::parse(query_control(folder / "board.ctl", "status"))["ball_m"]
+  const auto ball = parse_json(query_control(folder / "board.ctl", "status"))["ball_m"]
                         .get<std::vector<double>>();
   // The robot stands upright, the middle between its soles at the origin.
   const Eigen::Vector3d sole = host::trunk_from_sole({}, host::Side::left).translation();

@@ -17,6 +17,7 @@
 #include "host/robot/connect.h"
 #include "host/robot/kept_board.h"
 #include "host/robot/robot.h"
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -95,7 +96,7 @@ TEST_F(RecoverVerb, ABoardAtAnotherAddressIsNamedReachedAndBroughtBack) {
 
   const Finished recovered = run(kaz({"recover", port(), "--json"}));
   EXPECT_EQ(recovered.exit_code, 0) << recovered.out << recovered.err;
-  const json result = json::parse(recovered.out, nullptr, false);
+  const json result = parse_json(recovered.out);
   ASSERT_TRUE(result.is_object()) << recovered.out;
   EXPECT_EQ(result["ok"], true);
   EXPECT_EQ(result["found_at"], 3);
@@ -111,7 +112,7 @@ TEST_F(RecoverVerb, StatusNamesTheFirmware) {
   const Finished text = run(kaz({"status", "--port", port()}));
   ASSERT_EQ(text.exit_code, 0) << text.out << text.err;
   const Finished as_json = run(kaz({"status", "--port", port(), "--json"}));
-  const json now = json::parse(as_json.out, nullptr, false);
+  const json now = parse_json(as_json.out);
   ASSERT_TRUE(now.is_object()) << as_json.out << as_json.err;
   const auto link = host::TtyLink::open(port());
   ASSERT_TRUE(link) << link.error().message;

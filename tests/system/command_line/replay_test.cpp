@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -23,7 +24,7 @@ TEST(Replay, IdenticalUnlessSomethingIsChanged) {
 
   const Finished same = run(kaz({"replay", file, "--json"}), std::chrono::seconds(100));
   EXPECT_EQ(same.exit_code, 0) << same.err << same.out;
-  const json result = json::parse(same.out, nullptr, false);
+  const json result = parse_json(same.out);
   ASSERT_TRUE(result.is_object()) << same.out;
   EXPECT_EQ(result["identical"], true);
   EXPECT_EQ(result["mode"], "simulation");
@@ -32,7 +33,7 @@ TEST(Replay, IdenticalUnlessSomethingIsChanged) {
   const Finished other =
       run(kaz({"replay", file, "--seed", "5", "--json"}), std::chrono::seconds(100));
   EXPECT_EQ(other.exit_code, 1) << other.err;
-  const json difference = json::parse(other.out, nullptr, false);
+  const json difference = parse_json(other.out);
   ASSERT_TRUE(difference.is_object()) << other.out;
   EXPECT_EQ(difference["identical"], false);
   EXPECT_LT(difference["time_s"].get<double>(), 1.0);  // noise is there from the first tick on
@@ -48,7 +49,7 @@ json replayed(const std::string& file, std::vector<std::string> more, int exit_c
   arguments.insert(arguments.end(), more.begin(), more.end());
   const Finished done = run(kaz(arguments), std::chrono::seconds(100));
   EXPECT_EQ(done.exit_code, exit_code) << done.err << done.out;
-  json result = json::parse(done.out, nullptr, false);
+  json result = parse_json(done.out);
   EXPECT_TRUE(result.is_object()) << done.out;
   return result;
 }
@@ -61,7 +62,7 @@ TEST(Replay, DrawsByTheRecordedRenderer) {
                                  "--renderer", "opengl", "--out", out, "--json"}),
                             std::chrono::seconds(100));
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_EQ(json::parse(made.out, nullptr, false)["renderer"], "opengl") << made.out;
+  EXPECT_EQ(parse_json(made.out)["renderer"], "opengl") << made.out;
   EXPECT_EQ(replayed(file, {}, 0)["identical"], true);
 
   const Finished wrong = run(kaz({"run", "search-ball", "--renderer", "vulkan"}));

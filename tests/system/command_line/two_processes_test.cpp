@@ -11,6 +11,7 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -41,7 +42,7 @@ TEST_P(Engines, BehaviourRunsOverThePty) {
   ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
   const Finished finished = run(behaviour(folder, "14"), seconds(60));
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
-  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  const json result = parse_json(read_file(folder / "out/result.json"));
   ASSERT_TRUE(result.is_object());
   EXPECT_EQ(result["outcome"], "done");
   EXPECT_GT(result["found_s"].get<double>(), 0);
@@ -122,7 +123,7 @@ TEST(TwoProcesses, ABrokenPotentiometerIsAFailureOfTheRobot) {
   const Finished finished = run(
       kaz({"run", "stand", "--robot", "serial:" + (folder / "board"), "--out", folder / "out"}));
   EXPECT_EQ(finished.exit_code, 1) << finished.err;
-  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  const json result = parse_json(read_file(folder / "out/result.json"));
   ASSERT_TRUE(result.is_object()) << finished.err;
   EXPECT_EQ(result["outcome"], "failed");
   EXPECT_NE(result["sentence"].get<std::string>().find("potentiometer"), std::string::npos);
@@ -146,7 +147,7 @@ TEST(TwoProcesses, AFailureWhileTheSimulatorLagsIsTheMachines) {
       std::this_thread::sleep_for(std::chrono::milliseconds(250));
     }
     const Finished finished = run.wait(seconds(30));
-    const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+    const json result = parse_json(read_file(folder / "out/result.json"));
     ASSERT_TRUE(result.is_object()) << finished.err;
     if (!result.contains("lateness")) {  // on a busy machine the run broke off
       EXPECT_EQ(result["outcome"], "environment") << result;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
 #include "vision/image/picture_file.h"
 
@@ -44,7 +45,7 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
   const Finished learned = run(kaz({"vision", "learn-color", "--in", folder / "left/1.png",
                                     "--region", "415,330,24,24", "--out", folder / "green.json"}));
   ASSERT_EQ(learned.exit_code, 0) << learned.err;
-  const json color = json::parse(read_file(folder / "green.json"));
+  const json color = parse_json(read_file(folder / "green.json"));
   EXPECT_GT(color["share_of_region"], 0.95);
   // The whole ball is 0.5 % of the picture.
   EXPECT_LT(color["share_of_rest"], 0.01);
@@ -64,8 +65,8 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
                                   "0.06", "--out", folder / "found", "--json"}));
   ASSERT_EQ(found.exit_code, 0) << found.err;
   EXPECT_TRUE(found.err.empty()) << found.err;
-  const json result = json::parse(found.out);
-  EXPECT_EQ(result, json::parse(read_file(folder / "found/result.json")));
+  const json result = parse_json(found.out);
+  EXPECT_EQ(result, parse_json(read_file(folder / "found/result.json")));
   ASSERT_EQ(result["pictures"].size(), 3u);
   const json& ball = result["pictures"][0];
   ASSERT_TRUE(ball["found"].get<bool>());
@@ -108,7 +109,7 @@ TEST(VisionVerb, WarnsOfAColourThatMuchOfThePictureHas) {
   // (32 * 48 - 100) of 64 * 48 - 100 pixels.
   EXPECT_NE(learned.out.find("\nwarning: 48 % of the rest of the picture"), std::string::npos)
       << learned.out;
-  const json color = json::parse(read_file(folder / "red.json"));
+  const json color = parse_json(read_file(folder / "red.json"));
   EXPECT_NE(color.value("warning", "").find("mark only the object"), std::string::npos) << color;
   // With all of the red in the region there is no such rest.
   auto whole = learn;
@@ -124,7 +125,7 @@ TEST(VisionVerb, FindsTheFloorInARecording) {
   const Finished seen =
       run(kaz({"run", "search-ball", "--mcu", "native", "--duration", "1", "--record-pictures",
                "--modules", "planes", "--out", folder / "seen", "--json"}));
-  const json recorded = json::parse(seen.out, nullptr, false);
+  const json recorded = parse_json(seen.out);
   ASSERT_TRUE(recorded.is_object()) << seen.err;
   const json& planes = recorded["vision"]["planes"];
   EXPECT_GE(planes["frames"], 25);
@@ -140,7 +141,7 @@ TEST(VisionVerb, FindsTheFloorInARecording) {
     const Finished found = run(kaz({"vision", "run", "--in", folder / "seen/recording.mcap",
                                     "--modules", "planes", "--out", folder / out, "--json"}));
     ASSERT_EQ(found.exit_code, 0) << found.err;
-    const json result = json::parse(found.out);
+    const json result = parse_json(found.out);
     int floors = 0;
     for (const json& frame : result["frames"]) {
       if (!frame.contains("planes")) continue;
@@ -162,7 +163,7 @@ TEST(VisionVerb, FindsTheFloorInARecording) {
   };
   const Finished first = first_two({"--export", "depth"});
   ASSERT_EQ(first.exit_code, 0) << first.err;
-  const json result = json::parse(first.out);
+  const json result = parse_json(first.out);
   EXPECT_EQ(result["modules"], (json{"color", "depth"}));
   EXPECT_EQ(result["frames_looked_at"], 2);
   EXPECT_EQ(result["vision"]["color"]["frames"], 2) << result["vision"];
@@ -175,7 +176,7 @@ TEST(VisionVerb, FindsTheFloorInARecording) {
                  far = first_two({"--export", "depth", "--nearest", "0.476"});
   ASSERT_EQ(near.exit_code, 0) << near.err;
   ASSERT_EQ(far.exit_code, 0) << far.err;
-  EXPECT_NE(json::parse(near.out)["frames"], json::parse(far.out)["frames"]);
+  EXPECT_NE(parse_json(near.out)["frames"], parse_json(far.out)["frames"]);
   const std::string kept = read_file(folder / "first/result.json");
   for (const char* useless : {"0.48", "14", "0.02"})
     expect_refusal(first_two({"--export", "depth", "--nearest", useless}), 2,
@@ -195,7 +196,7 @@ TEST(VisionVerb, FindsNothingThatMovesWhereNothingDoes) {
   const Finished found = run(kaz({"vision", "run", "--in", folder / "seen/recording.mcap",
                                   "--modules", "moving", "--out", folder / "found", "--json"}));
   ASSERT_EQ(found.exit_code, 0) << found.err;
-  const json result = json::parse(found.out);
+  const json result = parse_json(found.out);
   int said = 0, quiet = 0;
   for (const json& frame : result["frames"]) {
     if (!frame.contains("moving")) continue;
@@ -217,7 +218,7 @@ TEST(VisionVerb, LooksThroughALiveCamera) {
       kaz({"vision", "run", "--in", folder / "eyes", "--robot", "serial:" + (folder / "board"),
            "--modules", "color,planes", "--frames", "12", "--out", folder / "found", "--json"}));
   ASSERT_EQ(found.exit_code, 0) << found.err;
-  const json result = json::parse(found.out);
+  const json result = parse_json(found.out);
   EXPECT_GE(result["frames"].size(), 12u);
   int with_floor = 0;
   for (const json& frame : result["frames"]) {
@@ -246,7 +247,7 @@ TEST(VisionVerb, LooksThroughALiveCamera) {
   const Finished until = watching.wait(std::chrono::seconds(20));
   EXPECT_EQ(until.exit_code, 3) << until.err;
   EXPECT_NE(until.err.find("stopped"), std::string::npos) << until.err;
-  EXPECT_GE(json::parse(read_file(folder / "until/result.json"))["frames_looked_at"], 5);
+  EXPECT_GE(parse_json(read_file(folder / "until/result.json"))["frames_looked_at"], 5);
 }
 
 // Overlays take longer than looking: those that still wait at Ctrl-C are dropped and counted.
@@ -268,7 +269,7 @@ TEST(VisionVerb, CtrlCDoesNotWaitForOverlays) {
   // On a loaded machine a program may wait for its turn, but does not work for long.
   EXPECT_TRUE(took.count() < 1 || ended.cpu_s - cpu_before < 1)
       << took.count() << " s, worked " << ended.cpu_s - cpu_before;
-  const json result = json::parse(read_file(folder / "found/result.json"));
+  const json result = parse_json(read_file(folder / "found/result.json"));
   EXPECT_TRUE(result.value("interrupted", false));
   EXPECT_TRUE(fs::exists(folder / "found/frames.csv"));
   // Each pair has an overlay of its panels, and the two exports of its depth.

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "sim/runtime/formats/mcap_reader.h"
 #include "sim/runtime/formats/mcap_writer.h"
 #include "tests/system/command_line/process_testing.h"
@@ -65,7 +66,7 @@ TEST_F(RecordingReader, FindsWhatOurOwnReaderFinds) {
 
   const Finished read = read_by_npm(file());
   ASSERT_EQ(read.exit_code, 0) << read.err;
-  const json result = json::parse(read.out);
+  const json result = parse_json(read.out);
   const json &stream = result["stream"], &indexed = result["indexed"];
   EXPECT_EQ(stream["counts"], json(counts));
   EXPECT_EQ(indexed["counts"], json(counts));
@@ -102,7 +103,7 @@ TEST_F(RecordingReader, DecodesTheNumbersThatWereWritten) {
   };
   const Finished read = read_by_npm(file());
   ASSERT_EQ(read.exit_code, 0) << read.err;
-  const json result = json::parse(read.out);
+  const json result = parse_json(read.out);
   const json& channels = result["indexed"]["channels"];
 
   const auto joints = first("/truth/joints");

@@ -1,6 +1,7 @@
 // Folders of results: locked, checked before a run, results of two runs never mixed.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/output_folder.h"
+#include "shared/base/json_testing.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -112,7 +113,7 @@ TEST_F(Folder, MakesFoldersThatGoWithARunThatLeavesNothing) {
     const auto folder = OutputFolder::begin(at("a/b/c"), kRun);
     ASSERT_TRUE(folder->write_json("result.json", {{"text", "a\xff"}}));
   }
-  EXPECT_EQ(nlohmann::json::parse(read("a/b/c/result.json"))["text"], "a\xef\xbf\xbd");
+  EXPECT_EQ(parse_json(read("a/b/c/result.json"))["text"], "a\xef\xbf\xbd");
   EXPECT_EQ(names("a/b/c"), (std::set<std::string>{".kaz-results", "result.json"}));
 }
 

@@ -1,6 +1,7 @@
 // Recordings read back: how a run was put together, and where two runs differ.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/replay/replay.h"
+#include "shared/base/json_testing.h"
 
 #include <gtest/gtest.h>
 
@@ -188,7 +189,7 @@ TEST(PrintInterrupted, IsJsonWithProvenanceAndOnlyThen) {
     return testing::internal::GetCapturedStdout();
   };
   const Error interrupted{Fault::interrupted, "interrupted"};
-  const auto result = nlohmann::json::parse(printed(interrupted, true), nullptr, false);
+  const auto result = parse_json(printed(interrupted, true));
   ASSERT_TRUE(result.is_object());
   EXPECT_EQ(result["recording"], "run.mcap");
   EXPECT_EQ(result["mode"], "host");
