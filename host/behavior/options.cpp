@@ -78,7 +78,8 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
         (option.whole && *number != std::floor(*number))) {
       return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
                                     "`: it is a " + (option.whole ? "whole number" : "number") +
-                                    " from " + valid_values(option));
+                                    " from " + valid_values(option) + " (" +
+                                    std::string(option.text) + ")");
     }
     values.numbers_[name] = *number;
   }

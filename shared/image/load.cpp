@@ -85,7 +85,7 @@ Result<Image> load_image(const std::string& path, const LoadOptions& options) {
   return fail(
       path +
       ": none of S-record (starts with S), Intel HEX (starts with a colon), H8 COFF (83 02) "
-      "and ELF (7f 45 4c 46); a raw image needs --format raw --at A");
+      "and ELF (7f 45 4c 46); a raw image is read where a verb has --format raw --at A");
 }
 
 }  // namespace kaz::h8s

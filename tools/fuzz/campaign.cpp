@@ -369,6 +369,7 @@ class Fuzzing {
                                   {"refusals", totals_.refusals},
                                   {"corpus", search.corpus().size()},
                                   {"features", search.features()}};
+      if (arguments_.replay.empty()) json["seed"] = arguments_.seed;
       if (interrupt_.requested()) mark_interrupted(json);
       if (!broken_off_.empty()) {
         if (!violation) json["ok"] = nullptr;  // not known

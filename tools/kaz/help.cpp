@@ -1,6 +1,9 @@
-// Help texts: at most 100 columns, in words instead of CLI11's notation.
+// Help texts, as wide as the terminal, in words instead of CLI11's notation.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/kaz/help.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <map>
@@ -12,7 +15,7 @@
 namespace kaz::tools {
 namespace {
 
-constexpr std::size_t kTextColumn = 34;
+constexpr std::size_t kTextColumn = 34, kMinColumns = 60, kMaxColumns = 100;
 
 // CLI11 writes the value of a flag into its name: "--no-start{false}", "--trace{-}".
 std::string flag_names(const CLI::Option& option) {
@@ -108,6 +111,14 @@ std::string exit_status(const CLI::App& app, const std::string& differing) {
 
 }  // namespace
 
+std::size_t help_columns() {
+  winsize size{};
+  if (isatty(STDOUT_FILENO) == 0 || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 ||
+      size.ws_col == 0)
+    return kMaxColumns;
+  return std::clamp<std::size_t>(size.ws_col, kMinColumns, kMaxColumns);
+}
+
 std::string full_name(const CLI::App& app) {
   return app.get_parent() == nullptr ? app.get_name()
                                      : full_name(*app.get_parent()) + " " + app.get_name();
@@ -182,6 +193,7 @@ Footer footer_of(const CLI::App& app) {
 }
 
 std::string wrapped(const std::string& text, std::size_t indent) {
+  const std::size_t columns = help_columns();
   std::string out, line;
   std::istringstream lines(text);
   while (std::getline(lines, line)) {
@@ -189,8 +201,8 @@ std::string wrapped(const std::string& text, std::size_t indent) {
     const auto first = line.find_first_not_of(' ');
     const std::size_t deep = std::max(
         indent, first == std::string::npos || first == 0 ? 0 : first + (indent == 0 ? 4 : 0));
-    while (line.size() > kHelpColumns) {
-      const auto space = line.rfind(' ', kHelpColumns);
+    while (line.size() > columns) {
+      const auto space = line.rfind(' ', columns);
       if (space == std::string::npos || space <= deep) break;  // one long word
       out += line.substr(0, space) + '\n';
       line = std::string(deep, ' ') + line.substr(space + 1);

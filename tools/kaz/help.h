@@ -1,4 +1,4 @@
-// Help texts: at most 100 columns, in words instead of CLI11's notation.
+// Help texts, in words instead of CLI11's notation.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,8 @@
 
 namespace kaz::tools {
 
-inline constexpr std::size_t kHelpColumns = 100;
+// Columns of help on standard output: a terminal's, at least 60 and at most 100; 100 elsewhere.
+std::size_t help_columns();
 
 // "kaz mcu run".
 std::string full_name(const CLI::App& app);
@@ -27,7 +28,7 @@ struct Footer {
 };
 // From the text of app.footer(), in which "Exit status: 1 a limit failed." names what differs from the usual.
 Footer footer_of(const CLI::App& app);
-// Breaks lines longer than kHelpColumns at spaces. A broken line goes on at `indent`; without that, an
+// Breaks lines longer than help_columns() at spaces. A broken line goes on at `indent`; without that, an
 // indented one goes on four columns deeper than it begins.
 std::string wrapped(const std::string& text, std::size_t indent = 0);
 

@@ -448,10 +448,15 @@ TEST(Cli, DurationSaidTwice) {
                            2, {"--duration 5", "--set seconds=9", "leave one out"}));
 }
 
+TEST(Cli, SettingGivenTwice) {
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "catch-ball", "--set", "tries=2", "--set", "tries=3"})),
+                           2, {"tries is set twice"}));
+}
+
 // The words after an option that may be repeated are not its values.
 TEST(Cli, AnOptionBeforeTheBehaviour) {
   EXPECT_TRUE(
-      one_sentence(run(kaz({"run", "--set", "tries=2", "--set", "tries=1.5", "catch-ball"})), 2,
+      one_sentence(run(kaz({"run", "--set", "seconds=60", "--set", "tries=1.5", "catch-ball"})), 2,
                    {"1.5", "a whole number from 1 to 20"}));
   EXPECT_TRUE(
       one_sentence(run(kaz({"evaluate", "--set", "seconds=0", "search-ball", "--out", "none"})), 2,

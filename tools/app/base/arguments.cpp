@@ -24,7 +24,9 @@ Result<std::map<std::string, std::string>> parse_settings(const std::vector<std:
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
       return fail(Fault::usage, "--set " + text + ": give NAME=VALUE, as in --set seconds=20");
-    settings[text.substr(0, equals)] = text.substr(equals + 1);
+    const std::string name = text.substr(0, equals);
+    if (!settings.emplace(name, text.substr(equals + 1)).second)
+      return fail(Fault::usage, "--set " + text + ": " + name + " is set twice, give it once");
   }
   return settings;
 }

@@ -25,11 +25,18 @@ TEST(Port, RefusesWhatIsNoBaudRate) {
 }
 
 TEST(Settings, AreNamesWithValues) {
-  const auto settings = parse_settings({"seconds=20", "note=a=b", "seconds=30", "empty="});
+  const auto settings = parse_settings({"seconds=20", "note=a=b", "empty="});
   ASSERT_TRUE(settings);
   EXPECT_EQ(*settings, (std::map<std::string, std::string>{
-                           {"seconds", "30"}, {"note", "a=b"}, {"empty", ""}}));
+                           {"seconds", "20"}, {"note", "a=b"}, {"empty", ""}}));
   EXPECT_TRUE(parse_settings({})->empty());
+}
+
+TEST(Settings, RefuseANameGivenTwice) {
+  const auto settings = parse_settings({"seconds=20", "tries=2", "seconds=20"});
+  ASSERT_FALSE(settings);
+  EXPECT_EQ(settings.error().fault, Fault::usage);
+  EXPECT_NE(settings.error().message.find("seconds is set twice"), std::string::npos);
 }
 
 TEST(Settings, RefuseATextWithoutName) {

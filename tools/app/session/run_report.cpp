@@ -224,7 +224,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   if (report.score.rms_deg) result["tracking_rms_deg"] = rounded(*report.score.rms_deg, 1e-4);
   if (report.score.within_3deg || !report.score.time_s.empty())
     result["tracking_measured_by"] = report.score.measured_by;
-  if (report.score.found_s) result["found_s"] = rounded(*report.score.found_s, 1e-3);
+  if (report.score.found_s) result["tracking_from_s"] = rounded(*report.score.found_s, 1e-3);
   if (report.interrupted) {
     mark_interrupted(result);
   } else if (!report.outcome.success && !report.machine_failed) {

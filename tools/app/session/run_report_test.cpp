@@ -75,7 +75,7 @@ TEST_F(Report, HasOutcomeAndRobot) {
   EXPECT_EQ(json["seed"], 7);
   EXPECT_NEAR(json["duration_s"].get<double>(), 5.0, 1e-9);
   EXPECT_NEAR(json["rtf"].get<double>(), 1.0, 1e-9);
-  EXPECT_FALSE(json.contains("found_s"));
+  EXPECT_FALSE(json.contains("tracking_from_s"));
   EXPECT_FALSE(json.contains("cause"));
   EXPECT_TRUE(fs::is_empty(folder_));
 }
@@ -109,7 +109,7 @@ TEST_F(Report, HasTheScore) {
   report_.score.within_3deg = 0.98765;
   report_.score.rms_deg = 1.00004;
   const ordered_json json = result();
-  EXPECT_NEAR(json["found_s"].get<double>(), 1.235, 1e-9);
+  EXPECT_NEAR(json["tracking_from_s"].get<double>(), 1.235, 1e-9);
   EXPECT_NEAR(json["tracking_within_3deg"].get<double>(), 0.9877, 1e-9);
   EXPECT_NEAR(json["tracking_rms_deg"].get<double>(), 1.0, 1e-9);
   EXPECT_EQ(json["tracking_measured_by"], "pictures");
