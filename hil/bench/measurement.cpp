@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -121,8 +122,17 @@ const MeasurementInfo* find_measurement(const std::string& name) {
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name) {
   if (json_too_deep(json)) return wrong(file_name, "it nests too deeply");
   Json all;
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::string twice;
   try {
-    all = Json::parse(json);
+    all = Json::parse(json, [&](int, Json::parse_event_t event, Json& parsed) {
+      if (event == Json::parse_event_t::object_start) keys.emplace_back();
+      if (event == Json::parse_event_t::object_end) keys.pop_back();
+      if (event == Json::parse_event_t::key &&
+          !keys.back().insert(parsed.get<std::string>()).second)
+        twice = parsed.get<std::string>();
+      return true;
+    });
   } catch (const Json::parse_error& error) {
     const auto until =
         json.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, json.size()));
@@ -131,6 +141,7 @@ Result<Limits> parse_limits(const std::string& json, const std::string& file_nam
   } catch (const Json::exception&) {
     return wrong(file_name, "a number in it is too large");
   }
+  if (!twice.empty()) return wrong(file_name, "'" + twice + "' stands in it twice");
   const bool listed = all.is_array();
   if (!all.is_object() && !listed) {
     return wrong(file_name,
@@ -147,7 +158,8 @@ Result<Limits> parse_limits(const std::string& json, const std::string& file_nam
     }
     const auto parsed = parse_entry(name, entry, listed);
     if (!parsed) return wrong(file_name, parsed.error());
-    limits[name] = *parsed;
+    if (!limits.emplace(name, *parsed).second)
+      return wrong(file_name, "'" + name + "' stands in it twice");
   }
   return limits;
 }

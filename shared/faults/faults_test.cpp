@@ -65,6 +65,19 @@ TEST(Faults, ErrorsSayWhatWasExpectedAndWhatStandsThere) {
             "expected `board` or `host` after `to`, found `nowhere`");
   EXPECT_EQ(error_of("link_cut now"), "expected nothing more after `at 0 s link_cut`, found `now`");
   EXPECT_NE(error_of("link_drop nan"), "");
+  EXPECT_EQ(error_of("at 1 s for 0 s link_cut"), "expected a time above 0 after `for`, found `0`");
+  EXPECT_EQ(error_of("power_sag 1 9"),
+            "expected nothing more after `at 0 s power_sag drop 1 V`, found `9`");
+  EXPECT_NE(error_of("link_drop 0.1 0.2"), "");
+  EXPECT_NE(error_of("pot_noisy joint 3 sigma 1 sigma 400"), "");
+  EXPECT_NE(error_of("link_cut to board to host"), "");
+}
+
+TEST(Faults, ATimeMayBeInMilliseconds) {
+  EXPECT_EQ(fault_of("link_delay 20 ms"), fault_of("link_delay 0.02 s"));
+  EXPECT_EQ(fault_of("link_delay 20 ms to host"), fault_of("link_delay to host time 0.02"));
+  EXPECT_NE(error_of("link_delay 2000 ms"), "");
+  EXPECT_NE(error_of("link_drop 20 ms"), "");
 }
 
 TEST(Faults, AScheduleNamesTheLineThatIsWrong) {

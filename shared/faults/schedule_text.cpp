@@ -59,6 +59,13 @@ tl::unexpected<Error> expected(const std::string& what, std::string_view instead
   return fail(kaz::Fault::usage, "expected " + what + ", found " + quoted(instead));
 }
 
+// Unit in which a value was typed, in units of the kind: a time in s may be typed in ms.
+double unit_taken(Words& words, const Kind& kind) {
+  if (kind.unit == "s" && words.take_if("ms")) return 1e-3;
+  if (!kind.unit.empty()) words.take_if(kind.unit);
+  return 1;
+}
+
 // "1.25 s", "200 ms".
 Result<Time> time(Words& words, const std::string& after) {
   const std::string_view digits = words.take();
@@ -92,8 +99,9 @@ Result<int> joint(Words& words, const Kind& kind) {
   return expected("a joint, 0 to 17 or a name such as `neck_pan`", word);
 }
 
-Result<void> way(Words& words, Fault& fault) {
-  if (!words.take_if("to")) return {};
+// Whether one was there.
+Result<bool> way(Words& words, Fault& fault) {
+  if (!words.take_if("to")) return false;
   if (words.take_if("board")) {
     fault.way = Way::to_board;
   } else if (words.take_if("host")) {
@@ -101,28 +109,28 @@ Result<void> way(Words& words, Fault& fault) {
   } else {
     return expected("`board` or `host` after `to`", words.peek());
   }
-  return {};
+  return true;
 }
 
-// "0.05", "chance 0.05", "3 V".
-Result<void> value(Words& words, const Kind& kind, Fault& fault) {
-  if (kind.parameter.empty()) return {};
+// "0.05", "chance 0.05", "3 V", "20 ms". Whether one was there.
+Result<bool> value(Words& words, const Kind& kind, Fault& fault) {
+  if (kind.parameter.empty()) return false;
   const bool named = words.take_if(kind.parameter);
   const auto given = parse_number<double>(words.peek());
   const std::string name(kind.parameter);
   if (!given) {
     if (named) return expected("a number after `" + name + "`", words.peek());
-    return {};
+    return false;
   }
   const std::string_view word = words.take();
-  if (*given < kind.low || *given > kind.high)
+  const double number = *given * unit_taken(words, kind);
+  if (number < kind.low || number > kind.high)
     return expected("a " + name + " from " + number_text(kind.low) + " to " +
                         number_text(kind.high) + (kind.unit.empty() ? "" : " ") +
                         std::string(kind.unit) + " of `" + std::string(kind.name) + "`",
                     word);
-  fault.value = *given;
-  if (!kind.unit.empty()) words.take_if(kind.unit);
-  return {};
+  fault.value = number;
+  return true;
 }
 
 std::string time_text(Time t) {
@@ -140,7 +148,9 @@ Result<Fault> parse(std::string_view line, Time now) {
     fault.at = at;
   }
   if (words.take_if("for")) {
+    const std::string_view digits = words.peek();
     const auto length = KAZ_TRY(time(words, "for"));
+    if (length == Time::zero()) return expected("a time above 0 after `for`", digits);
     fault.length = length;
   }
   const auto found = KAZ_TRY(kind(words));
@@ -151,12 +161,11 @@ Result<Fault> parse(std::string_view line, Time now) {
     const auto number = KAZ_TRY(joint(words, entry));
     fault.joint = number;
   }
-  // Direction and value may be in either order.
+  // Direction and value may be in either order, each once.
+  bool has_way = entry.target != Target::line, has_value = false;
   for (int i = 0; i < 2; ++i) {
-    if (entry.target == Target::line) {
-      KAZ_TRY(way(words, fault));
-    }
-    KAZ_TRY(value(words, entry, fault));
+    if (!has_way) has_way = KAZ_TRY(way(words, fault));
+    if (!has_value) has_value = KAZ_TRY(value(words, entry, fault));
   }
   if (!words.peek().empty())
     return expected("nothing more after `" + text_of(fault) + "`", words.peek());

@@ -30,11 +30,13 @@ void add_calibrate(CLI::App& program, Action& action) {
       ->type_name("PATTERN");
   stereo
       ->add_option("--board", arguments->board,
-                   "inner corners of the board: 10 x 7 squares have "
+                   "inner corners of the board, 3 to 100 along each side: 10 x 7 squares have "
                    "9x6")
       ->required()
       ->type_name("COLUMNSxROWS");
-  stereo->add_option("--square", arguments->square_m, "side of a square, m: 25 mm are 0.025")
+  stereo
+      ->add_option("--square", arguments->square_m,
+                   "side of a square, 0.001 to 0.5 m: 25 mm are 0.025")
       ->required()
       ->check(positive())
       ->type_name("M");

@@ -1,5 +1,6 @@
 // `kaz evaluate`: many episodes of a behaviour, and how many succeed.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 
 #include "tools/app/base/arguments.h"
@@ -33,6 +34,14 @@ void add_interval(CLI::App& verb, const std::string& name, std::vector<double>& 
       ->allow_extra_args(false)
       ->type_name("FROM TO")
       ->default_str(range);
+}
+
+// Each is drawn as often as the others: a repeated one is a slip.
+template <class T>
+Result<void> no_repetition(const std::string& option, std::vector<T> values) {
+  std::ranges::sort(values);
+  if (std::ranges::adjacent_find(values) == values.end()) return {};
+  return fail(Fault::usage, option + ": a value stands in the list twice, give it once");
 }
 
 // Values with commas between, or the option repeated. Words after it belong to no option.
@@ -71,6 +80,8 @@ Result<Outcome> start(Arguments a) {
   for (const std::string& color : c.variation.colors) {
     KAZ_TRY(ball_color(color));
   }
+  KAZ_TRY(no_repetition("--colors", c.variation.colors));
+  KAZ_TRY(no_repetition("--radii", c.variation.radii_m));
   const auto succeeded = KAZ_TRY(run_campaign(c));
   return Outcome(succeeded);
 }

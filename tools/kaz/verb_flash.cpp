@@ -20,14 +20,16 @@ constexpr const char* kExitStatus =
 
 // Of the verbs that can do without the loader.
 void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
-  verb.add_option(
-          "--reset", arguments.reset,
-          "boot mode, entered by dtr-rts (DTR at RES, RTS at the mode pins), ctl:PATH (control "
-          "socket of kaz sim) or manual; without it the resident loader")
-      ->type_name("HOW");
+  auto* reset =
+      verb.add_option(
+              "--reset", arguments.reset,
+              "boot mode, entered by dtr-rts (DTR at RES, RTS at the mode pins), ctl:PATH (control "
+              "socket of kaz sim) or manual; without it the resident loader")
+          ->type_name("HOW");
   verb.add_option("--boot-baud", arguments.boot_baud, "baud rate in boot mode")
       ->check(CLI::IsMember({4800, 9600, 19200}))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->needs(reset);
 }
 
 void add_common(CLI::App& verb, FlashArguments& arguments, bool dry_run) {

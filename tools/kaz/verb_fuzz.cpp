@@ -19,7 +19,7 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->type_name("native|h8|PATH");
   add_address(*verb, arguments->address);
   auto* seconds = verb->add_option("--seconds", arguments->seconds, "how long to run")
-                      ->check(positive())
+                      ->check(between(0.001, 1e7))
                       ->capture_default_str()
                       ->type_name("SECONDS");
   auto* cases = verb->add_option("--cases", arguments->cases,
@@ -38,7 +38,9 @@ void add_fuzz(CLI::App& program, Action& action) {
   auto* out = verb->add_option("--out", arguments->out, "where to put a case that goes wrong")
                   ->capture_default_str()
                   ->type_name("FILE");
-  verb->add_option("--replay", arguments->replay, "run this case alone, and list what it does")
+  verb->add_option("--replay", arguments->replay,
+                   "run this case alone, and list what it does; a case is any "
+                   "file: its bytes choose the requests")
       ->type_name("FILE")
       ->excludes(seconds)
       ->excludes(cases)

@@ -51,7 +51,8 @@ struct Motor {
   Seen seen{};
 };
 
-Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor,
+                        Seen& read) {
   std::size_t which = 0;
   while (which < kParams.size() && std::string(element.Name()) != kParams[which].element) ++which;
   if (which == kParams.size()) {
@@ -70,6 +71,10 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element
     return file.error(element, std::string("<") + param.element +
                                    "> is of no motor: such a number lies between 1e-12 and 1e9");
   }
+  if (read[which]) {
+    return file.error(element, std::string("<") + param.element + "> stands in <motor> twice");
+  }
+  read[which] = true;
   motor.params.*param.member = *value * param.unit;
   motor.seen[which] = true;
   return {};
@@ -77,8 +82,10 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element
 
 // `motor` comes with what it is based on.
 Result<void> read_motor(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+  KAZ_TRY(file.check_no_text(element));
+  Seen read{};
   for (auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    if (auto done = read_param(file, *child, motor); !done) return done;
+    if (auto done = read_param(file, *child, motor, read); !done) return done;
   }
   bool heat = false;
   for (std::size_t i = 0; i < kParams.size(); ++i) {
@@ -125,6 +132,7 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
     if (!standard) return tl::unexpected(standard.error());
     wanted = *standard;
   }
+  KAZ_TRY(file->check_no_text(file->root()));
   std::vector<Motor> motors;
   for (auto* element = file->root().FirstChildElement(); element;
        element = element->NextSiblingElement()) {

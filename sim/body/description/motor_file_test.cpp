@@ -93,6 +93,11 @@ INSTANTIATE_TEST_SUITE_P(
              "</motor></motors>",
              ":3: unknown element <fricton> in <motor>; see docs/reference/robot.md for those it "
              "takes"},
+        Case{
+            "twice",
+            "<motors default='a'>\n<motor name='a'>\n<friction value='1'/>\n<friction value='2'/>\n"
+            "</motor></motors>",
+            ":4: <friction> stands in <motor> twice"},
         Case{"no_number",
              "<motors default='a'>\n<motor name='a'>\n<friction value='0,1'/>\n"
              "</motor></motors>",

@@ -50,6 +50,8 @@ const std::map<std::string, std::set<std::string>> kNeeded{
     {"sphere", {"radius"}},
     {"inertial", {"mass", "inertia"}},
 };
+// All others stand once where they stand.
+const std::set<std::string> kRepeated{"model", "link", "visual", "collision", "kaz:kick"};
 const std::set<std::string> kNamed{"world", "model", "link", "visual", "collision"};
 
 // Maximum of all numbers, so that products of a few of them do not overflow.
@@ -154,11 +156,16 @@ class Check {
   explicit Check(const XmlFile& file) : file_(file) {}
 
   Result<void> run() {
+    if (file_.root().Attribute("version") == nullptr)
+      return error(file_.root(), "<sdf> lacks version=\"1.9\"");
+    const std::string version = file_.root().Attribute("version");
+    const auto number = parse_numbers(version, 1);
+    if (!number || number->front() < 1 || number->front() >= 2 || version.size() != 3) {
+      return error(file_.root(), "SDF of version \"" + version + "\"; worlds are read up to 1.9");
+    }
     if (auto ok = check(file_.root()); !ok) return ok;
     const Element* world = file_.root().FirstChildElement("world");
-    if (world == nullptr || world->NextSiblingElement("world") != nullptr) {
-      return error(file_.root(), "<sdf> must hold one <world>");
-    }
+    if (world == nullptr) return error(file_.root(), "<sdf> must hold one <world>");
     std::size_t models = 0;
     for (auto* e = world->FirstChildElement("model"); e; e = e->NextSiblingElement("model")) {
       if (++models > kMaxModels)
@@ -187,6 +194,10 @@ class Check {
         return error(
             *e, "unknown element <" + name + "> in <" + element.Name() + ">, which takes " + known);
       }
+      if (const Element* again = e->NextSiblingElement(e->Name());
+          again != nullptr && !kRepeated.count(name)) {
+        return error(*again, "<" + name + "> stands in <" + element.Name() + "> twice");
+      }
       if (const char* own_name = e->Attribute("name");
           own_name != nullptr && !names.insert(name + " " + own_name).second) {
         return error(*e, std::string("there is another ") + name + " `" + own_name + "` above");
@@ -213,6 +224,7 @@ class Check {
       }
     }
     KAZ_TRY(file_.check_name(element));
+    if (look_up(kChildren, element) != kChildren.end()) KAZ_TRY(file_.check_no_text(element));
     if (kNamed.count(name) && element.Attribute("name") == nullptr) {
       return error(element, "<" + name + "> lacks the attribute `name`");
     }

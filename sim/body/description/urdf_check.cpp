@@ -32,6 +32,10 @@ const std::map<std::string, std::set<std::string>> kChildren{
     {"joint", {"parent", "child", "origin", "axis", "limit"}},
 };
 
+// All others stand once where they stand.
+const std::set<std::string> kRepeated{"link",      "joint",  "material", "transmission",
+                                      "collision", "gazebo", "visual"};
+
 struct VectorAttribute {
   const char* element;
   const char* attribute;
@@ -103,6 +107,11 @@ class Check {
       if (!allowed->second.count(e->Name())) {
         return file_.error(*e, std::string("unknown element <") + e->Name() + "> in <" + name +
                                    ">; docs/reference/robot.md lists those that are taken");
+      }
+      if (const Element* again = e->NextSiblingElement(e->Name());
+          again != nullptr && !kRepeated.count(e->Name())) {
+        return file_.error(*again,
+                           std::string("<") + e->Name() + "> stands in <" + name + "> twice");
       }
       if (auto ok = elements(*e); !ok) return ok;
     }

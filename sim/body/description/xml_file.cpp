@@ -106,6 +106,15 @@ Result<double> XmlFile::number(const tinyxml2::XMLElement& element, const char* 
   return numbers->front();
 }
 
+Result<void> XmlFile::check_no_text(const tinyxml2::XMLElement& element) const {
+  for (const tinyxml2::XMLNode* node = element.FirstChild(); node; node = node->NextSibling()) {
+    if (node->ToText() != nullptr)
+      return error(node->GetLineNum(), std::string("text in <") + element.Name() +
+                                           ">, which takes other elements alone");
+  }
+  return {};
+}
+
 Result<void> XmlFile::check_name(const tinyxml2::XMLElement& element) const {
   const char* value = element.Attribute("name");
   if (value == nullptr) return {};

@@ -38,6 +38,9 @@ class XmlFile {
   // 200 bytes without & < > " ' and control characters.
   Result<void> check_name(const tinyxml2::XMLElement& element) const;
 
+  // For elements that hold other elements alone: no text between them.
+  Result<void> check_no_text(const tinyxml2::XMLElement& element) const;
+
   // The bytes that were parsed.
   const std::string& text() const { return text_; }
 

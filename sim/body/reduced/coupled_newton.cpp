@@ -13,6 +13,11 @@
 // F_k^2 / M_kk falls (semismooth Newton with a line search on a merit function: F. Facchinei & J.-S. Pang,
 // "Finite-Dimensional Variational Inequalities and Complementarity Problems", 2003, chapter 8). Dense: a
 // step in twenty needs it, and two or three iterations are enough.
+//
+// The merit function may have a local minimum that is no zero, where many contacts change between sticking,
+// slipping and open. Then contacts are made softer, normal and tangential alike, and hardened step by step,
+// each solution being where the next search begins (continuation, also called homotopy: E. Allgower & K.
+// Georg, "Introduction to Numerical Continuation Methods", 1990). Few steps of many catches need that.
 #include <algorithm>
 #include <cmath>
 
@@ -30,7 +35,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kHalvings = 24;
+constexpr int kSteps = 24, kHalvings = 24;
+// Continuation begins with contacts that are softer by this factor; exactness on the way, m/s or rad/s.
+constexpr double kSoftest = 16, kOnTheWay = 1e-4;
 // Share of the decrease that the derivative promises, which a shortened step must reach (Armijo).
 constexpr double kMinDecrease = 1e-4;
 
@@ -146,7 +153,7 @@ double VelocitySolver::merit() const {
 }
 
 int VelocitySolver::solve_coupled(std::span<const double> momentum, std::span<double> v,
-                                  double tolerance, int max_steps, double& left) {
+                                  double tolerance, double& left) {
   const BlockMatrix::Island& island = matrix_.islands()[island_];
   std::vector<int> coordinates;
   for_each_coordinate([&](std::size_t k) { coordinates.push_back(static_cast<int>(k)); });
@@ -160,7 +167,7 @@ int VelocitySolver::solve_coupled(std::span<const double> momentum, std::span<do
     return merit();
   };
   double before = evaluate();
-  for (int step = 1; step <= max_steps; ++step) {
+  for (int step = 1; step <= kSteps; ++step) {
     assemble_coupled(coordinates);
     for (Index k = 0; k < n; ++k) {
       f[k] = gradient_[at(coordinates[at(k)])];
@@ -179,7 +186,24 @@ int VelocitySolver::solve_coupled(std::span<const double> momentum, std::span<do
     if (left <= tolerance) return step;
     before = now;
   }
-  return max_steps;
+  return kSteps;
+}
+
+int VelocitySolver::solve_softened(std::span<const double> momentum, std::span<double> v,
+                                   double tolerance, double& left) {
+  const auto harden = [this](double factor) {
+    for (const int i : its_points_) {
+      Contact& contact = points_[at(i)];
+      for (double* of : {&contact.hardness, &contact.firmness, &contact.moment_firm}) *of *= factor;
+    }
+  };
+  int steps = 0;
+  for (double softer = kSoftest; softer >= 1; softer /= 2) {
+    harden(1 / softer);  // powers of two: exact
+    steps += solve_coupled(momentum, v, softer > 1 ? kOnTheWay : tolerance, left);
+    harden(softer);
+  }
+  return steps;
 }
 
 }  // namespace kaz::sim

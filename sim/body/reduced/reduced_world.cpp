@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kExact = 1e-8;
 constexpr double kSettled =
     1e-6;                       // a step with a larger residual counts as unconverged, m/s or rad/s
-constexpr int kMaxSteps = 100;  // iterations
+constexpr int kMaxSteps = 300;  // iterations; a dozen are usual
 
 }  // namespace
 

@@ -18,10 +18,10 @@ constexpr double kSafety = 0.05;
 constexpr double kNear = 1e-3;
 constexpr double kMaxExtrapolation = 4;  // in units of the last change
 
-// After this many iterations normal forces and friction radii are solved for together, and if that fails,
-// as in a jamming wedge, one after the other with under-relaxed radii.
-constexpr int kPatience = 12;
-constexpr int kCoupledSteps = 40;
+// After this many iterations normal forces and friction radii are solved for together. Where that fails,
+// as in a jamming wedge, one after the other with under-relaxed radii, and together again after each
+// kRelaxedSteps.
+constexpr int kPatience = 12, kRelaxedSteps = 8;
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -220,11 +220,17 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
   int steps = 0;
   bool near = false;  // same active set as in the iteration before, and that changed little
   double relaxed = 1;
+  int next_coupled = kPatience;
   while (steps < max_steps && left > kSafety * tolerance) {
-    if (steps == kPatience) {
+    if (steps >= next_coupled) {
       start_.assign(v.begin(), v.end());
-      steps += solve_coupled(momentum, v, tolerance, kCoupledSteps, left);
+      steps += solve_coupled(momentum, v, tolerance, left);
+      if (left > tolerance) {
+        std::ranges::copy(start_, v.begin());
+        steps += solve_softened(momentum, v, tolerance, left);
+      }
       if (left <= tolerance) break;
+      next_coupled = steps + kRelaxedSteps;
       std::ranges::copy(start_, v.begin());
       matrix_.multiply(island, v.data(), inertia_v_.data());
       gradient(momentum, v);

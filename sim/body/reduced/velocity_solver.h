@@ -168,10 +168,12 @@ class VelocitySolver {
   static void add_coupled_stiffness(const Contact& contact, Stiffness& k);
   void assemble_coupled(std::span<const int> coordinates);
   double merit() const;
-  // From v, the number of iterations; `left`: the velocity change of the last. Above `tolerance` v is no
-  // solution.
+  // Both from v, with the number of iterations; `left`: the velocity change of the last. Above `tolerance` v
+  // is no solution. solve_softened() begins with softer contacts.
   int solve_coupled(std::span<const double> momentum, std::span<double> v, double tolerance,
-                    int max_steps, double& left);
+                    double& left);
+  int solve_softened(std::span<const double> momentum, std::span<double> v, double tolerance,
+                     double& left);
   int solve_island(std::span<const double> momentum, std::span<double> v, double tolerance,
                    int max_steps);
 

@@ -181,13 +181,13 @@ TEST_P(Unconverged, IsSolvedNow) {
   ASSERT_TRUE(step.is_whole());
   const VelocitySolver& solver = step.solve();
   EXPECT_LE(solver.residual(), 1e-8);
-  EXPECT_LE(solver.steps(), 30);
+  EXPECT_LE(solver.steps(), GetParam() <= 10 ? 30 : 100);  // those above 10 need continuation
   double worst_friction = 0;
   EXPECT_LT(step.imbalance(worst_friction), 1e-7);
   EXPECT_LT(worst_friction, 1e-10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Recorded, Unconverged, testing::Range(1, 11));
+INSTANTIATE_TEST_SUITE_P(Recorded, Unconverged, testing::Range(1, 12));
 
 }  // namespace
 }  // namespace kaz::sim

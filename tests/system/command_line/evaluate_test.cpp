@@ -237,7 +237,7 @@ TEST(Evaluate, KeepsWhatOthersPutIntoItsFolder) {
 TEST(Evaluate, RunsInRealTimeToo) {
   const TemporaryFolder folder;
   const Finished finished = evaluate(
-      {"--realtime", "--episodes", "1", "--colors", "green,green", "--out", folder / "live"});
+      {"--realtime", "--episodes", "1", "--colors", "green", "--out", folder / "live"});
   EXPECT_LE(finished.exit_code, 1) << finished.err;
   const auto all = without_speed(folder / "live", 1);
   ASSERT_EQ(all.size(), 1u) << finished.err;

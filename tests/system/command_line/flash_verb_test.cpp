@@ -154,7 +154,7 @@ TEST_F(FlashVerb, EachVerbSaysWhatItDid) {
   ASSERT_EQ(run(write({"--reset", control()}), seconds(90)).exit_code, 0);
   const Finished info = verb("info", {"--json"});
   EXPECT_EQ(parse_json(info.out)["application"]["board_id"], "2128") << info.out;
-  EXPECT_EQ(parse_json(info.out)["application"]["version"], "0.2") << info.out;
+  EXPECT_EQ(parse_json(info.out)["application"]["firmware"], "0.2") << info.out;
   const Finished run_it = verb("run");
   EXPECT_EQ(run_it.exit_code, 0) << run_it.err;
   EXPECT_NE(run_it.out.find("runs: firmware"), std::string::npos) << run_it.out;

@@ -100,6 +100,8 @@ void say(const hil::Measurement& one) {
               one.of->name.c_str());
   if (one.verdict == hil::Verdict::left_out) {
     std::printf(" %s\n", one.message.c_str());
+  } else if (std::isnan(one.value)) {
+    std::printf(" %9s %-7s  %s\n", "-", "", one.message.c_str());
   } else {
     std::printf(" %9.4g %-7s  %s\n", one.value, one.of->unit.c_str(), one.message.c_str());
   }

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/flash/diagnostic.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
@@ -46,8 +47,6 @@ double whole(double value, int per_unit) {
 
 Json as_json(const kz_identify_reply& board, const host::Health& health, const host::SelfTest& test,
              const kz_statistics_reply& counts) {
-  Json joint;
-  if (health.joint) joint = host::joint_table()[static_cast<std::size_t>(*health.joint)].name;
   Json json{
       {"protocol", board.protocol_version},
       {"joints", board.joints},
@@ -56,22 +55,26 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
       {"since_reset_s", health.tick / 1e3},
       {"last_reset", cause_of_reset(board.reset_cause)},
       {"motors", motors(health.status)},
-      {"shutdown", health.shutdown},
-      {"joint", joint},
       {"calibrated", (health.status & KZ_STATUS_UNCALIBRATED) == 0},
       {"supply_v", whole(health.supply_volts, 1000)},
       {"supply_lowest_v", whole(health.supply_lowest_volts, 1000)},
       {"drivers_celsius", whole(health.temperature_c, 10)},
       {"watchdog_ms", board.watchdog_10ms * 10},
       {"reaction", board.reaction == KZ_REACTION_HOLD ? "hold" : "limp"},
-      {"self_test_failed", test.failed_names},
       {"missed_ticks", counts.missed_ticks},
       {"frames", counts.frames},
       {"refusals", counts.refusals},
       {"damaged_frames", counts.bad_check + counts.bad_stuffing + counts.too_short +
                              counts.too_long + counts.line_errors + counts.overruns + counts.idle}};
-  if (board.image_crc != 0) json["image_crc"] = board.image_crc;  // the native engine has no image
-  if (!health.shutdown.empty()) json["shutdown_at_s"] = health.shutdown_tick / 1e3;
+  // What is not there is absent; the native engine has no image.
+  if (board.image_crc != 0) json["crc"] = host::hex_word(board.image_crc);
+  if (!test.failed_names.empty()) json["self_test_failed"] = test.failed_names;
+  if (!health.shutdown.empty()) {
+    json["shutdown"] = health.shutdown;
+    json["shutdown_at_s"] = health.shutdown_tick / 1e3;
+  }
+  if (health.joint)
+    json["joint"] = host::joint_table()[static_cast<std::size_t>(*health.joint)].name;
   return json;
 }
 
@@ -87,7 +90,7 @@ void print(const Json& now, const std::string& fault) {
   std::printf("supply %.1f V, lowest %.1f V; motor drivers %.0f degrees Celsius\n",
               now["supply_v"].get<double>(), now["supply_lowest_v"].get<double>(),
               now["drivers_celsius"].get<double>());
-  const auto failed = now["self_test_failed"].get<std::string>();
+  const auto failed = now.value("self_test_failed", std::string());
   std::printf("self-test: %s; calibration: %s\n", failed.empty() ? "passed" : failed.c_str(),
               now["calibrated"].get<bool>() ? "from flash" : "none stored, nominal values");
   std::printf("link: %d frames, %d refused, %d damaged; watchdog %d ms, then %s\n",

@@ -40,9 +40,10 @@ Result<std::uint8_t> choose(std::vector<std::uint8_t> found, const std::string& 
     return fail(Fault::environment,
                 "nothing answers at any of the 14 addresses on " + port +
                     ": check that the board is powered, the cable plugged in, and no other program "
-                    "has the port open; after an interrupted update the board waits in its loader, "
-                    "and `kaz flash info --port " +
-                    port + "` says so");
+                    "has the port open; after an interrupted update the board waits in its loader "
+                    "(`kaz flash info --port " +
+                    port +
+                    "` says so), or in boot mode, where it needs `kaz flash write` with --reset");
   if (options.found_at) {
     if (std::ranges::find(found, *options.found_at) != found.end()) return *options.found_at;
     return fail(Fault::usage, "no board answers at address " + std::to_string(*options.found_at) +

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <iterator>
 #include <optional>
+#include <set>
 
 #include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
@@ -435,7 +436,11 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
   Json campaign;
   Episodes all;
   std::vector<Part> parts;
+  std::set<fs::path> read;
   for (const std::string& folder : folders) {
+    std::error_code none;
+    if (!read.insert(fs::weakly_canonical(folder, none)).second)
+      return fail(Fault::usage, "'" + folder + "' is given twice: each part once");
     if (!fs::exists(folder + "/campaign.json"))
       return fail(Fault::usage,
                   "'" + folder + "' is no folder of kaz evaluate: it has no campaign.json");

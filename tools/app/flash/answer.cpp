@@ -16,7 +16,7 @@ namespace {
 
 nlohmann::ordered_json json_of(const host::ImageIdentity& identity) {
   return {{"board_id", host::hex_word(identity.board_id)},
-          {"version", host::firmware_version_text(identity.version)},
+          {"firmware", host::firmware_version_text(identity.version)},
           {"build", host::build_text(identity.build_id)},
           {"length", identity.length},
           {"crc", host::hex_word(identity.crc)}};
@@ -83,7 +83,7 @@ void Answer::application(const std::optional<host::ImageIdentity>& identity) {
 
 void Answer::runs(const kz_identify_reply& board) {
   put("runs",
-      nlohmann::ordered_json{{"version", host::firmware_version_text(board.firmware_version)},
+      nlohmann::ordered_json{{"firmware", host::firmware_version_text(board.firmware_version)},
                              {"build", host::build_text(board.build_id)},
                              {"crc", host::hex_word(board.image_crc)}});
   say("runs: firmware " + host::firmware_version_text(board.firmware_version) + ", build " +

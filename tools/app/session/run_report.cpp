@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "host/flash/diagnostic.h"
+#include "host/robot/connect.h"
 #include "shared/board/board.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
@@ -44,17 +46,15 @@ ordered_json thinned_errors(const Score& score) {
 
 ordered_json board_json(const RunReport& report) {
   const double tick_8states = KZ_STATES_PER_TICK / 8.0;
-  ordered_json json{
-      {"firmware_version", std::to_string(report.identity.firmware_version >> 8) + "." +
-                               std::to_string(report.identity.firmware_version & 0xff)},
-      {"protocol_version", report.identity.protocol_version},
-      {"build_id", report.identity.build_id},
-      {"missed_ticks", report.health.missed_ticks},
-      {"bad_frames", report.health.bad_check + report.health.bad_stuffing +
-                         report.health.too_short + report.health.too_long +
-                         report.health.line_errors}};
+  ordered_json json{{"firmware", host::firmware_version_text(report.identity.firmware_version)},
+                    {"protocol", report.identity.protocol_version},
+                    {"build", host::build_text(report.identity.build_id)},
+                    {"missed_ticks", report.health.missed_ticks},
+                    {"bad_frames", report.health.bad_check + report.health.bad_stuffing +
+                                       report.health.too_short + report.health.too_long +
+                                       report.health.line_errors}};
   // The native engine has no image and counts no states.
-  if (report.identity.image_crc != 0) json["image_crc"] = report.identity.image_crc;
+  if (report.identity.image_crc != 0) json["crc"] = host::hex_word(report.identity.image_crc);
   if (report.health.worst_8states != 0)
     json["worst_tick_share"] = rounded(report.health.worst_8states / tick_8states, 1e-4);
   return json;

@@ -162,8 +162,8 @@ TEST_F(Report, HasBoardAndLink) {
   report_.link.timeouts = 5;
   report_.link.round_trip.max_s = 0.0123456;
   const ordered_json json = result();
-  EXPECT_EQ(json["board"]["firmware_version"], "1.2");
-  EXPECT_EQ(json["board"]["build_id"], 12345);
+  EXPECT_EQ(json["board"]["firmware"], "1.2");
+  EXPECT_EQ(json["board"]["build"], "00003039");
   EXPECT_NEAR(json["board"]["worst_tick_share"].get<double>(), 0.5, 1e-9);
   EXPECT_EQ(json["board"]["missed_ticks"], 3);
   EXPECT_EQ(json["board"]["bad_frames"], 31);
