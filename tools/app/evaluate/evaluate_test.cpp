@@ -217,6 +217,16 @@ TEST_F(Summary, CountsSuccessesFallsAndCauses) {
   EXPECT_EQ(result["measurements"]["error_m"]["p95"], 0.01);
 }
 
+// Whatever else an episode of another version has there is not counted.
+TEST_F(Summary, AddsUpTheStepsThatDidNotConverge) {
+  Episodes episodes{{1, episode(1, true, 1)}, {2, episode(2, true, 1)}, {3, episode(3, true, 1)}};
+  episodes[1]["truth"]["unconverged_steps"] = 2;
+  episodes[2]["truth"]["unconverged_steps"] = 3;
+  episodes[3]["truth"]["unconverged_steps"] = "many";
+  ASSERT_TRUE(summarize({{"behavior", "stand"}}, episodes, {}, folder_, false));
+  EXPECT_EQ(Json::parse(read("result.json"))["unconverged_steps"], 5);
+}
+
 // A crashed episode has no times; a part without episodes has no rate.
 TEST_F(Summary, HasNothingThatWasNotMeasured) {
   Json crashed = episode(6, false, 0, "crashed");
@@ -228,6 +238,7 @@ TEST_F(Summary, HasNothingThatWasNotMeasured) {
   EXPECT_EQ(one["success_rate"], 0.0) << "measured: none of one";
   EXPECT_FALSE(one.contains("seconds"));
   EXPECT_FALSE(one.contains("rtf_median"));
+  EXPECT_FALSE(one.contains("unconverged_steps"));
   EXPECT_TRUE(one["provenance"].contains("date"));
   EXPECT_NE(read("episodes.csv").find("6,1006,0,crashed,,,"), std::string::npos)
       << read("episodes.csv");

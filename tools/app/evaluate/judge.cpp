@@ -21,6 +21,7 @@ void Judge::look(sim::Simulation& simulation) {
   const sim::World& world = simulation.world();
   now_ = simulation.time();
   last_ = world.link_pose("trunk");
+  if (world.measures_convergence()) unconverged_steps_ = world.diagnostics().unconverged_steps;
   if (!start_) {
     start_ = last_;
     last_yaw_ = yaw_of(last_);
@@ -55,6 +56,7 @@ nlohmann::ordered_json Judge::json() const {
                               {"forward_m", forward_m()},
                               {"aside_m", aside_m()},
                               {"heading_deg", heading_ / kDegree}};
+  if (unconverged_steps_) json["unconverged_steps"] = *unconverged_steps_;
   if (!has_ball_) return json;
   json["held_s"] = held_s();
   json["ball_m"] = {ball_.x(), ball_.y(), ball_.z()};

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -36,6 +37,7 @@ class Judge final : public Onlooker {
   Eigen::Isometry3d last_ = Eigen::Isometry3d::Identity();
   double heading_ = 0, last_yaw_ = 0;  // rad; the heading over any number of turns
   bool has_ball_ = true;
+  std::optional<std::int64_t> unconverged_steps_;  // of the dynamics, where they are counted
   Time now_{};
   std::optional<Time> lifted_;
   Eigen::Vector3d ball_ = Eigen::Vector3d::Zero();

@@ -3,7 +3,9 @@
 #include "tools/app/evaluate/summary.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <vector>
 
 #include "shared/base/one_line.hpp"
@@ -95,6 +97,7 @@ void add_extent(Json& result, const Extent& extent) {
 Result<bool> summarize(const Json& campaign, const Episodes& episodes, const LostEpisodes& lost,
                        const OutputFolder& folder, bool json, const Extent& extent) {
   std::uint64_t successes = 0, falls = 0;
+  std::optional<std::int64_t> unconverged_steps;
   std::vector<double> times, speeds;
   Json failures = Json::object();
   for (const auto& [number, e] : episodes) {
@@ -106,6 +109,9 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
       failures[cause].push_back(number);
     }
     if (e["truth"].value("fell", false)) ++falls;
+    if (const auto steps = e["truth"].find("unconverged_steps");
+        steps != e["truth"].end() && steps->is_number_integer())
+      unconverged_steps = unconverged_steps.value_or(0) + steps->get<std::int64_t>();
     if (e.contains("seconds")) times.push_back(e["seconds"].get<double>());
     if (e.contains("rtf")) speeds.push_back(e["rtf"].get<double>());
   }
@@ -122,6 +128,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   result["episodes"] = n;
   result["successes"] = successes;
   result["falls"] = falls;
+  if (unconverged_steps) result["unconverged_steps"] = *unconverged_steps;
   if (!times.empty())
     result["seconds"] = {{"median", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}};
   if (!speeds.empty()) result["rtf_median"] = quantile(speeds, 0.5);
