@@ -89,7 +89,7 @@ void add_enable(Cases& to) {
         const Reply after = b.state();
         for (int j = 0; j < KZ_JOINTS; ++j) {
           near("angle of joint " + std::to_string(j), after.number("angle", j),
-               before.number("angle", j), kStill);
+               before.number("angle", j), b.exact() ? kStill : kReached);
         }
       });
   add(to, "enable-others-off", "`enable` switches all other joints off.", "MOVE-2", [](Board& b) {
