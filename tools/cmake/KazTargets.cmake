@@ -229,11 +229,11 @@ function(kaz_library name)
   install(TARGETS kaz_${name} EXPORT kaz)
 endfunction()
 
-# kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board|suite] [FAST] [NO_PCH] [SANITIZED] [TIMEOUT seconds])
+# kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board] [FAST] [NO_PCH] [SANITIZED] [TIMEOUT seconds])
 # One GoogleTest program NAME_test; each of its cases is a test of CTest's, with NAME as its label. REALTIME: it
-# mostly waits for a clock (robot: with a body or cameras, which need most of a core; board: without; suite: conformance
-# suite or fuzzer against a board). No two of the same kind run side by side, and they begin first, while the others,
-# which compute, have a lower priority: so ctest may run three more jobs than there are cores. FAST: its own code is optimised as the product is.
+# mostly waits for a clock (robot: with a body or cameras, which need most of a core; board: without). No two of the
+# same kind run side by side, and they begin first, while the others, which compute, have a lower priority: so
+# ctest may run two more jobs than there are cores. FAST: its own code is optimised as the product is.
 # SANITIZED: also with the sanitized copies of LIBS, all of which have to be SANITIZED libraries.
 function(kaz_test name)
   if(NOT BUILD_TESTING)
