@@ -129,12 +129,12 @@ Result<void> check(const BackendOptions& options) {
   const bool blind = !sim_robot && options.camera == "sim" && !options.needs_camera;
   if (!blind && sim_robot != (options.camera == "sim")) {
     return fail(Fault::usage,
-                sim_robot
-                    ? "--robot sim sees through its own eyes: leave --camera out"
-                    : "--camera sim goes with --robot sim alone: for a robot on a serial port "
-                      "give the path of a camera socket, as `kaz sim --cameras PATH` makes it, or "
-                      "real cameras "
-                      "(v4l2:/dev/video0,/dev/video2)");
+                sim_robot ? "--robot sim sees through its own eyes: leave --camera out"
+                          : "--camera is missing, or sim, which goes with --robot sim alone: for a "
+                            "robot on a serial port give the path of a camera socket, as `kaz sim "
+                            "--cameras PATH` makes it, or "
+                            "real cameras "
+                            "(v4l2:/dev/video0,/dev/video2)");
   }
   if (!sim_robot && options.camera != "sim")
     return check_live_camera(options.camera, options.calibration);
