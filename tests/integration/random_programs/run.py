@@ -60,7 +60,7 @@ def run_on_host(program):
         if error.errno != errno.ENOEXEC:
             raise
     if not shutil.which(HOST_EMULATOR):
-        raise SystemExit(f"run.py: this machine's kernel runs no 32-bit programs: install qemu-user ({HOST_EMULATOR})")
+        raise SystemExit("run.py: this machine's kernel runs no 32-bit programs: install qemu-user")
     return run([HOST_EMULATOR, program], HOST_EMULATOR_SECONDS)
 
 
