@@ -1,15 +1,14 @@
 // Backlash: how far the shaft yields to gentle presses from both sides.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <numbers>
 
 #include "hil/bench/motor/motor_bench.h"
 #include "hil/bench/samples.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::hil {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Well below what turns the motor through its gear, far above what a disc needs.
 constexpr double kPress = 0.03;  // Nm
 // Each reading is off by half a code: some thousand of them resolve a hundredth of that.

@@ -9,6 +9,7 @@
 
 #include "hil/bench/motor/motor_bench.h"
 #include "hil/bench/samples.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::hil {
 namespace {
@@ -24,7 +25,6 @@ constexpr int kStepRounds = 3;       // per direction
 constexpr double kAmplitude = 0.05;  // rad
 constexpr double kHertz[] = {0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20};
 constexpr double kLeadIn = 0.5;  // s of each sine that are not looked at
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct StepResponse {
   double rise_ms = 0, overshoot = 0, settling_ms = 0, error_mrad = 0;  // overshoot in percent

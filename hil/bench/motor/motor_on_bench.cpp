@@ -14,7 +14,8 @@ using std::chrono::milliseconds;
 
 constexpr Time kSampling = milliseconds(5);
 constexpr Time kCycle = milliseconds(10);
-constexpr double kTravelSpeed = 1.5;  // rad/s, of go_to
+constexpr Time kLateFrames = milliseconds(100);  // a bench that was later than that measures again
+constexpr double kTravelSpeed = 1.5;             // rad/s, of go_to
 constexpr int kUnlockSeconds = 60;
 constexpr double kRampStep = 0.05;  // rad/s; half of the unit in which the board has it
 constexpr Time kUnlockSpare = std::chrono::seconds(5);
@@ -92,9 +93,16 @@ void MotorOnBench::forget_telemetry() {
 }
 
 template <class Enough>
-void MotorOnBench::collect(Trace& to, std::uint32_t begin_tick, Time until, Enough enough) {
-  while (robot_.clock().now() < until) {
-    const auto frame = or_throw(robot_.next_telemetry(until));
+void MotorOnBench::collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s,
+                           Enough enough) {
+  const auto incomplete = [&] {
+    return to.empty() || to.back().t_s < until_s - 3 * seconds(kSampling);
+  };
+  for (;;) {
+    const Time now = robot_.clock().now();
+    const Time end = now < until ? until : until + kLateFrames;
+    if (now >= end || (now >= until && !incomplete())) return;
+    const auto frame = or_throw(robot_.next_telemetry(end));
     if (!frame || frame->selection != KZ_TELEMETRY_STATE) continue;
     const auto ms = static_cast<std::int32_t>(frame->tick - begin_tick);
     if (ms < 0) continue;
@@ -126,7 +134,7 @@ Trace MotorOnBench::watch(double length_s) {
   forget_telemetry();
   const std::uint32_t begin = or_throw(robot_.state()).tick;
   Trace trace;
-  collect(trace, begin, robot_.clock().now() + from_seconds(length_s),
+  collect(trace, begin, robot_.clock().now() + from_seconds(length_s), length_s,
           [](const Sample&) { return false; });
   listen(false);
   return trace;
@@ -140,13 +148,14 @@ Trace MotorOnBench::drive(double duty, double length_s, double within_rad, doubl
   const Time end = robot_.clock().now() + from_seconds(length_s);
   Trace trace;
   bool near = false;
-  collect(trace, begin, end, [&](const Sample& sample) {
+  collect(trace, begin, end, length_s, [&](const Sample& sample) {
     const double left = duty > 0 ? upper_ - sample.angle_rad : sample.angle_rad - lower_;
     return near = within_rad > 0 && left < within_rad;
   });
   if (near) (void)or_throw(robot_.raw_drive(joint_, 0, milliseconds(1)));
   if (after_s > 0) {
-    collect(trace, begin, robot_.clock().now() + from_seconds(after_s),
+    const double driven_s = near ? trace.back().t_s : length_s;
+    collect(trace, begin, robot_.clock().now() + from_seconds(after_s), driven_s + after_s,
             [](const Sample&) { return false; });
   }
   listen(false);
@@ -167,7 +176,7 @@ Trace MotorOnBench::step(double from_rad, double to_rad, double length_s) {
   forget_telemetry();
   const std::uint32_t begin = or_throw(robot_.exchange({&to, 1}, Time::zero())).tick;
   Trace trace;
-  collect(trace, begin, robot_.clock().now() + from_seconds(length_s),
+  collect(trace, begin, robot_.clock().now() + from_seconds(length_s), length_s,
           [](const Sample&) { return false; });
   listen(false);
   or_throw(robot_.enable(0));

@@ -76,9 +76,10 @@ class MotorOnBench {
   void unlock();
   void listen(bool on);
   void forget_telemetry();
-  // Until `until` on the host's clock, or as soon as `enough` returns true.
+  // Until `until` on the host's clock, or as soon as `enough` returns true. Frames of the board's time before
+  // until_s, s after begin_tick, are waited for a little longer: on a busy machine they are read late.
   template <class Enough>
-  void collect(Trace& to, std::uint32_t begin_tick, Time until, Enough enough);
+  void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 
   host::Robot& robot_;
   Stand* stand_;

@@ -2,16 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "hil/bench/motor/motor_bench.h"
 #include "hil/bench/samples.h"
+#include "shared/base/angle.hpp"
 #include "shared/board/table.h"
 
 namespace kaz::hil {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kRange = 2e-4 * KZ_POT_HALF_SPAN;  // rad
 constexpr double kCode = kRange / 1024;
 constexpr int kPlaces = 13;
