@@ -5,11 +5,6 @@
 namespace kaz::hil {
 namespace {
 
-void add(Cases& to, const char* id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kNothing) {
-  to.push_back({std::string("address.") + id, sentence, {statement}, needs, std::move(run)});
-}
-
 // Gives the board an address, and starts it anew.
 void move_to(Board& board, int address, int shared_line) {
   board.done("unlock", Put().u16(KZ_KEY).u8(10));
@@ -43,56 +38,57 @@ void broadcast(Board& board, std::string_view name, const Bytes& fields) {
 
 }  // namespace
 
-void add_address_cases(Cases& to) {
-  add(
-      to, "default", "A board as it comes answers at address 1.", "ADDR-1",
+void add_address_cases(Cases& all) {
+  Chapter to(all, "address", kNothing);
+  to.add(
+      "default", "A board as it comes answers at address 1.", "ADDR-1",
       [](Board& b) { equal("address", b.done("identify").frame().address, 1); }, kDefaultAddress);
-  add(to, "own", "A request to the board's address is answered from that address.", "ADDR-2",
-      [](Board& b) {
-        for (const char* name : {"identify", "state", "clear", "self_test"}) {
-          equal("address", b.done(name).frame().address, b.address);
-        }
-        equal("address of a refusal",
-              b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE).frame().address, b.address);
-      });
-  add(to, "all-done", "A request to all boards is done and not answered.", "ADDR-3", [](Board& b) {
+  to.add("own", "A request to the board's address is answered from that address.", "ADDR-2",
+         [](Board& b) {
+           for (const char* name : {"identify", "state", "clear", "self_test"}) {
+             equal("address", b.done(name).frame().address, b.address);
+           }
+           equal("address of a refusal",
+                 b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE).frame().address, b.address);
+         });
+  to.add("all-done", "A request to all boards is done and not answered.", "ADDR-3", [](Board& b) {
     broadcast(b, "heartbeat", Put().u8(33).u8(KZ_REACTION_HOLD));
     const Reply who = b.done("identify");
     equal("watchdog", who["watchdog_10ms"], 33);
     equal("reaction", who["reaction"], KZ_REACTION_HOLD);
   });
-  add(to, "all-wrong", "Not even a wrong request to all boards is answered.", "ADDR-3",
-      [](Board& b) {
-        broadcast(b, "heartbeat", Put().u8(101).u8(0));
-        broadcast(b, "heartbeat", Put().u8(1));
-        broadcast(b, "read_targets", Put().u32(0x40000));
-      });
-  add(to, "all-questions", "A question to all boards is not answered.", "ADDR-3", [](Board& b) {
+  to.add("all-wrong", "Not even a wrong request to all boards is answered.", "ADDR-3",
+         [](Board& b) {
+           broadcast(b, "heartbeat", Put().u8(101).u8(0));
+           broadcast(b, "heartbeat", Put().u8(1));
+           broadcast(b, "read_targets", Put().u32(0x40000));
+         });
+  to.add("all-questions", "A question to all boards is not answered.", "ADDR-3", [](Board& b) {
     for (const char* name : {"identify", "state", "health", "statistics"}) broadcast(b, name, {});
   });
   for (int other = 0; other < 256; ++other) {
     const bool named = other == 0 || other == 2 || other == 14 || other == 16 || other == 255;
     if (!named) continue;
-    add(to, ("other-" + std::to_string(other)).c_str(),
-        "A request to this address is neither answered nor done nor counted.", "ADDR-4",
-        [other](Board& b) {
-          const long before = b.statistics()["frames"];
-          b.write(frame_of(b.other_than_home(other), KZ_TYPE_stop, b.new_sequence(), {}));
-          b.silence(15);
-          equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
-          equal("valid frames", b.statistics()["frames"] - before, 2);
-        });
+    to.add(("other-" + std::to_string(other)).c_str(),
+           "A request to this address is neither answered nor done nor counted.", "ADDR-4",
+           [other](Board& b) {
+             const long before = b.statistics()["frames"];
+             b.write(frame_of(b.other_than_home(other), KZ_TYPE_stop, b.new_sequence(), {}));
+             b.silence(15);
+             equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
+             equal("valid frames", b.statistics()["frames"] - before, 2);
+           });
   }
   for (const int type : {0x81, 0x87, 0xC0, 0xFF, 0x80}) {
-    add(to, ("reply-type-" + std::to_string(type)).c_str(),
-        "A frame of this type, which has bit 7, is ignored.", "ADDR-5", [type](Board& b) {
-          b.write(frame_of(b.address, static_cast<std::uint8_t>(type), b.new_sequence(), {}));
-          b.silence(15);
-          b.expect_alive();
-        });
+    to.add(("reply-type-" + std::to_string(type)).c_str(),
+           "A frame of this type, which has bit 7, is ignored.", "ADDR-5", [type](Board& b) {
+             b.write(frame_of(b.address, static_cast<std::uint8_t>(type), b.new_sequence(), {}));
+             b.silence(15);
+             b.expect_alive();
+           });
   }
-  add(
-      to, "set", "`set_address` moves the board, from its next reset on.", "ADDR-6",
+  to.add(
+      "set", "`set_address` moves the board, from its next reset on.", "ADDR-6",
       [](Board& b) {
         b.done("unlock", Put().u16(KZ_KEY).u8(10));
         const std::uint8_t other = b.other_than_home(9);
@@ -108,11 +104,11 @@ void add_address_cases(Cases& to) {
         b.expect_alive();
       },
       kFlash);
-  add(
-      to, "set-last", "Address 14 can be had too.", "ADDR-6",
+  to.add(
+      "set-last", "Address 14 can be had too.", "ADDR-6",
       [](Board& b) { while_at(b, KZ_ADDRESS_LAST, 0, [&] { b.expect_alive(); }); }, kFlash);
-  add(
-      to, "shared-line", "On a shared line telemetry is refused and no capability.", "ADDR-7",
+  to.add(
+      "shared-line", "On a shared line telemetry is refused and no capability.", "ADDR-7",
       [](Board& b) {
         check((b.done("identify")["capabilities"] & KZ_CAPABILITY_TELEMETRY) != 0,
               "alone on its line the board does not report telemetry");

@@ -8,11 +8,6 @@
 namespace kaz::hil {
 namespace {
 
-void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kMotion) {
-  to.push_back({"bench." + id, sentence, {statement}, needs, std::move(run)});
-}
-
 Bytes key(int seconds) {
   return Put().u16(KZ_KEY).u8(seconds);
 }
@@ -35,9 +30,9 @@ void drive_is(Board& b, int joint, double wanted) {
                                            std::to_string(wanted) + ", got " + std::to_string(got));
 }
 
-void add_lock(Cases& to) {
-  add(
-      to, "unlock", "`unlock` unlocks, 0 seconds lock again.", "BENCH-1",
+void add_lock(Chapter& to) {
+  to.add(
+      "unlock", "`unlock` unlocks, 0 seconds lock again.", "BENCH-1",
       [](Board& b) {
         unlock(b);
         check(b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is not set");
@@ -45,8 +40,8 @@ void add_lock(Cases& to) {
         b.refused("raw_drive", drive(0, 0, 10), KZ_REFUSED_LOCKED);
       },
       kNothing);
-  add(
-      to, "unlock-time", "The lock falls after the given seconds.", "BENCH-1",
+  to.add(
+      "unlock-time", "The lock falls after the given seconds.", "BENCH-1",
       [](Board& b) {
         unlock(b, 1);
         b.wait(900);
@@ -55,8 +50,8 @@ void add_lock(Cases& to) {
         check(!b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is set after 1.05 s");
       },
       kNothing);
-  add(
-      to, "unlock-again", "A further `unlock` begins the time anew.", "BENCH-1",
+  to.add(
+      "unlock-again", "A further `unlock` begins the time anew.", "BENCH-1",
       [](Board& b) {
         unlock(b, 1);
         b.wait(600);
@@ -65,13 +60,13 @@ void add_lock(Cases& to) {
         check(b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is not set");
       },
       kNothing);
-  add(to, "unlock-armed", "`unlock` is refused with ARMED while a motor is on.", "BENCH-1",
-      [](Board& b) {
-        b.enable(1);
-        b.refused("unlock", key(5), KZ_REFUSED_ARMED);
-      });
-  add(
-      to, "unlock-key", "Another key is refused with RANGE.", "BENCH-1",
+  to.add("unlock-armed", "`unlock` is refused with ARMED while a motor is on.", "BENCH-1",
+         [](Board& b) {
+           b.enable(1);
+           b.refused("unlock", key(5), KZ_REFUSED_ARMED);
+         });
+  to.add(
+      "unlock-key", "Another key is refused with RANGE.", "BENCH-1",
       [](Board& b) {
         for (const int wrong : {0, 0x5A4B, 0xFFFF, KZ_KEY ^ 1}) {
           b.refused("unlock", Put().u16(wrong).u8(5), KZ_REFUSED_RANGE, 0);
@@ -79,16 +74,16 @@ void add_lock(Cases& to) {
         check(!b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is set");
       },
       kNothing);
-  add(
-      to, "unlock-reset", "A reset locks.", "BENCH-1",
+  to.add(
+      "unlock-reset", "A reset locks.", "BENCH-1",
       [](Board& b) {
         unlock(b, 60);
         b.reset_by_command();
         check(!b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is set");
       },
       kNothing);
-  add(
-      to, "locked", "`raw_drive` and `set_address` are refused with LOCKED.", "BENCH-2",
+  to.add(
+      "locked", "`raw_drive` and `set_address` are refused with LOCKED.", "BENCH-2",
       [](Board& b) {
         b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_LOCKED);
         b.refused("set_address", Put().u8(1).u8(0), KZ_REFUSED_LOCKED);
@@ -97,10 +92,9 @@ void add_lock(Cases& to) {
       kNothing);
 }
 
-void add_raw(Cases& to) {
-  add(
-      to, "raw", "`raw_drive` drives for its time, status RAW_DRIVE, then the motor is off.",
-      "BENCH-3",
+void add_raw(Chapter& to) {
+  to.add(
+      "raw", "`raw_drive` drives for its time, status RAW_DRIVE, then the motor is off.", "BENCH-3",
       [](Board& b) {
         unlock(b);
         check(b.done("raw_drive", drive(0, 40, 100)).flag(KZ_STATUS_RAW_DRIVE),
@@ -114,8 +108,8 @@ void add_raw(Cases& to) {
       kMotion | kExact);
   for (const int joint : {0, 5, 6, 9, 12, 17}) {
     for (const int duty : {60, -60}) {
-      add(
-          to, "raw-pins-" + std::to_string(joint) + (duty > 0 ? "-forth" : "-back"),
+      to.add(
+          "raw-pins-" + std::to_string(joint) + (duty > 0 ? "-forth" : "-back"),
           "This motor gets its duty in its sense, no other any.", "BENCH-3",
           [joint, duty](Board& b) {
             unlock(b);
@@ -128,8 +122,8 @@ void add_raw(Cases& to) {
           kMotion | kBench);
     }
   }
-  add(
-      to, "raw-full", "Full duty is constant high.", "BENCH-3",
+  to.add(
+      "raw-full", "Full duty is constant high.", "BENCH-3",
       [](Board& b) {
         unlock(b);
         b.bench().block_joint(0, true);
@@ -138,21 +132,21 @@ void add_raw(Cases& to) {
         drive_is(b, 0, 1);
       },
       kMotion | kBench);
-  add(to, "raw-armed", "`raw_drive` is refused with ARMED while a joint is enabled.", "BENCH-3",
-      [](Board& b) {
-        unlock(b);
-        b.enable(2);
-        b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_ARMED);
-      });
-  add(to, "raw-latched", "`raw_drive` is refused with FAULT while a shutdown is latched.",
-      "BENCH-3", [](Board& b) {
-        unlock(b);
-        b.done("stop");
-        b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_FAULT, KZ_SHUTDOWN_STOP);
-        b.expect_off();
-      });
-  add(
-      to, "raw-replaced", "A further `raw_drive` replaces the one under way.", "BENCH-4",
+  to.add("raw-armed", "`raw_drive` is refused with ARMED while a joint is enabled.", "BENCH-3",
+         [](Board& b) {
+           unlock(b);
+           b.enable(2);
+           b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_ARMED);
+         });
+  to.add("raw-latched", "`raw_drive` is refused with FAULT while a shutdown is latched.", "BENCH-3",
+         [](Board& b) {
+           unlock(b);
+           b.done("stop");
+           b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_FAULT, KZ_SHUTDOWN_STOP);
+           b.expect_off();
+         });
+  to.add(
+      "raw-replaced", "A further `raw_drive` replaces the one under way.", "BENCH-4",
       [](Board& b) {
         unlock(b);
         b.done("raw_drive", drive(0, 40, 500));
@@ -163,7 +157,7 @@ void add_raw(Cases& to) {
         drive_is(b, 1, -50 / 255.0);
       },
       kMotion | kBench);
-  add(to, "raw-zero", "Duty 0 ends it.", "BENCH-4", [](Board& b) {
+  to.add("raw-zero", "Duty 0 ends it.", "BENCH-4", [](Board& b) {
     unlock(b);
     b.done("raw_drive", drive(0, 40, 1000));
     b.done("raw_drive", drive(0, 0, 1000));
@@ -171,7 +165,7 @@ void add_raw(Cases& to) {
     check(!driven(b), "RAW_DRIVE is set");
     b.expect_off();
   });
-  add(to, "raw-enable", "`enable` ends it.", "BENCH-4", [](Board& b) {
+  to.add("raw-enable", "`enable` ends it.", "BENCH-4", [](Board& b) {
     unlock(b);
     b.done("raw_drive", drive(0, 40, 1000));
     b.done("enable", Put().u32(0));
@@ -179,7 +173,7 @@ void add_raw(Cases& to) {
     check(!driven(b), "RAW_DRIVE is set");
     b.expect_off();
   });
-  add(to, "raw-stop", "`stop` ends it.", "BENCH-4", [](Board& b) {
+  to.add("raw-stop", "`stop` ends it.", "BENCH-4", [](Board& b) {
     unlock(b);
     b.done("raw_drive", drive(0, 40, 1000));
     b.done("stop");
@@ -188,7 +182,7 @@ void add_raw(Cases& to) {
     b.expect_off();
     equal("reason", b.state().reason(), KZ_SHUTDOWN_STOP);
   });
-  add(to, "raw-lock", "The lock ends it.", "BENCH-4", [](Board& b) {
+  to.add("raw-lock", "The lock ends it.", "BENCH-4", [](Board& b) {
     unlock(b, 1);
     b.wait(500);
     b.done("raw_drive", drive(0, 20, 2000));
@@ -200,10 +194,10 @@ void add_raw(Cases& to) {
   });
 }
 
-void add_safe(Cases& to) {
+void add_safe(Chapter& to) {
   for (const int sign : {1, -1}) {
-    add(
-        to, std::string("raw-limit-") + (sign > 0 ? "upper" : "lower"),
+    to.add(
+        std::string("raw-limit-") + (sign > 0 ? "upper" : "lower"),
         "`raw_drive` does not drive a joint out of this soft limit.", "BENCH-5",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
@@ -220,8 +214,8 @@ void add_safe(Cases& to) {
           drive_is(b, 0, -sign * 60 / 255.0);  // inward it is
         },
         kMotion | kBench);
-    add(
-        to, std::string("raw-overshoot-") + (sign > 0 ? "upper" : "lower"),
+    to.add(
+        std::string("raw-overshoot-") + (sign > 0 ? "upper" : "lower"),
         "A full `raw_drive` does not carry a joint 0.03 rad past this soft limit.", "BENCH-5",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
@@ -238,22 +232,22 @@ void add_safe(Cases& to) {
         },
         kMotion | kBench);
   }
-  add(to, "raw-link", "The link watchdog ends it, also with reaction HOLD.", "BENCH-5",
-      [](Board& b) {
-        for (const int reaction : {KZ_REACTION_LIMP, KZ_REACTION_HOLD}) {
-          b.watchdog(0, reaction);
-          unlock(b);
-          b.done("raw_drive", drive(0, 20, 2000));
-          b.wait(130);
-          const Reply state = b.state();
-          check(!state.flag(KZ_STATUS_RAW_DRIVE), "RAW_DRIVE is set");
-          equal("reason", state.reason(), KZ_SHUTDOWN_LINK_LOST);
-          b.expect_off();
-          b.done("clear");
-        }
-      });
-  add(
-      to, "raw-supply", "A bad supply ends it.", "BENCH-5",
+  to.add("raw-link", "The link watchdog ends it, also with reaction HOLD.", "BENCH-5",
+         [](Board& b) {
+           for (const int reaction : {KZ_REACTION_LIMP, KZ_REACTION_HOLD}) {
+             b.watchdog(0, reaction);
+             unlock(b);
+             b.done("raw_drive", drive(0, 20, 2000));
+             b.wait(130);
+             const Reply state = b.state();
+             check(!state.flag(KZ_STATUS_RAW_DRIVE), "RAW_DRIVE is set");
+             equal("reason", state.reason(), KZ_SHUTDOWN_LINK_LOST);
+             b.expect_off();
+             b.done("clear");
+           }
+         });
+  to.add(
+      "raw-supply", "A bad supply ends it.", "BENCH-5",
       [](Board& b) {
         unlock(b);
         b.done("raw_drive", drive(0, 20, 2000));
@@ -263,8 +257,8 @@ void add_safe(Cases& to) {
         equal("reason", b.state().reason(), KZ_SHUTDOWN_UNDERVOLTAGE);
       },
       kMotion | kBench);
-  add(
-      to, "raw-pot", "A potentiometer that is gone ends it.", "BENCH-5",
+  to.add(
+      "raw-pot", "A potentiometer that is gone ends it.", "BENCH-5",
       [](Board& b) {
         unlock(b);
         b.done("raw_drive", drive(0, 20, 2000));
@@ -277,9 +271,9 @@ void add_safe(Cases& to) {
       kMotion | kBench);
 }
 
-void add_restarts(Cases& to) {
-  add(
-      to, "reset", "`reset` answers, then starts the board anew; cause COMMAND.", "BENCH-6",
+void add_restarts(Chapter& to) {
+  to.add(
+      "reset", "`reset` answers, then starts the board anew; cause COMMAND.", "BENCH-6",
       [](Board& b) {
         b.wait(100);
         const long before = b.state()["tick"];
@@ -289,23 +283,23 @@ void add_restarts(Cases& to) {
         equal("cause", who["reset_cause"], KZ_RESET_COMMAND);
       },
       kNothing);
-  add(to, "reset-armed", "`reset` and `loader` are refused with ARMED while a motor is on.",
-      "BENCH-6", [](Board& b) {
-        b.enable(1);
-        b.refused("reset", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
-        b.refused("loader", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
-        check(b.state().flag(KZ_STATUS_ENABLED), "the motor went off");
-      });
-  add(
-      to, "reset-unlatches", "A reset forgets what is latched.", "BENCH-6",
+  to.add("reset-armed", "`reset` and `loader` are refused with ARMED while a motor is on.",
+         "BENCH-6", [](Board& b) {
+           b.enable(1);
+           b.refused("reset", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
+           b.refused("loader", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
+           check(b.state().flag(KZ_STATUS_ENABLED), "the motor went off");
+         });
+  to.add(
+      "reset-unlatches", "A reset forgets what is latched.", "BENCH-6",
       [](Board& b) {
         b.done("stop");
         b.reset_by_command();
         equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
       },
       kNothing);
-  add(
-      to, "loader", "`loader` leaves the application, which is back after 3 s; cause COMMAND.",
+  to.add(
+      "loader", "`loader` leaves the application, which is back after 3 s; cause COMMAND.",
       "BENCH-7",
       [](Board& b) {
         b.done("loader", Put().u16(KZ_KEY));
@@ -318,16 +312,17 @@ void add_restarts(Cases& to) {
         b.expect_off();
       },
       kNothing);
-  add(to, "loader-armed", "`loader` is refused with ARMED while a motor is on.", "BENCH-7",
-      [](Board& b) {
-        b.enable(1);
-        b.refused("loader", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
-      });
+  to.add("loader-armed", "`loader` is refused with ARMED while a motor is on.", "BENCH-7",
+         [](Board& b) {
+           b.enable(1);
+           b.refused("loader", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
+         });
 }
 
 }  // namespace
 
-void add_bench_cases(Cases& to) {
+void add_bench_cases(Cases& all) {
+  Chapter to(all, "bench", kMotion);
   add_lock(to);
   add_raw(to);
   add_safe(to);

@@ -7,11 +7,6 @@
 namespace kaz::hil {
 namespace {
 
-void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kNothing) {
-  to.push_back({"calibration." + id, sentence, {statement}, needs, std::move(run)});
-}
-
 struct Values {
   std::vector<long> centre, scale;
   bool operator==(const Values&) const = default;
@@ -79,22 +74,22 @@ void with_stored(Board& b, Then then) {
   back();
 }
 
-void add_use(Cases& to) {
-  add(to, "reported", "`calibration` reports values, source, number and wear.", "CAL-1",
-      [](Board& b) {
-        const Reply now = b.done("calibration");
-        within("erases of A", now["erases_a"], 0, 100);
-        within("erases of B", now["erases_b"], 0, 100);
-        for (int j = 0; j < KZ_JOINTS; ++j) {
-          const Values usual = nominal();
-          const auto i = static_cast<std::size_t>(j);
-          within("centre of joint " + std::to_string(j), now.number("centre", j),
-                 usual.centre[i] - KZ_CENTRE_TOLERANCE, usual.centre[i] + KZ_CENTRE_TOLERANCE);
-        }
-      });
-  add(to, "nominal", "Without a stored copy values are nominal and UNCALIBRATED is set.", "CAL-5",
-      [](Board& b) { expect_valid(b); });
-  add(to, "set", "`calibrate` sets the joints of its mask, no others.", "CAL-2", [](Board& b) {
+void add_use(Chapter& to) {
+  to.add("reported", "`calibration` reports values, source, number and wear.", "CAL-1",
+         [](Board& b) {
+           const Reply now = b.done("calibration");
+           within("erases of A", now["erases_a"], 0, 100);
+           within("erases of B", now["erases_b"], 0, 100);
+           for (int j = 0; j < KZ_JOINTS; ++j) {
+             const Values usual = nominal();
+             const auto i = static_cast<std::size_t>(j);
+             within("centre of joint " + std::to_string(j), now.number("centre", j),
+                    usual.centre[i] - KZ_CENTRE_TOLERANCE, usual.centre[i] + KZ_CENTRE_TOLERANCE);
+           }
+         });
+  to.add("nominal", "Without a stored copy values are nominal and UNCALIBRATED is set.", "CAL-5",
+         [](Board& b) { expect_valid(b); });
+  to.add("set", "`calibrate` sets the joints of its mask, no others.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     b.done("calibrate", calibrate_one(3, before.centre[3] + 200, before.scale[3] - 100));
     const Values after = values_of(b.done("calibration"));
@@ -103,7 +98,7 @@ void add_use(Cases& to) {
     wanted.scale[3] -= 100;
     check(after == wanted, "the values are not what was set");
   });
-  add(to, "set-all", "`calibrate` takes all 18 joints at once.", "CAL-2", [](Board& b) {
+  to.add("set-all", "`calibrate` takes all 18 joints at once.", "CAL-2", [](Board& b) {
     Values wanted = nominal();
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
       wanted.centre[j] += 10 * static_cast<long>(j) - 90;
@@ -112,15 +107,15 @@ void add_use(Cases& to) {
     b.done("calibrate", calibrate_all(wanted));
     check(values_of(b.done("calibration")) == wanted, "the values are not what was set");
   });
-  add(to, "angle-follows", "Angles follow the new centre at once.", "CAL-2", [](Board& b) {
+  to.add("angle-follows", "Angles follow the new centre at once.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     const long angle = b.angle(0);
     b.done("calibrate", calibrate_one(0, before.centre[0] + 1000, before.scale[0]));
     b.wait(5);
     within("angle", b.angle(0), angle + 960, angle + 1040);
   });
-  add(
-      to, "angle-follows-scale", "Angles follow the new scale at once.", "CAL-2",
+  to.add(
+      "angle-follows-scale", "Angles follow the new scale at once.", "CAL-2",
       [](Board& b) {
         b.bench().place_joint(0, 0.8);
         b.done("calibrate", calibrate_one(0, 0, 16581 * 9 / 8));
@@ -128,14 +123,14 @@ void add_use(Cases& to) {
         within("angle", b.angle(0), 8950, 9050);
       },
       kBench);
-  add(to, "until-reset", "What was not stored is gone after a reset.", "CAL-2", [](Board& b) {
+  to.add("until-reset", "What was not stored is gone after a reset.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     b.done("calibrate", calibrate_one(2, before.centre[2] + 100, before.scale[2]));
     b.reset_by_command();
     check(values_of(b.done("calibration")) == before, "a calibration in RAM outlived a reset");
   });
-  add(
-      to, "armed", "`calibrate` and `store_calibration` are refused while a motor is on.", "CAL-2",
+  to.add(
+      "armed", "`calibrate` and `store_calibration` are refused while a motor is on.", "CAL-2",
       [](Board& b) {
         const Values now = values_of(b.done("calibration"));
         b.enable(1);
@@ -150,29 +145,29 @@ void add_use(Cases& to) {
     const auto i = static_cast<std::size_t>(joint);
     const long centre = usual.centre[i], scale = usual.scale[i];
     const long quarter = (scale > 0 ? scale : -scale) / 4;
-    add(to, "range-" + std::to_string(joint),
-        "A centre or scale of this joint too far from nominal is refused with RANGE.", "CAL-2",
-        [=](Board& b) {
-          const Values before = values_of(b.done("calibration"));
-          for (const long wrong :
-               {centre - KZ_CENTRE_TOLERANCE - 1, centre + KZ_CENTRE_TOLERANCE + 1}) {
-            b.refused("calibrate", calibrate_one(joint, wrong, scale), KZ_REFUSED_RANGE, joint);
-          }
-          for (const long wrong : {scale - quarter - 2, scale + quarter + 2, -scale, 0L}) {
-            b.refused("calibrate", calibrate_one(joint, centre, wrong), KZ_REFUSED_RANGE, joint);
-          }
-          check(values_of(b.done("calibration")) == before, "a refused calibration was taken");
-          b.done("calibrate",
-                 calibrate_one(joint, centre - KZ_CENTRE_TOLERANCE, scale - quarter + 1));
-          b.done("calibrate",
-                 calibrate_one(joint, centre + KZ_CENTRE_TOLERANCE, scale + quarter - 1));
-        });
+    to.add("range-" + std::to_string(joint),
+           "A centre or scale of this joint too far from nominal is refused with RANGE.", "CAL-2",
+           [=](Board& b) {
+             const Values before = values_of(b.done("calibration"));
+             for (const long wrong :
+                  {centre - KZ_CENTRE_TOLERANCE - 1, centre + KZ_CENTRE_TOLERANCE + 1}) {
+               b.refused("calibrate", calibrate_one(joint, wrong, scale), KZ_REFUSED_RANGE, joint);
+             }
+             for (const long wrong : {scale - quarter - 2, scale + quarter + 2, -scale, 0L}) {
+               b.refused("calibrate", calibrate_one(joint, centre, wrong), KZ_REFUSED_RANGE, joint);
+             }
+             check(values_of(b.done("calibration")) == before, "a refused calibration was taken");
+             b.done("calibrate",
+                    calibrate_one(joint, centre - KZ_CENTRE_TOLERANCE, scale - quarter + 1));
+             b.done("calibrate",
+                    calibrate_one(joint, centre + KZ_CENTRE_TOLERANCE, scale + quarter - 1));
+           });
   }
 }
 
-void add_store(Cases& to) {
-  add(
-      to, "store", "What is stored is in use after a reset.", "CAL-4",
+void add_store(Chapter& to) {
+  to.add(
+      "store", "What is stored is in use after a reset.", "CAL-4",
       [](Board& b) {
         with_stored(b, [&](const Values& old) {
           Values wanted = old;
@@ -191,8 +186,8 @@ void add_store(Cases& to) {
         });
       },
       kFlash);
-  add(
-      to, "store-answers", "`store_calibration` answers within 3 s; its copies have new numbers.",
+  to.add(
+      "store-answers", "`store_calibration` answers within 3 s; its copies have new numbers.",
       "CAL-3",
       [](Board& b) {
         long number = b.done("calibration")["sequence"];
@@ -205,8 +200,8 @@ void add_store(Cases& to) {
         }
       },
       kFlash);
-  add(
-      to, "store-many", "The store goes on when a block is full, and wear is reported.", "CAL-1",
+  to.add(
+      "store-many", "The store goes on when a block is full, and wear is reported.", "CAL-1",
       [](Board& b) {
         const Reply before = b.done("calibration");
         Reply stored = b.done("store_calibration", {}, 3000);
@@ -218,9 +213,8 @@ void add_store(Cases& to) {
         equal("number after a reset", b.done("calibration")["sequence"], stored["sequence"]);
       },
       kFlash | kBench);  // 13 copies are much for the life of a real part
-  add(
-      to, "power-lost", "Power lost while storing leaves one valid copy, the old or the new.",
-      "CAL-4",
+  to.add(
+      "power-lost", "Power lost while storing leaves one valid copy, the old or the new.", "CAL-4",
       [](Board& b) {
         with_stored(b, [&](const Values& old) {
           b.done("store_calibration", {}, 3000);
@@ -248,7 +242,8 @@ void add_store(Cases& to) {
 
 }  // namespace
 
-void add_calibration_cases(Cases& to) {
+void add_calibration_cases(Cases& all) {
+  Chapter to(all, "calibration", kNothing);
   add_use(to);
   add_store(to);
 }

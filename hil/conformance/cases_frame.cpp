@@ -83,46 +83,41 @@ void damaged_then_whole(Board& board, Damage damage) {
   }
 }
 
-void add(Cases& to, const char* id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kNothing) {
-  to.push_back({std::string("frame.") + id, sentence, {statement}, needs, std::move(run)});
-}
-
-void add_before(Cases& to) {
-  add(to, "zeros-around", "Replies begin and end with a zero of their own.", "FRAME-1",
-      [](Board& b) {
-        for (const char* name : {"identify", "state", "statistics", "health"}) b.done(name);
-        b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE);
-        equal("bytes outside of frames", b.wild_bytes(), 0);
-      });
-  add(to, "zeros-around-back-to-back", "Two replies in a row do not share a zero.", "FRAME-1",
-      [](Board& b) {
-        const std::uint8_t first = b.new_sequence(), second = b.new_sequence();
-        Bytes wire = b.request_bytes("state", {}, first);
-        append(wire, b.request_bytes("health", {}, second));
-        b.write(wire);
-        b.take("state", first);
-        b.take("health", second);
-        equal("bytes outside of frames", b.wild_bytes(), 0);
-      });
-  add(to, "noise-before", "Noise before the first zero does not matter.", "FRAME-2", [](Board& b) {
+void add_before(Chapter& to) {
+  to.add("zeros-around", "Replies begin and end with a zero of their own.", "FRAME-1",
+         [](Board& b) {
+           for (const char* name : {"identify", "state", "statistics", "health"}) b.done(name);
+           b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE);
+           equal("bytes outside of frames", b.wild_bytes(), 0);
+         });
+  to.add("zeros-around-back-to-back", "Two replies in a row do not share a zero.", "FRAME-1",
+         [](Board& b) {
+           const std::uint8_t first = b.new_sequence(), second = b.new_sequence();
+           Bytes wire = b.request_bytes("state", {}, first);
+           append(wire, b.request_bytes("health", {}, second));
+           b.write(wire);
+           b.take("state", first);
+           b.take("health", second);
+           equal("bytes outside of frames", b.wild_bytes(), 0);
+         });
+  to.add("noise-before", "Noise before the first zero does not matter.", "FRAME-2", [](Board& b) {
     for (int n = 0; n < 10; ++n) answered_after(b, random_bytes(b, 1 + n * 5, 1));
   });
-  add(to, "half-frame-before", "Half a frame before does not matter.", "FRAME-2", [](Board& b) {
+  to.add("half-frame-before", "Half a frame before does not matter.", "FRAME-2", [](Board& b) {
     std::uint8_t sequence;
     const Bytes whole = valid_frame(b, sequence);
     for (std::size_t cut = 1; cut + 1 < whole.size(); ++cut) {
       answered_after(b, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(cut)});
     }
   });
-  add(to, "tail-before", "The tail of a frame before does not matter.", "FRAME-2", [](Board& b) {
+  to.add("tail-before", "The tail of a frame before does not matter.", "FRAME-2", [](Board& b) {
     std::uint8_t sequence;
     const Bytes whole = valid_frame(b, sequence);
     for (std::size_t cut = 2; cut < whole.size(); ++cut) {
       answered_after(b, {whole.begin() + static_cast<std::ptrdiff_t>(cut), whole.end()});
     }
   });
-  add(to, "zeros-between", "Many zeros before a frame mean nothing.", "FRAME-3", [](Board& b) {
+  to.add("zeros-between", "Many zeros before a frame mean nothing.", "FRAME-3", [](Board& b) {
     const Reply before = b.statistics();
     answered_after(b, Bytes(1, 0));
     answered_after(b, Bytes(2, 0));
@@ -131,7 +126,7 @@ void add_before(Cases& to) {
     equal("frames that were too short", after["too_short"] - before["too_short"], 0);
     equal("frames with a wrong check", after["bad_check"] - before["bad_check"], 0);
   });
-  add(to, "shared-zero", "One zero may end a frame and begin the next.", "FRAME-3", [](Board& b) {
+  to.add("shared-zero", "One zero may end a frame and begin the next.", "FRAME-3", [](Board& b) {
     std::uint8_t first, second;
     Bytes wire = valid_frame(b, first);
     const Bytes other = valid_frame(b, second);
@@ -142,12 +137,12 @@ void add_before(Cases& to) {
   });
 }
 
-void add_damage(Cases& to) {
-  add(to, "one-bit", "A frame with one flipped bit is not answered, whichever byte it is in.",
-      "FRAME-4", [](Board& b) { damage_each_byte(b, 0x01); });
-  add(to, "one-byte", "A frame with one byte inverted is not answered, whichever it is.", "FRAME-4",
-      [](Board& b) { damage_each_byte(b, 0xFF); });
-  add(to, "not-done", "A damaged `stop` or `heartbeat` changes nothing.", "FRAME-4", [](Board& b) {
+void add_damage(Chapter& to) {
+  to.add("one-bit", "A frame with one flipped bit is not answered, whichever byte it is in.",
+         "FRAME-4", [](Board& b) { damage_each_byte(b, 0x01); });
+  to.add("one-byte", "A frame with one byte inverted is not answered, whichever it is.", "FRAME-4",
+         [](Board& b) { damage_each_byte(b, 0xFF); });
+  to.add("not-done", "A damaged `stop` or `heartbeat` changes nothing.", "FRAME-4", [](Board& b) {
     for (std::size_t at = 1; at < 8; ++at) {
       Bytes wire = b.request_bytes("stop");
       wire[at] = static_cast<std::uint8_t>(wire[at] ^ 0x10);
@@ -157,128 +152,129 @@ void add_damage(Cases& to) {
     }
     equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
   });
-  add(to, "damaged-then-whole", "A whole frame behind a damaged byte is received.", "FRAME-5",
-      [](Board& b) {
-        damaged_then_whole(b, [&](Bytes& wire, std::size_t at) {
-          wire[at] = static_cast<std::uint8_t>(wire[at] ^ (1 + b.random()() % 255));
-        });
-      });
-  add(to, "lost-then-whole", "A whole frame behind a lost byte is received.", "FRAME-5",
-      [](Board& b) {
-        damaged_then_whole(b, [](Bytes& wire, std::size_t at) {
-          wire.erase(wire.begin() + static_cast<std::ptrdiff_t>(at));
-        });
-      });
-  add(to, "inserted-then-whole", "A whole frame behind an inserted byte is received.", "FRAME-5",
-      [](Board& b) {
-        damaged_then_whole(b, [&](Bytes& wire, std::size_t at) {
-          wire.insert(wire.begin() + static_cast<std::ptrdiff_t>(at),
-                      static_cast<std::uint8_t>(b.random()()));
-        });
-      });
-  add(to, "lost-zero-then-whole",
-      "A frame whose closing zero was lost does not take the next along.", "FRAME-5", [](Board& b) {
-        std::uint8_t first, second;
-        Bytes wire = valid_frame(b, first);
-        wire.pop_back();
-        append(wire, valid_frame(b, second));
-        b.write(wire);
-        b.take("heartbeat", first);  // the next frame's zero ended it
-        b.take("heartbeat", second);
-      });
-  add(to, "burst-then-whole", "A whole frame behind a burst of 20 damaged bytes is received.",
-      "FRAME-5", [](Board& b) {
-        for (int n = 0; n < 20; ++n) {
-          std::uint8_t sequence;
-          Bytes wire = b.request_bytes("read_targets", Put().u32(0x01010101 & KZ_ALL_JOINTS));
-          append(wire, random_bytes(b, 20, 0));
-          append(wire, valid_frame(b, sequence));
-          b.write(wire);
-          bool answered = false;
-          while (const auto frame = b.next(30)) answered |= frame->sequence == sequence;
-          check(answered, "the frame behind a burst is not answered");
-        }
-      });
+  to.add("damaged-then-whole", "A whole frame behind a damaged byte is received.", "FRAME-5",
+         [](Board& b) {
+           damaged_then_whole(b, [&](Bytes& wire, std::size_t at) {
+             wire[at] = static_cast<std::uint8_t>(wire[at] ^ (1 + b.random()() % 255));
+           });
+         });
+  to.add("lost-then-whole", "A whole frame behind a lost byte is received.", "FRAME-5",
+         [](Board& b) {
+           damaged_then_whole(b, [](Bytes& wire, std::size_t at) {
+             wire.erase(wire.begin() + static_cast<std::ptrdiff_t>(at));
+           });
+         });
+  to.add("inserted-then-whole", "A whole frame behind an inserted byte is received.", "FRAME-5",
+         [](Board& b) {
+           damaged_then_whole(b, [&](Bytes& wire, std::size_t at) {
+             wire.insert(wire.begin() + static_cast<std::ptrdiff_t>(at),
+                         static_cast<std::uint8_t>(b.random()()));
+           });
+         });
+  to.add("lost-zero-then-whole",
+         "A frame whose closing zero was lost does not take the next along.", "FRAME-5",
+         [](Board& b) {
+           std::uint8_t first, second;
+           Bytes wire = valid_frame(b, first);
+           wire.pop_back();
+           append(wire, valid_frame(b, second));
+           b.write(wire);
+           b.take("heartbeat", first);  // the next frame's zero ended it
+           b.take("heartbeat", second);
+         });
+  to.add("burst-then-whole", "A whole frame behind a burst of 20 damaged bytes is received.",
+         "FRAME-5", [](Board& b) {
+           for (int n = 0; n < 20; ++n) {
+             std::uint8_t sequence;
+             Bytes wire = b.request_bytes("read_targets", Put().u32(0x01010101 & KZ_ALL_JOINTS));
+             append(wire, random_bytes(b, 20, 0));
+             append(wire, valid_frame(b, sequence));
+             b.write(wire);
+             bool answered = false;
+             while (const auto frame = b.next(30)) answered |= frame->sequence == sequence;
+             check(answered, "the frame behind a burst is not answered");
+           }
+         });
 }
 
-void add_counts(Cases& to) {
-  add(to, "bad-check", "A frame with a wrong check is dropped and counted.", "FRAME-6",
-      [](Board& b) {
-        for (int place = 2; place <= 4; ++place) {
-          Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
-          wire[wire.size() - static_cast<std::size_t>(place)] ^= 0x01;
-          dropped_as(b, wire, "bad_check");
-        }
-      });
-  add(to, "bad-check-high-bits", "The upper bits of the check's bytes are part of it.", "FRAME-6",
-      [](Board& b) {
-        Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
-        wire[wire.size() - 4] ^= 0x40;
-        dropped_as(b, wire, "bad_check");
-        wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
-        wire[wire.size() - 2] ^= 0x80;
-        if (wire[wire.size() - 2] != 0) dropped_as(b, wire, "bad_check");
-      });
-  add(to, "check-of-body", "A check over the body before stuffing is a wrong one.", "FRAME-6",
-      [](Board& b) {
-        const Bytes body{b.home(), KZ_TYPE_heartbeat, b.new_sequence(), 0, 0};
-        Bytes wire{0};
-        append(wire, stuff(body));
-        append(wire, check_of(crc_of(body)));
-        wire.push_back(0);
-        dropped_as(b, wire, "bad_check");
-      });
-  add(to, "bad-stuffing", "A block that reaches beyond the frame is dropped and counted.",
-      "FRAME-7", [](Board& b) {
-        Bytes stuffed = stuff({b.home(), KZ_TYPE_identify, b.new_sequence()});
-        stuffed[0] = static_cast<std::uint8_t>(stuffed[0] + 1);
-        dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
-        stuffed[0] = 0xFF;
-        dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
-      });
-  add(to, "bad-stuffing-last", "So is a last block that lacks one byte.", "FRAME-7", [](Board& b) {
+void add_counts(Chapter& to) {
+  to.add("bad-check", "A frame with a wrong check is dropped and counted.", "FRAME-6",
+         [](Board& b) {
+           for (int place = 2; place <= 4; ++place) {
+             Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
+             wire[wire.size() - static_cast<std::size_t>(place)] ^= 0x01;
+             dropped_as(b, wire, "bad_check");
+           }
+         });
+  to.add("bad-check-high-bits", "The upper bits of the check's bytes are part of it.", "FRAME-6",
+         [](Board& b) {
+           Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
+           wire[wire.size() - 4] ^= 0x40;
+           dropped_as(b, wire, "bad_check");
+           wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
+           wire[wire.size() - 2] ^= 0x80;
+           if (wire[wire.size() - 2] != 0) dropped_as(b, wire, "bad_check");
+         });
+  to.add("check-of-body", "A check over the body before stuffing is a wrong one.", "FRAME-6",
+         [](Board& b) {
+           const Bytes body{b.home(), KZ_TYPE_heartbeat, b.new_sequence(), 0, 0};
+           Bytes wire{0};
+           append(wire, stuff(body));
+           append(wire, check_of(crc_of(body)));
+           wire.push_back(0);
+           dropped_as(b, wire, "bad_check");
+         });
+  to.add("bad-stuffing", "A block that reaches beyond the frame is dropped and counted.", "FRAME-7",
+         [](Board& b) {
+           Bytes stuffed = stuff({b.home(), KZ_TYPE_identify, b.new_sequence()});
+           stuffed[0] = static_cast<std::uint8_t>(stuffed[0] + 1);
+           dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
+           stuffed[0] = 0xFF;
+           dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
+         });
+  to.add("bad-stuffing-last", "So is a last block that lacks one byte.", "FRAME-7", [](Board& b) {
     Bytes stuffed = stuff({b.home(), KZ_TYPE_heartbeat, 7, 0, 5});
     stuffed.pop_back();
     dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
   });
   for (int length = 0; length < KZ_HEADER_SIZE; ++length) {
-    add(to, ("too-short-" + std::to_string(length)).c_str(),
-        "A body shorter than its header is dropped and counted.", "FRAME-8", [length](Board& b) {
-          Bytes body{b.home(), KZ_TYPE_identify};
-          body.resize(static_cast<std::size_t>(length));
-          dropped_as(b, frame_of_stuffed(stuff(body)), "too_short");
-        });
+    to.add(("too-short-" + std::to_string(length)).c_str(),
+           "A body shorter than its header is dropped and counted.", "FRAME-8", [length](Board& b) {
+             Bytes body{b.home(), KZ_TYPE_identify};
+             body.resize(static_cast<std::size_t>(length));
+             dropped_as(b, frame_of_stuffed(stuff(body)), "too_short");
+           });
   }
   for (int bytes = 1; bytes <= 3; ++bytes) {
-    add(to, ("too-short-raw-" + std::to_string(bytes)).c_str(),
-        "A few bytes between two zeros are too short for a check.", "FRAME-8", [bytes](Board& b) {
-          Bytes wire(static_cast<std::size_t>(bytes) + 2, 0x85);
-          wire.front() = wire.back() = 0;
-          dropped_as(b, wire, "too_short");
-        });
+    to.add(("too-short-raw-" + std::to_string(bytes)).c_str(),
+           "A few bytes between two zeros are too short for a check.", "FRAME-8",
+           [bytes](Board& b) {
+             Bytes wire(static_cast<std::size_t>(bytes) + 2, 0x85);
+             wire.front() = wire.back() = 0;
+             dropped_as(b, wire, "too_short");
+           });
   }
-  add(to, "longest", "The longest body of all is received.", "FRAME-9", [](Board& b) {
+  to.add("longest", "The longest body of all is received.", "FRAME-9", [](Board& b) {
     const Bytes fields = random_bytes(b, KZ_PAYLOAD_MAX, 0);
     b.refused_type(KZ_TYPE_identify, fields, KZ_REFUSED_LENGTH);
   });
-  add(to, "too-long", "One byte more is dropped and counted.", "FRAME-9", [](Board& b) {
+  to.add("too-long", "One byte more is dropped and counted.", "FRAME-9", [](Board& b) {
     Bytes body{b.home(), KZ_TYPE_identify, b.new_sequence()};
     append(body, random_bytes(b, KZ_PAYLOAD_MAX + 1, 0));
     dropped_as(b, frame_of_stuffed(stuff(body)), "too_long");
   });
-  add(to, "much-too-long", "A frame of 2,000 bytes is dropped, counted once, and harms nothing.",
-      "FRAME-9", [](Board& b) {
-        Bytes wire(2000, 0x55);
-        wire.front() = wire.back() = 0;
-        const Reply before = b.statistics();
-        b.write(wire);
-        b.silence(220);
-        equal("count of too_long", b.statistics()["too_long"] - before["too_long"], 1);
-        b.expect_alive();
-      });
-  add(
-      to, "line-error", "A frame with a framing error in a byte is dropped and counted.",
-      "FRAME-10",
+  to.add("much-too-long", "A frame of 2,000 bytes is dropped, counted once, and harms nothing.",
+         "FRAME-9", [](Board& b) {
+           Bytes wire(2000, 0x55);
+           wire.front() = wire.back() = 0;
+           const Reply before = b.statistics();
+           b.write(wire);
+           b.silence(220);
+           equal("count of too_long", b.statistics()["too_long"] - before["too_long"], 1);
+           b.expect_alive();
+         });
+  to.add(
+      "line-error", "A frame with a framing error in a byte is dropped and counted.", "FRAME-10",
       [](Board& b) {
         const Reply before = b.statistics();
         std::uint8_t sequence;
@@ -295,8 +291,8 @@ void add_counts(Cases& to) {
         equal("count of bad_check", after["bad_check"] - before["bad_check"], 0);
       },
       kBench);
-  add(
-      to, "break", "A damaged zero (a break) does not end a frame.", "FRAME-10",
+  to.add(
+      "break", "A damaged zero (a break) does not end a frame.", "FRAME-10",
       [](Board& b) {
         std::uint8_t sequence;
         Bytes wire = valid_frame(b, sequence);
@@ -309,77 +305,77 @@ void add_counts(Cases& to) {
         equal("count of line_errors", after["line_errors"], 1);
       },
       kBench);
-  add(to, "idle", "A frame in which no byte comes for 20 ms is given up and counted.", "FRAME-11",
-      [](Board& b) {
-        const Reply before = b.statistics();
-        std::uint8_t sequence;
-        const Bytes wire = valid_frame(b, sequence);
-        b.write({wire.begin(), wire.begin() + 4});
-        b.wait(24);
-        b.write({wire.begin() + 4, wire.end()});
-        b.silence(20);
-        const Reply after = b.statistics();
-        equal("count of idle", after["idle"] - before["idle"], 1);
-        equal("count of bad_check", after["bad_check"] - before["bad_check"], 0);
-      });
-  add(to, "idle-then-whole", "The next frame behind one that was given up is received.", "FRAME-11",
-      [](Board& b) {
-        std::uint8_t sequence;
-        const Bytes wire = valid_frame(b, sequence);
-        b.write({wire.begin(), wire.begin() + 6});
-        b.wait(40);
-        b.done("identify");
-      });
+  to.add("idle", "A frame in which no byte comes for 20 ms is given up and counted.", "FRAME-11",
+         [](Board& b) {
+           const Reply before = b.statistics();
+           std::uint8_t sequence;
+           const Bytes wire = valid_frame(b, sequence);
+           b.write({wire.begin(), wire.begin() + 4});
+           b.wait(24);
+           b.write({wire.begin() + 4, wire.end()});
+           b.silence(20);
+           const Reply after = b.statistics();
+           equal("count of idle", after["idle"] - before["idle"], 1);
+           equal("count of bad_check", after["bad_check"] - before["bad_check"], 0);
+         });
+  to.add("idle-then-whole", "The next frame behind one that was given up is received.", "FRAME-11",
+         [](Board& b) {
+           std::uint8_t sequence;
+           const Bytes wire = valid_frame(b, sequence);
+           b.write({wire.begin(), wire.begin() + 6});
+           b.wait(40);
+           b.done("identify");
+         });
 }
 
-void add_contents(Cases& to) {
+void add_contents(Chapter& to) {
   for (int place = 0; place < 6; ++place) {
-    add(to, ("zero-at-" + std::to_string(place)).c_str(),
-        "A zero at this place of the fields passes.", "FRAME-12", [place](Board& b) {
-          Bytes fields(6, 0x5A);
-          fields[static_cast<std::size_t>(place)] = 0;
-          b.refused_type(KZ_TYPE_state, fields, KZ_REFUSED_LENGTH);
-        });
+    to.add(("zero-at-" + std::to_string(place)).c_str(),
+           "A zero at this place of the fields passes.", "FRAME-12", [place](Board& b) {
+             Bytes fields(6, 0x5A);
+             fields[static_cast<std::size_t>(place)] = 0;
+             b.refused_type(KZ_TYPE_state, fields, KZ_REFUSED_LENGTH);
+           });
   }
-  add(to, "every-sequence", "Every sequence number comes back as it was, 0 and 255 too.",
-      "FRAME-12", [](Board& b) {
-        for (int sequence = 0; sequence < 256; ++sequence) {
-          b.write(b.request_bytes("clear", {}, static_cast<std::uint8_t>(sequence)));
-          b.take("clear", static_cast<std::uint8_t>(sequence));
-        }
-      });
-  add(to, "every-value", "Every value of a byte in the fields passes unchanged.", "FRAME-12",
-      [](Board& b) {
-        // `lower` = `upper` beyond the mechanics is cut, so only values inside come back.
-        for (int value = -700; value <= 700; value += 23) {
-          b.done("limits", Put().u32(1).u16(60).s16(value).s16(value));
-          const Reply set = b.done("settings", Put().u8(0));
-          equal("lower limit", set["lower"], value);
-          equal("upper limit", set["upper"], value);
-        }
-      });
-  add(to, "all-zeros", "Fields of nothing but zeros pass.", "FRAME-12", [](Board& b) {
+  to.add("every-sequence", "Every sequence number comes back as it was, 0 and 255 too.", "FRAME-12",
+         [](Board& b) {
+           for (int sequence = 0; sequence < 256; ++sequence) {
+             b.write(b.request_bytes("clear", {}, static_cast<std::uint8_t>(sequence)));
+             b.take("clear", static_cast<std::uint8_t>(sequence));
+           }
+         });
+  to.add("every-value", "Every value of a byte in the fields passes unchanged.", "FRAME-12",
+         [](Board& b) {
+           // `lower` = `upper` beyond the mechanics is cut, so only values inside come back.
+           for (int value = -700; value <= 700; value += 23) {
+             b.done("limits", Put().u32(1).u16(60).s16(value).s16(value));
+             const Reply set = b.done("settings", Put().u8(0));
+             equal("lower limit", set["lower"], value);
+             equal("upper limit", set["upper"], value);
+           }
+         });
+  to.add("all-zeros", "Fields of nothing but zeros pass.", "FRAME-12", [](Board& b) {
     b.done("targets", Bytes(6, 0));
     b.done("gains", Bytes(11, 0));
   });
-  add(to, "random-contents", "200 frames of random contents are all received.", "FRAME-12",
-      [](Board& b) {
-        for (int n = 0; n < 200; ++n) {
-          const int length = 1 + static_cast<int>(b.random()() % KZ_PAYLOAD_MAX);
-          b.refused_type(KZ_TYPE_identify, random_bytes(b, length, 0), KZ_REFUSED_LENGTH);
-        }
-      });
-  add(to, "slow-bytes", "Bytes with pauses of 10 ms between them make a frame.", "FRAME-13",
-      [](Board& b) {
-        std::uint8_t sequence;
-        for (const std::uint8_t byte : valid_frame(b, sequence)) {
-          b.write({byte});
-          b.wait(10);
-        }
-        b.take("heartbeat", sequence);
-      });
-  add(
-      to, "slowest-bytes", "Bytes with pauses of 18 ms between them make a frame.", "FRAME-13",
+  to.add("random-contents", "200 frames of random contents are all received.", "FRAME-12",
+         [](Board& b) {
+           for (int n = 0; n < 200; ++n) {
+             const int length = 1 + static_cast<int>(b.random()() % KZ_PAYLOAD_MAX);
+             b.refused_type(KZ_TYPE_identify, random_bytes(b, length, 0), KZ_REFUSED_LENGTH);
+           }
+         });
+  to.add("slow-bytes", "Bytes with pauses of 10 ms between them make a frame.", "FRAME-13",
+         [](Board& b) {
+           std::uint8_t sequence;
+           for (const std::uint8_t byte : valid_frame(b, sequence)) {
+             b.write({byte});
+             b.wait(10);
+           }
+           b.take("heartbeat", sequence);
+         });
+  to.add(
+      "slowest-bytes", "Bytes with pauses of 18 ms between them make a frame.", "FRAME-13",
       [](Board& b) {
         std::uint8_t sequence;
         for (const std::uint8_t byte : valid_frame(b, sequence)) {
@@ -393,7 +389,8 @@ void add_contents(Cases& to) {
 
 }  // namespace
 
-void add_frame_cases(Cases& to) {
+void add_frame_cases(Cases& all) {
+  Chapter to(all, "frame", kNothing);
   add_before(to);
   add_damage(to);
   add_counts(to);

@@ -3,62 +3,54 @@
 #include "hil/conformance/suite.h"
 
 namespace kaz::hil {
-namespace {
-
-void add(Cases& to, const char* id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kNothing) {
-  to.push_back({std::string("identity.") + id, sentence, {statement}, needs, std::move(run)});
-}
-
-}  // namespace
-
-void add_identity_cases(Cases& to) {
-  add(to, "identify", "`identify` reports version, joints, capabilities and cause of the reset.",
-      "ID-1", [](Board& b) {
-        const Reply who = b.done("identify");
-        equal("protocol version", who["protocol_version"], KZ_PROTOCOL_VERSION);
-        equal("joints", who["joints"], KZ_JOINTS);
-        check(who["firmware_version"] != 0, "firmware version is 0");
-        check(who["build_id"] != 0, "build id is 0");
-        within("cause of the reset", who["reset_cause"], 0, 2);
-        const long all = KZ_CAPABILITY_TELEMETRY | KZ_CAPABILITY_CALIBRATION |
-                         KZ_CAPABILITY_RAW_DRIVE | KZ_CAPABILITY_LOADER;
-        equal("capabilities", who["capabilities"], all);
-      });
-  add(to, "version-place", "The protocol version is the fifth byte of the fields.", "ID-1",
-      [](Board& b) {
-        equal("fifth byte", b.done("identify").frame().fields[4], KZ_PROTOCOL_VERSION);
-      });
-  add(to, "watchdog-default", "After a reset `identify` reports the link watchdog's default: LIMP.",
-      "ID-1", [](Board& b) {
-        const Reply who = b.done("identify");
-        within("watchdog, 10 ms", who["watchdog_10ms"], 1, 9);
-        equal("reaction", who["reaction"], KZ_REACTION_LIMP);
-      });
-  add(to, "watchdog-set",
-      "`heartbeat` sets limit and reaction, `identify` reports them; 0 leaves them unchanged.",
-      "ID-1", [](Board& b) {
-        b.watchdog(25, KZ_REACTION_HOLD);
-        b.watchdog(0, 0);
-        Reply who = b.done("identify");
-        equal("watchdog", who["watchdog_10ms"], 25);
-        equal("reaction", who["reaction"], KZ_REACTION_HOLD);
-        b.watchdog(100, 0);
-        b.watchdog(0, KZ_REACTION_LIMP);
-        who = b.done("identify");
-        equal("watchdog", who["watchdog_10ms"], 100);
-        equal("reaction", who["reaction"], KZ_REACTION_LIMP);
-      });
-  add(to, "answered-while-latched", "Questions are answered whatever is latched.", "ID-2",
-      [](Board& b) {
-        b.done("stop");
-        for (const char* name :
-             {"identify", "state", "health", "statistics", "self_test", "inertial"}) {
-          equal(std::string(name) + ": reason in the status", b.done(name).reason(),
-                KZ_SHUTDOWN_STOP);
-        }
-      });
-  add(to, "self-test", "The tests at start were made and none failed.", "ID-3", [](Board& b) {
+void add_identity_cases(Cases& all) {
+  Chapter to(all, "identity", kNothing);
+  to.add("identify", "`identify` reports version, joints, capabilities and cause of the reset.",
+         "ID-1", [](Board& b) {
+           const Reply who = b.done("identify");
+           equal("protocol version", who["protocol_version"], KZ_PROTOCOL_VERSION);
+           equal("joints", who["joints"], KZ_JOINTS);
+           check(who["firmware_version"] != 0, "firmware version is 0");
+           check(who["build_id"] != 0, "build id is 0");
+           within("cause of the reset", who["reset_cause"], 0, 2);
+           const long all = KZ_CAPABILITY_TELEMETRY | KZ_CAPABILITY_CALIBRATION |
+                            KZ_CAPABILITY_RAW_DRIVE | KZ_CAPABILITY_LOADER;
+           equal("capabilities", who["capabilities"], all);
+         });
+  to.add("version-place", "The protocol version is the fifth byte of the fields.", "ID-1",
+         [](Board& b) {
+           equal("fifth byte", b.done("identify").frame().fields[4], KZ_PROTOCOL_VERSION);
+         });
+  to.add("watchdog-default", "After a reset `identify` reports the link watchdog's default: LIMP.",
+         "ID-1", [](Board& b) {
+           const Reply who = b.done("identify");
+           within("watchdog, 10 ms", who["watchdog_10ms"], 1, 9);
+           equal("reaction", who["reaction"], KZ_REACTION_LIMP);
+         });
+  to.add("watchdog-set",
+         "`heartbeat` sets limit and reaction, `identify` reports them; 0 leaves them unchanged.",
+         "ID-1", [](Board& b) {
+           b.watchdog(25, KZ_REACTION_HOLD);
+           b.watchdog(0, 0);
+           Reply who = b.done("identify");
+           equal("watchdog", who["watchdog_10ms"], 25);
+           equal("reaction", who["reaction"], KZ_REACTION_HOLD);
+           b.watchdog(100, 0);
+           b.watchdog(0, KZ_REACTION_LIMP);
+           who = b.done("identify");
+           equal("watchdog", who["watchdog_10ms"], 100);
+           equal("reaction", who["reaction"], KZ_REACTION_LIMP);
+         });
+  to.add("answered-while-latched", "Questions are answered whatever is latched.", "ID-2",
+         [](Board& b) {
+           b.done("stop");
+           for (const char* name :
+                {"identify", "state", "health", "statistics", "self_test", "inertial"}) {
+             equal(std::string(name) + ": reason in the status", b.done(name).reason(),
+                   KZ_SHUTDOWN_STOP);
+           }
+         });
+  to.add("self-test", "The tests at start were made and none failed.", "ID-3", [](Board& b) {
     const Reply tests = b.done("self_test");
     equal("tests that failed", tests["failed"] & ~KZ_TEST_SUPPLY, 0);
     check((tests["done"] & (KZ_TEST_RAM | KZ_TEST_FLASH | KZ_TEST_CONVERTER)) != 0,
@@ -66,9 +58,8 @@ void add_identity_cases(Cases& to) {
     equal("CRC of the image", tests["image_crc"], b.done("identify")["image_crc"]);
     equal("reason of a shutdown", tests.reason(), KZ_SHUTDOWN_NONE);
   });
-  add(
-      to, "self-test-failed", "A converter that fails at start shuts the board down for good.",
-      "ID-3",
+  to.add(
+      "self-test-failed", "A converter that fails at start shuts the board down for good.", "ID-3",
       [](Board& b) {
         b.bench().set_analog(KZ_ANALOG_REFERENCE, 400);
         b.bench().reset();
@@ -83,21 +74,22 @@ void add_identity_cases(Cases& to) {
         b.expect_off();
       },
       kBench);
-  add(to, "statistics-frames", "`statistics` counts frames.", "ID-4", [](Board& b) {
+  to.add("statistics-frames", "`statistics` counts frames.", "ID-4", [](Board& b) {
     const long before = b.statistics()["frames"];
     for (int n = 0; n < 10; ++n) b.done("heartbeat", Put().u8(0).u8(0));
     equal("frames", b.statistics()["frames"] - before, 11);
   });
-  add(to, "statistics-refusals", "`statistics` counts refusals, repetitions apart.", "ID-4",
-      [](Board& b) {
-        const Reply before = b.statistics();
-        for (int n = 0; n < 5; ++n) b.refused("heartbeat", Put().u8(101).u8(0), KZ_REFUSED_RANGE);
-        for (int n = 0; n < 3; ++n) b.refused_type(0x7E, {}, KZ_REFUSED_UNKNOWN_TYPE);
-        const Reply after = b.statistics();
-        equal("refusals", after["refusals"] - before["refusals"], 8);
-        equal("repetitions", after["repetitions"] - before["repetitions"], 0);
-      });
-  add(to, "statistics-repetitions", "`statistics` counts repetitions.", "ID-4", [](Board& b) {
+  to.add("statistics-refusals", "`statistics` counts refusals, repetitions apart.", "ID-4",
+         [](Board& b) {
+           const Reply before = b.statistics();
+           for (int n = 0; n < 5; ++n)
+             b.refused("heartbeat", Put().u8(101).u8(0), KZ_REFUSED_RANGE);
+           for (int n = 0; n < 3; ++n) b.refused_type(0x7E, {}, KZ_REFUSED_UNKNOWN_TYPE);
+           const Reply after = b.statistics();
+           equal("refusals", after["refusals"] - before["refusals"], 8);
+           equal("repetitions", after["repetitions"] - before["repetitions"], 0);
+         });
+  to.add("statistics-repetitions", "`statistics` counts repetitions.", "ID-4", [](Board& b) {
     const std::uint8_t sequence = b.new_sequence();
     const Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0), sequence);
     for (int n = 0; n < 5; ++n) {
@@ -106,7 +98,7 @@ void add_identity_cases(Cases& to) {
     }
     equal("repetitions", b.statistics()["repetitions"], 4);
   });
-  add(to, "statistics-after-reset", "A reset begins all counts anew.", "ID-4", [](Board& b) {
+  to.add("statistics-after-reset", "A reset begins all counts anew.", "ID-4", [](Board& b) {
     b.refused_type(0x7E, {}, KZ_REFUSED_UNKNOWN_TYPE);
     b.reset_by_command();
     const Reply counts = b.statistics();
@@ -114,7 +106,7 @@ void add_identity_cases(Cases& to) {
     equal("repetitions", counts["repetitions"], 0);
     within("frames", counts["frames"], 1, 12);
   });
-  add(to, "ticks-in-time", "No request makes the board miss a tick.", "ID-4", [](Board& b) {
+  to.add("ticks-in-time", "No request makes the board miss a tick.", "ID-4", [](Board& b) {
     for (int n = 0; n < 20; ++n) {
       b.done("joints", Put().u32(0x1FF));
       b.done("calibration");

@@ -8,11 +8,6 @@
 namespace kaz::hil {
 namespace {
 
-void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kMotion) {
-  to.push_back({"limits." + id, sentence, {statement}, needs, std::move(run)});
-}
-
 Bytes one_target(int joint, long angle, int duration_ms) {
   return Put().u32(1L << joint).u16(duration_ms).s16(angle);
 }
@@ -31,86 +26,87 @@ void commands_inside(Board& b, int ms, long lower, long upper) {
   }
 }
 
-void add_refusals(Cases& to) {
+void add_refusals(Chapter& to) {
   for (int j = 0; j < KZ_JOINTS; ++j) {
-    add(to, "joint-" + std::to_string(j),
-        "Targets at this joint's soft limits are taken, one beyond is refused with LIMIT.",
-        "MOVE-6", [j](Board& b) {
-          const auto [lower, upper] = limits_of(b, j);
-          check(lower < upper, "the joint's limits leave no range");
-          b.enable(1u << j);
-          b.refused("targets", one_target(j, lower - 1, 5000), KZ_REFUSED_LIMIT, j);
-          b.refused("targets", one_target(j, upper + 1, 5000), KZ_REFUSED_LIMIT, j);
-          b.refused("targets", one_target(j, -32768, 5000), KZ_REFUSED_LIMIT, j);
-          b.refused("targets", one_target(j, 32767, 5000), KZ_REFUSED_LIMIT, j);
-          b.done("targets", one_target(j, lower, 60000));
-          b.done("targets", one_target(j, upper, 60000));
-        });
-    add(
-        to, "off-" + std::to_string(j), "A target for this joint, off, is refused with DISABLED.",
+    to.add("joint-" + std::to_string(j),
+           "Targets at this joint's soft limits are taken, one beyond is refused with LIMIT.",
+           "MOVE-6", [j](Board& b) {
+             const auto [lower, upper] = limits_of(b, j);
+             check(lower < upper, "the joint's limits leave no range");
+             b.enable(1u << j);
+             b.refused("targets", one_target(j, lower - 1, 5000), KZ_REFUSED_LIMIT, j);
+             b.refused("targets", one_target(j, upper + 1, 5000), KZ_REFUSED_LIMIT, j);
+             b.refused("targets", one_target(j, -32768, 5000), KZ_REFUSED_LIMIT, j);
+             b.refused("targets", one_target(j, 32767, 5000), KZ_REFUSED_LIMIT, j);
+             b.done("targets", one_target(j, lower, 60000));
+             b.done("targets", one_target(j, upper, 60000));
+           });
+    to.add(
+        "off-" + std::to_string(j), "A target for this joint, off, is refused with DISABLED.",
         "MOVE-5",
         [j](Board& b) { b.refused("targets", one_target(j, 0, 100), KZ_REFUSED_DISABLED, j); },
         kNothing);
   }
-  add(to, "whole-limit", "A message with one target outside its limits does nothing.", "MOVE-6",
-      [](Board& b) {
-        b.enable(0x7);
-        const Reply before = b.done("read_targets", Put().u32(7));
-        b.refused("targets",
-                  Put().u32(7).u16(500).s16(before.number("angle", 0) + 500).s16(20000).s16(0),
-                  KZ_REFUSED_LIMIT, 1);
-        const Reply after = b.done("read_targets", Put().u32(7));
-        for (int j = 0; j < 3; ++j)
-          equal("target", after.number("angle", j), before.number("angle", j));
-        check(!b.state().flag(KZ_STATUS_MOVING), "a refused message started a ramp");
-      });
-  add(to, "whole-disabled", "A message with one joint that is off does nothing.", "MOVE-5",
-      [](Board& b) {
-        b.enable(0x5);
-        const Reply before = b.done("read_targets", Put().u32(5));
-        b.refused("targets", Put().u32(7).u16(500).s16(500).s16(500).s16(-500), KZ_REFUSED_DISABLED,
-                  1);
-        const Reply after = b.done("read_targets", Put().u32(5));
-        equal("target of joint 0", after.number("angle", 0), before.number("angle", 0));
-        equal("target of joint 2", after.number("angle", 2), before.number("angle", 2));
-      });
+  to.add("whole-limit", "A message with one target outside its limits does nothing.", "MOVE-6",
+         [](Board& b) {
+           b.enable(0x7);
+           const Reply before = b.done("read_targets", Put().u32(7));
+           b.refused("targets",
+                     Put().u32(7).u16(500).s16(before.number("angle", 0) + 500).s16(20000).s16(0),
+                     KZ_REFUSED_LIMIT, 1);
+           const Reply after = b.done("read_targets", Put().u32(7));
+           for (int j = 0; j < 3; ++j)
+             equal("target", after.number("angle", j), before.number("angle", j));
+           check(!b.state().flag(KZ_STATUS_MOVING), "a refused message started a ramp");
+         });
+  to.add("whole-disabled", "A message with one joint that is off does nothing.", "MOVE-5",
+         [](Board& b) {
+           b.enable(0x5);
+           const Reply before = b.done("read_targets", Put().u32(5));
+           b.refused("targets", Put().u32(7).u16(500).s16(500).s16(500).s16(-500),
+                     KZ_REFUSED_DISABLED, 1);
+           const Reply after = b.done("read_targets", Put().u32(5));
+           equal("target of joint 0", after.number("angle", 0), before.number("angle", 0));
+           equal("target of joint 2", after.number("angle", 2), before.number("angle", 2));
+         });
 }
 
-void add_motion(Cases& to) {
-  add(to, "command-inside", "No row of targets takes the command out of the soft limits.",
-      "MOVE-10", [](Board& b) {
-        const long middle = b.angle(0);
-        b.done("limits", Put().u32(1).u16(120).s16(middle - 1500).s16(middle + 1500));
-        b.enable(1);
-        b.done("telemetry", Put().u16(5).u8(KZ_TELEMETRY_COMMANDS));
-        for (int n = 0; n < 20; ++n) {
-          const long goal = n % 2 ? middle + 1500 : middle - 1500;
-          b.done("targets", one_target(0, goal, static_cast<int>(b.random()() % 60)));
-          commands_inside(b, 40, middle - 1500, middle + 1500);
-        }
-      });
-  add(to, "ramp-of-command", "No row of targets moves the command faster than the ramp.", "MOVE-10",
-      [](Board& b) {
-        b.done("limits", Put().u32(1).u16(20).s16(-15000).s16(15000));
-        b.enable(1);
-        b.done("telemetry", Put().u16(5).u8(KZ_TELEMETRY_COMMANDS));
-        long last_tick = 0, last = 0;
-        for (int n = 0; n < 15; ++n) {
-          const long goal = static_cast<long>(b.random()() % 6000) - 3000;
-          b.done("targets", one_target(0, goal, static_cast<int>(b.random()() % 100)));
-          for (const Frame& frame : b.telemetry(50, true)) {
-            const Reply sample(message("telemetry_commands"), frame);
-            const long tick = sample["tick"], command = sample.number("angle", 0);
-            if (last_tick != 0) {
-              within("step of the command", std::labs(command - last), 0, 20 * (tick - last_tick));
-            }
-            last_tick = tick;
-            last = command;
-          }
-        }
-      });
-  add(
-      to, "outside-moves-inward", "A joint that stands outside starts there and moves inward.",
+void add_motion(Chapter& to) {
+  to.add("command-inside", "No row of targets takes the command out of the soft limits.", "MOVE-10",
+         [](Board& b) {
+           const long middle = b.angle(0);
+           b.done("limits", Put().u32(1).u16(120).s16(middle - 1500).s16(middle + 1500));
+           b.enable(1);
+           b.done("telemetry", Put().u16(5).u8(KZ_TELEMETRY_COMMANDS));
+           for (int n = 0; n < 20; ++n) {
+             const long goal = n % 2 ? middle + 1500 : middle - 1500;
+             b.done("targets", one_target(0, goal, static_cast<int>(b.random()() % 60)));
+             commands_inside(b, 40, middle - 1500, middle + 1500);
+           }
+         });
+  to.add("ramp-of-command", "No row of targets moves the command faster than the ramp.", "MOVE-10",
+         [](Board& b) {
+           b.done("limits", Put().u32(1).u16(20).s16(-15000).s16(15000));
+           b.enable(1);
+           b.done("telemetry", Put().u16(5).u8(KZ_TELEMETRY_COMMANDS));
+           long last_tick = 0, last = 0;
+           for (int n = 0; n < 15; ++n) {
+             const long goal = static_cast<long>(b.random()() % 6000) - 3000;
+             b.done("targets", one_target(0, goal, static_cast<int>(b.random()() % 100)));
+             for (const Frame& frame : b.telemetry(50, true)) {
+               const Reply sample(message("telemetry_commands"), frame);
+               const long tick = sample["tick"], command = sample.number("angle", 0);
+               if (last_tick != 0) {
+                 within("step of the command", std::labs(command - last), 0,
+                        20 * (tick - last_tick));
+               }
+               last_tick = tick;
+               last = command;
+             }
+           }
+         });
+  to.add(
+      "outside-moves-inward", "A joint that stands outside starts there and moves inward.",
       "MOVE-10",
       [](Board& b) {
         b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
@@ -132,8 +128,8 @@ void add_motion(Cases& to) {
   for (const bool upper : {false, true}) {
     const char* side = upper ? "upper" : "lower";
     const int sign = upper ? 1 : -1;
-    add(
-        to, std::string("no-drive-beyond-") + side,
+    to.add(
+        std::string("no-drive-beyond-") + side,
         "A joint beyond this soft limit is not driven further out by its loop.", "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
@@ -147,9 +143,8 @@ void add_motion(Cases& to) {
           }
         },
         kMotion | kBench);
-    add(
-        to, std::string("at-limit-flag-") + side, "AT_LIMIT is reported for a joint there.",
-        "MOVE-11",
+    to.add(
+        std::string("at-limit-flag-") + side, "AT_LIMIT is reported for a joint there.", "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
           b.bench().place_joint(0, sign * 0.22);
@@ -159,8 +154,8 @@ void add_motion(Cases& to) {
           check(sign * b.bench().drive(0) <= 0, "it is driven further out");
         },
         kMotion | kBench);
-    add(
-        to, std::string("no-drive-back-out-") + side,
+    to.add(
+        std::string("no-drive-back-out-") + side,
         "A joint that was switched on beyond this soft limit is not driven back out to its "
         "command.",
         "MOVE-11",
@@ -176,8 +171,8 @@ void add_motion(Cases& to) {
           }
         },
         kMotion | kBench);
-    add(
-        to, std::string("no-overshoot-") + side,
+    to.add(
+        std::string("no-overshoot-") + side,
         "With the sharpest gains and ramp a joint does not pass this soft limit.", "MOVE-11",
         [sign](Board& b) {
           b.done("gains", Put().u32(1).u16(KZ_KP_MAX).u16(0).u16(0).u8(KZ_FRICTION_MAX));
@@ -201,7 +196,8 @@ void add_motion(Cases& to) {
 
 }  // namespace
 
-void add_limit_cases(Cases& to) {
+void add_limit_cases(Cases& all) {
+  Chapter to(all, "limits", kMotion);
   add_refusals(to);
   add_motion(to);
 }

@@ -14,11 +14,6 @@ constexpr long kStill = 80;  // 100 urad: noise, friction and one code of the po
 // joint has no play.
 constexpr long kReached = 145;
 
-void add(Cases& to, const char* id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kMotion) {
-  to.push_back({std::string("motion.") + id, sentence, {statement}, needs, std::move(run)});
-}
-
 long target_of(Board& b, int joint) {
   return b.done("read_targets", Put().u32(1L << joint)).number("angle", joint);
 }
@@ -47,9 +42,9 @@ void expect_still(Board& b, int joint, long at) {
   }
 }
 
-void add_enable(Cases& to) {
-  add(
-      to, "off-after-reset", "All motors are off after a reset.", "MOVE-1",
+void add_enable(Chapter& to) {
+  to.add(
+      "off-after-reset", "All motors are off after a reset.", "MOVE-1",
       [](Board& b) {
         b.expect_off();
         const Reply joints = b.joints(0x1FF);
@@ -58,21 +53,21 @@ void add_enable(Cases& to) {
         b.refused("targets", Put().u32(1).u16(100).s16(0), KZ_REFUSED_DISABLED, 0);
       },
       kNothing);
-  add(to, "off-after-reset-while-on", "Also if they were on before it.", "MOVE-1", [](Board& b) {
+  to.add("off-after-reset-while-on", "Also if they were on before it.", "MOVE-1", [](Board& b) {
     b.enable(0x3);
     b.enable(0);
     b.reset_by_command();
     b.expect_off();
   });
-  add(to, "enable-keeps-still", "A joint that is switched on does not move.", "MOVE-2",
-      [](Board& b) {
-        const long at = b.angle(0);
-        b.enable(1);
-        near("target", target_of(b, 0), at, kStill);
-        expect_still(b, 0, at);
-      });
-  add(
-      to, "enable-where-turned", "Also where it was turned by hand before.", "MOVE-2",
+  to.add("enable-keeps-still", "A joint that is switched on does not move.", "MOVE-2",
+         [](Board& b) {
+           const long at = b.angle(0);
+           b.enable(1);
+           near("target", target_of(b, 0), at, kStill);
+           expect_still(b, 0, at);
+         });
+  to.add(
+      "enable-where-turned", "Also where it was turned by hand before.", "MOVE-2",
       [](Board& b) {
         b.bench().place_joint(0, 0.7);
         b.wait(20);
@@ -81,18 +76,18 @@ void add_enable(Cases& to) {
         expect_still(b, 0, 7000);
       },
       kMotion | kBench);
-  add(to, "enable-all-still", "All 18 joints switched on at once do not move.", "MOVE-2",
-      [](Board& b) {
-        const Reply before = b.state();
-        b.enable(KZ_ALL_JOINTS);
-        b.stay_alive(200);
-        const Reply after = b.state();
-        for (int j = 0; j < KZ_JOINTS; ++j) {
-          near("angle of joint " + std::to_string(j), after.number("angle", j),
-               before.number("angle", j), b.exact() ? kStill : kReached);
-        }
-      });
-  add(to, "enable-others-off", "`enable` switches all other joints off.", "MOVE-2", [](Board& b) {
+  to.add("enable-all-still", "All 18 joints switched on at once do not move.", "MOVE-2",
+         [](Board& b) {
+           const Reply before = b.state();
+           b.enable(KZ_ALL_JOINTS);
+           b.stay_alive(200);
+           const Reply after = b.state();
+           for (int j = 0; j < KZ_JOINTS; ++j) {
+             near("angle of joint " + std::to_string(j), after.number("angle", j),
+                  before.number("angle", j), b.exact() ? kStill : kReached);
+           }
+         });
+  to.add("enable-others-off", "`enable` switches all other joints off.", "MOVE-2", [](Board& b) {
     b.enable(0x7);
     b.enable(0x2);
     const Reply joints = b.joints(0x7);
@@ -103,59 +98,58 @@ void add_enable(Cases& to) {
     b.enable(0);
     b.expect_off();
   });
-  add(to, "enable-forgets-targets", "A target from before does not come back with `enable`.",
-      "MOVE-2", [](Board& b) {
-        b.enable(1);
-        b.target(0, some_way(b, 0, 4000), 1000);
-        b.stay_alive(150);
-        b.enable(0);
-        b.wait(100);
-        const long at = b.angle(0);
-        b.enable(1);
-        near("target", target_of(b, 0), at, kStill);
-        expect_still(b, 0, at);
-      });
-  add(to, "enable-keeps-others", "A joint that is on already keeps its target.", "MOVE-2",
-      [](Board& b) {
-        b.enable(1);
-        const long to_angle = some_way(b, 0, 2000);
-        b.target(0, to_angle, 400);
-        b.stay_alive(100);
-        b.enable(0x3);
-        equal("target", target_of(b, 0), to_angle);
-      });
-  add(to, "enable-while-latched", "`enable` is refused while a shutdown is latched.", "MOVE-3",
-      [](Board& b) {
-        b.done("stop");
-        b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_STOP);
-        b.expect_off();
-        b.done("clear");
-        b.enable(1);
-      });
-  add(
-      to, "enable-nothing-while-latched", "An empty mask is always taken.", "MOVE-3",
+  to.add("enable-forgets-targets", "A target from before does not come back with `enable`.",
+         "MOVE-2", [](Board& b) {
+           b.enable(1);
+           b.target(0, some_way(b, 0, 4000), 1000);
+           b.stay_alive(150);
+           b.enable(0);
+           b.wait(100);
+           const long at = b.angle(0);
+           b.enable(1);
+           near("target", target_of(b, 0), at, kStill);
+           expect_still(b, 0, at);
+         });
+  to.add("enable-keeps-others", "A joint that is on already keeps its target.", "MOVE-2",
+         [](Board& b) {
+           b.enable(1);
+           const long to_angle = some_way(b, 0, 2000);
+           b.target(0, to_angle, 400);
+           b.stay_alive(100);
+           b.enable(0x3);
+           equal("target", target_of(b, 0), to_angle);
+         });
+  to.add("enable-while-latched", "`enable` is refused while a shutdown is latched.", "MOVE-3",
+         [](Board& b) {
+           b.done("stop");
+           b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_STOP);
+           b.expect_off();
+           b.done("clear");
+           b.enable(1);
+         });
+  to.add(
+      "enable-nothing-while-latched", "An empty mask is always taken.", "MOVE-3",
       [](Board& b) {
         b.done("stop");
         equal("mask", b.done("enable", Put().u32(0))["mask"], 0);
       },
       kNothing);
   for (const int code : {0, 3, 1020, 1023}) {
-    add(
-        to, ("enable-pot-" + std::to_string(code)).c_str(),
-        "`enable` is refused while a potentiometer of the mask reads this code.", "MOVE-3",
-        [code](Board& b) {
-          b.bench().set_analog(0, code);  // joint 0
-          b.wait(20);
-          b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_POT);
-          b.refused("enable", Put().u32(3), KZ_REFUSED_FAULT, KZ_SHUTDOWN_POT);
-          b.enable(2);
-          b.expect_alive();
-        },
-        kMotion | kBench);
+    to.add(("enable-pot-" + std::to_string(code)).c_str(),
+           "`enable` is refused while a potentiometer of the mask reads this code.", "MOVE-3",
+           [code](Board& b) {
+             b.bench().set_analog(0, code);  // joint 0
+             b.wait(20);
+             b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_POT);
+             b.refused("enable", Put().u32(3), KZ_REFUSED_FAULT, KZ_SHUTDOWN_POT);
+             b.enable(2);
+             b.expect_alive();
+           },
+           kMotion | kBench);
   }
   for (const bool high : {false, true}) {
-    add(
-        to, high ? "enable-overvoltage" : "enable-undervoltage",
+    to.add(
+        high ? "enable-overvoltage" : "enable-undervoltage",
         "`enable` is refused while the supply is out of range.", "MOVE-3",
         [high](Board& b) {
           b.bench().set_analog(KZ_ANALOG_SUPPLY, high ? 880 : 200);  // 13.2 V, 3 V
@@ -182,8 +176,8 @@ Commands commands_of(Board& b, int joint, int ms) {
   return commands;
 }
 
-void add_ramps(Cases& to) {
-  add(to, "target-reached", "A target is reached in its time.", "MOVE-4", [](Board& b) {
+void add_ramps(Chapter& to) {
+  to.add("target-reached", "A target is reached in its time.", "MOVE-4", [](Board& b) {
     soften(b, 1);
     b.enable(1);
     const long goal = some_way(b, 0, 3000);
@@ -191,53 +185,53 @@ void add_ramps(Cases& to) {
     b.stay_alive(450);
     near("angle", b.angle(0), goal, b.exact() ? kStill : kReached);
   });
-  add(to, "ramp-straight", "The command is a linear ramp that takes the requested time.", "MOVE-4",
-      [](Board& b) {
-        b.enable(1);
-        const long from = target_of(b, 0), goal = from > 0 ? from - 4000 : from + 4000;
-        b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
-        const std::uint8_t sequence = b.new_sequence();
-        b.write(b.request_bytes("targets", Put().u32(1).u16(400).s16(goal), sequence));
-        const long start = b.take("targets", sequence)["tick"];
-        for (const auto& [tick, command] : commands_of(b, 0, 500).samples) {
-          const double share = std::min(1.0, static_cast<double>(tick - start) / 400);
-          const long wanted = from + std::lround(share * static_cast<double>(goal - from));
-          near("command " + std::to_string(tick - start) + " ms after its start", command, wanted,
-               25);
-        }
-      });
-  add(to, "ramp-limit", "Where the time is too short the joint's ramp decides.", "MOVE-4",
-      [](Board& b) {
-        b.done("limits", Put().u32(1).u16(10).s16(-20000).s16(20000));
-        b.enable(1);
-        const long from = target_of(b, 0), goal = from > 0 ? from - 2000 : from + 2000;
-        b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
-        const std::uint8_t sequence = b.new_sequence();
-        b.write(b.request_bytes("targets", Put().u32(1).u16(50).s16(goal), sequence));
-        const long start = b.take("targets", sequence)["tick"];
-        for (const auto& [tick, command] : commands_of(b, 0, 300).samples) {
-          const long distance = std::min(2000L, 10 * (tick - start));
-          near("command", std::labs(command - from), distance, 30);
-        }
-      });
-  add(to, "ramp-from-command", "A new target starts from where the command is.", "MOVE-4",
-      [](Board& b) {
-        b.enable(1);
-        const long from = target_of(b, 0), goal = some_way(b, 0, 4000);
-        b.done("telemetry", Put().u16(5).u8(KZ_TELEMETRY_COMMANDS));
-        b.target(0, goal, 400);
-        Commands all = commands_of(b, 0, 200);
-        b.target(0, from, 400);
-        const Commands more = commands_of(b, 0, 300);
-        all.samples.insert(all.samples.end(), more.samples.begin(), more.samples.end());
-        for (std::size_t i = 1; i < all.samples.size(); ++i) {
-          const auto [tick, command] = all.samples[i];
-          const auto [before_tick, before] = all.samples[i - 1];
-          within("step of the command in " + std::to_string(tick - before_tick) + " ms",
-                 std::labs(command - before), 0, 10 * (tick - before_tick) + 10);
-        }
-      });
-  add(to, "ramp-zero-time", "Time 0 means as fast as the ramp allows.", "MOVE-4", [](Board& b) {
+  to.add("ramp-straight", "The command is a linear ramp that takes the requested time.", "MOVE-4",
+         [](Board& b) {
+           b.enable(1);
+           const long from = target_of(b, 0), goal = from > 0 ? from - 4000 : from + 4000;
+           b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
+           const std::uint8_t sequence = b.new_sequence();
+           b.write(b.request_bytes("targets", Put().u32(1).u16(400).s16(goal), sequence));
+           const long start = b.take("targets", sequence)["tick"];
+           for (const auto& [tick, command] : commands_of(b, 0, 500).samples) {
+             const double share = std::min(1.0, static_cast<double>(tick - start) / 400);
+             const long wanted = from + std::lround(share * static_cast<double>(goal - from));
+             near("command " + std::to_string(tick - start) + " ms after its start", command,
+                  wanted, 25);
+           }
+         });
+  to.add("ramp-limit", "Where the time is too short the joint's ramp decides.", "MOVE-4",
+         [](Board& b) {
+           b.done("limits", Put().u32(1).u16(10).s16(-20000).s16(20000));
+           b.enable(1);
+           const long from = target_of(b, 0), goal = from > 0 ? from - 2000 : from + 2000;
+           b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
+           const std::uint8_t sequence = b.new_sequence();
+           b.write(b.request_bytes("targets", Put().u32(1).u16(50).s16(goal), sequence));
+           const long start = b.take("targets", sequence)["tick"];
+           for (const auto& [tick, command] : commands_of(b, 0, 300).samples) {
+             const long distance = std::min(2000L, 10 * (tick - start));
+             near("command", std::labs(command - from), distance, 30);
+           }
+         });
+  to.add("ramp-from-command", "A new target starts from where the command is.", "MOVE-4",
+         [](Board& b) {
+           b.enable(1);
+           const long from = target_of(b, 0), goal = some_way(b, 0, 4000);
+           b.done("telemetry", Put().u16(5).u8(KZ_TELEMETRY_COMMANDS));
+           b.target(0, goal, 400);
+           Commands all = commands_of(b, 0, 200);
+           b.target(0, from, 400);
+           const Commands more = commands_of(b, 0, 300);
+           all.samples.insert(all.samples.end(), more.samples.begin(), more.samples.end());
+           for (std::size_t i = 1; i < all.samples.size(); ++i) {
+             const auto [tick, command] = all.samples[i];
+             const auto [before_tick, before] = all.samples[i - 1];
+             within("step of the command in " + std::to_string(tick - before_tick) + " ms",
+                    std::labs(command - before), 0, 10 * (tick - before_tick) + 10);
+           }
+         });
+  to.add("ramp-zero-time", "Time 0 means as fast as the ramp allows.", "MOVE-4", [](Board& b) {
     soften(b, 1);
     b.enable(1);
     const long goal = some_way(b, 0, 3000);
@@ -245,7 +239,7 @@ void add_ramps(Cases& to) {
     b.stay_alive(250);
     near("angle", b.angle(0), goal, b.exact() ? kStill : kReached);
   });
-  add(to, "many-joints", "One message moves all 18 joints.", "MOVE-4", [](Board& b) {
+  to.add("many-joints", "One message moves all 18 joints.", "MOVE-4", [](Board& b) {
     b.enable(KZ_ALL_JOINTS);
     const Reply from = b.state();
     Put fields;
@@ -269,30 +263,30 @@ void add_ramps(Cases& to) {
       near("angle of joint " + std::to_string(j), after.number("angle", j), goal, tolerance);
     }
   });
-  add(to, "others-stay", "Joints outside the mask keep their targets.", "MOVE-4", [](Board& b) {
+  to.add("others-stay", "Joints outside the mask keep their targets.", "MOVE-4", [](Board& b) {
     b.enable(0x3);
     const long other = target_of(b, 1);
     b.target(0, some_way(b, 0, 1000), 100);
     b.stay_alive(150);
     equal("target of joint 1", target_of(b, 1), other);
   });
-  add(to, "moving-flag", "MOVING is set while a ramp is under way, and not after.", "MOVE-12",
-      [](Board& b) {
-        b.enable(1);
-        check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set before there was a target");
-        b.target(0, some_way(b, 0, 1000), 200);
-        b.wait(20);
-        check(b.state().flag(KZ_STATUS_MOVING), "MOVING is not set during the ramp");
-        equal("MOVING of the joint", b.joints(1).number("faults", 0) & KZ_JOINT_MOVING,
-              KZ_JOINT_MOVING);
-        b.stay_alive(250);
-        check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set when the ramp has ended");
-      });
+  to.add("moving-flag", "MOVING is set while a ramp is under way, and not after.", "MOVE-12",
+         [](Board& b) {
+           b.enable(1);
+           check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set before there was a target");
+           b.target(0, some_way(b, 0, 1000), 200);
+           b.wait(20);
+           check(b.state().flag(KZ_STATUS_MOVING), "MOVING is not set during the ramp");
+           equal("MOVING of the joint", b.joints(1).number("faults", 0) & KZ_JOINT_MOVING,
+                 KZ_JOINT_MOVING);
+           b.stay_alive(250);
+           check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set when the ramp has ended");
+         });
 }
 
-void add_reading(Cases& to) {
-  add(
-      to, "read-targets-off", "`read_targets` reports the angle of a joint that is off.", "MOVE-7",
+void add_reading(Chapter& to) {
+  to.add(
+      "read-targets-off", "`read_targets` reports the angle of a joint that is off.", "MOVE-7",
       [](Board& b) {
         const Reply targets = b.done("read_targets", Put().u32(KZ_ALL_JOINTS));
         const Reply state = b.state();
@@ -303,17 +297,17 @@ void add_reading(Cases& to) {
         }
       },
       kNothing);
-  add(to, "read-targets-on", "`read_targets` reports the end of the ramp, not its present value.",
-      "MOVE-7", [](Board& b) {
-        b.enable(1);
-        const long goal = some_way(b, 0, 3000);
-        b.target(0, goal, 500);
-        equal("target", target_of(b, 0), goal);
-        b.stay_alive(100);
-        equal("target during the ramp", target_of(b, 0), goal);
-      });
-  add(
-      to, "state-angles", "`state` reports the angles of all joints.", "MOVE-8",
+  to.add("read-targets-on", "`read_targets` reports the end of the ramp, not its present value.",
+         "MOVE-7", [](Board& b) {
+           b.enable(1);
+           const long goal = some_way(b, 0, 3000);
+           b.target(0, goal, 500);
+           equal("target", target_of(b, 0), goal);
+           b.stay_alive(100);
+           equal("target during the ramp", target_of(b, 0), goal);
+         });
+  to.add(
+      "state-angles", "`state` reports the angles of all joints.", "MOVE-8",
       [](Board& b) {
         for (int j = 0; j < KZ_JOINTS; ++j) b.bench().place_joint(j, 0.02 * j - 0.1);
         b.wait(20);
@@ -324,8 +318,8 @@ void add_reading(Cases& to) {
         within("supply, mV", state["supply_mv"], 9900, 10100);
       },
       kBench);
-  add(
-      to, "joints-same-as-state", "`joints` reports the same angles, joint by joint.", "MOVE-8",
+  to.add(
+      "joints-same-as-state", "`joints` reports the same angles, joint by joint.", "MOVE-8",
       [](Board& b) {
         const Reply state = b.state();
         for (int first = 0; first < KZ_JOINTS; first += 9) {
@@ -338,28 +332,28 @@ void add_reading(Cases& to) {
         }
       },
       kNothing);
-  add(to, "joints-speed", "`joints` reports speed and duty of a joint that moves.", "MOVE-8",
-      [](Board& b) {
-        b.enable(1);
-        const long goal = some_way(b, 0, 5000);
-        const int sign = goal > b.angle(0) ? 1 : -1;
-        b.target(0, goal, 1000);  // 0.5 rad/s
-        b.stay_alive(300);
-        // The mean of many: at this speed a gear with friction goes by fits and starts.
-        constexpr int kLooks = 20;
-        long speed = 0;
-        Reply joints = b.joints(1);
-        for (int look = 0; look < kLooks; ++look) {
-          b.wait(10);
-          joints = b.joints(1);
-          speed += sign * joints.number("speed", 0);
-        }
-        within("speed, mrad/s", speed / kLooks, 200, 900);
-        within("duty", sign * joints.number("duty", 0), 1, 255);
-        within("load", joints.number("load", 0), 0, 255);
-      });
-  add(
-      to, "joints-too-many", "`joints` is refused with RANGE for more than 9.", "MOVE-8",
+  to.add("joints-speed", "`joints` reports speed and duty of a joint that moves.", "MOVE-8",
+         [](Board& b) {
+           b.enable(1);
+           const long goal = some_way(b, 0, 5000);
+           const int sign = goal > b.angle(0) ? 1 : -1;
+           b.target(0, goal, 1000);  // 0.5 rad/s
+           b.stay_alive(300);
+           // The mean of many: at this speed a gear with friction goes by fits and starts.
+           constexpr int kLooks = 20;
+           long speed = 0;
+           Reply joints = b.joints(1);
+           for (int look = 0; look < kLooks; ++look) {
+             b.wait(10);
+             joints = b.joints(1);
+             speed += sign * joints.number("speed", 0);
+           }
+           within("speed, mrad/s", speed / kLooks, 200, 900);
+           within("duty", sign * joints.number("duty", 0), 1, 255);
+           within("load", joints.number("load", 0), 0, 255);
+         });
+  to.add(
+      "joints-too-many", "`joints` is refused with RANGE for more than 9.", "MOVE-8",
       [](Board& b) {
         b.joints(0x2AAAAu & KZ_ALL_JOINTS);  // 9 of them
         b.refused("joints", Put().u32(0x3FF), KZ_REFUSED_RANGE, 0);
@@ -368,25 +362,25 @@ void add_reading(Cases& to) {
       },
       kNothing);
   for (int j = 0; j < KZ_JOINTS; ++j) {
-    add(
-        to, ("off-no-power-" + std::to_string(j)).c_str(),
-        "The motor of this joint, off, gets no power while all others are on.", "MOVE-9",
-        [j](Board& b) {
-          b.enable(KZ_ALL_JOINTS & ~(1u << j));
-          b.bench().place_joint(j, b.bench().angle_rad(j) + 0.05);
-          for (int n = 0; n < 5; ++n) {
-            b.stay_alive(10);
-            check(b.bench().drive(j) == 0, "it has power");
-          }
-          equal("ON", b.done("joints", Put().u32(1L << j)).number("faults", j) & KZ_JOINT_ON, 0);
-        },
-        kMotion | kBench);
+    to.add(("off-no-power-" + std::to_string(j)).c_str(),
+           "The motor of this joint, off, gets no power while all others are on.", "MOVE-9",
+           [j](Board& b) {
+             b.enable(KZ_ALL_JOINTS & ~(1u << j));
+             b.bench().place_joint(j, b.bench().angle_rad(j) + 0.05);
+             for (int n = 0; n < 5; ++n) {
+               b.stay_alive(10);
+               check(b.bench().drive(j) == 0, "it has power");
+             }
+             equal("ON", b.done("joints", Put().u32(1L << j)).number("faults", j) & KZ_JOINT_ON, 0);
+           },
+           kMotion | kBench);
   }
 }
 
 }  // namespace
 
-void add_motion_cases(Cases& to) {
+void add_motion_cases(Cases& all) {
+  Chapter to(all, "motion", kMotion);
   add_enable(to);
   add_ramps(to);
   add_reading(to);

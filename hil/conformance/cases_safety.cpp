@@ -6,11 +6,6 @@
 namespace kaz::hil {
 namespace {
 
-void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kMotion | kBench) {
-  to.push_back({"safety." + id, sentence, {statement}, needs, std::move(run)});
-}
-
 // Time from a disturbance until all motors are off, ms; fails if they are on after `at_most`.
 long ms_until_off(Board& b, int at_most) {
   for (int ms = 0; ms <= at_most; ++ms) {
@@ -62,9 +57,9 @@ void no_shut_down(Board& b, int input, int code, int ms) {
   check(state.flag(KZ_STATUS_ENABLED), "the motors went off");
 }
 
-void add_latch(Cases& to) {
-  add(
-      to, "latched-refuses", "While STOP is latched nothing can be switched on or moved.", "SAFE-1",
+void add_latch(Chapter& to) {
+  to.add(
+      "latched-refuses", "While STOP is latched nothing can be switched on or moved.", "SAFE-1",
       [](Board& b) {
         b.enable(0x3);
         b.done("stop");
@@ -77,8 +72,8 @@ void add_latch(Cases& to) {
         equal("reason", b.state().reason(), KZ_SHUTDOWN_STOP);
       },
       kMotion);
-  add(
-      to, "clear", "`clear` forgets what is latched; motors stay off.", "SAFE-2",
+  to.add(
+      "clear", "`clear` forgets what is latched; motors stay off.", "SAFE-2",
       [](Board& b) {
         b.enable(0x3);
         b.done("stop");
@@ -91,34 +86,34 @@ void add_latch(Cases& to) {
         b.enable(1);
       },
       kMotion);
-  add(
-      to, "clear-nothing", "`clear` with nothing latched is done.", "SAFE-2",
+  to.add(
+      "clear-nothing", "`clear` with nothing latched is done.", "SAFE-2",
       [](Board& b) { b.done("clear"); }, kNothing);
-  add(to, "first-reason-kept", "A second reason does not displace the first.", "SAFE-3",
-      [](Board& b) {
-        b.enable(0x3);
-        b.bench().set_analog(1, 0);  // joint 1
-        ms_until_off(b, 60);
-        const long tick = b.health()["shutdown_tick"];
-        b.done("stop");
-        b.bench().set_analog(KZ_ANALOG_SUPPLY, 100);
-        b.wait(60);
-        expect_latched(b, KZ_SHUTDOWN_POT, 1);
-        equal("tick of the shutdown", b.health()["shutdown_tick"], tick);
-      });
-  add(to, "stop-first", "After `stop` a fault of a sensor changes nothing of the reason.", "SAFE-3",
-      [](Board& b) {
-        b.enable(0x3);
-        b.done("stop");
-        b.bench().set_analog(0, 0);
-        b.wait(60);
-        expect_latched(b, KZ_SHUTDOWN_STOP, kNoDetail);
-      });
+  to.add("first-reason-kept", "A second reason does not displace the first.", "SAFE-3",
+         [](Board& b) {
+           b.enable(0x3);
+           b.bench().set_analog(1, 0);  // joint 1
+           ms_until_off(b, 60);
+           const long tick = b.health()["shutdown_tick"];
+           b.done("stop");
+           b.bench().set_analog(KZ_ANALOG_SUPPLY, 100);
+           b.wait(60);
+           expect_latched(b, KZ_SHUTDOWN_POT, 1);
+           equal("tick of the shutdown", b.health()["shutdown_tick"], tick);
+         });
+  to.add("stop-first", "After `stop` a fault of a sensor changes nothing of the reason.", "SAFE-3",
+         [](Board& b) {
+           b.enable(0x3);
+           b.done("stop");
+           b.bench().set_analog(0, 0);
+           b.wait(60);
+           expect_latched(b, KZ_SHUTDOWN_STOP, kNoDetail);
+         });
 }
 
-void add_stop(Cases& to) {
-  add(
-      to, "stop", "`stop` switches all motors off and is latched.", "SAFE-4",
+void add_stop(Chapter& to) {
+  to.add(
+      "stop", "`stop` switches all motors off and is latched.", "SAFE-4",
       [](Board& b) {
         b.enable(KZ_ALL_JOINTS);
         const Reply stopped = b.done("stop");
@@ -128,19 +123,18 @@ void add_stop(Cases& to) {
         expect_latched(b, KZ_SHUTDOWN_STOP, kNoDetail);
       },
       kMotion);
-  add(to, "stop-at-once", "The motors are without power 3 ms after `stop`.", "SAFE-4",
-      [](Board& b) {
-        b.bench().block_joint(0, true);
-        b.enable(1);
-        b.bench().place_joint(0, 0.2);
-        b.stay_alive(40);
-        check(b.bench().drive(0) != 0, "the motor is not driven before the stop");
-        b.write(b.request_bytes("stop"));  // 9 bytes: 0.8 ms
-        b.wait(4);
-        check(b.bench().drive(0) == 0, "the motor still has power");
-      });
-  add(
-      to, "stop-all-boards", "`stop` to all boards works too.", "SAFE-4",
+  to.add("stop-at-once", "The motors are without power 3 ms after `stop`.", "SAFE-4", [](Board& b) {
+    b.bench().block_joint(0, true);
+    b.enable(1);
+    b.bench().place_joint(0, 0.2);
+    b.stay_alive(40);
+    check(b.bench().drive(0) != 0, "the motor is not driven before the stop");
+    b.write(b.request_bytes("stop"));  // 9 bytes: 0.8 ms
+    b.wait(4);
+    check(b.bench().drive(0) == 0, "the motor still has power");
+  });
+  to.add(
+      "stop-all-boards", "`stop` to all boards works too.", "SAFE-4",
       [](Board& b) {
         b.enable(0x3);
         b.write(frame_of(KZ_ADDRESS_ALL, KZ_TYPE_stop, b.new_sequence(), {}));
@@ -149,8 +143,8 @@ void add_stop(Cases& to) {
         expect_latched(b, KZ_SHUTDOWN_STOP, kNoDetail);
       },
       kMotion);
-  add(
-      to, "stop-off", "`stop` is latched while all motors are off too.", "SAFE-4",
+  to.add(
+      "stop-off", "`stop` is latched while all motors are off too.", "SAFE-4",
       [](Board& b) {
         b.done("stop");
         expect_latched(b, KZ_SHUTDOWN_STOP, kNoDetail);
@@ -158,14 +152,13 @@ void add_stop(Cases& to) {
       kNothing);
 }
 
-void add_sensors(Cases& to) {
+void add_sensors(Chapter& to) {
   for (const int code : {0, KZ_POT_LOWEST - 1, KZ_POT_HIGHEST + 1, 1023}) {
-    add(to, "pot-" + std::to_string(code), "A potentiometer at this code shuts down: POT.",
-        "SAFE-9",
-        [code](Board& b) { shut_down_by(b, 1, code, KZ_SHUTDOWN_POT, 1, KZ_POT_FAULT_MS); });
+    to.add("pot-" + std::to_string(code), "A potentiometer at this code shuts down: POT.", "SAFE-9",
+           [code](Board& b) { shut_down_by(b, 1, code, KZ_SHUTDOWN_POT, 1, KZ_POT_FAULT_MS); });
   }
   for (const int code : {KZ_POT_LOWEST, KZ_POT_HIGHEST}) {
-    add(to, "pot-valid-" + std::to_string(code), "This code is valid.", "SAFE-9", [code](Board& b) {
+    to.add("pot-valid-" + std::to_string(code), "This code is valid.", "SAFE-9", [code](Board& b) {
       b.enable(0x1);
       b.bench().set_analog(1, code);  // of a joint whose angle moves nothing
       b.stay_alive(40);
@@ -174,9 +167,9 @@ void add_sensors(Cases& to) {
       check(b.state().reason() != KZ_SHUTDOWN_POT, "POT is latched");
     });
   }
-  add(to, "pot-short", "A potentiometer that is gone for 10 ms shuts nothing down.", "SAFE-9",
-      [](Board& b) { no_shut_down(b, 0, 0, 10); });
-  add(to, "pot-no-power", "Its motor has no power from the start.", "SAFE-9", [](Board& b) {
+  to.add("pot-short", "A potentiometer that is gone for 10 ms shuts nothing down.", "SAFE-9",
+         [](Board& b) { no_shut_down(b, 0, 0, 10); });
+  to.add("pot-no-power", "Its motor has no power from the start.", "SAFE-9", [](Board& b) {
     b.bench().block_joint(0, true);
     b.enable(1);
     b.bench().place_joint(0, 0.2);
@@ -186,43 +179,43 @@ void add_sensors(Cases& to) {
     b.wait(4);
     check(b.bench().drive(0) == 0, "the motor has power though the potentiometer is gone");
   });
-  add(to, "pot-of-off-joint", "The potentiometer of a joint that is off shuts nothing down.",
-      "SAFE-9", [](Board& b) {
-        b.enable(0x2);
-        b.bench().set_analog(0, 0);
-        b.stay_alive(100);
-        equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
-        equal("POT flag", b.joints(1).number("faults", 0) & KZ_JOINT_POT, KZ_JOINT_POT);
-      });
-  add(to, "supply-low", "A supply too low shuts down: UNDERVOLTAGE.", "SAFE-10", [](Board& b) {
+  to.add("pot-of-off-joint", "The potentiometer of a joint that is off shuts nothing down.",
+         "SAFE-9", [](Board& b) {
+           b.enable(0x2);
+           b.bench().set_analog(0, 0);
+           b.stay_alive(100);
+           equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
+           equal("POT flag", b.joints(1).number("faults", 0) & KZ_JOINT_POT, KZ_JOINT_POT);
+         });
+  to.add("supply-low", "A supply too low shuts down: UNDERVOLTAGE.", "SAFE-10", [](Board& b) {
     shut_down_by(b, KZ_ANALOG_SUPPLY, 260, KZ_SHUTDOWN_UNDERVOLTAGE, kNoDetail,  // 3.9 V
                  KZ_SUPPLY_FAULT_MS);
   });
-  add(to, "supply-high", "A supply too high shuts down: OVERVOLTAGE.", "SAFE-10", [](Board& b) {
+  to.add("supply-high", "A supply too high shuts down: OVERVOLTAGE.", "SAFE-10", [](Board& b) {
     shut_down_by(b, KZ_ANALOG_SUPPLY, 870, KZ_SHUTDOWN_OVERVOLTAGE, kNoDetail,  // 13.05 V
                  KZ_SUPPLY_FAULT_MS);
   });
-  add(to, "supply-short", "A supply that sags for 10 ms shuts nothing down.", "SAFE-10",
-      [](Board& b) { no_shut_down(b, KZ_ANALOG_SUPPLY, 100, 10); });
+  to.add("supply-short", "A supply that sags for 10 ms shuts nothing down.", "SAFE-10",
+         [](Board& b) { no_shut_down(b, KZ_ANALOG_SUPPLY, 100, 10); });
   for (const int code : {268, 866}) {  // 4.02 and 12.99 V
-    add(to, "supply-valid-" + std::to_string(code), "This supply is within its limits.", "SAFE-10",
-        [code](Board& b) { no_shut_down(b, KZ_ANALOG_SUPPLY, code, 200); });
+    to.add("supply-valid-" + std::to_string(code), "This supply is within its limits.", "SAFE-10",
+           [code](Board& b) { no_shut_down(b, KZ_ANALOG_SUPPLY, code, 200); });
   }
-  add(to, "supply-off-joints", "While all motors are off a low supply latches nothing.", "SAFE-10",
-      [](Board& b) {
-        b.bench().set_analog(KZ_ANALOG_SUPPLY, 100);
-        b.wait(100);
-        equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
-        const Reply health = b.health();
-        within("supply, mV", health["supply_mv"], 1485, 1515);
-        within("lowest supply, mV", health["supply_lowest_mv"], 1485, 1515);
-        b.bench().set_analog(KZ_ANALOG_SUPPLY, {});
-        b.wait(30);
-        const Reply after = b.health();
-        within("supply, mV", after["supply_mv"], 9900, 10100);
-        within("lowest supply, mV", after["supply_lowest_mv"], 1485, 1515);
-      });
-  add(to, "temperature", "Hot motor drivers shut down: TEMPERATURE.", "SAFE-11", [](Board& b) {
+  to.add("supply-off-joints", "While all motors are off a low supply latches nothing.", "SAFE-10",
+         [](Board& b) {
+           b.bench().set_analog(KZ_ANALOG_SUPPLY, 100);
+           b.wait(100);
+           equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
+           const Reply health = b.health();
+           within("supply, mV", health["supply_mv"], 1485, 1515);
+           within("lowest supply, mV", health["supply_lowest_mv"], 1485, 1515);
+           b.bench().set_analog(KZ_ANALOG_SUPPLY, {});
+           b.wait(30);
+           const Reply after = b.health();
+           within("supply, mV", after["supply_mv"], 9900, 10100);
+           within("lowest supply, mV", after["supply_lowest_mv"], 1485, 1515);
+         });
+  to.add("temperature", "Hot motor drivers shut down: TEMPERATURE.", "SAFE-11", [](Board& b) {
     b.enable(0x3);
     b.bench().set_analog(KZ_ANALOG_TEMPERATURE, 870);
     ms_until_off(b, 100);
@@ -232,60 +225,60 @@ void add_sensors(Cases& to) {
     b.wait(60);
     b.done("clear");
   });
-  add(to, "temperature-valid", "84 degrees shut nothing down, and `health` reports them.",
-      "SAFE-11", [](Board& b) {
-        no_shut_down(b, KZ_ANALOG_TEMPERATURE, 840, 200);
-        b.bench().set_analog(KZ_ANALOG_TEMPERATURE, 840);
-        b.stay_alive(60);
-        within("temperature, 0.1 degC", b.health()["temperature_dc"], 839, 841);
-      });
+  to.add("temperature-valid", "84 degrees shut nothing down, and `health` reports them.", "SAFE-11",
+         [](Board& b) {
+           no_shut_down(b, KZ_ANALOG_TEMPERATURE, 840, 200);
+           b.bench().set_analog(KZ_ANALOG_TEMPERATURE, 840);
+           b.stay_alive(60);
+           within("temperature, 0.1 degC", b.health()["temperature_dc"], 839, 841);
+         });
   for (const int code : {KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE - 2,
                          KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE + 2}) {
-    add(to, "reference-" + std::to_string(code), "A reference at this code shuts down: REFERENCE.",
-        "SAFE-12", [code](Board& b) {
-          shut_down_by(b, KZ_ANALOG_REFERENCE, code, KZ_SHUTDOWN_REFERENCE, kNoDetail,
-                       KZ_REFERENCE_FAULT_MS);
-        });
+    to.add("reference-" + std::to_string(code), "A reference at this code shuts down: REFERENCE.",
+           "SAFE-12", [code](Board& b) {
+             shut_down_by(b, KZ_ANALOG_REFERENCE, code, KZ_SHUTDOWN_REFERENCE, kNoDetail,
+                          KZ_REFERENCE_FAULT_MS);
+           });
   }
   for (const int code :
        {KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE, KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE}) {
-    add(to, "reference-valid-" + std::to_string(code), "A reference at this code is valid.",
-        "SAFE-12", [code](Board& b) { no_shut_down(b, KZ_ANALOG_REFERENCE, code, 100); });
+    to.add("reference-valid-" + std::to_string(code), "A reference at this code is valid.",
+           "SAFE-12", [code](Board& b) { no_shut_down(b, KZ_ANALOG_REFERENCE, code, 100); });
   }
 }
 
-void add_motors(Cases& to) {
-  add(to, "stall", "A motor that cannot turn under full drive shuts down: STALL.", "SAFE-13",
-      [](Board& b) {
-        b.enable(0x3);
-        b.bench().block_joint(1, true);
-        b.target(1, 5000, 0);
-        const Time start = b.now();
-        while (b.state().flag(KZ_STATUS_ENABLED)) {
-          check(seconds(b.now() - start) < 5, "it is under full drive for 5 s");
-          b.wait(20);
-        }
-        expect_latched(b, KZ_SHUTDOWN_STALL, 1);
-        b.expect_off();
-      });
-  add(to, "overload", "A motor under half of its drive for long shuts down: STALL or OVERLOAD.",
-      "SAFE-13", [](Board& b) {
-        b.done("gains", Put().u32(2).u16(1536).u16(614).u16(0).u8(0));  // 6 /rad
-        b.enable(0x3);
-        b.bench().block_joint(1, true);
-        b.target(1, 1000, 0);  // 0.6 of full duty
-        const Time start = b.now();
-        while (b.state().flag(KZ_STATUS_ENABLED)) {
-          check(seconds(b.now() - start) < 60, "it is under load for 60 s");
-          b.wait(40);
-        }
-        const Reply health = b.health();
-        check(health.reason() == KZ_SHUTDOWN_OVERLOAD || health.reason() == KZ_SHUTDOWN_STALL,
-              "the reason is " + std::to_string(health.reason()));
-        equal("detail", health["detail"], 1);
-      });
-  add(
-      to, "moving-freely", "A motor that turns freely to and fro shuts nothing down.", "SAFE-13",
+void add_motors(Chapter& to) {
+  to.add("stall", "A motor that cannot turn under full drive shuts down: STALL.", "SAFE-13",
+         [](Board& b) {
+           b.enable(0x3);
+           b.bench().block_joint(1, true);
+           b.target(1, 5000, 0);
+           const Time start = b.now();
+           while (b.state().flag(KZ_STATUS_ENABLED)) {
+             check(seconds(b.now() - start) < 5, "it is under full drive for 5 s");
+             b.wait(20);
+           }
+           expect_latched(b, KZ_SHUTDOWN_STALL, 1);
+           b.expect_off();
+         });
+  to.add("overload", "A motor under half of its drive for long shuts down: STALL or OVERLOAD.",
+         "SAFE-13", [](Board& b) {
+           b.done("gains", Put().u32(2).u16(1536).u16(614).u16(0).u8(0));  // 6 /rad
+           b.enable(0x3);
+           b.bench().block_joint(1, true);
+           b.target(1, 1000, 0);  // 0.6 of full duty
+           const Time start = b.now();
+           while (b.state().flag(KZ_STATUS_ENABLED)) {
+             check(seconds(b.now() - start) < 60, "it is under load for 60 s");
+             b.wait(40);
+           }
+           const Reply health = b.health();
+           check(health.reason() == KZ_SHUTDOWN_OVERLOAD || health.reason() == KZ_SHUTDOWN_STALL,
+                 "the reason is " + std::to_string(health.reason()));
+           equal("detail", health["detail"], 1);
+         });
+  to.add(
+      "moving-freely", "A motor that turns freely to and fro shuts nothing down.", "SAFE-13",
       [](Board& b) {
         b.enable(0x3);
         for (int n = 0; n < 10; ++n) {
@@ -295,8 +288,8 @@ void add_motors(Cases& to) {
         equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
       },
       kMotion);
-  add(
-      to, "no-missed-tick", "With requests sent without pause no tick is missed.", "SAFE-14",
+  to.add(
+      "no-missed-tick", "With requests sent without pause no tick is missed.", "SAFE-14",
       [](Board& b) {
         b.enable(KZ_ALL_JOINTS);
         for (int n = 0; n < 50; ++n) {
@@ -306,9 +299,8 @@ void add_motors(Cases& to) {
         check(!b.state().flag(KZ_STATUS_MISSED_TICK), "MISSED_TICK is set");
       },
       kMotion);
-  add(
-      to, "flash-is-no-missed-tick", "The ticks that a write to flash took do not count.",
-      "SAFE-14",
+  to.add(
+      "flash-is-no-missed-tick", "The ticks that a write to flash took do not count.", "SAFE-14",
       [](Board& b) {
         b.done("store_calibration", {}, 3000);
         const Reply counts = b.statistics();
@@ -321,7 +313,8 @@ void add_motors(Cases& to) {
 
 }  // namespace
 
-void add_safety_cases(Cases& to) {
+void add_safety_cases(Cases& all) {
+  Chapter to(all, "safety", kMotion | kBench);
   add_latch(to);
   add_stop(to);
   add_sensors(to);

@@ -8,11 +8,6 @@
 namespace kaz::hil {
 namespace {
 
-void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kNothing) {
-  to.push_back({"settings." + id, sentence, {statement}, needs, std::move(run)});
-}
-
 Reply settings(Board& b, int joint) {
   return b.done("settings", Put().u8(joint));
 }
@@ -50,22 +45,23 @@ void drive_within(double got, double low, double high) {
 
 }  // namespace
 
-void add_settings_cases(Cases& to) {
+void add_settings_cases(Cases& all) {
+  Chapter to(all, "settings", kNothing);
   for (const int joint : {0, 5, 9, 17}) {
-    add(to, "defaults-" + std::to_string(joint), "Settings of this joint after a reset.", "SET-4",
-        [joint](Board& b) { expect_defaults(b, joint); });
+    to.add("defaults-" + std::to_string(joint), "Settings of this joint after a reset.", "SET-4",
+           [joint](Board& b) { expect_defaults(b, joint); });
   }
-  add(to, "gains-read-back", "`gains` sets them, `settings` reads them back.", "SET-1",
-      [](Board& b) {
-        b.done("gains", Put().u32(1).u16(2560).u16(1024).u16(123).u8(17));
-        const Reply set = settings(b, 0);
-        rounded("kp", set["kp"], 2560);
-        rounded("kd", set["kd"], 1024);
-        equal("dead band", set["dead_band"], 123);
-        equal("friction", set["friction"], 17);
-        equal("ramp", set["ramp"], KZ_RAMP_DEFAULT);
-      });
-  add(to, "gains-extremes", "Gains at their bounds come back as such.", "SET-1", [](Board& b) {
+  to.add("gains-read-back", "`gains` sets them, `settings` reads them back.", "SET-1",
+         [](Board& b) {
+           b.done("gains", Put().u32(1).u16(2560).u16(1024).u16(123).u8(17));
+           const Reply set = settings(b, 0);
+           rounded("kp", set["kp"], 2560);
+           rounded("kd", set["kd"], 1024);
+           equal("dead band", set["dead_band"], 123);
+           equal("friction", set["friction"], 17);
+           equal("ramp", set["ramp"], KZ_RAMP_DEFAULT);
+         });
+  to.add("gains-extremes", "Gains at their bounds come back as such.", "SET-1", [](Board& b) {
     b.done("gains",
            Put().u32(4).u16(KZ_KP_MAX).u16(KZ_KD_MAX).u16(KZ_DEAD_BAND_MAX).u8(KZ_FRICTION_MAX));
     const Reply set = settings(b, 2);
@@ -78,20 +74,20 @@ void add_settings_cases(Cases& to) {
     equal("kp", none["kp"], 0);
     equal("kd", none["kd"], 0);
   });
-  add(to, "gains-mask", "Joints outside the mask keep their gains.", "SET-1", [](Board& b) {
+  to.add("gains-mask", "Joints outside the mask keep their gains.", "SET-1", [](Board& b) {
     b.done("gains", Put().u32(0x20001).u16(1000).u16(200).u16(5).u8(3));
     for (const int joint : {0, 17}) rounded("kp", settings(b, joint)["kp"], 1000);
     for (const int joint : {1, 5, 16}) expect_defaults(b, joint);
   });
-  add(
-      to, "gain-drives", "kp sets how hard an error is driven against.", "SET-1",
+  to.add(
+      "gain-drives", "kp sets how hard an error is driven against.", "SET-1",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(1280).u16(0).u16(0).u8(0));  // 5 /rad
         drive_within(drive_at_error(b, 0.1), 0.42, 0.58);
       },
       kMotion | kBench);
-  add(
-      to, "dead-band", "An error inside the dead band counts as none.", "SET-1",
+  to.add(
+      "dead-band", "An error inside the dead band counts as none.", "SET-1",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(5120).u16(0).u16(500).u8(20));
         drive_within(drive_at_error(b, 0.04), 0, 0);
@@ -100,8 +96,8 @@ void add_settings_cases(Cases& to) {
         drive_within(b.bench().drive(0), 0.5, 1);
       },
       kMotion | kBench);
-  add(
-      to, "friction", "Friction compensation is added in the direction of the error.", "SET-1",
+  to.add(
+      "friction", "Friction compensation is added in the direction of the error.", "SET-1",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(256).u16(0).u16(20).u8(51));  // 1 /rad, 0.2 of full duty
         drive_within(drive_at_error(b, 0.05), 0.22, 0.28);
@@ -110,41 +106,42 @@ void add_settings_cases(Cases& to) {
         drive_within(b.bench().drive(0), -0.28, -0.22);
       },
       kMotion | kBench);
-  add(to, "limits-read-back", "`limits` sets ramp and limits, `settings` reads them back.", "SET-2",
-      [](Board& b) {
-        b.done("limits", Put().u32(2).u16(33).s16(-1234).s16(2345));
-        const Reply set = settings(b, 1);
-        equal("ramp", set["ramp"], 33);
-        equal("lower", set["lower"], -1234);
-        equal("upper", set["upper"], 2345);
-        expect_defaults(b, 0);
-      });
+  to.add("limits-read-back", "`limits` sets ramp and limits, `settings` reads them back.", "SET-2",
+         [](Board& b) {
+           b.done("limits", Put().u32(2).u16(33).s16(-1234).s16(2345));
+           const Reply set = settings(b, 1);
+           equal("ramp", set["ramp"], 33);
+           equal("lower", set["lower"], -1234);
+           equal("upper", set["upper"], 2345);
+           expect_defaults(b, 0);
+         });
   for (int joint = 0; joint < KZ_JOINTS; ++joint) {
-    add(to, "limits-cut-" + std::to_string(joint),
-        "Limits beyond the mechanics of this joint are cut to them.", "SET-2", [joint](Board& b) {
-          const Reply before = settings(b, joint);
-          b.done("limits", Put().u32(1L << joint).u16(60).s16(-32768).s16(32767));
-          const Reply after = settings(b, joint);
-          equal("lower", after["lower"], before["lower"]);
-          equal("upper", after["upper"], before["upper"]);
-          const struct {
-            long lower, upper;
-          } mechanics[KZ_JOINTS] = {
-              {-15707, 15707}, {-7853, 13089}, {-24434, 6981}, {-7853, 19198},  {-23561, 1745},
-              {-13962, 5235},  {-24434, 6981}, {-19198, 7853}, {-23561, 1745},  {-13962, 5235},
-              {-7853, 7853},   {-24434, 6981}, {-872, 24434},  {-13962, 10471}, {-7853, 7853},
-              {-24434, 6981},  {-872, 24434},  {-13962, 10471}};
-          equal("lower", after["lower"], mechanics[joint].lower);
-          equal("upper", after["upper"], mechanics[joint].upper);
-        });
+    to.add("limits-cut-" + std::to_string(joint),
+           "Limits beyond the mechanics of this joint are cut to them.", "SET-2",
+           [joint](Board& b) {
+             const Reply before = settings(b, joint);
+             b.done("limits", Put().u32(1L << joint).u16(60).s16(-32768).s16(32767));
+             const Reply after = settings(b, joint);
+             equal("lower", after["lower"], before["lower"]);
+             equal("upper", after["upper"], before["upper"]);
+             const struct {
+               long lower, upper;
+             } mechanics[KZ_JOINTS] = {
+                 {-15707, 15707}, {-7853, 13089}, {-24434, 6981}, {-7853, 19198},  {-23561, 1745},
+                 {-13962, 5235},  {-24434, 6981}, {-19198, 7853}, {-23561, 1745},  {-13962, 5235},
+                 {-7853, 7853},   {-24434, 6981}, {-872, 24434},  {-13962, 10471}, {-7853, 7853},
+                 {-24434, 6981},  {-872, 24434},  {-13962, 10471}};
+             equal("lower", after["lower"], mechanics[joint].lower);
+             equal("upper", after["upper"], mechanics[joint].upper);
+           });
   }
-  add(to, "limits-crossed", "`limits` with `lower` above `upper` is refused with RANGE.", "SET-3",
-      [](Board& b) {
-        b.refused("limits", Put().u32(1).u16(60).s16(101).s16(100), KZ_REFUSED_RANGE);
-        b.refused("limits", Put().u32(1).u16(60).s16(32767).s16(-32768), KZ_REFUSED_RANGE);
-        b.done("limits", Put().u32(1).u16(60).s16(100).s16(100));
-      });
-  add(to, "until-reset", "A reset brings the values of the page back.", "SET-4", [](Board& b) {
+  to.add("limits-crossed", "`limits` with `lower` above `upper` is refused with RANGE.", "SET-3",
+         [](Board& b) {
+           b.refused("limits", Put().u32(1).u16(60).s16(101).s16(100), KZ_REFUSED_RANGE);
+           b.refused("limits", Put().u32(1).u16(60).s16(32767).s16(-32768), KZ_REFUSED_RANGE);
+           b.done("limits", Put().u32(1).u16(60).s16(100).s16(100));
+         });
+  to.add("until-reset", "A reset brings the values of the page back.", "SET-4", [](Board& b) {
     const Reply before = settings(b, 3);
     b.done("gains", Put().u32(8).u16(100).u16(100).u16(100).u8(10));
     b.done("limits", Put().u32(8).u16(9).s16(-100).s16(100));
@@ -156,20 +153,20 @@ void add_settings_cases(Cases& to) {
     equal("upper", after["upper"], before["upper"]);
     check(b.done("identify")["watchdog_10ms"] != 77, "the link watchdog outlived a reset");
   });
-  add(to, "kept", "Enabling, stopping and clearing leave the settings alone.", "SET-4",
-      [](Board& b) {
-        b.done("gains", Put().u32(1).u16(2560).u16(300).u16(7).u8(5));
-        b.done("limits", Put().u32(1).u16(9).s16(-100).s16(100));
-        b.done("stop");
-        b.done("clear");
-        b.done("enable", Put().u32(0));
-        const Reply set = settings(b, 0);
-        rounded("kp", set["kp"], 2560);
-        equal("ramp", set["ramp"], 9);
-        equal("upper", set["upper"], 100);
-      });
-  add(
-      to, "narrower-for-targets", "A narrower limit holds for the next target.", "SET-5",
+  to.add("kept", "Enabling, stopping and clearing leave the settings alone.", "SET-4",
+         [](Board& b) {
+           b.done("gains", Put().u32(1).u16(2560).u16(300).u16(7).u8(5));
+           b.done("limits", Put().u32(1).u16(9).s16(-100).s16(100));
+           b.done("stop");
+           b.done("clear");
+           b.done("enable", Put().u32(0));
+           const Reply set = settings(b, 0);
+           rounded("kp", set["kp"], 2560);
+           equal("ramp", set["ramp"], 9);
+           equal("upper", set["upper"], 100);
+         });
+  to.add(
+      "narrower-for-targets", "A narrower limit holds for the next target.", "SET-5",
       [](Board& b) {
         b.enable(1);
         b.done("limits", Put().u32(1).u16(60).s16(-1000).s16(1000));
@@ -177,8 +174,8 @@ void add_settings_cases(Cases& to) {
         b.done("targets", Put().u32(1).u16(100).s16(1000));
       },
       kMotion);
-  add(
-      to, "narrower-ends-ramp", "A ramp that would leave a narrower limit ends at it.", "SET-5",
+  to.add(
+      "narrower-ends-ramp", "A ramp that would leave a narrower limit ends at it.", "SET-5",
       [](Board& b) {
         b.enable(1);
         const long from = b.done("read_targets", Put().u32(1)).number("angle", 0);

@@ -5,11 +5,6 @@
 namespace kaz::hil {
 namespace {
 
-void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kNothing) {
-  to.push_back({"telemetry." + id, sentence, {statement}, needs, std::move(run)});
-}
-
 const char* const kFrames[] = {"telemetry_state", "telemetry_commands", "telemetry_drives",
                                "telemetry_health"};
 
@@ -22,25 +17,26 @@ Reply read(const Frame& frame) {
 
 }  // namespace
 
-void add_telemetry_cases(Cases& to) {
+void add_telemetry_cases(Cases& all) {
+  Chapter to(all, "telemetry", kNothing);
   for (int n = 0; n < 4; ++n) {
-    add(to, std::string("frame-") + kFrames[n], "The selected frame comes each period, no other.",
-        "TEL-1", [n](Board& b) {
-          const long first_tick = b.done("telemetry", Put().u16(20).u8(1 << n))["tick"];
-          long last = first_tick;
-          const auto frames = b.telemetry(210, true);
-          within("frames in 210 ms", static_cast<long>(frames.size()), 9, 11);
-          int sequence = frames.front().sequence;
-          for (const Frame& frame : frames) {
-            equal("type", frame.type, message(kFrames[n]).code);
-            equal("address", frame.address, b.address);
-            equal("sequence number", frame.sequence, sequence++ & 0xFF);
-            within("ticks since the frame before", read(frame)["tick"] - last, 19, 21);
-            last = read(frame)["tick"];
-          }
-        });
+    to.add(std::string("frame-") + kFrames[n], "The selected frame comes each period, no other.",
+           "TEL-1", [n](Board& b) {
+             const long first_tick = b.done("telemetry", Put().u16(20).u8(1 << n))["tick"];
+             long last = first_tick;
+             const auto frames = b.telemetry(210, true);
+             within("frames in 210 ms", static_cast<long>(frames.size()), 9, 11);
+             int sequence = frames.front().sequence;
+             for (const Frame& frame : frames) {
+               equal("type", frame.type, message(kFrames[n]).code);
+               equal("address", frame.address, b.address);
+               equal("sequence number", frame.sequence, sequence++ & 0xFF);
+               within("ticks since the frame before", read(frame)["tick"] - last, 19, 21);
+               last = read(frame)["tick"];
+             }
+           });
   }
-  add(to, "contents", "The frames carry the values of the replies.", "TEL-1", [](Board& b) {
+  to.add("contents", "The frames carry the values of the replies.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(50).u8(15));
     const auto frames = b.telemetry(220, true);
     b.done("telemetry", Put().u16(0).u8(0));
@@ -69,20 +65,20 @@ void add_telemetry_cases(Cases& to) {
     for (int n = 0; n < 4; ++n) within(std::string("frames ") + kFrames[n], seen[n], 3, 5);
   });
   for (const int period : {5, 7, 100}) {
-    add(to, "period-" + std::to_string(period), "This period, in ms, is kept.", "TEL-1",
-        [period](Board& b) {
-          const int selection = KZ_TELEMETRY_HEALTH;  // 24 bytes: 2.1 ms
-          b.done("telemetry", Put().u16(period).u8(selection));
-          const auto frames = b.telemetry(period * 10 + 5, true);
-          within("frames", static_cast<long>(frames.size()), 8, 11);
-          // Replies to the heartbeats come before telemetry: some frames wait for them.
-          within("ticks from first to last",
-                 read(frames.back())["tick"] - read(frames.front())["tick"],
-                 period * (static_cast<long>(frames.size()) - 1) - 4,
-                 period * (static_cast<long>(frames.size()) + 1));
-        });
+    to.add("period-" + std::to_string(period), "This period, in ms, is kept.", "TEL-1",
+           [period](Board& b) {
+             const int selection = KZ_TELEMETRY_HEALTH;  // 24 bytes: 2.1 ms
+             b.done("telemetry", Put().u16(period).u8(selection));
+             const auto frames = b.telemetry(period * 10 + 5, true);
+             within("frames", static_cast<long>(frames.size()), 8, 11);
+             // Replies to the heartbeats come before telemetry: some frames wait for them.
+             within("ticks from first to last",
+                    read(frames.back())["tick"] - read(frames.front())["tick"],
+                    period * (static_cast<long>(frames.size()) - 1) - 4,
+                    period * (static_cast<long>(frames.size()) + 1));
+           });
   }
-  add(to, "end", "Period 0 ends it.", "TEL-1", [](Board& b) {
+  to.add("end", "Period 0 ends it.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(10).u8(15));
     b.telemetry(60, true);
     const Reply ended = b.done("telemetry", Put().u16(0).u8(0));
@@ -90,36 +86,36 @@ void add_telemetry_cases(Cases& to) {
     b.telemetry(20, true);
     equal("frames after the end", static_cast<long>(b.telemetry(100, true).size()), 0);
   });
-  add(to, "none-selected", "With nothing selected nothing comes.", "TEL-1", [](Board& b) {
+  to.add("none-selected", "With nothing selected nothing comes.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(10).u8(0));
     equal("frames", static_cast<long>(b.telemetry(60, true).size()), 0);
   });
-  add(to, "after-reset", "After a reset there is none.", "TEL-1", [](Board& b) {
+  to.add("after-reset", "After a reset there is none.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(10).u8(1));
     b.reset_by_command();
     equal("frames", static_cast<long>(b.telemetry(60, true).size()), 0);
   });
   for (int period = 1; period < KZ_TELEMETRY_PERIOD_MIN_MS; ++period) {
-    add(to, "too-fast-" + std::to_string(period), "This period is refused with RANGE.", "TEL-2",
-        [period](Board& b) {
-          b.refused("telemetry", Put().u16(period).u8(1), KZ_REFUSED_RANGE, 0);
-          equal("frames", static_cast<long>(b.telemetry(30, true).size()), 0);
-        });
+    to.add("too-fast-" + std::to_string(period), "This period is refused with RANGE.", "TEL-2",
+           [period](Board& b) {
+             b.refused("telemetry", Put().u16(period).u8(1), KZ_REFUSED_RANGE, 0);
+             equal("frames", static_cast<long>(b.telemetry(30, true).size()), 0);
+           });
   }
-  add(to, "dropped", "More than the wire carries is dropped and counted; replies still come.",
-      "TEL-3", [](Board& b) {
-        const long before = b.statistics()["telemetry_dropped"];
-        b.done("telemetry", Put().u16(5).u8(15));  // 190 bytes every 5 ms: 57 go
-        for (int n = 0; n < 10; ++n) {
-          b.done("heartbeat", Put().u8(0).u8(0), 40);
-          b.wait(20);
-        }
-        b.done("telemetry", Put().u16(0).u8(0), 40);
-        b.telemetry(30, true);
-        const long dropped = b.statistics()["telemetry_dropped"] - before;
-        within("frames dropped in 250 ms", dropped, 50, 400);
-      });
-  add(to, "reply-first", "A reply waits for the frame under way at most.", "TEL-3", [](Board& b) {
+  to.add("dropped", "More than the wire carries is dropped and counted; replies still come.",
+         "TEL-3", [](Board& b) {
+           const long before = b.statistics()["telemetry_dropped"];
+           b.done("telemetry", Put().u16(5).u8(15));  // 190 bytes every 5 ms: 57 go
+           for (int n = 0; n < 10; ++n) {
+             b.done("heartbeat", Put().u8(0).u8(0), 40);
+             b.wait(20);
+           }
+           b.done("telemetry", Put().u16(0).u8(0), 40);
+           b.telemetry(30, true);
+           const long dropped = b.statistics()["telemetry_dropped"] - before;
+           within("frames dropped in 250 ms", dropped, 50, 400);
+         });
+  to.add("reply-first", "A reply waits for the frame under way at most.", "TEL-3", [](Board& b) {
     b.done("telemetry", Put().u16(5).u8(15));
     b.wait(30);
     for (int n = 0; n < 10; ++n) {
@@ -131,17 +127,17 @@ void add_telemetry_cases(Cases& to) {
       b.wait(7);
     }
   });
-  add(to, "ends-with-link", "It ends with the link watchdog's time, while motors are off.", "TEL-4",
-      [](Board& b) {
-        b.done("telemetry", Put().u16(10).u8(1));
-        const auto frames = b.telemetry(300, false);
-        within("frames in the silence", static_cast<long>(frames.size()), 6, 10);
-        const Reply state = b.state();
-        check(!state.flag(KZ_STATUS_TELEMETRY), "TELEMETRY is set");
-        equal("reason of a shutdown", state.reason(), KZ_SHUTDOWN_NONE);
-        equal("frames after it", static_cast<long>(b.telemetry(60, true).size()), 0);
-      });
-  add(to, "lives-with-link", "It goes on while the host speaks.", "TEL-4", [](Board& b) {
+  to.add("ends-with-link", "It ends with the link watchdog's time, while motors are off.", "TEL-4",
+         [](Board& b) {
+           b.done("telemetry", Put().u16(10).u8(1));
+           const auto frames = b.telemetry(300, false);
+           within("frames in the silence", static_cast<long>(frames.size()), 6, 10);
+           const Reply state = b.state();
+           check(!state.flag(KZ_STATUS_TELEMETRY), "TELEMETRY is set");
+           equal("reason of a shutdown", state.reason(), KZ_SHUTDOWN_NONE);
+           equal("frames after it", static_cast<long>(b.telemetry(60, true).size()), 0);
+         });
+  to.add("lives-with-link", "It goes on while the host speaks.", "TEL-4", [](Board& b) {
     b.done("telemetry", Put().u16(20).u8(1));
     within("frames in 600 ms", static_cast<long>(b.telemetry(600, true).size()), 27, 31);
   });

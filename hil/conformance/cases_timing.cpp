@@ -7,16 +7,12 @@ namespace {
 
 constexpr double kByteMs = 10.0 / 115.2;
 
-void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kNothing) {
-  to.push_back({"timing." + id, sentence, {statement}, needs, std::move(run)});
-}
-
 }  // namespace
 
-void add_timing_cases(Cases& to) {
-  add(
-      to, "reply", "The first byte of a reply comes 1.0 to 2.2 ms after the last of the request.",
+void add_timing_cases(Cases& all) {
+  Chapter to(all, "timing", kNothing);
+  to.add(
+      "reply", "The first byte of a reply comes 1.0 to 2.2 ms after the last of the request.",
       "TIME-1",
       [](Board& b) {
         for (int n = 0; n < 24; ++n) {
@@ -35,7 +31,7 @@ void add_timing_cases(Cases& to) {
         }
       },
       kExact);
-  add(to, "reply-coarse", "A reply is there 20 ms after its request.", "TIME-1", [](Board& b) {
+  to.add("reply-coarse", "A reply is there 20 ms after its request.", "TIME-1", [](Board& b) {
     for (int n = 0; n < 20; ++n) {
       const Time sent = b.now();
       b.done("state");
@@ -43,8 +39,8 @@ void add_timing_cases(Cases& to) {
       check(took < 20 + 2e3 * seconds(b.slack()), "it took " + std::to_string(took) + " ms");
     }
   });
-  add(
-      to, "fresh-angle", "The angle in `state_reply` is not older than its tick by more than 1 ms.",
+  to.add(
+      "fresh-angle", "The angle in `state_reply` is not older than its tick by more than 1 ms.",
       "TIME-2",
       [](Board& b) {
         for (int n = 0; n < 8; ++n) {
@@ -59,8 +55,8 @@ void add_timing_cases(Cases& to) {
         }
       },
       kBench);
-  add(
-      to, "targets-effect", "Targets take effect from the tick behind the one that heard them.",
+  to.add(
+      "targets-effect", "Targets take effect from the tick behind the one that heard them.",
       "TIME-3",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(KZ_KP_MAX).u16(0).u16(0).u8(0));
@@ -77,10 +73,10 @@ void add_timing_cases(Cases& to) {
         check(b.bench().drive(0) > 0, "the motor is not driven 4 ms later");
       },
       kMotion | kBench);
-  add(to, "after-reset", "A board answers 0.2 s after a reset.", "TIME-4",
-      [](Board& b) { b.reset_by_command(); });
-  add(
-      to, "after-power-on", "A board answers 0.2 s after power came.", "TIME-4",
+  to.add("after-reset", "A board answers 0.2 s after a reset.", "TIME-4",
+         [](Board& b) { b.reset_by_command(); });
+  to.add(
+      "after-power-on", "A board answers 0.2 s after power came.", "TIME-4",
       [](Board& b) {
         b.bench().set_power(false);
         b.wait(100);

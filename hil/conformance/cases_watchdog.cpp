@@ -5,11 +5,6 @@
 namespace kaz::hil {
 namespace {
 
-void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
-         std::function<void(Board&)> run, unsigned needs = kMotion) {
-  to.push_back({"watchdog." + id, sentence, {statement}, needs, std::move(run)});
-}
-
 // Silence until after the watchdog's limit; it must have come in the right millisecond.
 void lose_link(Board& b, int limit_ms) {
   const long last = b.done("heartbeat", Put().u8(0).u8(0))["tick"];
@@ -44,18 +39,18 @@ void feeds(Board& b, const std::function<Bytes()>& talk) {
   check(state.flag(KZ_STATUS_ENABLED), "the motors went off");
 }
 
-void add_limits(Cases& to) {
-  add(to, "default", "Silence for the limit after a reset switches the motors off.", "SAFE-5",
-      [](Board& b) {
-        const int limit = static_cast<int>(b.done("identify")["watchdog_10ms"]) * 10;
-        within("limit, ms", limit, 10, 99);  // within 100 ms of the last good frame
-        b.enable(1);
-        lose_link(b, limit);
-        b.expect_off();
-      });
+void add_limits(Chapter& to) {
+  to.add("default", "Silence for the limit after a reset switches the motors off.", "SAFE-5",
+         [](Board& b) {
+           const int limit = static_cast<int>(b.done("identify")["watchdog_10ms"]) * 10;
+           within("limit, ms", limit, 10, 99);  // within 100 ms of the last good frame
+           b.enable(1);
+           lose_link(b, limit);
+           b.expect_off();
+         });
   for (const int limit : {2, 10, 50, 100}) {
-    add(
-        to, "limit-" + std::to_string(limit * 10), "This limit, in ms, set by `heartbeat`, holds.",
+    to.add(
+        "limit-" + std::to_string(limit * 10), "This limit, in ms, set by `heartbeat`, holds.",
         "SAFE-5",
         [limit](Board& b) {
           b.watchdog(limit);
@@ -64,8 +59,8 @@ void add_limits(Cases& to) {
         },
         limit < 10 ? kMotion | kExact : kMotion);
   }
-  add(
-      to, "not-before", "Shortly before the limit the motors are on.", "SAFE-5",
+  to.add(
+      "not-before", "Shortly before the limit the motors are on.", "SAFE-5",
       [](Board& b) {
         b.enable(1);
         for (int n = 0; n < 5; ++n) {
@@ -75,8 +70,8 @@ void add_limits(Cases& to) {
         }
       },
       kMotion | kExact);
-  add(
-      to, "pins-in-time", "The motors have no power 100 ms after the last good frame.", "SAFE-5",
+  to.add(
+      "pins-in-time", "The motors have no power 100 ms after the last good frame.", "SAFE-5",
       [](Board& b) {
         b.bench().block_joint(0, true);
         b.enable(1);
@@ -88,84 +83,84 @@ void add_limits(Cases& to) {
         check(b.bench().drive(0) == 0, "the motor still has power");
       },
       kMotion | kBench);
-  add(
-      to, "off-nothing", "While all motors are off silence latches nothing.", "SAFE-5",
+  to.add(
+      "off-nothing", "While all motors are off silence latches nothing.", "SAFE-5",
       [](Board& b) {
         b.wait(400);
         equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
       },
       kNothing);
-  add(to, "any-request-feeds", "Any valid request feeds it, a refused one too.", "SAFE-5",
-      [](Board& b) {
-        int n = 0;
-        feeds(b, [&] {
-          return ++n % 2 ? b.request_bytes("state")
-                         : frame_of(b.address, 0x7F, b.new_sequence(), {});
-        });
-      });
-  add(to, "all-boards-feeds", "A request to all boards feeds it.", "SAFE-5", [](Board& b) {
+  to.add("any-request-feeds", "Any valid request feeds it, a refused one too.", "SAFE-5",
+         [](Board& b) {
+           int n = 0;
+           feeds(b, [&] {
+             return ++n % 2 ? b.request_bytes("state")
+                            : frame_of(b.address, 0x7F, b.new_sequence(), {});
+           });
+         });
+  to.add("all-boards-feeds", "A request to all boards feeds it.", "SAFE-5", [](Board& b) {
     feeds(b, [&] {
       return frame_of(KZ_ADDRESS_ALL, KZ_TYPE_heartbeat, b.new_sequence(), Put().u8(0).u8(0));
     });
   });
-  add(to, "repetition-feeds", "A repetition feeds it.", "SAFE-5", [](Board& b) {
+  to.add("repetition-feeds", "A repetition feeds it.", "SAFE-5", [](Board& b) {
     const Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
     feeds(b, [&] { return wire; });
   });
-  add(to, "others-starve", "Requests for other boards do not feed it.", "SAFE-8", [](Board& b) {
+  to.add("others-starve", "Requests for other boards do not feed it.", "SAFE-8", [](Board& b) {
     const std::uint8_t other = b.other_than_home(2);
     starves(b, [&] { return frame_of(other, KZ_TYPE_identify, b.new_sequence(), {}); });
   });
-  add(to, "damaged-starve", "Damaged frames do not feed it.", "SAFE-8", [](Board& b) {
+  to.add("damaged-starve", "Damaged frames do not feed it.", "SAFE-8", [](Board& b) {
     starves(b, [&] {
       Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
       wire[wire.size() - 2] ^= 1;
       return wire;
     });
   });
-  add(to, "replies-starve", "Replies do not feed it.", "SAFE-8", [](Board& b) {
+  to.add("replies-starve", "Replies do not feed it.", "SAFE-8", [](Board& b) {
     starves(b, [&] { return frame_of(b.address, 0x81, b.new_sequence(), {}); });
   });
-  add(to, "noise-starves", "Noise and zeros do not feed it.", "SAFE-8",
-      [](Board& b) { starves(b, [&] { return Bytes{0, 0, 0x55, 0xAA, 0, 0}; }); });
+  to.add("noise-starves", "Noise and zeros do not feed it.", "SAFE-8",
+         [](Board& b) { starves(b, [&] { return Bytes{0, 0, 0x55, 0xAA, 0, 0}; }); });
 }
 
-void add_reactions(Cases& to) {
-  add(to, "limp", "LIMP: all motors go off, and stay off until `clear` and `enable`.", "SAFE-6",
-      [](Board& b) {
-        b.enable(0x3);
-        b.wait(150);
-        const Reply state = b.state();
-        equal("reason", state.reason(), KZ_SHUTDOWN_LINK_LOST);
-        check(!state.flag(KZ_STATUS_HOLDING), "HOLDING is set");
-        b.expect_off();
-        b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_LINK_LOST);
-        b.done("clear");
-        b.expect_off();
-        b.enable(0x3);
-      });
-  add(to, "limp-after-reset", "LIMP is the reaction after a reset, whatever was set.", "SAFE-6",
-      [](Board& b) {
-        b.watchdog(0, KZ_REACTION_HOLD);
-        b.reset_by_command();
-        b.enable(1);
-        b.wait(150);
-        b.expect_off();
-      });
-  add(to, "hold", "HOLD: the motors stay on, status HOLDING, reason LINK_LOST.", "SAFE-7",
-      [](Board& b) {
-        b.watchdog(0, KZ_REACTION_HOLD);
-        b.enable(0x3);
-        b.wait(150);
-        const Reply state = b.state();
-        equal("reason", state.reason(), KZ_SHUTDOWN_LINK_LOST);
-        check(state.flag(KZ_STATUS_HOLDING), "HOLDING is not set");
-        check(state.flag(KZ_STATUS_ENABLED), "the motors are off");
-        for (int j = 0; j < 2; ++j) {
-          equal("ON", b.joints(3).number("faults", j) & KZ_JOINT_ON, KZ_JOINT_ON);
-        }
-      });
-  add(to, "hold-ends-ramps", "HOLD: ramps end where their commands are.", "SAFE-7", [](Board& b) {
+void add_reactions(Chapter& to) {
+  to.add("limp", "LIMP: all motors go off, and stay off until `clear` and `enable`.", "SAFE-6",
+         [](Board& b) {
+           b.enable(0x3);
+           b.wait(150);
+           const Reply state = b.state();
+           equal("reason", state.reason(), KZ_SHUTDOWN_LINK_LOST);
+           check(!state.flag(KZ_STATUS_HOLDING), "HOLDING is set");
+           b.expect_off();
+           b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_LINK_LOST);
+           b.done("clear");
+           b.expect_off();
+           b.enable(0x3);
+         });
+  to.add("limp-after-reset", "LIMP is the reaction after a reset, whatever was set.", "SAFE-6",
+         [](Board& b) {
+           b.watchdog(0, KZ_REACTION_HOLD);
+           b.reset_by_command();
+           b.enable(1);
+           b.wait(150);
+           b.expect_off();
+         });
+  to.add("hold", "HOLD: the motors stay on, status HOLDING, reason LINK_LOST.", "SAFE-7",
+         [](Board& b) {
+           b.watchdog(0, KZ_REACTION_HOLD);
+           b.enable(0x3);
+           b.wait(150);
+           const Reply state = b.state();
+           equal("reason", state.reason(), KZ_SHUTDOWN_LINK_LOST);
+           check(state.flag(KZ_STATUS_HOLDING), "HOLDING is not set");
+           check(state.flag(KZ_STATUS_ENABLED), "the motors are off");
+           for (int j = 0; j < 2; ++j) {
+             equal("ON", b.joints(3).number("faults", j) & KZ_JOINT_ON, KZ_JOINT_ON);
+           }
+         });
+  to.add("hold-ends-ramps", "HOLD: ramps end where their commands are.", "SAFE-7", [](Board& b) {
     b.watchdog(0, KZ_REACTION_HOLD);
     b.enable(1);
     const long from = b.angle(0), goal = from > 0 ? from - 8000 : from + 8000;
@@ -179,8 +174,8 @@ void add_reactions(Cases& to) {
       within("angle while holding", b.angle(0), at - 80, at + 80);
     }
   });
-  add(
-      to, "hold-drives", "HOLD: the joint is held against a hand that turns it.", "SAFE-7",
+  to.add(
+      "hold-drives", "HOLD: the joint is held against a hand that turns it.", "SAFE-7",
       [](Board& b) {
         b.watchdog(0, KZ_REACTION_HOLD);
         b.enable(1);
@@ -191,51 +186,53 @@ void add_reactions(Cases& to) {
         check(b.bench().drive(0) < -0.1, "the motor does not hold against it");
       },
       kMotion | kBench);
-  add(to, "hold-refuses", "HOLD: `targets` is refused with FAULT, `enable` too.", "SAFE-7",
-      [](Board& b) {
-        b.watchdog(0, KZ_REACTION_HOLD);
-        b.enable(1);
-        b.wait(150);
-        b.refused("targets", Put().u32(1).u16(100).s16(0), KZ_REFUSED_FAULT, KZ_SHUTDOWN_LINK_LOST);
-        b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_LINK_LOST);
-        check(b.state().flag(KZ_STATUS_HOLDING), "it no longer holds");
-      });
-  add(to, "hold-nothing-off", "HOLD: `enable` of nothing lets the joints off.", "SAFE-7",
-      [](Board& b) {
-        b.watchdog(0, KZ_REACTION_HOLD);
-        b.enable(1);
-        b.wait(150);
-        b.done("enable", Put().u32(0));
-        b.expect_off();
-      });
-  add(to, "hold-clear", "HOLD: `clear` switches the motors off; `enable` takes present angles.",
-      "SAFE-7", [](Board& b) {
-        b.watchdog(0, KZ_REACTION_HOLD);
-        b.enable(1);
-        b.wait(150);
-        const Reply cleared = b.done("clear");
-        check(!cleared.flag(KZ_STATUS_ENABLED) && !cleared.flag(KZ_STATUS_HOLDING),
-              "the motors are on after `clear`");
-        b.expect_off();
-        const long at = b.angle(0);
-        b.enable(1);
-        b.stay_alive(100);
-        within("angle", b.angle(0), at - 80, at + 80);
-      });
-  add(to, "hold-stop", "HOLD: `stop` switches the motors off; LINK_LOST stays the reason.",
-      "SAFE-3", [](Board& b) {
-        b.watchdog(0, KZ_REACTION_HOLD);
-        b.enable(1);
-        b.wait(150);
-        b.done("stop");
-        b.expect_off();
-        equal("reason", b.state().reason(), KZ_SHUTDOWN_LINK_LOST);
-      });
+  to.add("hold-refuses", "HOLD: `targets` is refused with FAULT, `enable` too.", "SAFE-7",
+         [](Board& b) {
+           b.watchdog(0, KZ_REACTION_HOLD);
+           b.enable(1);
+           b.wait(150);
+           b.refused("targets", Put().u32(1).u16(100).s16(0), KZ_REFUSED_FAULT,
+                     KZ_SHUTDOWN_LINK_LOST);
+           b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_LINK_LOST);
+           check(b.state().flag(KZ_STATUS_HOLDING), "it no longer holds");
+         });
+  to.add("hold-nothing-off", "HOLD: `enable` of nothing lets the joints off.", "SAFE-7",
+         [](Board& b) {
+           b.watchdog(0, KZ_REACTION_HOLD);
+           b.enable(1);
+           b.wait(150);
+           b.done("enable", Put().u32(0));
+           b.expect_off();
+         });
+  to.add("hold-clear", "HOLD: `clear` switches the motors off; `enable` takes present angles.",
+         "SAFE-7", [](Board& b) {
+           b.watchdog(0, KZ_REACTION_HOLD);
+           b.enable(1);
+           b.wait(150);
+           const Reply cleared = b.done("clear");
+           check(!cleared.flag(KZ_STATUS_ENABLED) && !cleared.flag(KZ_STATUS_HOLDING),
+                 "the motors are on after `clear`");
+           b.expect_off();
+           const long at = b.angle(0);
+           b.enable(1);
+           b.stay_alive(100);
+           within("angle", b.angle(0), at - 80, at + 80);
+         });
+  to.add("hold-stop", "HOLD: `stop` switches the motors off; LINK_LOST stays the reason.", "SAFE-3",
+         [](Board& b) {
+           b.watchdog(0, KZ_REACTION_HOLD);
+           b.enable(1);
+           b.wait(150);
+           b.done("stop");
+           b.expect_off();
+           equal("reason", b.state().reason(), KZ_SHUTDOWN_LINK_LOST);
+         });
 }
 
 }  // namespace
 
-void add_watchdog_cases(Cases& to) {
+void add_watchdog_cases(Cases& all) {
+  Chapter to(all, "watchdog", kMotion);
   add_limits(to);
   add_reactions(to);
 }

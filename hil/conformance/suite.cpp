@@ -7,6 +7,13 @@
 #include <regex>
 
 namespace kaz::hil {
+
+void Chapter::add(const std::string& id, std::string sentence, std::string statement,
+                  std::function<void(Board&)> run, unsigned needs) {
+  all_.push_back(
+      {name_ + "." + id, std::move(sentence), {std::move(statement)}, needs, std::move(run)});
+}
+
 namespace {
 
 Cases all_cases() {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hil/conformance/board.h"
@@ -82,19 +83,38 @@ std::string missing_text(unsigned missing);
 
 // Where the cases stand, by chapter of the page.
 using Cases = std::vector<Case>;
-void add_frame_cases(Cases& to);
-void add_address_cases(Cases& to);
-void add_request_cases(Cases& to);
-void add_table_cases(Cases& to);
-void add_identity_cases(Cases& to);
-void add_motion_cases(Cases& to);
-void add_limit_cases(Cases& to);
-void add_settings_cases(Cases& to);
-void add_safety_cases(Cases& to);
-void add_watchdog_cases(Cases& to);
-void add_telemetry_cases(Cases& to);
-void add_calibration_cases(Cases& to);
-void add_bench_cases(Cases& to);
-void add_timing_cases(Cases& to);
+
+// Adds a chapter's cases: their ids begin with its name, and they need `needs` unless they say otherwise.
+class Chapter {
+ public:
+  Chapter(Cases& all, std::string name, unsigned needs)
+      : all_(all), name_(std::move(name)), needs_(needs) {}
+  void add(const std::string& id, std::string sentence, std::string statement,
+           std::function<void(Board&)> run) {
+    add(id, std::move(sentence), std::move(statement), std::move(run), needs_);
+  }
+  void add(const std::string& id, std::string sentence, std::string statement,
+           std::function<void(Board&)> run, unsigned needs);
+
+ private:
+  Cases& all_;
+  std::string name_;
+  unsigned needs_;
+};
+
+void add_frame_cases(Cases& all);
+void add_address_cases(Cases& all);
+void add_request_cases(Cases& all);
+void add_table_cases(Cases& all);
+void add_identity_cases(Cases& all);
+void add_motion_cases(Cases& all);
+void add_limit_cases(Cases& all);
+void add_settings_cases(Cases& all);
+void add_safety_cases(Cases& all);
+void add_watchdog_cases(Cases& all);
+void add_telemetry_cases(Cases& all);
+void add_calibration_cases(Cases& all);
+void add_bench_cases(Cases& all);
+void add_timing_cases(Cases& all);
 
 }  // namespace kaz::hil
