@@ -8,11 +8,6 @@
 namespace kaz::h8s::translate {
 namespace {
 
-constexpr std::size_t kOffsetZ = offsetof(Cpu, flags) + offsetof(Flags, z);
-constexpr std::size_t kOffsetN = offsetof(Cpu, flags) + offsetof(Flags, n);
-constexpr std::size_t kOffsetV = offsetof(Cpu, flags) + offsetof(Flags, v);
-constexpr std::size_t kOffsetH = offsetof(Cpu, flags) + offsetof(Flags, h);
-constexpr std::size_t kOffsetC = offsetof(Cpu, flags) + offsetof(Flags, c);
 
 host::Inst::Id instruction(Op op) {
   switch (op) {

@@ -7,8 +7,6 @@
 namespace kaz::h8s::translate {
 namespace {
 
-constexpr std::size_t kOffsetZ = offsetof(Cpu, flags) + offsetof(Flags, z);
-constexpr std::size_t kOffsetC = offsetof(Cpu, flags) + offsetof(Flags, c);
 
 bool writes(Op op) {
   return op == Op::bset || op == Op::bnot || op == Op::bclr || op == Op::bst;

@@ -7,10 +7,6 @@
 namespace kaz::h8s::translate {
 namespace {
 
-constexpr auto kOffsetN = static_cast<std::int32_t>(offsetof(Cpu, flags) + offsetof(Flags, n));
-constexpr auto kOffsetZ = static_cast<std::int32_t>(offsetof(Cpu, flags) + offsetof(Flags, z));
-constexpr auto kOffsetV = static_cast<std::int32_t>(offsetof(Cpu, flags) + offsetof(Flags, v));
-constexpr auto kOffsetC = static_cast<std::int32_t>(offsetof(Cpu, flags) + offsetof(Flags, c));
 constexpr auto kOffsetEr = static_cast<std::int32_t>(offsetof(Cpu, er));
 
 // Guest condition to host condition, after a comparison of the same operands.

@@ -5,16 +5,6 @@
 #include "sim/h8s/translate/emitter.h"
 
 namespace kaz::h8s::translate {
-namespace {
-
-constexpr std::size_t kOffsetN = offsetof(Cpu, flags) + offsetof(Flags, n);
-constexpr std::size_t kOffsetZ = offsetof(Cpu, flags) + offsetof(Flags, z);
-constexpr std::size_t kOffsetV = offsetof(Cpu, flags) + offsetof(Flags, v);
-constexpr std::size_t kOffsetH = offsetof(Cpu, flags) + offsetof(Flags, h);
-constexpr std::size_t kOffsetC = offsetof(Cpu, flags) + offsetof(Flags, c);
-
-}  // namespace
-
 void Emitter::store_carry(bool inverted) {
   a_.set(inverted ? host::CondCode::kNC : host::CondCode::kC, flag(kOffsetC, 1));
 }

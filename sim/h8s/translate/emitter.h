@@ -4,6 +4,7 @@
 
 #include <asmjit/x86.h>
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
@@ -39,6 +40,13 @@ namespace host = asmjit::x86;
 //   rsi rdi r15   free within one instruction
 inline constexpr host::Gp kCpu = host::rbp, kLeft = host::r12, kExecuted = host::r13,
                           kRamBase = host::r14;
+
+// Places of the flags in Cpu, bytes.
+inline constexpr std::size_t kOffsetN = offsetof(Cpu, flags) + offsetof(Flags, n);
+inline constexpr std::size_t kOffsetZ = offsetof(Cpu, flags) + offsetof(Flags, z);
+inline constexpr std::size_t kOffsetV = offsetof(Cpu, flags) + offsetof(Flags, v);
+inline constexpr std::size_t kOffsetH = offsetof(Cpu, flags) + offsetof(Flags, h);
+inline constexpr std::size_t kOffsetC = offsetof(Cpu, flags) + offsetof(Flags, c);
 
 // What translated code returns: whether the interpreter must run the instruction at Cpu::ip.
 inline constexpr std::uint32_t kGoOn = 0, kInterpret = 1;
