@@ -26,6 +26,11 @@ if(KAZ_UNITY GREATER 1 AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
                                              $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow>
                                              $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
 endif()
+# g++ collects its garbage whenever its memory has grown by this percentage. With its default (100 here) that is an
+# eighth of the time that grouped sources take; without, a compiler uses 0.7 GB instead of 0.6.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(kaz_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-expand=1000>)
+endif()
 if(KAZ_WERROR)
   target_compile_options(kaz_flags INTERFACE -Werror)
 endif()
@@ -46,7 +51,9 @@ endif()
 # KAZ_SANITIZED_COPIES: some libraries are compiled a second time, under sanitizers, and their tests linked with both
 # (SANITIZED below). Not where everything is compiled so already, nor for coverage or clang's fuzzer.
 set(KAZ_SANITIZED_COPIES OFF)
-set(KAZ_SANITIZERS -fsanitize=address,undefined)
+# Without what the address sanitizer sees itself (null) and what takes long to compile (vptr); `./tools/dev sanitize`
+# has both.
+set(KAZ_SANITIZERS -fsanitize=address,undefined -fno-sanitize=null,vptr)
 set(KAZ_SANITIZED_OPTIONS -O1 -g1 -UNDEBUG ${KAZ_SANITIZERS} -fno-omit-frame-pointer -fno-sanitize-recover=all)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND KAZ_SANITIZED_OPTIONS $<$<COMPILE_LANGUAGE:CXX>:-Wno-maybe-uninitialized>)

@@ -5,7 +5,8 @@
 Reads lines `TARGET;SIZE;SOURCE;SOURCE...` (paths of C++ sources, absolute) and prints one line `SOURCE;GROUP`
 for each source that joins a group. Two sources are in one group only if neither has a name of file scope (in
 an unnamed namespace, static, a macro, an alias) that is a word of the other one, so that none can mean or
-hide anything in the other. A group has at most SIZE sources."""
+hide anything in the other. Words behind `.`, `->` or `::` are looked up elsewhere, and an alias that both
+sources declare alike means the same in both. A group has at most SIZE sources."""
 
 import pathlib
 import re
@@ -14,7 +15,7 @@ import sys
 COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/|R"\((?:.|\n)*?\)"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', re.S)
 WORDS = {"operator", "if", "for", "while", "switch", "return", "sizeof", "alignas", "decltype", "noexcept",
          "static_assert", "TEST", "TEST_F", "TEST_P", "TYPED_TEST", "INSTANTIATE_TEST_SUITE_P", "BENCHMARK",
-         "extern", "defined", "template", "requires"}
+         "extern", "defined", "template", "requires", "void", "bool", "int", "double"}
 
 
 def declared(statement):
@@ -42,10 +43,11 @@ def declared(statement):
 
 
 def names_of(path):
+    """Names of file scope, each with its statement if that is an alias, and the words that are looked up."""
     text = path.read_text(errors="replace")
-    names = set(re.findall(r"^\s*#\s*define\s+(\w+)", text, re.M))
-    if re.search(r"^using namespace", text, re.M):
-        names.add("*")
+    names = dict.fromkeys(re.findall(r"^\s*#\s*define\s+(\w+)", text, re.M))
+    if re.search(r"^using namespace (?!std::\w*literals;)", text, re.M):
+        names["*"] = None
     text = COMMENT.sub(lambda m: '""' if m.group(0)[0] in "\"R" else " ", text)
     text = re.sub(r"^\s*#(?:[^\n\\]|\\\n|\\.)*", "", text, flags=re.M)
     scopes, statement = [], ""  # of each open brace: "anonymous", "named" or "other"
@@ -72,7 +74,7 @@ def names_of(path):
             statement = ""
         else:
             statement += piece
-    return names, set(re.findall(r"[A-Za-z_]\w*", text))
+    return names, set(re.findall(r"(?<![\w.])(?<!->)(?<!::)[A-Za-z_]\w*", text))
 
 
 def record(names, statement, scopes):
@@ -80,7 +82,14 @@ def record(names, statement, scopes):
     hidden = re.match(r"\s*(?:static|using|constexpr|const|namespace\s+\w+\s*=|struct|class|enum)\b",
                       statement)
     if inner or hidden:
-        names.update(declared(statement))
+        alias = re.match(r"\s*(?:using|namespace)\b", statement)
+        meaning = re.sub(r"\s+", "", statement) if alias else None
+        names.update((name, meaning) for name in declared(statement))
+
+
+def conflict(names, other_names, other_words):
+    return any(name in other_words and (meaning is None or other_names.get(name) != meaning)
+               for name, meaning in names.items())
 
 
 def main():
@@ -94,13 +103,14 @@ def main():
             if "*" in names:
                 continue
             for group in groups:
-                if len(group[2]) < int(size) and not (group[0] & words or names & group[1]):
+                if (len(group[2]) < int(size) and not conflict(group[0], names, words)
+                        and not conflict(names, group[0], group[1])):
                     group[0].update(names)
                     group[1].update(words)
                     group[2].append(source)
                     break
             else:
-                groups.append((set(names), set(words), [source]))
+                groups.append((dict(names), set(words), [source]))
         for number, (_, _, members) in enumerate(groups):
             if len(members) > 1:
                 for source in members:
