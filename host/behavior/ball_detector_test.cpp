@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "host/behavior/ball_tracker.h"
 #include "host/camera/capture.h"
 #include "host/robot/kinematics.h"
 #include "host/robot/robot_testing.h"
+#include "shared/base/angle.hpp"
 #include "vision/pipeline/modules.h"
 #include "vision/pipeline/pipeline.h"
 
@@ -19,7 +19,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using Eigen::Vector3d;
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kRadius = 0.020;
 
 // Draws a red ball on grey from where the head truly is, at 30 Hz, 15 ms late.

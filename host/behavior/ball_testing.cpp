@@ -3,15 +3,13 @@
 #include "host/behavior/ball_testing.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "host/robot/kinematics.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 vision::CameraModel camera_model() {
   vision::CameraModel model;

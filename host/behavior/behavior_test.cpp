@@ -6,18 +6,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "host/behavior/control_cycle.h"
 #include "host/behavior/search_pattern.h"
 #include "host/robot/robot_testing.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr double kDegree = std::numbers::pi / 180;
 
 TEST(Registry, NamesAreUniqueAndFound) {
   std::set<std::string_view> names;

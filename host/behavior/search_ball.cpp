@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "host/behavior/approach.h"
 #include "host/behavior/composition.h"
 #include "host/behavior/search_pattern.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
@@ -20,7 +20,6 @@ constexpr Option kOptions[] = {
     {"turns", "3", "", 0, 3, "quarter turns of the body, each after a scan that showed nothing",
      true}};
 
-constexpr double kDegree = std::numbers::pi / 180;
 // At 90 degrees/s an object stays in a view 80 degrees wide for 0.9 s: 26 images at 30 Hz.
 constexpr double kSpeed = 90 * kDegree;
 constexpr int kConsecutive = 3;

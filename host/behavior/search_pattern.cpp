@@ -1,17 +1,15 @@
 // Waypoints of the search and linear interpolation between them.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/search_pattern.h"
+#include "shared/base/angle.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
 namespace kaz::behavior {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 host::Gaze between(const host::Gaze& a, const host::Gaze& b, double share) {
   return {a.pan_rad + share * (b.pan_rad - a.pan_rad),

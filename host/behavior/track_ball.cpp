@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
-#include <numbers>
 
 #include "host/behavior/search_ball.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
@@ -14,7 +14,6 @@ constexpr Option kOptions[] = {
     {"seconds", "20", "", 0.1, 86400, "tracking time after the ball was found, s"},
     {"search-seconds", "20", "", 0.1, 3600, "gives up if the ball is not found in this time, s"}};
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kWithin = 3 * kDegree;
 constexpr double kShare = 0.9;
 constexpr Time kLostAfter = std::chrono::milliseconds(500);

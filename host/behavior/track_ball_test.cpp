@@ -3,18 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "host/behavior/ball_testing.h"
 #include "host/behavior/behavior.h"
 #include "host/robot/kinematics.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 namespace {
 
 using namespace std::chrono_literals;
 using Eigen::Vector3d;
-constexpr double kDegree = std::numbers::pi / 180;
 
 // Direction from the neck, as head angles would be without the eye's offset.
 Vector3d at_angles(double distance, double pan, double tilt) {

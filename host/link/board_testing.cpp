@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kaz::host {
 
@@ -16,10 +15,10 @@ struct Wiring {
   int pwm, port, bit, analog, sign;
   double pot_centre_rad;
 };
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr Wiring kWiring[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
   {pwm, port, bit, (mux)*KZ_MUX_INPUTS + (input), sign, (pot_centre)*0.1 * kDegree},
+#include "shared/base/angle.hpp"
 #include "shared/board/joints.def"
 #undef KZ_JOINT
 };

@@ -19,10 +19,9 @@
 #pragma once
 
 #include "host/motion/inverse.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::motion {
-
-inline constexpr double kDegree = std::numbers::pi / 180;
 
 // Sole, from kaz.urdf's collision box: from the ankle's axis.
 inline constexpr double kToe = 0.060, kHeel = -0.040, kHalfSole = 0.030;

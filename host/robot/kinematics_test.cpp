@@ -1,16 +1,13 @@
 // Kinematics against the robot's description, and the gaze against the kinematics.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/kinematics.h"
+#include "shared/base/angle.hpp"
 
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <numbers>
-
 namespace kaz::host {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // The pose of a link in the trunk's frame, straight from the URDF.
 Eigen::Isometry3d pose_in_urdf(const std::string& link, const JointAngles& angle) {

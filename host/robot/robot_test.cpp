@@ -5,16 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "host/robot/robot_testing.h"
+#include "shared/base/angle.hpp"
 #include "shared/protocol/frame.h"
 
 namespace kaz::host {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr double kDegree = std::numbers::pi / 180;
 
 void wait(TestBoard& board, Time time) {
   ASSERT_TRUE(board.sleep_until(board.now() + time));

@@ -4,15 +4,14 @@
 
 #include <array>
 #include <limits>
-#include <numbers>
 #include <sstream>
 
+#include "shared/base/angle.hpp"
 #include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGravity = 9.80665;  // m/s^2 in one g, by definition
 constexpr double kAny = std::numeric_limits<double>::max();
 

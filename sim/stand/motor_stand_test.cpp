@@ -3,11 +3,11 @@
 #include "sim/stand/motor_stand.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/angle.hpp"
 #include "sim/body/motor/motor_testing.h"
 #include "sim/stand/stand_commands.h"
 
@@ -15,7 +15,6 @@ namespace kaz::sim {
 namespace {
 
 constexpr std::size_t kJoint = 2;  // l_sh_pitch: -140 to 40 degrees
-constexpr double kDegree = std::numbers::pi / 180;
 
 MotorStand stand_of_kaz() {
   return MotorStand({.motor = test::motor_params()});

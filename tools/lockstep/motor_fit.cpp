@@ -7,11 +7,11 @@
 #include <future>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 
 #include "host/robot/posture.h"
+#include "shared/base/angle.hpp"
 #include "tools/lockstep/stand_backend.h"
 
 namespace kaz::lockstep {
@@ -20,7 +20,6 @@ namespace {
 using sim::MotorParams;
 using Values = std::map<std::string, double>;  // by measurement; only those that are numbers
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSeeds = 2;          // of the simulated bench in each round
 constexpr int kRough = 3;          // rounds that come near, before the fine ones
 constexpr double kSettled = 2e-3;  // relative change of every parameter

@@ -8,15 +8,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
-#include <numbers>
 #include <string>
 
+#include "shared/base/angle.hpp"
 #include "vision/depth/stereo_testing.h"
 
 namespace kaz::vision {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 bool long_run() {
   const char* value = std::getenv("KAZ_LONG");

@@ -115,9 +115,10 @@ TEST_F(Kaz, IsMirrored) {
 }
 
 TEST_F(Kaz, KeepsItsLimitsInsideThePotentiometers) {
-  constexpr double kDegree = 3.14159265358979323846 / 180, kHalfWindow = 95 * kDegree;
+  constexpr double kHalfWindow = 95 * kDegree;
   const double centres[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) pot_centre / 10.0,
+#include "shared/base/angle.hpp"
 #include "shared/board/joints.def"
 #undef KZ_JOINT
   };

@@ -2,15 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
+#include "shared/base/angle.hpp"
 #include "sim/body/motor/motor_testing.h"
 
 namespace kaz::sim {
 namespace {
 
 using test::MotorBench;
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGap = 0.4 * kDegree;
 
 // A hand on the lever, to and fro: so light (0.5 mNm) that the joint arrives at a flank at 0.26 rad/s, no

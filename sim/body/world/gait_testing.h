@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "shared/base/angle.hpp"
 #include "shared/board/board.h"
 
 namespace kaz::sim::bench {
@@ -17,7 +18,7 @@ using Angles = std::array<double, KZ_JOINTS>;  // rad, joint numbers of joints.d
 
 // `walk`: 0 stands in the walking crouch, 1 lifts the feet in full. `phase`: of the cycle of 1 s.
 inline Angles walking_angles(double walk, double phase) {
-  constexpr double kDegree = M_PI / 180, kBone = 0.065, kHipHeight = 0.145, kAnkleHeight = 0.030;
+  constexpr double kBone = 0.065, kHipHeight = 0.145, kAnkleHeight = 0.030;
   constexpr double kLean = 3 * kDegree, kRoll = 16 * kDegree, kLift = 0.010, kHipSide = 0.033;
   constexpr double kSwing = 0.30, kLag = 0.02;  // of a cycle
   constexpr int kLeftHipRoll = 10, kRightHipRoll = 14;

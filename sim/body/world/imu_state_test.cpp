@@ -1,8 +1,8 @@
 // What an inertial sensor in the trunk feels: at rest, falling, leaning, turning.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <numbers>
 
+#include "shared/base/angle.hpp"
 #include "sim/body/description/files_testing.h"
 
 namespace kaz::sim {
@@ -10,8 +10,6 @@ namespace {
 
 using test::Drives;
 using test::run;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::unique_ptr<World> world_with_gravity(const std::string& gravity, bool hung) {
   const test::Folder folder;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "shared/base/angle.hpp"
 #include "sim/body/description/files_testing.h"
 #include "sim/body/description/robot_model.h"
 
@@ -16,7 +16,6 @@ using Eigen::Vector3d;
 using test::Drives;
 using Targets = std::array<double, KZ_JOINTS>;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGravity = 9.81;
 
 std::size_t joint_number(const std::string& name) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <thread>
 
+#include "shared/base/angle.hpp"
 #include "sim/body/description/files_testing.h"
 #include "sim/body/world/staged_world.h"
 
@@ -10,7 +11,6 @@ namespace kaz::sim {
 namespace {
 
 constexpr double kStep = 1e-3;
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 class Robot : public testing::TestWithParam<const char*> {
  protected:

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "shared/base/angle.hpp"
 #include "sim/body/description/files_testing.h"
 #include "sim/body/world/staged_world.h"
 
@@ -10,7 +11,6 @@ namespace kaz::sim {
 namespace {
 
 constexpr double kG = 9.81;
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 // The sole: 100 x 60 mm about (10, 0) in the foot's frame, 30 mm below it.
 const Eigen::Vector2d kMiddle(0.010, 0);

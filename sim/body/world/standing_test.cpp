@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <vector>
 
+#include "shared/base/angle.hpp"
 #include "sim/body/description/files_testing.h"
 #include "sim/body/description/motor_file.h"
 #include "sim/body/description/robot_model.h"
@@ -15,8 +15,6 @@ namespace {
 
 using test::Drives;
 using test::run;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // The walking crouch: hip axes at 0.145, which its leg angles give.
 std::array<double, KZ_JOINTS> crouch() {

@@ -2,15 +2,13 @@
 // loop that is not as it should be.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <numbers>
 
 #include "host/robot/posture.h"
+#include "shared/base/angle.hpp"
 #include "tests/integration/bench/motor_testing.h"
 
 namespace kaz::hil {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Breaker {
   const char* name;

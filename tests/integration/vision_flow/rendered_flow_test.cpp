@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/base/angle.hpp"
 #include "tests/integration/vision_flow/moving_scene_testing.h"
 #include "vision/flow/flow.h"
 #include "vision/flow/sparse_flow.h"
 
 namespace kaz::sim {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 struct Errors {
   std::vector<double> px;

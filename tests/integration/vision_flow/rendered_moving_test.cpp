@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "shared/base/angle.hpp"
 #include "tests/integration/vision_flow/moving_scene_testing.h"
 #include "vision/depth/depth.h"
 #include "vision/flow/independent_motion.h"
@@ -14,7 +15,6 @@ namespace kaz::sim {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 struct Way {
   const char* name;

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 #include "host/camera/capture.h"
 #include "host/motion/gait.h"
 #include "host/robot/kinematics.h"
 #include "host/robot/robot.h"
+#include "shared/base/angle.hpp"
 #include "tools/lockstep/lockstep.h"
 #include "vision/pipeline/modules.h"
 #include "vision/pipeline/pipeline.h"
@@ -23,7 +23,6 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using host::JointAngles;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr Time kControlCycle = std::chrono::milliseconds(10);
 
 class Run {

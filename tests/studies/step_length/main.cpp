@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "shared/base/angle.hpp"
 #include "tests/studies/common/program.h"
 #include "tests/studies/common/table.h"
 #include "tests/studies/step_length/step_run.h"
@@ -13,8 +14,6 @@ namespace kaz::step_length {
 namespace {
 
 using studies::text;
-
-constexpr double kDegree = M_PI / 180;
 
 Result<void> add_row(studies::MarkdownTable& table, const char* name, const Result<Course>& run,
                      const Course& reference) {

@@ -8,18 +8,16 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "host/robot/robot.h"
+#include "shared/base/angle.hpp"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // KAZ_LONG=1 selects the long versions, KAZ_DYNAMICS other dynamics (sim/body/world/world.h),
 // KAZ_PHYSICS_STEP another step length, ms.

@@ -1,14 +1,13 @@
 // Looks at trunk and ball, and decides.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/evaluate/judge.h"
+#include "shared/base/angle.hpp"
 
 #include <cmath>
 #include <numbers>
 
 namespace kaz::tools {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 double yaw_of(const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d ahead = pose.linear().col(0);

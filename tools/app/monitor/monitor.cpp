@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <optional>
 
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
+#include "shared/base/angle.hpp"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/kept/kept_run.h"
@@ -20,7 +20,6 @@
 namespace kaz::tools {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr Time kRound = std::chrono::milliseconds(50);
 constexpr int kSlow = 10;                // rounds between questions after what changes slowly
 constexpr double kSpeed = 30 * kDegree;  // rad/s, of what the keys move

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "shared/base/angle.hpp"
 #include "tools/app/session/moments.h"
 
 namespace kaz::tools {
@@ -14,7 +14,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr Time kStart = milliseconds(2000);
 
 behavior::PictureRow picture(int after_ms, bool found, double error_deg = 0) {
