@@ -1,6 +1,7 @@
 // Ticks, bytes and motors of the test board.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/link/board_testing.h"
+#include "shared/base/angle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,6 @@ struct Wiring {
 constexpr Wiring kWiring[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
   {pwm, port, bit, (mux)*KZ_MUX_INPUTS + (input), sign, (pot_centre)*0.1 * kDegree},
-#include "shared/base/angle.hpp"
 #include "shared/board/joints.def"
 #undef KZ_JOINT
 };

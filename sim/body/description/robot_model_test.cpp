@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/robot_model.h"
 
+#include "shared/base/angle.hpp"
 #include "sim/body/description/files_testing.h"
 
 namespace kaz::sim {
@@ -118,7 +119,6 @@ TEST_F(Kaz, KeepsItsLimitsInsideThePotentiometers) {
   constexpr double kHalfWindow = 95 * kDegree;
   const double centres[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) pot_centre / 10.0,
-#include "shared/base/angle.hpp"
 #include "shared/board/joints.def"
 #undef KZ_JOINT
   };
