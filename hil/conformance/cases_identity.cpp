@@ -13,9 +13,9 @@ void add_identity_cases(Cases& all) {
            check(who["firmware_version"] != 0, "firmware version is 0");
            check(who["build_id"] != 0, "build id is 0");
            within("cause of the reset", who["reset_cause"], 0, 2);
-           const long all = KZ_CAPABILITY_TELEMETRY | KZ_CAPABILITY_CALIBRATION |
-                            KZ_CAPABILITY_RAW_DRIVE | KZ_CAPABILITY_LOADER;
-           equal("capabilities", who["capabilities"], all);
+           const long expected = KZ_CAPABILITY_TELEMETRY | KZ_CAPABILITY_CALIBRATION |
+                                 KZ_CAPABILITY_RAW_DRIVE | KZ_CAPABILITY_LOADER;
+           equal("capabilities", who["capabilities"], expected);
          });
   to.add("version-place", "The protocol version is the fifth byte of the fields.", "ID-1",
          [](Board& b) {

@@ -7,13 +7,13 @@
 #include <cstdio>
 
 #include "host/behavior/search_pattern.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
 namespace {
 
 using Eigen::Vector2d;
-using motion::kDegree;
 
 constexpr double kScanSpeed = 90 * kDegree;
 constexpr int kConsecutive = 3;

@@ -5,13 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "host/motion/gait.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 namespace {
 
 using namespace std::chrono_literals;
 using Eigen::Vector2d, Eigen::Vector3d;
-using motion::kDegree;
 constexpr double kRadius = 0.020;
 
 // What the left eye sees of a ball on the floor, in the frame below the hips.

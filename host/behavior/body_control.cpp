@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/behavior/walker.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
@@ -22,7 +23,7 @@ constexpr double kTipped = 0.7, kGravity = 9.81, kTippedFor_s = 0.3, kSmoothing_
 // With the head far down and turned to the side, the chest occludes the floor before the feet. The
 // field of view extends 32 degrees below the optical axis, so for targets there the tilt is limited and
 // the pan reduced towards straight ahead.
-constexpr double kDown = 40 * motion::kDegree, kMaxDown = 52 * motion::kDegree;
+constexpr double kDown = 40 * kDegree, kMaxDown = 52 * kDegree;
 constexpr double kMinPan = 0.3;  // share of the ball's pan at kMaxDown
 
 host::Gaze limit_over_chest(host::Gaze gaze) {

@@ -7,13 +7,14 @@
 #include "host/behavior/approach.h"
 #include "host/behavior/composition.h"
 #include "host/motion/reach.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
 namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
-using motion::kDegree, motion::Pickup;
+using motion::Pickup;
 
 constexpr Option kOptions[] = {
     {"tries", "4", "", 1, 20, "maximum number of tries", true},

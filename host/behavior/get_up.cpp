@@ -14,13 +14,13 @@
 
 #include "host/behavior/control_cycle.h"
 #include "host/motion/gait.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
 namespace {
 
 using host::JointAngles;
-using motion::kDegree;
 
 constexpr Option kOptions[] = {{"attempts", "3", "", 1, 10, "maximum number of attempts", true}};
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/behavior/walker.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
@@ -34,7 +35,7 @@ Result<Outcome> run(Context& context) {
     KAZ_TRY(walker.finish());
   }
   const double walked = motion.walked() - start;
-  const double turned = (motion.heading() - heading) / motion::kDegree;
+  const double turned = (motion.heading() - heading) / kDegree;
   const motion::Place place = motion.place();
 
   Outcome outcome;
@@ -51,7 +52,7 @@ Result<Outcome> run(Context& context) {
                           {"aside_m", place.y},
                           {"sigma_along_m", place.sigma_along},
                           {"sigma_across_m", place.sigma_across},
-                          {"sigma_heading_deg", place.sigma_heading / motion::kDegree},
+                          {"sigma_heading_deg", place.sigma_heading / kDegree},
                           {"walking_s", seconds(walker.input().now - began)}};
   return outcome;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/behavior/walker.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 
@@ -25,10 +26,10 @@ Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
   const Time began = walker.input().now;
   if (!walker.fallen()) {
     walker.phase("turn");
-    walker.motion().turn(sign * angle_deg * motion::kDegree);
+    walker.motion().turn(sign * angle_deg * kDegree);
     KAZ_TRY(walker.finish());
   }
-  const double turned_deg = sign * (motion.heading() - start) / motion::kDegree;
+  const double turned_deg = sign * (motion.heading() - start) / kDegree;
 
   Outcome outcome;
   outcome.success = !walker.fallen() && std::abs(turned_deg - angle_deg) < kNear_deg;
@@ -39,7 +40,7 @@ Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
   outcome.sentence = text;
   if (!outcome.success) outcome.cause = walker.fallen() ? "fell" : "not reached";
   outcome.measurements = {{"turned_deg", turned_deg},
-                          {"sigma_heading_deg", motion.place().sigma_heading / motion::kDegree},
+                          {"sigma_heading_deg", motion.place().sigma_heading / kDegree},
                           {"turning_s", seconds(walker.input().now - began)}};
   return outcome;
 }

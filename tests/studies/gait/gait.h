@@ -7,12 +7,12 @@
 #pragma once
 
 #include "host/motion/gait.h"
+#include "shared/base/angle.hpp"
 
 namespace kaz::gait {
 
 using host::JointAngles;
 using motion::home;
-using motion::kDegree;
 
 struct Shape {
   double period = 1.0;         // s

@@ -11,6 +11,7 @@
 #include "host/behavior/behavior.h"
 #include "host/motion/gait.h"
 #include "host/robot/robot.h"
+#include "shared/base/angle.hpp"
 #include "tests/studies/common/disturbed_robot.h"
 #include "tools/lockstep/lockstep.h"
 
@@ -18,7 +19,6 @@ namespace kaz::walking {
 namespace {
 
 using Eigen::Vector3d;
-using motion::kDegree;
 
 constexpr double kFallen_m = 0.11,
                  kFallen_deg = 50;  // hips' height, and trunk against the vertical
