@@ -1,0 +1,109 @@
+// Paths in the least time for a robot that walks straight ahead and turns on the spot.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A turn of 45 degrees takes as long as a third of a metre straight ahead, so the shortest path is seldom the
+// fastest, and the least-time paths of such a robot are turns and straight lines by turns (Furtuna and
+// Balkcom, "Generalizing Dubins curves: minimum-time sequences of body-fixed rotations and translations in
+// the plane", IJRR 2010). The robot's outline is a disc around the middle between its feet: what is clear
+// of it can be turned in.
+//
+// Frame: that of the grid; x forward, y left, headings from x towards y. Units m, rad, s.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/map/local_map.h"
+#include "shared/base/angle.hpp"
+#include "shared/base/result.hpp"
+
+namespace kaz::plan {
+
+// What a map says of the floor; cells by row of equal x. Outside of it all is unknown.
+struct Grid {
+  int cells_x = 0, cells_y = 0;
+  double cell_m = 0.01;
+  Eigen::Vector2d corner{0, 0};       // of the cell 0, 0: its least x and y
+  std::vector<map::CellState> state;  // [x * cells_y + y]
+
+  map::CellState at(int x, int y) const {
+    return inside(x, y) ? state[index(x, y)] : map::CellState::unknown;
+  }
+  bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < cells_x && y < cells_y; }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(cells_y) +
+           static_cast<std::size_t>(y);
+  }
+  Eigen::Vector2i cell(const Eigen::Vector2d& p) const {
+    return ((p - corner) / cell_m).array().floor().cast<int>();
+  }
+  Eigen::Vector2d middle(int x, int y) const {
+    return corner + cell_m * Eigen::Vector2d(x + 0.5, y + 0.5);
+  }
+};
+// The square of `size_m` around the map's origin.
+Grid grid_of(const map::LocalMap& map, double size_m);
+
+struct Pose {
+  Eigen::Vector2d position{0, 0};
+  double heading_rad = 0;
+};
+struct Goal {
+  Eigen::Vector2d position{0, 0};
+  std::optional<double> heading_rad;  // none: any
+};
+
+struct PlanOptions {
+  double turn_s_per_rad = 6.6 / (45 * kDegree);  // docs/results/walking.md
+  double go_s_per_m = 6.6 / 0.33;
+  double radius_m = 0.11;  // of the disc: half of the robot's width, its sway, the map's error
+  double unknown_factor =
+      2;  // on the time in unknown cells, 1 or more; infinite: they are not entered
+  bool any_heading = true;  // else turns are multiples of 45 degrees from the start's heading
+  double max_seconds_of_search = std::numeric_limits<double>::infinity();
+};
+
+struct Leg {
+  enum class Kind { turn, go };
+  Kind kind = Kind::go;
+  double amount = 0;  // rad, to the left positive; m
+};
+
+struct Path {
+  std::vector<Leg> legs;                 // none of zero length
+  std::vector<Eigen::Vector2d> corners;  // start, where it turns, goal
+  double seconds = 0;                    // of walking; in unknown cells without the factor
+  double searched_seconds = 0;  // of the way on the planner's graph, with it; at least `seconds`
+  std::size_t expanded = 0;     // states of the search
+};
+
+// Why there is none.
+struct NoPath {
+  enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed };
+  Why why = Why::enclosed;
+  Eigen::Vector2d where{
+      0, 0};  // the obstacle in the way: of the widest way to the goal, the narrowest place
+  double clear_m = 0;  // and what is free there to each side
+};
+// "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.11 m".
+std::string text(const NoPath& none, const PlanOptions& options);
+
+using Planned = std::variant<Path, NoPath>;
+
+class Planner {
+ public:
+  virtual ~Planner() = default;
+  virtual std::string name() const = 0;
+  // Errors (usage): an empty grid, options out of their range, numbers that are not finite.
+  virtual Result<Planned> plan(const Grid& grid, const Pose& start, const Goal& goal,
+                               const PlanOptions& options) = 0;
+};
+
+}  // namespace kaz::plan

@@ -1,0 +1,252 @@
+// Planning: known answers, the exhaustive search as judge, and outlines by brute force.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/plan/plan.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "host/plan/grid_planner.h"
+#include "shared/base/random.hpp"
+
+namespace kaz::plan {
+namespace {
+
+using Eigen::Vector2d;
+using map::CellState;
+
+constexpr double kPi = std::numbers::pi;
+
+// 2 m by 2 m of floor, x from 0, y from -1.
+Grid floor_grid() {
+  Grid grid;
+  grid.cells_x = grid.cells_y = 200;
+  grid.corner = {0, -1};
+  grid.state.assign(200 * 200, CellState::floor);
+  return grid;
+}
+
+void fill(Grid& grid, const Vector2d& from, const Vector2d& to, CellState state) {
+  for (int x = 0; x < grid.cells_x; ++x) {
+    for (int y = 0; y < grid.cells_y; ++y) {
+      const Vector2d p = grid.middle(x, y);
+      if ((p.array() >= from.array()).all() && (p.array() <= to.array()).all())
+        grid.state[grid.index(x, y)] = state;
+    }
+  }
+}
+
+Planned planned(const Grid& grid, const Pose& start, const Goal& goal,
+                const PlanOptions& options = {}, Search search = Search::astar) {
+  auto result = make_grid_planner(search)->plan(grid, start, goal, options);
+  EXPECT_TRUE(result) << result.error().message;
+  return *result;
+}
+
+Path path_of(const Planned& found, const PlanOptions& options = {}) {
+  if (const auto* none = std::get_if<NoPath>(&found)) {
+    ADD_FAILURE() << text(*none, options);
+    return {};
+  }
+  return std::get<Path>(found);
+}
+
+// Where the legs lead to, and the least distance of the way from an obstacle's square, m.
+struct Walked {
+  Pose end;
+  double clear_m = 1e9;
+};
+Walked walked(const Grid& grid, const Pose& start, const Path& path) {
+  std::vector<Vector2d> obstacles;
+  for (int x = 0; x < grid.cells_x; ++x)
+    for (int y = 0; y < grid.cells_y; ++y)
+      if (grid.at(x, y) == CellState::obstacle) obstacles.push_back(grid.middle(x, y));
+  Walked w{start};
+  const auto look = [&] {
+    for (const Vector2d& middle : obstacles) {
+      const Vector2d beyond =
+          ((w.end.position - middle).cwiseAbs().array() - 0.5 * grid.cell_m).max(0).matrix();
+      w.clear_m = std::min(w.clear_m, beyond.norm());
+    }
+  };
+  look();
+  for (const Leg& leg : path.legs) {
+    if (leg.kind == Leg::Kind::turn) {
+      w.end.heading_rad += leg.amount;
+      continue;
+    }
+    const int steps = static_cast<int>(std::ceil(leg.amount / 0.004));
+    for (int i = 0; i < steps; ++i) {
+      w.end.position +=
+          leg.amount / steps * Vector2d(std::cos(w.end.heading_rad), std::sin(w.end.heading_rad));
+      look();
+    }
+  }
+  return w;
+}
+
+// Boxes and poles at random, none near `a` and `b`.
+Grid random_grid(std::uint64_t seed, const Vector2d& a, const Vector2d& b) {
+  Grid grid = floor_grid();
+  Random random(seed);
+  const auto draw = [&](double low, double high) { return low + (high - low) * random.uniform(); };
+  const int boxes = static_cast<int>(draw(2, 14));
+  for (int i = 0; i < boxes; ++i) {
+    const Vector2d middle(draw(0, 2), draw(-1, 1)), half(draw(0.005, 0.25), draw(0.005, 0.25));
+    const auto near = [&](const Vector2d& p) {
+      return ((p - middle).cwiseAbs() - half).maxCoeff() < 0.15;
+    };
+    if (!near(a) && !near(b)) fill(grid, middle - half, middle + half, CellState::obstacle);
+  }
+  return grid;
+}
+
+TEST(Plan, StraightAheadIsOneLeg) {
+  const PlanOptions options;
+  const Path path = path_of(planned(floor_grid(), {{0.3, 0}, 0}, {{1.3, 0}, {}}));
+  ASSERT_EQ(path.legs.size(), 1u);
+  EXPECT_EQ(path.legs[0].kind, Leg::Kind::go);
+  EXPECT_NEAR(path.legs[0].amount, 1, 1e-12);
+  EXPECT_NEAR(path.seconds, options.go_s_per_m, 1e-9);
+}
+
+TEST(Plan, TurnsGoesAndTurnsInFreeSpace) {
+  const PlanOptions options;
+  const double aside = std::atan2(0.37, 1.0);
+  const Path path = path_of(planned(floor_grid(), {{0.3, 0.1}, -0.4}, {{1.3, 0.47}, 1.2}));
+  ASSERT_EQ(path.legs.size(), 3u);
+  EXPECT_NEAR(path.legs[0].amount, aside + 0.4, 1e-9);
+  EXPECT_NEAR(path.legs[1].amount, std::hypot(0.37, 1.0), 1e-9);
+  EXPECT_NEAR(path.legs[2].amount, 1.2 - aside, 1e-9);
+  EXPECT_NEAR(path.seconds,
+              options.turn_s_per_rad * 1.6 + options.go_s_per_m * std::hypot(0.37, 1.0), 1e-9);
+}
+
+TEST(Plan, TurnsTheShorterWay) {
+  const Path path = path_of(planned(floor_grid(), {{1, 0}, 3}, {{0.5, -0.02}, -3.0}));
+  double turned = 0;
+  for (const Leg& leg : path.legs)
+    if (leg.kind == Leg::Kind::turn) turned += std::abs(leg.amount);
+  EXPECT_LT(turned, 0.4);
+}
+
+TEST(Plan, WhereTheRobotIsAlreadyNothingIsToBeDone) {
+  const Path path = path_of(planned(floor_grid(), {{1, 0}, 0.5}, {{1, 0}, 0.5}));
+  EXPECT_TRUE(path.legs.empty());
+  EXPECT_EQ(path.seconds, 0);
+}
+
+TEST(Plan, GoesThroughAGapThatIsWideEnough) {
+  PlanOptions options;
+  const auto with_gap = [](double width_m) {
+    Grid grid = floor_grid();
+    fill(grid, {0.9, -1}, {1.0, 0.3}, CellState::obstacle);
+    fill(grid, {0.9, 0.3 + width_m}, {1.0, 1}, CellState::obstacle);
+    return grid;
+  };
+  const Grid wide = with_gap(0.26);
+  const Pose start{{0.3, -0.5}, 0};
+  const Path path = path_of(planned(wide, start, {{1.7, -0.5}, {}}));
+  const Walked end = walked(wide, start, path);
+  EXPECT_LT((end.end.position - Vector2d(1.7, -0.5)).norm(), 1e-6);
+  EXPECT_GE(end.clear_m, options.radius_m - wide.cell_m);
+
+  const Planned none = planned(with_gap(0.16), start, {{1.7, -0.5}, {}});
+  ASSERT_TRUE(std::holds_alternative<NoPath>(none));
+  const NoPath& why = std::get<NoPath>(none);
+  EXPECT_EQ(why.why, NoPath::Why::enclosed);
+  EXPECT_NEAR(why.clear_m, 0.08, 0.012);
+  EXPECT_NEAR(why.where.y(), 0.38, 0.1) << text(why, options);
+  EXPECT_NEAR(why.where.x(), 0.95, 0.07) << text(why, options);
+}
+
+TEST(Plan, SaysWhatIsInTheWayOfStartOrGoal) {
+  Grid grid = floor_grid();
+  fill(grid, {1.2, 0.2}, {1.3, 0.3}, CellState::obstacle);
+  const auto why = [&](const Vector2d& from, const Vector2d& to) {
+    const Planned none = planned(grid, {from, 0}, {to, {}});
+    return std::holds_alternative<NoPath>(none) ? text(std::get<NoPath>(none), {}) : "a path";
+  };
+  EXPECT_EQ(why({0.3, 0}, {1.25, 0.12}),
+            "the goal is 0.07 m from an obstacle at (1.255, 0.205); the robot needs 0.11 m");
+  EXPECT_EQ(why({1.25, 0.12}, {0.3, 0}),
+            "the robot is 0.07 m from an obstacle at (1.255, 0.205); it needs 0.11 m to turn");
+  EXPECT_EQ(why({0.3, 0}, {2.5, 0}), "the goal is not on the map");
+  EXPECT_EQ(why({-0.3, 0}, {1.5, 0}), "the robot is not on the map");
+}
+
+TEST(Plan, UnknownFloorCostsOrIsClosed) {
+  Grid grid = floor_grid();
+  fill(grid, {0.8, -0.2}, {1.2, 0.2}, CellState::unknown);
+  const Pose start{{0.3, 0}, 0};
+  const Goal goal{{1.7, 0}, {}};
+  PlanOptions options;
+  options.unknown_factor = 1;
+  EXPECT_EQ(path_of(planned(grid, start, goal, options)).legs.size(), 1u);
+  options.unknown_factor = std::numeric_limits<double>::infinity();
+  const Path around = path_of(planned(grid, start, goal, options));
+  EXPECT_GT(around.legs.size(), 2u);
+  fill(grid, {0.8, -1}, {1.2, 1}, CellState::unknown);
+  EXPECT_TRUE(std::holds_alternative<NoPath>(planned(grid, start, goal, options)));
+}
+
+TEST(Plan, TurnsOf45DegreesFromTheStartsHeading) {
+  PlanOptions options;
+  options.any_heading = false;
+  const Pose start{{0.3, -0.6}, 0.3};
+  const Grid grid = random_grid(5, start.position, {1.6, 0.5});
+  const Path path = path_of(planned(grid, start, {{1.6, 0.5}, {}}, options));
+  for (const Leg& leg : path.legs) {
+    if (leg.kind != Leg::Kind::turn) continue;
+    EXPECT_NEAR(std::remainder(leg.amount, kPi / 4), 0, 1e-9) << leg.amount;
+  }
+  const Walked end = walked(grid, start, path);
+  EXPECT_LT((end.end.position - Vector2d(1.6, 0.5)).norm(), 0.015);
+  EXPECT_GE(end.clear_m, options.radius_m - 2 * grid.cell_m) << "cells are turned, so a cell more";
+}
+
+TEST(Plan, IsTheFastestOnItsGraphAndKeepsClear) {
+  const PlanOptions options;
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    const Pose start{{0.25, -0.6}, 6 * Random(1000 + seed).uniform()};
+    const Goal goal{{1.7, 0.6}, seed % 2 ? std::optional<double>(1.0) : std::nullopt};
+    const Grid grid = random_grid(seed, start.position, goal.position);
+    const Planned fast = planned(grid, start, goal);
+    const Planned all = planned(grid, start, goal, options, Search::exhaustive);
+    ASSERT_EQ(fast.index(), all.index()) << seed;
+    if (!std::holds_alternative<Path>(fast)) continue;
+    ++found;
+    const Path path = path_of(fast), judge = path_of(all);
+    EXPECT_NEAR(path.searched_seconds, judge.searched_seconds, 1e-3 * judge.searched_seconds)
+        << seed;
+    EXPECT_LE(path.seconds, judge.searched_seconds + 0.5) << seed;
+    EXPECT_LT(path.expanded, judge.expanded) << seed;
+    const Walked end = walked(grid, start, path);
+    EXPECT_LT((end.end.position - goal.position).norm(), 1e-6) << seed;
+    if (goal.heading_rad) {
+      EXPECT_NEAR(std::remainder(end.end.heading_rad - *goal.heading_rad, 2 * kPi), 0, 1e-6);
+    }
+    EXPECT_GE(end.clear_m, options.radius_m - grid.cell_m) << seed;
+  }
+  EXPECT_GT(found, 15);
+}
+
+TEST(Plan, NonsenseIsRefused) {
+  const auto why = [](const Grid& grid, const Pose& start, const Goal& goal,
+                      const PlanOptions& o = {}) {
+    const auto result = make_grid_planner()->plan(grid, start, goal, o);
+    return result ? std::string("planned") : result.error().message;
+  };
+  const Grid grid = floor_grid();
+  EXPECT_NE(why({}, {}, {}).find("no cells"), std::string::npos);
+  EXPECT_NE(why(grid, {{std::nan(""), 0}, 0}, {}).find("not finite"), std::string::npos);
+  EXPECT_NE(why(grid, {}, {{0, 0}, std::nan("")}).find("not finite"), std::string::npos);
+  PlanOptions options;
+  options.turn_s_per_rad = 0;
+  EXPECT_NE(why(grid, {}, {}, options).find("above 0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kaz::plan
