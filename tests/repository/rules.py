@@ -112,7 +112,8 @@ LAYERS = {
     },
     "host": {
         "link": (), "robot": ("link",), "camera": ("link", "robot"), "flash": ("link", "robot"),
-        "motion": ("link", "robot"), "map": (), "behavior": ("link", "robot", "camera", "motion"),
+        "motion": ("link", "robot"), "map": (), "plan": ("map",),
+        "behavior": ("link", "robot", "camera", "motion"),
     },
     "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
