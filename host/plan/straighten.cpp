@@ -55,9 +55,9 @@ std::vector<Vector2d> fastest(const Clearance& clearance, const Pose& start, con
     for (std::size_t i = 0; i < j; ++i) {
       const Vector2d line = points[j] - points[i];
       const bool still = line.norm() < kShort;
-      // The ends lie in the cells of their neighbours, which are free.
-      const bool in_one_cell = (i == 0 && j == 1) || (i == n - 2 && j == n - 1);
-      const double m = in_one_cell ? line.norm() : clearance.weighted_m(points[i], points[j]);
+      double m = clearance.weighted_m(points[i], points[j]);
+      // Between neighbours on the way found nothing is in the way; the line may touch a cell beside it.
+      if (j == i + 1 && std::isinf(m)) m = line.norm();
       if (std::isinf(m)) continue;
       heading[i * n + j] = angle_of(line);
       const auto turn_s = [&](double from) {
