@@ -147,6 +147,7 @@ def body_of(piece):
 
 class Board:
     def __init__(self, path):
+        self.watchdog = None
         try:
             self.port = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             fcntl.flock(self.port, fcntl.LOCK_EX | fcntl.LOCK_NB)  # as `kaz` does
@@ -219,6 +220,8 @@ class Board:
     def identify(self):
         reply = self.request(IDENTIFY, patience_s=3)
         tick, version, joints, status = struct.unpack(">IBBH", reply[:8])
+        if version == PROTOCOL_VERSION and self.watchdog is None:
+            self.watchdog = bytes(reply[19:21])  # limit and reaction, as off() puts them back
         return {"tick": tick, "version": version, "joints": joints, "status": status}
 
     def state(self):
@@ -230,6 +233,8 @@ class Board:
         """The last thing of a program, however it ends: never raises. True if all motors are off."""
         try:
             self.request(ENABLE, struct.pack(">I", 0))
+            if self.watchdog:  # whoever comes next finds it as it was; gains stay until the next reset
+                self.request(HEARTBEAT, self.watchdog)
             return True
         except (Refusal, NoBoard) as error:
             print(f"{error}: the motors may still hold, switch the board off", file=sys.stderr)

@@ -87,8 +87,9 @@ void add_use(Chapter& to) {
                     usual.centre[i] - KZ_CENTRE_TOLERANCE, usual.centre[i] + KZ_CENTRE_TOLERANCE);
            }
          });
-  to.add("nominal", "Without a stored copy values are nominal and UNCALIBRATED is set.", "CAL-5",
-         [](Board& b) { expect_valid(b); });
+  to.add("nominal",
+         "A stored copy is in use; without one, values are nominal and UNCALIBRATED is set.",
+         "CAL-5", [](Board& b) { expect_valid(b); });
   to.add("set", "`calibrate` sets the joints of its mask, no others.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     b.done("calibrate", calibrate_one(3, before.centre[3] + 200, before.scale[3] - 100));

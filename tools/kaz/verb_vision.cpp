@@ -90,7 +90,7 @@ void add_learn(CLI::App& vision, Action& action) {
       "Prints the share of the rest of the picture that has the colour: it should be the rest of "
       "the object and nothing else. Above a quarter there is a warning.\n"
       "Examples:\n"
-      "  kaz eyes --eye-width 640 --out eyes\n"
+      "  kaz eyes --world ball --eye-width 640 --out eyes\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json");
   verb->callback([&action, arguments] { action = [arguments] { return learn(*arguments); }; });
 }
@@ -197,6 +197,7 @@ void add_vision(CLI::App& program, Action& action) {
   verb->require_subcommand(1);
   verb->footer(
       "Examples:\n"
+      "  kaz eyes --world ball --eye-width 640 --out eyes\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json\n"
       "  kaz vision run --in pictures --view 60 --color ball.json --out found");
   add_run_on_pictures(*verb, action);

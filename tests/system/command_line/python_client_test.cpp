@@ -54,6 +54,10 @@ TEST_P(PythonClient, MovesAJointReadsItBackAndHandlesARefusal) {
   EXPECT_EQ(refused.exit_code, 1) << refused.out << refused.err;
   EXPECT_NE(refused.err.find("outside the joint's soft limits, joint 12"), std::string::npos)
       << refused.err;
+  const Finished status = run(kaz({"status", folder / "board"}));
+  EXPECT_NE(status.out.find("90 ms, then limp"), std::string::npos)
+      << "the link watchdog is not as the client found it\n"
+      << status.out;
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
 }

@@ -52,7 +52,8 @@ Result<Numbered> numbered(const std::vector<std::string>& words, const std::stri
       const auto [at, added] = pictures.emplace(number_of(path), path);
       if (!added && at->second != path)
         return fail(Fault::usage, "'" + at->second + "' and '" + path + "' of " + option +
-                                      " have the same number in their names");
+                                      (at->first.empty() ? " have no number in their names"
+                                                         : " have the same number in their names"));
     }
   }
   return pictures;

@@ -90,6 +90,11 @@ TEST_F(PicturePairs, RefuseTwoPicturesOfOneNumber) {
   expect_refused({"left_1.png", "left_01.png", "--left", "the same number"});
 }
 
+TEST_F(PicturePairs, RefuseTwoPicturesWithoutNumber) {
+  touch({"left_raw.png", "left_ideal.png", "right_raw.png", "right_ideal.png"});
+  expect_refused({"left_ideal.png", "left_raw.png", "have no number in their names"});
+}
+
 TEST_F(PicturePairs, NameThePatternThatNoFileMatches) {
   touch({"left_1.png"});
   expect_refused({at("right*"), "--right"});
