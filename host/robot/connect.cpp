@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/connect.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "shared/protocol/messages.h"
@@ -34,10 +35,18 @@ Error no_board(const Requester& requester, const LinkStatistics& before, const s
     return {Fault::environment,
             "a Kaz board is on " + port + ", but none has the requested address"};
   }
-  return {Fault::environment,
-          "what answers on " + port + " is no Kaz board, or its baud rate is another: " +
-              std::to_string(bytes_in) + " bytes came, none of them a reply" +
-              (requester.noise().empty() ? "" : ": " + hex(requester.noise(), 16))};
+  const auto noise = requester.noise();
+  const std::string came = std::to_string(bytes_in) + " bytes came, none of them a reply";
+  const auto zero = [](std::uint8_t byte) { return byte == 0; };
+  if (!noise.empty() && std::all_of(noise.begin(), noise.end(), zero)) {
+    return {Fault::environment,
+            "on " + port + " " + came +
+                ", all zero: so a chip in boot mode answers, as after an interrupted update; "
+                "`kaz flash write` goes on there"};
+  }
+  return {Fault::environment, "what answers on " + port +
+                                  " is no Kaz board, or its baud rate is another: " + came +
+                                  (noise.empty() ? "" : ": " + hex(noise, 16))};
 }
 
 }  // namespace

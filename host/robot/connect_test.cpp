@@ -62,6 +62,20 @@ TEST(Connect, SomethingElseAnswers) {
   EXPECT_NE(message.find("6f 6b 0d 0a 6f 6b"), std::string::npos) << message;
 }
 
+// The chip's own boot mode answers every byte by a zero until it has measured the baud rate.
+TEST(Connect, AChipInBootModeAnswersZeros) {
+  TestBoard board;
+  board.mute = true;
+  board.to_board = [&](TestBoard::Bytes) {
+    const std::uint8_t zero[] = {0};
+    board.inject(zero);
+    return TestBoard::Bytes{};
+  };
+  EXPECT_EQ(connect_error(board),
+            "on test-port 6 bytes came, none of them a reply, all zero: so a chip in boot mode "
+            "answers, as after an interrupted update; `kaz flash write` goes on there");
+}
+
 TEST(Connect, TheLineEchoes) {
   TestBoard board;
   board.mute = true;

@@ -18,7 +18,8 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->capture_default_str()
       ->type_name("native|h8|PATH");
   add_address(*verb, arguments->address);
-  auto* seconds = verb->add_option("--seconds", arguments->seconds, "how long to run")
+  auto* seconds = verb->add_option("--seconds", arguments->seconds,
+                                   "how long to run; a case that has begun is finished")
                       ->check(between(0.001, 1e7))
                       ->capture_default_str()
                       ->type_name("SECONDS");
