@@ -1,11 +1,12 @@
 // Waypoints of the search and linear interpolation between them.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/search_pattern.h"
-#include "shared/base/angle.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+
+#include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
 

@@ -1,10 +1,11 @@
 // Ticks, bytes and motors of the test board.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/link/board_testing.h"
-#include "shared/base/angle.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "shared/base/angle.hpp"
 
 namespace kaz::host {
 

@@ -12,7 +12,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -26,7 +25,8 @@
 
 namespace kaz::plan {
 
-// What a map says of the floor; cells by row of equal x. Outside of it all is unknown.
+// What a map says of the floor; cells by row of equal x. Outside of it all is unknown, and no path leads
+// there.
 struct Grid {
   int cells_x = 0, cells_y = 0;
   double cell_m = 0.01;
@@ -42,7 +42,8 @@ struct Grid {
            static_cast<std::size_t>(y);
   }
   Eigen::Vector2i cell(const Eigen::Vector2d& p) const {
-    return ((p - corner) / cell_m).array().floor().cast<int>();
+    // Far places stay outside, within the range of int.
+    return ((p - corner) / cell_m).array().floor().max(-1e9).min(1e9).cast<int>();
   }
   Eigen::Vector2d middle(int x, int y) const {
     return corner + cell_m * Eigen::Vector2d(x + 0.5, y + 0.5);
@@ -64,10 +65,10 @@ struct PlanOptions {
   double turn_s_per_rad = 6.6 / (45 * kDegree);  // docs/results/walking.md
   double go_s_per_m = 6.6 / 0.33;
   double radius_m = 0.11;  // of the disc: half of the robot's width, its sway, the map's error
-  double unknown_factor =
-      2;  // on the time in unknown cells, 1 or more; infinite: they are not entered
-  bool any_heading = true;  // else turns are multiples of 45 degrees from the start's heading
-  double max_seconds_of_search = std::numeric_limits<double>::infinity();
+  // On the time in unknown cells, 1 or more. Infinite: they are obstacles, those outside of the grid are not.
+  double unknown_factor = 2;
+  // Else turns are multiples of 45 degrees from the start's heading, but for the last to the goal's heading.
+  bool any_heading = true;
 };
 
 struct Leg {
@@ -80,17 +81,19 @@ struct Path {
   std::vector<Leg> legs;                 // none of zero length
   std::vector<Eigen::Vector2d> corners;  // start, where it turns, goal
   double seconds = 0;                    // of walking; in unknown cells without the factor
-  double searched_seconds = 0;  // of the way on the planner's graph, with it; at least `seconds`
-  std::size_t expanded = 0;     // states of the search
+  // Of the way on the planner's graph, from cell to cell, with the factor. `seconds` is more by at most what
+  // start and goal lie beside the middles of their cells.
+  double searched_seconds = 0;
+  std::size_t expanded = 0;  // states of the search
 };
 
 // Why there is none.
 struct NoPath {
   enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed };
   Why why = Why::enclosed;
-  Eigen::Vector2d where{
-      0, 0};  // the obstacle in the way: of the widest way to the goal, the narrowest place
-  double clear_m = 0;  // and what is free there to each side
+  // The obstacle in the way; of the widest way to the goal, that at its narrowest place.
+  Eigen::Vector2d where{0, 0};
+  double clear_m = 0;  // what is free there to each side
 };
 // "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.11 m".
 std::string text(const NoPath& none, const PlanOptions& options);

@@ -3,6 +3,7 @@
 #include "host/plan/plan.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -138,6 +139,7 @@ TEST(Plan, SaysWhatIsInTheWayOfStartOrGoal) {
   EXPECT_EQ(why({1.25, 0.12}, {0.3, 0}),
             "the robot is 0.07 m from an obstacle at (1.255, 0.205); it needs 0.11 m to turn");
   EXPECT_EQ(why({0.3, 0}, {2.5, 0}), "the goal is not on the map");
+  EXPECT_EQ(why({0.3, 0}, {1e300, 0}), "the goal is not on the map");
   EXPECT_EQ(why({-0.3, 0}, {1.5, 0}), "the robot is not on the map");
 }
 

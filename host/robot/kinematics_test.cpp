@@ -1,10 +1,11 @@
 // Kinematics against the robot's description, and the gaze against the kinematics.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/kinematics.h"
-#include "shared/base/angle.hpp"
 
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
+
+#include "shared/base/angle.hpp"
 
 namespace kaz::host {
 namespace {

@@ -1,10 +1,11 @@
 // Looks at trunk and ball, and decides.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/evaluate/judge.h"
-#include "shared/base/angle.hpp"
 
 #include <cmath>
 #include <numbers>
+
+#include "shared/base/angle.hpp"
 
 namespace kaz::tools {
 namespace {
