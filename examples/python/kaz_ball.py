@@ -121,7 +121,7 @@ def find(options):
     board.request(kaz_client.CLEAR)
     try:
         # Gains of the neck as in kaz_client.move. The other joints hold, else the robot would sink down.
-        board.request(kaz_client.GAINS, struct.pack(">IHHHB", NECK, 12 * 256, 614, 0, 0))
+        board.gains((0, 1), 12, 0.15)
         board.request(kaz_client.ENABLE, struct.pack(">I", ALL_JOINTS))
         found = look_at_ball(board, camera)
     finally:

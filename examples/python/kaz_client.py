@@ -24,8 +24,8 @@ import time
 import tty
 
 ADDRESS = 1
-IDENTIFY, ENABLE, TARGETS, GAINS, STATE, CLEAR, HEARTBEAT, REFUSED = (
-    0x01, 0x02, 0x03, 0x04, 0x05, 0x08, 0x06, 0xFF)
+IDENTIFY, ENABLE, TARGETS, GAINS, STATE, HEARTBEAT, CLEAR, SETTINGS, REFUSED = (
+    0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x08, 0x14, 0xFF)
 PROTOCOL_VERSION = 2
 REACTION_HOLD = 2
 REASONS = {1: "unknown type", 2: "wrong length", 3: "value out of range",
@@ -147,7 +147,8 @@ def body_of(piece):
 
 class Board:
     def __init__(self, path):
-        self.watchdog = None
+        self.watchdog = None  # as found; off() puts it back
+        self.found_gains = {}  # of a joint: the same
         try:
             self.port = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             fcntl.flock(self.port, fcntl.LOCK_EX | fcntl.LOCK_NB)  # as `kaz` does
@@ -233,12 +234,22 @@ class Board:
         """The last thing of a program, however it ends: never raises. True if all motors are off."""
         try:
             self.request(ENABLE, struct.pack(">I", 0))
-            if self.watchdog:  # whoever comes next finds it as it was; gains stay until the next reset
+            for joint, found in self.found_gains.items():
+                self.request(GAINS, struct.pack(">I", 1 << joint) + found)
+            if self.watchdog:
                 self.request(HEARTBEAT, self.watchdog)
             return True
         except (Refusal, NoBoard) as error:
             print(f"{error}: the motors may still hold, switch the board off", file=sys.stderr)
             return False
+
+    def gains(self, joints, kp, kd):
+        """Of those joints: kp in duty per rad, kd in duty per rad/s, no dead band, no friction."""
+        for joint in joints:
+            if joint not in self.found_gains:  # bytes 7 to 13 of the reply are as a request has them
+                self.found_gains[joint] = self.request(SETTINGS, bytes([joint]))[7:14]
+        mask = sum(1 << joint for joint in joints)
+        self.request(GAINS, struct.pack(">IHHHB", mask, round(kp * 256), round(kd * 4096), 0, 0))
 
     def target(self, joint, angle, seconds):
         self.request(TARGETS, struct.pack(">IHh", 1 << joint, round(seconds * 1000), round(angle / UNIT)))
@@ -281,8 +292,8 @@ def move(board, joint, angle, seconds):
     board.request(CLEAR)
     if joint < 2:
         # The neck carries nothing: softer than after a reset (16 /rad, 0.09 s/rad), as behaviours
-        # have it. 12 in 1/256, 0.15 s/rad in 1/4096, no dead band, no friction.
-        board.request(GAINS, struct.pack(">IHHHB", 1 << joint, 12 * 256, 614, 0, 0))
+        # have it.
+        board.gains([joint], 12, 0.15)
     board.request(ENABLE, struct.pack(">I", 1 << joint))
     _, _, angles = board.state()
     print(f"joint {joint} is on at {angles[joint]:+.3f} rad")

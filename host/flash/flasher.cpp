@@ -67,9 +67,9 @@ void Flasher::report_progress(const char* phase, std::uint32_t done, std::uint32
 }
 
 std::string progress_text(const FlashProgress& progress) {
+  const std::string unit = progress.phase == "erase" ? "block" : "byte";
   std::string text = progress.phase + " " + std::to_string(progress.done) + " of " +
-                     std::to_string(progress.total) +
-                     (progress.phase == "erase" ? " blocks" : " bytes");
+                     std::to_string(progress.total) + " " + unit + (progress.total == 1 ? "" : "s");
   if (progress.bytes_per_s <= 0) return text;
   char rate[32];
   std::snprintf(rate, sizeof rate, ", %.1f KB/s", progress.bytes_per_s / 1000);
@@ -384,6 +384,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
       KAZ_TRY(erase_block(block));
       min_seconds_ += FlashTimes::erase_pulse_s + FlashTimes::erase_setup_s;
       ++report.erased;
+      report_progress("erase", static_cast<std::uint32_t>(report.erased), blocks);
     }
   }
   blank_ = false;

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "tools/app/base/paths.h"
 #include "tools/app/flash/flash.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -12,7 +13,7 @@ namespace kaz::tools {
 namespace {
 
 constexpr const char* kWriteExamples =
-    "  kaz flash write build/release/firmware/kaz.mot --port /dev/ttyUSB0\n"
+    "  kaz flash write kaz.mot --port /dev/ttyUSB0\n"
     "  kaz flash write kaz.mot --port board --reset ctl:board.ctl     # for kaz sim --erased\n"
     "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n";
 constexpr const char* kExitStatus =
@@ -62,9 +63,12 @@ void add_flash(CLI::App& program, Action& action) {
     auto* verb = all->add_subcommand(name, text);
     const std::string_view which = name;
     const bool by_boot_mode = which == "run" || which == "write" || which == "erase";
+    const auto image = firmware_image("");
+    const bool takes_image = which == "write" || which == "verify";
     verb->footer(std::string(by_boot_mode ? ""
                                           : "Boot mode would erase the flash: this uses the "
                                             "resident loader.\n") +
+                 (takes_image && image ? "The firmware of this kaz: " + *image + "\n" : "") +
                  "Examples:\n" + examples + kExitStatus);
     auto arguments = std::make_shared<FlashArguments>();
     arguments->verb = name;

@@ -200,8 +200,8 @@ void add_bare_run(CLI::App& mcu, Action& action) {
       "Exit status: 1 the chip stopped on an error; with --semihost the program's own, 125 where "
       "it does not end by itself.\n"
       "Examples:\n"
-      "  kaz mcu run build/release/firmware/kaz.mot\n"
-      "  kaz mcu run build/release/firmware/kaz.coff --max-states 2000 --trace\n"
+      "  kaz mcu run kaz.mot\n"
+      "  kaz mcu run kaz.coff --max-states 2000 --trace\n"
       "  kaz mcu run --entry program.coff\n"
       "  kaz mcu run program.coff --netlist board.net --vcd run.vcd --signals P50,TMO0,pc\n"
       "  kaz mcu run kaz.coff --profile --tick kz_tick_begin,kz_tick_end --stack\n"
@@ -218,7 +218,7 @@ void add_mcu(CLI::App& program, Action& action) {
   mcu->require_subcommand(1);
   mcu->footer(
       "Examples:\n"
-      "  kaz mcu run build/release/firmware/kaz.mot --max-states 2000000\n"
+      "  kaz mcu run kaz.mot --max-states 2000000\n"
       "  kaz mcu run --flat --semihost --count program.coff\n"
       "  kaz mcu compare --ticks 100000 --seed 7");
   add_bare_run(*mcu, action);

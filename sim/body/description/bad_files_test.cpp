@@ -236,6 +236,8 @@ INSTANTIATE_TEST_SUITE_P(
              "<gravity> stands in <world> twice"},
         Case{"text_between", "<mass>0.015</mass>", "<mass>0.015</mass>heavy", 0,
              "text in <inertial>, which takes other elements alone"},
+        Case{"version_as_a_power", "<sdf version=\"1.9\"", "<sdf version=\"1e0\"", 0,
+             "SDF of version \"1e0\"; worlds are read up to 1.9"},
         Case{"version_to_come", "<sdf version=\"1.9\"", "<sdf version=\"9.9\"", 0,
              "SDF of version \"9.9\"; worlds are read up to 1.9"},
         Case{"not_taken", "<kaz:robot", "<light name=\"sun\" type=\"point\"/><kaz:robot", 0,

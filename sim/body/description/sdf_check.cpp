@@ -159,8 +159,8 @@ class Check {
     if (file_.root().Attribute("version") == nullptr)
       return error(file_.root(), "<sdf> lacks version=\"1.9\"");
     const std::string version = file_.root().Attribute("version");
-    const auto number = parse_numbers(version, 1);
-    if (!number || number->front() < 1 || number->front() >= 2 || version.size() != 3) {
+    if (version.size() != 3 || version[0] != '1' || version[1] != '.' || version[2] < '0' ||
+        version[2] > '9') {
       return error(file_.root(), "SDF of version \"" + version + "\"; worlds are read up to 1.9");
     }
     if (auto ok = check(file_.root()); !ok) return ok;

@@ -36,6 +36,20 @@ std::vector<std::string> simulator(const TemporaryFolder& folder, const std::str
               folder / "eyes"});
 }
 
+// Gains of joint 0 as the board has them, read by itself: "16.00 0.090".
+std::string gains_of_joint_0(const std::string& port) {
+  const char* const program = R"(
+import struct, sys
+sys.path.insert(0, "examples/python")
+import kaz_client
+kp, kd = struct.unpack(">HH", kaz_client.Board(sys.argv[1]).request(0x14, b"\0")[7:11])
+print(f"{kp / 256:.2f} {kd / 4096:.3f}")
+)";
+  const Finished finished = run({KAZ_PYTHON, "-B", "-c", program, port});
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  return finished.out;
+}
+
 class PythonClient : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(PythonClient, MovesAJointReadsItBackAndHandlesARefusal) {
@@ -43,6 +57,7 @@ TEST_P(PythonClient, MovesAJointReadsItBackAndHandlesARefusal) {
   Process sim(kaz({"sim", "--world", "ball", "--mcu", GetParam(), "--serial", folder / "board",
                    "--cameras", folder / "eyes"}));
   ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  const std::string gains = gains_of_joint_0(folder / "board");
   const Finished finished = run(client({folder / "board", "--joint", "0", "--angle", "0.3"}));
   EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
   for (const char* text : {"18 joints, protocol 2", "joint 0 is on at", "joint 0 is at +0.",
@@ -58,6 +73,7 @@ TEST_P(PythonClient, MovesAJointReadsItBackAndHandlesARefusal) {
   EXPECT_NE(status.out.find("90 ms, then limp"), std::string::npos)
       << "the link watchdog is not as the client found it\n"
       << status.out;
+  EXPECT_EQ(gains_of_joint_0(folder / "board"), gains);
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
 }

@@ -307,6 +307,9 @@ TEST(VisionVerb, RefusesInOneSentence) {
                  {"grey.ppm", "image_width"});
   expect_refusal(look({"--in", folder / "empty", "--view", "60"}), 2, {"holds no picture"});
   expect_refusal(look({"--in", folder / "bad"}), 2, {"--calibration", "--view"});
+  expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--modules",
+                       "depth,depth"}),
+                 2, {"names 'depth' twice"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60", "--modules", "smell"}), 2,
                  {"smell", "color"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60", "--color", folder / "bad/1.png"}), 2,

@@ -42,7 +42,8 @@ void Progress::update(double share, const std::string& note) {
   const int decile = static_cast<int>(share * 10);
   if (decile == last_decile_) return;
   last_decile_ = decile;
-  std::fprintf(stderr, "%s %3d %%  %s\n", label_.c_str(), decile * 10, note.c_str());
+  std::fprintf(stderr, "%s %3d %%%s%s\n", label_.c_str(), decile * 10, note.empty() ? "" : "  ",
+               note.c_str());
 }
 
 void Progress::show(double at_s, const std::string& phase) {

@@ -268,7 +268,9 @@ Result<std::vector<int>> joints_of(const std::string& text) {
       return fail(Fault::usage,
                   "--joint " + text + ": there is no joint `" + name +
                       "`; give all, or of these, with commas between: " + all_joint_names());
-    if (std::ranges::find(joints, *joint) == joints.end()) joints.push_back(*joint);
+    if (std::ranges::find(joints, *joint) != joints.end())
+      return fail(Fault::usage, "--joint " + text + " names `" + name + "` twice");
+    joints.push_back(*joint);
     from = comma + 1;
   }
   return joints;
@@ -320,9 +322,11 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   if (interrupted && arguments.json) std::fputs(hil::bench_json(report).c_str(), stdout);
   if (!ran || !left) {
     const Error error = together(ran, left).error();
-    return tl::unexpected(Error{error.fault, error.message +
-                                                 "; what was measured until then is in " +
-                                                 folder.reports.path("report.html")});
+    const std::string results =
+        report.measurements.empty() ? "; nothing was measured until then" 
+                                    : "; what was measured until then is in " +
+                                          folder.reports.path("report.html");
+    return tl::unexpected(Error{error.fault, error.message + results});
   }
   const int failed = report.count(hil::Verdict::failed);
   const int undecided = report.count(hil::Verdict::undecided);

@@ -353,7 +353,8 @@ Result<void> Session::begin_vision() {
   capture_.emplace(*camera_, *robot_);
   pipeline_.emplace(vision::PipelineOptions{backend_->pace(), backend_->camera_latency()});
   VisionOptions modules = options_.vision;
-  modules.modules = "color," + modules.modules;
+  const auto names = KAZ_TRY(parse_modules(modules.modules));
+  if (std::ranges::find(names, "color") == names.end()) modules.modules = "color," + modules.modules;
   KAZ_TRY(add_modules(modules, *pipeline_));
   deliveries_.emplace(*pipeline_);
   if (options_.watcher != nullptr) options_.watcher->begin(*pipeline_);

@@ -38,6 +38,8 @@ Result<std::vector<std::string>> parse_modules(const std::string& list) {
   for (std::string word; std::getline(words, word, ',');) {
     word.erase(0, word.find_first_not_of(' '));
     word.erase(word.find_last_not_of(' ') + 1);
+    if (std::ranges::find(wanted, word) != wanted.end())
+      return fail(Fault::usage, "--modules " + list + " names '" + word + "' twice");
     wanted.push_back(word);
   }
   if (wanted.empty()) wanted.emplace_back();
