@@ -19,7 +19,6 @@ constexpr double kSizeTolerance = 0.30, kSizeTolerance_m = 0.03;
 // compliance of the soles.
 constexpr double kRaySigma = 0.008;
 constexpr Time kRollsOn = std::chrono::milliseconds(300);
-constexpr std::size_t kPlaces = 200;  // 2 to 4 s
 
 // A ball that rests or rolls: odometry errors act as its motion; pushes are rare.
 vision::BallTrackOptions options(double radius) {
@@ -74,35 +73,9 @@ host::Gaze gaze_at_floor(const host::JointAngles& angles, const Vector3d& from_m
 
 BallPlace::BallPlace(double radius) : radius_(radius), track_(options(radius)) {}
 
-void BallPlace::restart() {
-  track_.forget();
-  places_.clear();
-}
-
-void BallPlace::at_place(Time t, const motion::Place& place) {
-  if (!places_.empty() && t <= places_.back().first) return;
-  places_.emplace_back(t, place);
-  if (places_.size() > kPlaces) places_.pop_front();
-}
-
-std::optional<motion::Place> BallPlace::place_at(Time t) const {
-  if (places_.empty() || t < places_.front().first) return std::nullopt;
-  const auto after = std::find_if(places_.begin(), places_.end(),
-                                  [&](const auto& entry) { return entry.first >= t; });
-  if (after == places_.end()) return places_.back().second;
-  if (after == places_.begin()) return after->second;
-  const auto before = std::prev(after);
-  const double u = seconds(t - before->first) / seconds(after->first - before->first);
-  motion::Place place = before->second;
-  place.x = std::lerp(place.x, after->second.x, u);
-  place.y = std::lerp(place.y, after->second.y, u);
-  place.heading = std::lerp(place.heading, after->second.heading, u);
-  return place;
-}
-
-bool BallPlace::observe(const vision::BallObservation& seen) {
+bool BallPlace::observe(const vision::BallObservation& seen, const PlaceHistory& places) {
   const auto point = on_floor(seen, radius_);
-  const auto robot = place_at(seen.info.exposure);
+  const auto robot = places.at(seen.info.exposure);
   if (!point || !robot) return false;
   const Eigen::Matrix2d axes = turned(robot->heading).toRotationMatrix();
   const Vector2d at = Vector2d(robot->x, robot->y) + axes * point->from_hips;
@@ -117,9 +90,12 @@ bool BallPlace::observe(const vision::BallObservation& seen) {
   return taken != vision::BallTrack::Taken::outlier && taken != vision::BallTrack::Taken::refused;
 }
 
+Vector2d BallPlace::at(Time t) const {
+  return track_.aim(std::min(t, last_seen() + kRollsOn)).head<2>();
+}
+
 Vector2d BallPlace::from_hips(Time t, const motion::Place& robot) const {
-  const Vector2d ball = track_.aim(std::min(t, last_seen() + kRollsOn)).head<2>();
-  return turned(-robot.heading) * (ball - Vector2d(robot.x, robot.y));
+  return turned(-robot.heading) * (at(t) - Vector2d(robot.x, robot.y));
 }
 
 double BallPlace::speed() const {

@@ -8,9 +8,9 @@
 // walking. Units: m, rad.
 #pragma once
 
-#include <deque>
 #include <optional>
 
+#include "host/behavior/place_history.h"
 #include "host/motion/odometry.h"
 #include "vision/color/ball_track.h"
 
@@ -35,27 +35,22 @@ class BallPlace {
  public:
   explicit BallPlace(double radius);
 
-  // Adds the robot's odometry at time t; call in order of time.
-  void at_place(Time t, const motion::Place& place);
   // True if it was used: the odometry at its exposure must be known.
-  bool observe(const vision::BallObservation& seen);
+  bool observe(const vision::BallObservation& seen, const PlaceHistory& places);
   void forget() { track_.forget(); }
-  // Also discards the odometry, which starts anew.
-  void restart();
 
   bool known() const { return track_.known(); }
   Time last_seen() const { return known() ? track_.latest() : Time{}; }
   // Predicted position at time t relative to `robot`, frame below the hips. The ball is assumed to roll
   // on for 0.3 s after the last observation. Precondition: known().
   Eigen::Vector2d from_hips(Time t, const motion::Place& robot) const;
+  // The same in the odometry frame. Precondition: known().
+  Eigen::Vector2d at(Time t) const;
   double speed() const;  // m/s over the floor
 
  private:
-  std::optional<motion::Place> place_at(Time t) const;
-
   double radius_;
   vision::BallTrack track_;
-  std::deque<std::pair<Time, motion::Place>> places_;
 };
 
 }  // namespace kaz::behavior

@@ -69,6 +69,7 @@ TEST(OnFloor, TheHeadIsPointedThere) {
 // The robot walks 0.2 m and turns by 30 degrees; results come 40 ms late.
 TEST(BallPlace, StandsStillWhileTheRobotWalksAndTurns) {
   BallPlace place(kRadius);
+  PlaceHistory places;
   const host::JointAngles angles = motion::home();
   const Vector2d ball(0.6, 0.1);
   motion::Place robot;
@@ -77,11 +78,11 @@ TEST(BallPlace, StandsStillWhileTheRobotWalksAndTurns) {
     const double u = seconds(t) / 4;
     robot.x = 0.2 * u;
     robot.heading = 30 * kDegree * u;
-    place.at_place(t, robot);
+    places.add(t, robot);
     const Vector2d from_hips = Eigen::Rotation2Dd(-robot.heading) * (ball - Vector2d(robot.x, 0));
     if (t % 40ms == 0ms) late.push_back(see(angles, from_hips, t));
     if (!late.empty() && t - late.front().info.exposure >= 40ms) {
-      EXPECT_TRUE(place.observe(late.front()));
+      EXPECT_TRUE(place.observe(late.front(), places));
       late.erase(late.begin());
     }
   }
@@ -89,17 +90,20 @@ TEST(BallPlace, StandsStillWhileTheRobotWalksAndTurns) {
   const Vector2d expected = Eigen::Rotation2Dd(-robot.heading) * (ball - Vector2d(0.2, 0));
   EXPECT_NEAR((place.from_hips(4s, robot) - expected).norm(), 0, 1e-3);
   EXPECT_LT(place.speed(), 5e-3);
-  place.restart();
+  EXPECT_NEAR((place.at(4s) - ball).norm(), 0, 1e-3);
+  place.forget();
+  places.clear();
   EXPECT_FALSE(place.known());
-  EXPECT_FALSE(place.observe(see(angles, expected, 4s))) << "no place is known";
+  EXPECT_FALSE(place.observe(see(angles, expected, 4s), places)) << "no place is known";
 }
 
 TEST(BallPlace, KnowsHowFastABallRolls) {
   BallPlace place(kRadius);
+  PlaceHistory places;
   const host::JointAngles angles = motion::home();
   for (Time t = 0ms; t <= 2s; t += 33ms) {
-    place.at_place(t, {});
-    EXPECT_TRUE(place.observe(see(angles, {0.5, -0.1 + 0.08 * seconds(t)}, t)));
+    places.add(t, {});
+    EXPECT_TRUE(place.observe(see(angles, {0.5, -0.1 + 0.08 * seconds(t)}, t), places));
   }
   // The track expects it to slow down by 0.1 m/s^2, which this one does not.
   EXPECT_NEAR(place.speed(), 0.08, 0.016);

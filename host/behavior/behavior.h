@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "host/behavior/ball_detector.h"
+#include "host/behavior/floor_detector.h"
 #include "host/behavior/options.h"
 #include "host/behavior/sink.h"
 #include "host/robot/robot.h"
@@ -34,6 +35,8 @@ struct Context {
   std::vector<std::string> other_joints = {};
   double ball_radius_m = 0.020;       // of the ball that `detector` detects
   std::string camera = "the camera";  // as messages name it
+  // Null without a camera and for behaviours without needs_floor.
+  FloorDetector* floor = nullptr;
 };
 
 // Result of a behaviour. Measurements are written to result.json; their names contain the units.
@@ -53,6 +56,7 @@ struct Behavior {
   // An outcome without success: the task failed. An Error: it could not be completed (link, camera,
   // usage); one of Fault::failed counts as a failure.
   Result<Outcome> (*run)(Context& context) = nullptr;
+  bool needs_floor = false;  // run() uses Context::floor
 };
 
 // All behaviours of behaviors.def, in its order.

@@ -76,7 +76,7 @@ Result<void> BodyControl::step() {
     phase("fallen");
     return context_->robot.enable(0);
   }
-  ball_.at_place(input_.posture.time, motion_.place());
+  places_.add(input_.posture.time, motion_.place());
   return run_cycle({legs.begin(), legs.end()});
 }
 
@@ -131,7 +131,7 @@ void BodyControl::process_observations() {
       row.distance_m = observation.distance_m;
     }
     newest_exposure_ = observation.info.exposure;
-    const bool used = ball_.observe(observation);
+    const bool used = ball_.observe(observation, places_);
     consecutive_ = used ? consecutive_ + 1 : 0;
     context_->sink.picture(row);
   }
@@ -160,7 +160,8 @@ Result<void> BodyControl::finish(Time after) {
 
 Result<void> BodyControl::restart() {
   motion_ = motion::Motion();
-  ball_.restart();
+  ball_.forget();
+  places_.clear();
   left_g_ = tipped_s_ = 0;
   return stay(kZero);
 }

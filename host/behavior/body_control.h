@@ -56,6 +56,8 @@ class BodyControl {
   // Number of consecutive images in which the ball was detected.
   int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
+  // Odometry of the last seconds; anew after restart().
+  const PlaceHistory& places() const { return places_; }
   // m; x ahead, y left, from the point below the hips. Precondition: ball().known().
   Eigen::Vector2d ball_now() const { return ball_.from_hips(now(), motion_.place()); }
   // Images came, but no detection in those of the last `time`.
@@ -74,6 +76,7 @@ class BodyControl {
   motion::Motion motion_;
   ControlCycle cycle_;
   ControlCycle::Input input_;
+  PlaceHistory places_;
   BallPlace ball_;
   host::Gaze gaze_{0, 0.5};
   bool tracks_ball_ = false, fallen_ = false;

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "host/behavior/approach.h"
+#include "host/behavior/catch_ball.h"
 #include "host/behavior/composition.h"
 #include "host/motion/reach.h"
 #include "shared/base/angle.hpp"
@@ -190,27 +191,10 @@ class Catch {
 
 Result<Outcome> catch_it(Context& context) {
   auto body = KAZ_TRY(BodyControl::begin(context, kCatchBall.name));
-  const Time start = body.now();
-  Catch parts(body);
-  const int turns = static_cast<int>(context.options.number("turns"));
-  const double hold_s = context.options.number("hold");
-  const bool left_first = context.seed & 1;
-  const Task once = sequence(std::string(kCatchBall.name),
-                             {{"search", [&](Context&) { return parts.search(turns, left_first); }},
-                              {"approach", [&](Context&) { return parts.approach(); }},
-                              {"catch", [&](Context&) { return parts.pick_up(); }},
-                              {"hold", [&](Context&) { return parts.hold(hold_s); }}});
-  const auto retriable = [](const Outcome& failed) {
-    return failed.cause != "fell" && failed.cause != "not found";
-  };
-  auto outcome = retry(static_cast<int>(context.options.number("tries")), once, retriable)(context);
-  if (!outcome) return outcome;
-  const double took = seconds(body.now() - start);
-  outcome->measurements.emplace_back("catch_s", took);
-  char text[120];
-  std::snprintf(text, sizeof text, " for %g s, %.0f s after the search began", hold_s, took);
-  if (outcome->success) outcome->sentence += text;
-  return outcome;
+  return catch_ball(body, {.tries = static_cast<int>(context.options.number("tries")),
+                           .turns = static_cast<int>(context.options.number("turns")),
+                           .hold_s = context.options.number("hold"),
+                           .left_first = (context.seed & 1) != 0});
 }
 
 Result<Outcome> run(Context& context) {
@@ -218,6 +202,29 @@ Result<Outcome> run(Context& context) {
 }
 
 }  // namespace
+
+Result<Outcome> catch_ball(BodyControl& body, const CatchOptions& options) {
+  const Time start = body.now();
+  Catch parts(body);
+  const Task once = sequence(
+      std::string(kCatchBall.name),
+      {{"search", [&](Context&) { return parts.search(options.turns, options.left_first); }},
+       {"approach", [&](Context&) { return parts.approach(); }},
+       {"catch", [&](Context&) { return parts.pick_up(); }},
+       {"hold", [&](Context&) { return parts.hold(options.hold_s); }}});
+  const auto retriable = [](const Outcome& failed) {
+    return failed.cause != "fell" && failed.cause != "not found";
+  };
+  auto outcome = retry(options.tries, once, retriable)(body.context());
+  if (!outcome) return outcome;
+  const double took = seconds(body.now() - start);
+  outcome->measurements.emplace_back("catch_s", took);
+  char text[120];
+  std::snprintf(text, sizeof text, " for %g s, %.0f s after the search began", options.hold_s,
+                took);
+  if (outcome->success) outcome->sentence += text;
+  return outcome;
+}
 
 constinit const Behavior kCatchBall{"catch-ball", "find a ball on the floor, pick it up, hold it",
                                     true, kOptions, run};

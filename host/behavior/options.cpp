@@ -66,9 +66,12 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     const auto found = given.find(name);
     const std::string text = found == given.end() ? std::string(option.initial) : found->second;
     if (!option.choices.empty()) {
-      if (!is_choice(option.choices, text)) {
+      const bool text_option = option.is_valid != nullptr;
+      if (text_option ? !option.is_valid(text) : !is_choice(option.choices, text)) {
         return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
-                                      "`: it is one of " + std::string(option.choices));
+                                      "`: it is " + (text_option ? "" : "one of ") +
+                                      std::string(option.choices) +
+                                      (text_option ? " (" + std::string(option.text) + ")" : ""));
       }
       values.choices_[name] = text;
       continue;

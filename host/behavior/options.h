@@ -14,10 +14,13 @@ namespace kaz::behavior {
 struct Option {
   std::string_view name;     // "seconds"
   std::string_view initial;  // default value
-  std::string_view choices;  // "keep|straight|home"; empty: a number in [min, max]
+  std::string_view
+      choices;  // "keep|straight|home"; empty: a number in [min, max]; of a text: its form
   double min = 0, max = 0;
   std::string_view text;  // one line, with the unit
   bool whole = false;     // a number without fraction
+  // Makes it a text: false for one of another form.
+  bool (*is_valid)(std::string_view value) = nullptr;
 };
 
 // The valid values: "keep|straight|home", "1 to 20".
@@ -34,7 +37,7 @@ class OptionValues {
   // Precondition: `name` is among the options that were parsed, and of this kind; else they throw
   // std::out_of_range with a sentence.
   double number(std::string_view name) const;
-  const std::string& choice(std::string_view name) const;
+  const std::string& choice(std::string_view name) const;  // or text
 
  private:
   std::map<std::string, double, std::less<>> numbers_;

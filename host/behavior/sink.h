@@ -6,7 +6,13 @@
 #include <string_view>
 #include <vector>
 
-#include "vision/image/frame.h"  // Time
+#include <Eigen/Core>
+
+#include "shared/base/time.hpp"
+
+namespace kaz::map {
+class LocalMap;
+}
 
 namespace kaz::behavior {
 
@@ -28,6 +34,17 @@ struct PictureRow {
   double distance_m = 0;  // lens to ball; if found
 };
 
+// A map as a behaviour has it. Frame: the foot frame of the start; x ahead, y left. m, rad.
+struct MapReport {
+  Time time{};
+  const map::LocalMap& map;
+  Eigen::Vector2d robot{0, 0};
+  double heading_rad = 0;
+  const std::vector<Eigen::Vector2d>& path;   // corners, from start to goal; empty: none
+  const std::vector<Eigen::Vector2d>& trail;  // where it has been
+  Eigen::Vector2d goal{0, 0};
+};
+
 // All calls come from the thread that runs the behaviour, in order of time.
 class Sink {
  public:
@@ -36,6 +53,8 @@ class Sink {
   virtual void phase(Time, std::string_view /*behavior*/, std::string_view /*phase*/) {}
   virtual void cycle(const CycleRow&) {}
   virtual void picture(const PictureRow&) {}
+  // The map has changed: after each plan, and at the end.
+  virtual void map(const MapReport&) {}
 };
 
 // Stores all reports in memory.

@@ -17,8 +17,9 @@ Result<LocalMap> LocalMap::make(const LocalMapOptions& o) {
   if (!positive(o.cell_m) || !positive(o.size_m) || o.size_m < 2 * o.cell_m ||
       o.size_m > 2000 * o.cell_m)
     return fail(Fault::usage, "the local map has 2 to 2000 cells a side: see cell_m and size_m");
-  if (!positive(o.farthest_m) || !positive(o.obstacle_m) || !positive(o.robot_m) ||
-      !positive(o.disparity_error_px) || !(o.own_m >= 0) || o.robot_m <= o.obstacle_m)
+  if (!positive(o.farthest_m) || !positive(o.drop_m) || !positive(o.obstacle_m) ||
+      !positive(o.robot_m) || !positive(o.disparity_error_px) || !(o.own_m >= 0) ||
+      o.robot_m <= o.obstacle_m)
     return fail(Fault::usage,
                 "lengths and the disparity error of the local map must be above 0, and robot_m "
                 "above obstacle_m");
@@ -35,11 +36,27 @@ void LocalMap::clear() {
   odds_.assign(all, 0);
   seen_.assign(all, 0);
   hits_.assign(all, 0);
+  points_.assign(all, 0);
   touched_.clear();
   for (std::vector<int>* row : {&row_u_, &row_v_, &row_vote_})
     row->assign(static_cast<std::size_t>(cells_) + 1, 0);
   counts_ = {};
   last_ = {};
+}
+
+void LocalMap::fade(double share) {
+  const double kept = std::clamp(share, 0.0, 1.0);
+  for (std::int16_t& odds : odds_) odds = static_cast<std::int16_t>(kept * odds);
+}
+
+void LocalMap::forget(const Eigen::Vector2d& place, double radius_m) {
+  for (int x = number(place.x() - radius_m); x <= number(place.x() + radius_m); ++x) {
+    for (int y = number(place.y() - radius_m); y <= number(place.y() + radius_m); ++y) {
+      const bool inside = x >= 0 && y >= 0 && x < cells_ && y < cells_;
+      if (inside && (Eigen::Vector2d(middle(x), middle(y)) - place).norm() <= radius_m)
+        odds_[index(x, y)] = 0;
+    }
+  }
 }
 
 Result<void> LocalMap::check(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
@@ -87,7 +104,7 @@ Result<void> LocalMap::update(const vision::PlaneSegments& planes, const vision:
   row_up_.resize(static_cast<std::size_t>(depth.width));
   see_floor(view, planes);
   see_obstacles(view, planes, depth, map_from_foot.translation().head<2>());
-  enter_obstacles();
+  enter_obstacles(view, depth.width);
   return {};
 }
 

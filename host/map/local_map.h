@@ -18,6 +18,8 @@
 //   has more points. A point in a cell that is floor in the same picture is moved along its ray, by up to
 //   two sigma of its depth, to a cell that is not: stereo errors are along the ray, and an obstacle's face
 //   is not in front of its foot.
+// - Hole. A pixel whose point is below the floor by more than `drop_m`, and three sigma, shows that there is no
+//   floor where its ray passes the floor's height: that cell is an obstacle.
 // A vote's weight is min(1, cell_m / dz), with dz = z^2 / (fx baseline) disparity_error_px, one sigma of
 // the depth z. Votes add up as log-odds, so their order is irrelevant until a cell saturates.
 #pragma once
@@ -39,11 +41,12 @@ enum class CellState { unknown, floor, obstacle };
 
 struct LocalMapOptions {
   double cell_m = 0.01;
-  double size_m = 4.0;              // side; the origin is in the middle. 2..2000 cells
-  double farthest_m = 1.5;          // maximum distance from the eye along the floor
-  double obstacle_m = 0.015;        // objects below this height are no obstacles
-  double robot_m = 0.36;            // what is higher than this passes above the robot
-  double own_m = 0.13;              // points nearer to the foot's middle are the robot's own body
+  double size_m = 4.0;        // side; the origin is in the middle. 2..2000 cells
+  double farthest_m = 1.5;    // maximum distance from the eye along the floor
+  double obstacle_m = 0.015;  // objects below this height are no obstacles
+  double drop_m = 0.03;       // what is seen so far below the floor is a hole, or beyond an edge
+  double robot_m = 0.36;      // what is higher than this passes above the robot
+  double own_m = 0.13;        // points nearer to the foot's middle are the robot's own body
   double disparity_error_px = 0.2;  // one sigma
 };
 
@@ -75,6 +78,10 @@ class LocalMap {
                       const vision::FrameInfo& info,
                       const Eigen::Isometry3d& map_from_foot = Eigen::Isometry3d::Identity());
   void clear();
+  // Old evidence counts less: all log-odds times `share`, 0..1.
+  void fade(double share);
+  // Cells whose middle is within `radius_m` of a place become unknown.
+  void forget(const Eigen::Vector2d& place, double radius_m);
 
   // Cells by number; 0 is at the rear right corner. Outside the map all is unknown.
   int cells() const { return cells_; }  // along each side
@@ -103,7 +110,7 @@ class LocalMap {
   void see_floor(const View& view, const vision::PlaneSegments& planes);
   void see_obstacles(const View& view, const vision::PlaneSegments& planes,
                      const vision::DepthImage& depth, const Eigen::Vector2d& foot);
-  void enter_obstacles();
+  void enter_obstacles(const View& view, int width);
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(x) * static_cast<std::size_t>(cells_) +
            static_cast<std::size_t>(y);
@@ -115,8 +122,9 @@ class LocalMap {
   MapCounts counts_;
   std::vector<std::int16_t> odds_;  // in steps of kStep
   // Of the current update().
-  std::vector<std::uint32_t> seen_;  // number of the update that last showed floor here
-  std::vector<float> hits_;          // obstacles' votes
+  std::vector<std::uint32_t> seen_;    // number of the update that last showed floor here
+  std::vector<float> hits_;            // obstacles' votes
+  std::vector<std::uint16_t> points_;  // points of obstacles
   std::vector<std::uint32_t> touched_;
   std::vector<int> row_u_, row_v_, row_vote_;  // of a row of cells
   std::vector<float> row_up_;                  // of a row of pixels: height, m

@@ -119,6 +119,7 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
   const auto fb = static_cast<float>(view.fb);
   const auto low = static_cast<float>(options_.obstacle_m);
   const auto high = static_cast<float>(options_.robot_m);
+  const auto deep = static_cast<float>(options_.drop_m);
   const auto farthest2 = static_cast<float>(options_.farthest_m * options_.farthest_m);
   const auto own2 = static_cast<float>(options_.own_m * options_.own_m);
   const auto error = static_cast<float>(options_.disparity_error_px);
@@ -142,20 +143,27 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
     const Eigen::Vector3f start = (view.eye.linear() * Vector3d(-c.cx / c.fx, (v - c.cy) / c.fy, 1))
                                       .cast<float>();  // of the ray at u = 0
     const float* d = depth.disparity_px.data() + static_cast<std::ptrdiff_t>(v) * width;
+    const float* above = v >= stride_v ? d - stride_v * width : d;
+    const float* below = v + stride_v < depth.height ? d + stride_v * width : d;
     const std::uint8_t* label = planes.label.data() + static_cast<std::ptrdiff_t>(v) * width;
     for (int u = 0; u < width; ++u)
       up[u] = eye.z() + fb / d[u] * (start.z() + static_cast<float>(u) * along.z());
     for (int u = stride / 2; u < width; u += stride) {
-      if (!(up[u] > low && up[u] < high) || floor[label[u]]) continue;
+      const bool drop = up[u] < -deep;
+      if (!((up[u] > low && up[u] < high) || drop) || floor[label[u]]) continue;
       if (!(d[u] > 0 && d[u] < nearest_d)) continue;
+      if (!(std::abs(above[u] - d[u]) < kSmooth_px && std::abs(below[u] - d[u]) < kSmooth_px))
+        continue;
       const Eigen::Vector3f ray = start + static_cast<float>(u) * along;
       const float z = fb / d[u];
-      if (up[u] < 3 * z * z / fb * error * std::abs(ray.z())) continue;
-      const Eigen::Vector2f offset = z * ray.head<2>();  // horizontal, from the eye
+      if (std::abs(up[u]) < 3 * z * z / fb * error * std::abs(ray.z())) continue;
+      // Seen below the floor: there is none where the ray passes its height.
+      const float reach = drop ? eye.z() / -ray.z() : z;
+      const Eigen::Vector2f offset = reach * ray.head<2>();  // horizontal, from the eye
       if (offset.squaredNorm() > farthest2) continue;
       if ((eye.head<2>() + offset - foot.cast<float>()).squaredNorm() < own2) continue;
-      int cell = cell_of(z, ray);
-      for (int sigmas = 1; cell >= 0 && sigmas <= 2; ++sigmas) {
+      int cell = cell_of(reach, ray);
+      for (int sigmas = 1; !drop && cell >= 0 && sigmas <= 2; ++sigmas) {
         const float farther = d[u] - static_cast<float>(sigmas) * error;
         if (seen_[static_cast<std::size_t>(cell)] != update || farther <= 0) break;
         const int other = cell_of(fb / farther, ray);
@@ -164,7 +172,8 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
       if (cell < 0) continue;
       float& hits = hits_[static_cast<std::size_t>(cell)];
       if (hits == 0) touched_.push_back(static_cast<std::uint32_t>(cell));
-      hits += share * std::min(z * z, weight_z2);
+      hits += share * std::min(reach * reach, weight_z2);
+      ++points_[static_cast<std::size_t>(cell)];
     }
   }
 }
@@ -172,20 +181,31 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
 // A vertical face has its points over few cells; depth errors scatter a few of them in front of and behind
 // it. So a cell's vote is reduced by its ratio to the strongest neighbour, with a factor kUneven for the
 // uneven distribution of pixel rows over cells.
-void LocalMap::enter_obstacles() {
+void LocalMap::enter_obstacles(const View& view, int width) {
+  const int stride = std::max(1, width / 320), stride_v = std::max(1, width / 160);
+  const double points_at_1_m =
+      options_.obstacle_m * options_.cell_m * view.camera.fx * view.camera.fy / (stride * stride_v);
+
   for (const std::uint32_t cell : touched_) {
     const float hits = hits_[cell];
     const int x = static_cast<int>(cell) / cells_, y = static_cast<int>(cell) % cells_;
     float max_hits = hits;
+    int points = 0;
     for (int i = std::max(0, x - 1); i <= std::min(cells_ - 1, x + 1); ++i) {
-      for (int j = std::max(0, y - 1); j <= std::min(cells_ - 1, y + 1); ++j)
+      for (int j = std::max(0, y - 1); j <= std::min(cells_ - 1, y + 1); ++j) {
         max_hits = std::max(max_hits, hits_[index(i, j)]);
+        points += points_[index(i, j)];
+      }
     }
+    const Eigen::Vector2d at(middle(x), middle(y));
+    const double z2 = (at - view.eye.translation().head<2>()).squaredNorm() +
+                      view.eye.translation().z() * view.eye.translation().z();
+    if (points < std::max<double>(kMinPoints, kMinShare * points_at_1_m / z2)) continue;
     const double vote =
         static_cast<double>(std::min(1.0F, hits) * std::min(1.0F, kUneven * hits / max_hits));
     odds_[cell] = added(odds_[cell], static_cast<int>(std::lround(vote * kObstacleVote / kStep)));
   }
-  for (const std::uint32_t cell : touched_) hits_[cell] = 0;
+  for (const std::uint32_t cell : touched_) hits_[cell] = 0, points_[cell] = 0;
   touched_.clear();
 }
 

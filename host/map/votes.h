@@ -14,6 +14,14 @@ inline constexpr double kFloorVote =
     0.6;  // log-odds of p = 0.65: a pixel of the floor segment is floor
 inline constexpr double kObstacleVote =
     1.2;                                // log-odds of p = 0.77: missing an obstacle costs more
+// Of disparity, between a point of an obstacle and those above and below it: block matching scatters single
+// points behind the rim of what stands before the floor.
+inline constexpr float kSmooth_px = 1;
+// Points in a cell and its eight neighbours: fewer are such strays. Of a box 2 cm high at 1.2 m there are
+// some six.
+inline constexpr int kMinPoints = 4;
+// Near by: this share of the points of a face as wide as a cell and as high as the lowest obstacle.
+inline constexpr double kMinShare = 0.3;
 inline constexpr double kMaxOdds = 10;  // saturation, so that a cell can change again
 inline constexpr double kKnown = 0.1;   // magnitude of log-odds below which a cell is unknown
 inline constexpr double kFullAt = 4;  // a full vote needs a quarter of the pixels that fill a cell

@@ -21,6 +21,33 @@ Grid grid_of(const map::LocalMap& map, double size_m) {
   return grid;
 }
 
+void forget_specks(Grid& grid, int cells, const Eigen::Vector2d& from, double beyond_m) {
+  std::vector<bool> visited(grid.state.size(), false);
+  std::vector<Eigen::Vector2i> speck;
+  for (int x = 0; x < grid.cells_x; ++x) {
+    for (int y = 0; y < grid.cells_y; ++y) {
+      if (grid.at(x, y) != map::CellState::obstacle || visited[grid.index(x, y)]) continue;
+      // Flood fill; `speck` is the queue, too.
+      speck.assign(1, {x, y});
+      visited[grid.index(x, y)] = true;
+      bool far = true;
+      for (std::size_t i = 0; i < speck.size(); ++i) {
+        const Eigen::Vector2i at = speck[i];
+        far = far && (grid.middle(at.x(), at.y()) - from).norm() > beyond_m;
+        for (int side = 0; side < 9; ++side) {
+          const int nx = at.x() + side % 3 - 1, ny = at.y() + side / 3 - 1;
+          if (grid.at(nx, ny) != map::CellState::obstacle || visited[grid.index(nx, ny)]) continue;
+          visited[grid.index(nx, ny)] = true;
+          speck.emplace_back(nx, ny);
+        }
+      }
+      if (!far || speck.size() >= static_cast<std::size_t>(cells)) continue;
+      for (const Eigen::Vector2i& at : speck)
+        grid.state[grid.index(at.x(), at.y())] = map::CellState::unknown;
+    }
+  }
+}
+
 std::string text(const NoPath& none, const PlanOptions& options) {
   char line[200];
   const auto place = [&](const char* format) {

@@ -52,6 +52,10 @@ struct Grid {
 // The square of `size_m` around the map's origin.
 Grid grid_of(const map::LocalMap& map, double size_m);
 
+// Obstacles of fewer than `cells` cells, corners touching, become unknown if all of them are farther than
+// `beyond_m` from `from`.
+void forget_specks(Grid& grid, int cells, const Eigen::Vector2d& from, double beyond_m);
+
 struct Pose {
   Eigen::Vector2d position{0, 0};
   double heading_rad = 0;

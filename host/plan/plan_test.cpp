@@ -217,5 +217,21 @@ TEST(Plan, NonsenseIsRefused) {
   EXPECT_NE(why(grid, {}, {}, options).find("above 0"), std::string::npos);
 }
 
+TEST(ForgetSpecks, LeavesWhatIsLargeOrNear) {
+  Grid grid;
+  grid.cells_x = grid.cells_y = 100;
+  grid.state.assign(10000, map::CellState::floor);
+  const auto block = [&](int x, int y) { grid.state[grid.index(x, y)] = map::CellState::obstacle; };
+  for (int i = 0; i < 3; ++i) block(80 + i, 80 + i);  // three cells, by their corners
+  for (int i = 0; i < 8; ++i) block(80 + i, 20);      // a line of eight
+  block(5, 5);                                        // near
+  block(99, 99);                                      // at the rim
+  forget_specks(grid, 8, {0, 0}, 0.5);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(grid.at(80 + i, 80 + i), map::CellState::unknown);
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(grid.at(80 + i, 20), map::CellState::obstacle);
+  EXPECT_EQ(grid.at(5, 5), map::CellState::obstacle);
+  EXPECT_EQ(grid.at(99, 99), map::CellState::unknown);
+}
+
 }  // namespace
 }  // namespace kaz::plan

@@ -113,7 +113,7 @@ LAYERS = {
     "host": {
         "link": (), "robot": ("link",), "camera": ("link", "robot"), "flash": ("link", "robot"),
         "motion": ("link", "robot"), "map": (), "plan": ("map",),
-        "behavior": ("link", "robot", "camera", "motion"),
+        "behavior": ("link", "robot", "camera", "motion", "map", "plan"),
     },
     "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},

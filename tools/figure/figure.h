@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "shared/base/result.hpp"
@@ -42,6 +43,9 @@ void draw_circle(Image& image, double u, double v, double radius_px, Color color
 // Gap in the middle so that what is marked stays visible.
 void draw_crosshair(Image& image, double u, double v, double size_px, Color color,
                     double width_px = 1.5);
+// Corners as u, v.
+void draw_line(Image& image, std::span<const std::pair<double, double>> corners, Color color,
+               double width_px = 2);
 void draw_text(Image& image, double u, double v, const std::string& text, double size_px,
                Color color);
 

@@ -74,6 +74,16 @@ void draw_crosshair(Image& image, double u, double v, double size_px, Color colo
   });
 }
 
+void draw_line(Image& image, std::span<const std::pair<double, double>> corners, Color color,
+               double width_px) {
+  if (corners.empty()) return;
+  draw_into(image, [&](cairo_t* c) {
+    for (const auto& [u, v] : corners) cairo_line_to(c, u, v);
+    cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+    stroke_with_edge(c, color, width_px);
+  });
+}
+
 void draw_text(Image& image, double u, double v, const std::string& text, double size_px,
                Color color) {
   draw_into(image, [&](cairo_t* c) {

@@ -80,6 +80,12 @@ Result<bool> run_behavior(RunArguments arguments) {
     KAZ_TRY(check_duration(behavior, arguments.duration, settings));
     arguments.session.settings["seconds"] = arguments.duration;
   }
+  if (!arguments.goal.empty()) {
+    const auto [set, added] = arguments.session.settings.try_emplace("goal", arguments.goal);
+    if (!added && set->second != arguments.goal)
+      return fail(Fault::usage, "--goal " + arguments.goal + " and --set goal=" + set->second +
+                                    " contradict each other; leave one out");
+  }
   if (!arguments.color.empty()) {
     const auto color = KAZ_TRY(read_color(arguments.color));
     arguments.session.vision.ball.color = color;

@@ -16,6 +16,7 @@ struct RunArguments {
   std::vector<std::string> settings;  // NAME=VALUE
   std::string duration;               // s
   std::string color;                  // file
+  std::string goal;                   // of navigate
 };
 
 // Of both verbs; what they describe differently is added by the others.

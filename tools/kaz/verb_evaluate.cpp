@@ -15,7 +15,7 @@ struct Arguments {
   CampaignOptions campaign;
   std::vector<std::string> settings;
   std::string shard = "1/1";
-  std::vector<double> friction, supply, distance, lamp, shade;
+  std::vector<double> friction, supply, distance, lamp, shade, goal_distance;
 };
 
 constexpr const char* kExitStatus =
@@ -72,7 +72,8 @@ Result<Outcome> start(Arguments a) {
                    {"--supply", a.supply, c.variation.supply_volts},
                    {"--ball-distance", a.distance, c.variation.ball_distance_m},
                    {"--lamp", a.lamp, c.variation.lamp},
-                   {"--shade", a.shade, c.variation.shade}};
+                   {"--shade", a.shade, c.variation.shade},
+                   {"--goal-distance", a.goal_distance, c.variation.goal_distance_m}};
   for (const auto& [option, given, to] : intervals) {
     const auto interval = KAZ_TRY(parse_interval(option, given, to));
     to = interval;
@@ -175,6 +176,14 @@ void add_evaluate(CLI::App& program, Action& action) {
                "around, 35 to 80 degrees up");
   add_interval(*verb, "--shade", arguments->shade, v.shade, {0.01, 100},
                "factor on the light where the lamp does not reach, drawn from this range");
+  verb->add_option("--obstacles", c.variation.max_obstacles,
+                   "of navigate: up to so many boxes and cans stand about, at least half as many")
+      ->check(between(0, 30))
+      ->type_name("N")
+      ->capture_default_str();
+  add_interval(
+      *verb, "--goal-distance", arguments->goal_distance, v.goal_distance_m, {0.3, 2.5},
+      "of navigate, without --set goal=...: distance of the goal, m, drawn from this range");
   verb->add_option("--mass-sigma", c.variation.mass_sigma,
                    "standard deviation of each link's mass, as a share of it")
       ->check(between(0.0, 0.3))

@@ -102,6 +102,8 @@ void add_run(CLI::App& program, Action& action) {
   add_duration(*verb, *arguments,
                "the same as --set seconds=SECONDS, of " + timed_behaviors() +
                    "; the other behaviours end by themselves");
+  verb->add_option("--goal", arguments->goal, "the same as --set goal=..., of navigate")
+      ->type_name("X,Y[,DEGREES]|ball");
   add_settings(*verb, arguments->settings, "an option of the behaviour (below)");
   auto list = std::make_shared<bool>(false);
   verb->add_flag("--options", *list,
@@ -122,6 +124,7 @@ void add_run(CLI::App& program, Action& action) {
       "  kaz run search-ball\n"
       "  kaz run track-ball --seed 3 --duration 12 --out three\n"
       "  kaz run catch-ball --world catch --eyes real --imu --out caught\n"
+      "  kaz run navigate --goal 1.2,0.1 --world boxes --eyes real --imu --out there\n"
       "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
       "  kaz run ./wave.so --set times=2\n"
       "  kaz run ./wave.so --options\n"

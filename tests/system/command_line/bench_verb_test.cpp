@@ -126,7 +126,7 @@ TEST(BenchVerb, ErrorsSayWhatToDo) {
     const char* says;
   } cases[] = {
       {{"motor", "--joint", "l_foot"}, 2, "there is no joint `l_foot`"},
-      {{"motor", "--joint", "head_pan,head_pan"}, 2, "names `head_pan` twice"},
+      {{"motor", "--joint", "neck_pan,neck_pan"}, 2, "names `neck_pan` twice"},
       {{"motor", "--stand", "manual"}, 2, "--stand goes with --port"},
       {{"motor", "--limits", folder / "none.json"},
        2,

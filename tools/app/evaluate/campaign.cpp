@@ -383,14 +383,17 @@ Json campaign_json(const CampaignOptions& o) {
           {"mass_sigma", o.variation.mass_sigma},
           {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
           {"lamp", pair(o.variation.lamp)},
-          {"shade", pair(o.variation.shade)}};
+          {"shade", pair(o.variation.shade)},
+          {"max_obstacles", o.variation.max_obstacles},
+          {"goal_distance_m", pair(o.variation.goal_distance_m)}};
 }
 
 Result<bool> run_campaign(const CampaignOptions& options) {
   const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
   const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
-  if (options.realtime && (known.name == "go-forward" || known.name.starts_with("turn-")))
+  if (options.realtime &&
+      (known.name == "go-forward" || known.name.starts_with("turn-") || known.needs_floor))
     return fail(Fault::usage, options.behavior +
                                   " is judged by where the robot truly is, which a robot in "
                                   "another process does not tell: leave --realtime out");

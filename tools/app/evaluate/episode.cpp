@@ -3,7 +3,10 @@
 #include "tools/app/evaluate/episode.h"
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <map>
+#include <numbers>
 #include <optional>
 
 #include "tools/app/base/paths.h"
@@ -57,13 +60,31 @@ Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& e
   return episode;
 }
 
+// Obstacles and, unless one is set, their goal: that of `navigate`.
+Result<void> add_goal(const Variation& variation, Scenario& scenario,
+                      std::map<std::string, std::string>& settings) {
+  const auto set = settings.find("goal");
+  KAZ_TRY(scenario.add_obstacles(variation, set != settings.end() && set->second == "ball"));
+  if (set != settings.end()) return {};
+  char goal[80];
+  const int length =
+      std::snprintf(goal, sizeof goal, "%.3f,%.3f", scenario.goal_x_m, scenario.goal_y_m);
+  if (scenario.goal_has_heading)
+    std::snprintf(goal + length, sizeof goal - static_cast<std::size_t>(length), ",%.1f",
+                  scenario.goal_heading_rad * 180 / std::numbers::pi);
+  settings["goal"] = goal;
+  return {};
+}
+
 }  // namespace
 
 Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
                          const std::string& failures, const KeepEpisode& keep) {
   const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
-  const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, options.settings));
-  const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
+  Scenario scenario = Scenario::draw(options.variation, options.seed, number);
+  std::map<std::string, std::string> settings = options.settings;
+  if (known.needs_floor) KAZ_TRY(add_goal(options.variation, scenario, settings));
+  const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, settings));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   const auto color = KAZ_TRY(ball_color(scenario.ball_color));
@@ -77,7 +98,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   session.backend.seed = scenario.seed;
   session.backend.supply_volts = scenario.supply_volts;
   session.behavior = options.behavior;
-  session.settings = options.settings;
+  session.settings = settings;
   session.vision.ball.radius_m = scenario.ball_radius_m;
   session.vision.ball.color = color.range;
   session.quiet = true;

@@ -5,14 +5,38 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/behavior/navigation_goal.h"
 #include "shared/base/angle.hpp"
 
 namespace kaz::tools {
 namespace {
 
+constexpr double kGoal_m = 0.05, kGoalHeading = 10 * kDegree;
+
 double yaw_of(const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d ahead = pose.linear().col(0);
   return std::atan2(ahead.y(), ahead.x());
+}
+
+// A model of a scenario is touched by the robot, whose links have no "::".
+std::string touched_thing(const sim::World& world) {
+  for (const sim::ContactPoint& contact : world.contacts()) {
+    for (const auto& [thing, other] : {std::pair{contact.a, contact.b}, {contact.b, contact.a}}) {
+      const bool robot = other.find("::") == std::string::npos;
+      if (robot && thing.starts_with("thing")) return thing.substr(0, thing.find("::"));
+    }
+  }
+  return {};
+}
+
+// Where it went, against the goal; empty if it is there.
+std::string missed_goal(const behavior::NavigationGoal& goal, const Judge& judge) {
+  if (goal.ball) return judge.held_s() < 3 ? "not held" : "";
+  const Eigen::Vector2d at(judge.forward_m(), judge.aside_m());
+  if ((at - goal.position).norm() > kGoal_m) return "beside the goal";
+  if (!goal.heading_rad) return {};
+  const double off = std::remainder(judge.heading_rad() - *goal.heading_rad, 2 * std::numbers::pi);
+  return std::abs(off) > kGoalHeading ? "heading" : "";
 }
 
 }  // namespace
@@ -25,7 +49,9 @@ void Judge::look(sim::Simulation& simulation) {
   if (!start_) {
     start_ = last_;
     last_yaw_ = yaw_of(last_);
+    simulation.world().watch_contacts(true);
   }
+  if (touched_.empty()) touched_ = touched_thing(world);
   heading_ += std::remainder(yaw_of(last_) - last_yaw_, 2 * std::numbers::pi);
   last_yaw_ = yaw_of(last_);
   if (last_.linear()(2, 2) < std::cos(60 * kDegree)) fell_ = true;
@@ -56,6 +82,7 @@ nlohmann::ordered_json Judge::json() const {
                               {"forward_m", forward_m()},
                               {"aside_m", aside_m()},
                               {"heading_deg", heading_ / kDegree}};
+  if (!touched_.empty()) json["touched"] = touched_;
   if (unconverged_steps_) json["unconverged_steps"] = *unconverged_steps_;
   if (!has_ball_) return json;
   json["held_s"] = held_s();
@@ -66,9 +93,13 @@ nlohmann::ordered_json Judge::json() const {
 std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& options,
                              const Result<behavior::Outcome>& outcome, const Judge& judge) {
   if (judge.fell()) return "fell";
+  if (behavior == "navigate" && !judge.touched().empty()) return "touched";
   if (!outcome) return "error";
   if (!outcome->success) return outcome->cause.empty() ? "gave up" : outcome->cause;
   if (behavior == "catch-ball" && judge.held_s() < 3) return "not held";
+  if (behavior == "navigate") {
+    return missed_goal(*behavior::navigation_goal(options.choice("goal")), judge);
+  }
   if (behavior == "go-forward") {
     const double distance = options.number("distance");
     if (std::abs(judge.forward_m() - distance) > 0.1 * distance) return "distance";

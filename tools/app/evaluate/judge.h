@@ -26,6 +26,8 @@ class Judge final : public Onlooker {
   double forward_m() const;
   double aside_m() const;
   double heading_rad() const { return heading_; }
+  // Something that stands on the floor was touched: the first one's name, "" if none.
+  const std::string& touched() const { return touched_; }
   // For how long, up to the last look, the ball was lifted clear of the floor without a break, s.
   double held_s() const;
   nlohmann::ordered_json json() const;
@@ -33,6 +35,7 @@ class Judge final : public Onlooker {
  private:
   double ball_radius_m_;
   bool fell_ = false;
+  std::string touched_;
   std::optional<Eigen::Isometry3d> start_;
   Eigen::Isometry3d last_ = Eigen::Isometry3d::Identity();
   double heading_ = 0, last_yaw_ = 0;  // rad; the heading over any number of turns
@@ -48,6 +51,8 @@ class Judge final : public Onlooker {
 // - catch-ball: the ball is held clear of the floor for the last 3 s,
 // - go-forward: the distance within 10 %, the heading within 8 degrees,
 // - turn-left, turn-right: the heading within 6 degrees of the option `angle`,
+// - navigate: nothing that stands about was touched; the goal within 5 cm and, where it has one, its heading
+//   within 10 degrees, or the ball as of catch-ball,
 // - all: the robot has not fallen.
 // `options`: the behaviour's options.
 std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& options,

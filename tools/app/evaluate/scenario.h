@@ -29,6 +29,14 @@ Result<BallColor> ball_color(const std::string& name);
 // From where to where something is drawn, evenly.
 using trials::Interval;
 
+// A box or, `round`, a can that stands on the floor; from between the feet of the start, x ahead.
+struct Obstacle {
+  double x_m = 0, y_m = 0, yaw_rad = 0;
+  double length_m = 0.1, width_m = 0.1, height_m = 0.1;  // of a can, length and width are its diameter
+  bool round = false;
+  std::array<double, 3> rgb{0.5, 0.5, 0.5};
+};
+
 struct Variation {
   Interval friction{0.6, 0.8};         // of the floor
   Interval supply_volts{9.5, 10.5};    // at the board
@@ -39,6 +47,9 @@ struct Variation {
   Interval lamp_height_deg{35, 80};  // over the horizon
   Interval lamp{0.5, 1.3}, shade{0.6, 1.3};
   double mass_sigma = 0.05;  // of each link's mass and inertia, as a share
+  // Of behaviours that walk around things: how many stand about, half of it to all, and how far the goal is.
+  int max_obstacles = 8;
+  Interval goal_distance_m{0.7, 1.5};
 };
 
 struct Scenario {
@@ -51,9 +62,19 @@ struct Scenario {
   double ball_radius_m = 0.020;
   std::string ball_color = "red", floor = "wood";
   double mass_sigma = 0.05;
+  // With obstacles: a goal that can be reached between them, and the least time of walking there, by their
+  // true places. The ball is then the goal; or there is none (has_ball).
+  std::vector<Obstacle> obstacles = {};
+  bool has_ball = true;
+  double goal_x_m = 0, goal_y_m = 0, goal_heading_rad = 0;
+  bool goal_has_heading = false;
+  double least_s = 0;
 
   // Of the evaluation's seed and the episode's number, and nothing else.
   static Scenario draw(const Variation& variation, std::uint64_t seed, std::uint64_t episode);
+  // Adds obstacles and goal; `ball_is_goal`: the ball's place is it. Errors: none in a hundred draws leaves
+  // a way.
+  Result<void> add_obstacles(const Variation& variation, bool ball_is_goal);
 };
 nlohmann::ordered_json scenario_json(const Scenario& scenario);
 

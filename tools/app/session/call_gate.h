@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "host/behavior/ball_detector.h"
+#include "host/behavior/floor_detector.h"
 #include "host/link/link.h"
 
 namespace kaz::tools {
@@ -88,6 +89,20 @@ class GatedDetector final : public behavior::BallDetector {
 
  private:
   behavior::BallDetector& detector_;
+  CallGate* gate_;
+};
+
+class GatedFloor final : public behavior::FloorDetector {
+ public:
+  GatedFloor(behavior::FloorDetector& detector, CallGate* gate)
+      : detector_(detector), gate_(gate) {}
+  Result<std::vector<behavior::FloorPicture>> take() override {
+    const CallGate::Call call(gate_);
+    return detector_.take();
+  }
+
+ private:
+  behavior::FloorDetector& detector_;
   CallGate* gate_;
 };
 

@@ -151,6 +151,10 @@ Result<std::vector<std::string>> write_pictures(const RunReport& report, const S
                                                 const OutputFolder& folder) {
   auto names = snapshots.write(folder);
   if (!names) return names;
+  if (report.map != nullptr && *report.map) {
+    KAZ_TRY(figure::write_png(folder.path("map.png"), **report.map));
+    names->push_back("map.png");
+  }
   const figure::PlotPage page = tracking_page(report);
   if (page.plots.empty()) return names;
   for (const auto& [name, write] : {std::pair{"pan_tilt.png", &figure::write_plot_png},
@@ -173,7 +177,7 @@ const OutputKind& run_output() {
   static const OutputKind kind{
       "run",
       {"recording.mcap", "left_eye.png", "color_extraction.png", "outside.png", "moments.png",
-       "moments.jpg", "pan_tilt.png", "pan_tilt.svg", "vision.csv", "result.json"}};
+       "moments.jpg", "map.png", "pan_tilt.png", "pan_tilt.svg", "vision.csv", "result.json"}};
   return kind;
 }
 

@@ -15,6 +15,7 @@
 #include "tools/app/session/run_profile.h"
 #include "tools/app/session/score.h"
 #include "tools/app/session/snapshots.h"
+#include "tools/figure/figure.h"
 
 namespace kaz::tools {
 
@@ -41,6 +42,7 @@ struct RunReport {
   std::optional<RunLateness> lateness = {};  // of a run at a port
   // The robot has not succeeded, and the machine was too late to blame it; outcome.sentence says so.
   bool machine_failed = false;
+  const std::optional<figure::Image>* map = nullptr;  // the behaviour's, if it has one
 };
 
 // What a run writes into its folder, and the file as which its recording grows there.

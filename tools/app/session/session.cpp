@@ -23,6 +23,7 @@
 #include "tools/app/base/output.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/app/session/call_gate.h"
+#include "tools/app/session/map_picture.h"
 #include "tools/app/session/moments.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/run_lateness.h"
@@ -78,7 +79,14 @@ class Listener final : public behavior::Sink {
     record({{"exposure_ns", row.exposure.count()}, {"found", row.found}, {"error", row.error_rad}});
   }
 
+  void map(const behavior::MapReport& report) override {
+    const CallGate::Call call(gate_);
+    map_ = map_picture(report);
+  }
+
   const behavior::Recording& recording() const { return recording_; }
+  // The newest; nothing of behaviours without.
+  const std::optional<figure::Image>& map() const { return map_; }
   const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
 
  private:
@@ -97,6 +105,7 @@ class Listener final : public behavior::Sink {
   Moments moments_;
   std::optional<TruthProbe> probe_;
   behavior::Recording recording_;
+  std::optional<figure::Image> map_;
 };
 
 // Updates viewers of the world whenever the host has waited or read the time: a host that keeps the
@@ -258,6 +267,8 @@ class Session {
   std::optional<DeliveryTable> deliveries_;
   std::optional<behavior::PipelineBallDetector> detector_;
   std::optional<GatedDetector> gated_detector_;
+  std::optional<behavior::PipelineFloorDetector> floor_;
+  std::optional<GatedFloor> gated_floor_;
   std::optional<Snapshots> snapshots_;
   std::optional<Progress> progress_;
   Time start_{};
@@ -354,12 +365,19 @@ Result<void> Session::begin_vision() {
   pipeline_.emplace(vision::PipelineOptions{backend_->pace(), backend_->camera_latency()});
   VisionOptions modules = options_.vision;
   const auto names = KAZ_TRY(parse_modules(modules.modules));
-  if (std::ranges::find(names, "color") == names.end()) modules.modules = "color," + modules.modules;
+  for (const auto& [needed, name] : {std::pair{true, "color"}, {behavior_.needs_floor, "floor"}}) {
+    if (needed && std::ranges::find(names, name) == names.end())
+      modules.modules = std::string(name) + "," + modules.modules;
+  }
   KAZ_TRY(add_modules(modules, *pipeline_));
   deliveries_.emplace(*pipeline_);
   if (options_.watcher != nullptr) options_.watcher->begin(*pipeline_);
   detector_.emplace(*capture_, *pipeline_);
   gated_detector_.emplace(*detector_, gate());
+  if (behavior_.needs_floor) {
+    floor_.emplace(*pipeline_);
+    gated_floor_.emplace(*floor_, gate());
+  }
   snapshots_.emplace(*camera_, backend_->simulation(), options_.vision.ball);
   return {};
 }
@@ -386,6 +404,7 @@ void Session::perform() {
       *robot_,    robot_->clock(), backend_->sees() ? &*gated_detector_ : nullptr,
       *listener_, values_,         options_.backend.seed};
   context.ball_radius_m = options_.vision.ball.radius_m;
+  if (gated_floor_ && backend_->sees()) context.floor = &*gated_floor_;
   if (real()) context.camera = "camera " + options_.backend.camera;
   if (const auto* simulation = backend_->simulation())
     context.other_joints = other_joints(simulation->world());
@@ -611,7 +630,8 @@ Result<bool> Session::report() {
                          *sha256_,
                          backend_->camera_warning(),
                          lateness_,
-                         machine_failed_};
+                         machine_failed_,
+                         &listener_->map()};
   const auto written =
       write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
   if (!written) return tl::unexpected(lost(written.error()));

@@ -1,0 +1,47 @@
+// Source of the floor in pictures for behaviours, and its implementation by the vision pipeline.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "vision/depth/depth.h"
+#include "vision/planes/plane_segments.h"
+
+namespace kaz::vision {
+class Pipeline;
+}
+
+namespace kaz::behavior {
+
+// Of one pair: planes, among them the floor with its edges as the left picture has them, and depth.
+struct FloorPicture {
+  vision::PlaneSegments planes;  // planes.info is the frame information
+  vision::DepthImage depth;
+};
+
+class FloorDetector {
+ public:
+  virtual ~FloorDetector() = default;
+  // Results since the last call, the newest eight at most, in order of exposure. They arrive while the BallDetector of the same
+  // Context is polled. Never blocks. Fails when vision failed; the message contains the reason.
+  virtual Result<std::vector<FloorPicture>> take() = 0;
+};
+
+// Collects the results of the pipeline's module "floor"; without it take() fails. The pipeline must outlive
+// this.
+class PipelineFloorDetector final : public FloorDetector {
+ public:
+  explicit PipelineFloorDetector(vision::Pipeline& pipeline);
+  PipelineFloorDetector(const PipelineFloorDetector&) = delete;
+  PipelineFloorDetector& operator=(const PipelineFloorDetector&) = delete;
+
+  Result<std::vector<FloorPicture>> take() override;
+
+ private:
+  std::vector<FloorPicture> pictures_;
+  std::optional<Error> error_;
+};
+
+}  // namespace kaz::behavior

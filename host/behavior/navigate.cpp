@@ -1,0 +1,457 @@
+// navigate: looks around, maps the floor, plans a path and walks it; plans again where the way is not free.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The paper's experiment, sections 4.1 and 4.2: before each straight piece of the path the floor ahead is
+// looked at in pictures that are newer than the last step; while walking, each further picture is entered
+// into the map, and the robot stops where the way ahead is no longer floor.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+
+#include "host/behavior/approach.h"
+#include "host/behavior/catch_ball.h"
+#include "host/behavior/composition.h"
+#include "host/behavior/navigation_goal.h"
+#include "host/behavior/walking_map.h"
+#include "host/plan/grid_planner.h"
+#include "shared/base/angle.hpp"
+
+namespace kaz::behavior {
+
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr Option kOptions[] = {
+    {"goal", "0.6,0", "X,Y or X,Y,HEADING or ball", 0, 0,
+     "m ahead and to the left of the start; degrees, + to the left; or the ball, which is caught",
+     false, is_navigation_goal},
+    {"turns", "steered", "steered|paper", 0, 0, "paper: turns are multiples of 45 degrees"},
+    {"unknown", "costly", "costly|closed", 0, 0,
+     "floor not seen yet: costs twice the time, or no way"},
+    {"seconds", "600", "", 10, 3600, "gives up after this time, s"},
+};
+
+constexpr host::Gaze kAhead{0, 35 * kDegree};
+constexpr double kSweep = 60 * kDegree,
+                 kSweepSpeed = 60 * kDegree;  // farther aside it sees its arms
+constexpr int kPictures = 4;                  // before a straight piece
+// After a move: the gyro's zero is measured after 0.6 s (motion.cpp).
+constexpr Time kGyroStill = std::chrono::milliseconds(1200);
+constexpr Time kHeadSettles = std::chrono::milliseconds(250);
+
+constexpr double kArrived = 0.030, kHeadingArrived = 5 * kDegree;  // m, rad, by odometry
+constexpr double kSteered = 9 * kDegree;  // a turn that is walked as a bend
+constexpr double kPiece = 0.45;           // m, walked before the next look
+constexpr double kShortest = 0.04;        // m, walked at all
+constexpr double kBack = 0.10;            // m, up to which the goal behind is walked to backwards
+// The ball: approach takes over so near to it, or before it; how far the map may smear it; toes before the
+// middle.
+constexpr double kApproachable = 0.40, kStandOff = 0.30, kBallMargin = 0.045, kToes = 0.08;  // m
+constexpr int kSides = 12;
+constexpr double kOwnBody = 0.19;  // m, from the middle of the foot: hands and toes
+// Fewer obstacle cells together are strays of depth; near by all count.
+constexpr int kSpeck = 8;
+constexpr double kSpecksBeyond = 0.3;  // m
+constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
+constexpr double kRadii[] = {0.11, 0.095,
+                             0.085};  // m, of the disc; smaller where the robot is that near
+
+double wrapped(double angle) {
+  return std::remainder(angle, 2 * std::numbers::pi);
+}
+
+class Navigation {
+ public:
+  Navigation(BodyControl& body, FloorDetector& floor, NavigationGoal goal, map::LocalMap map)
+      : body_(body), floor_(floor), goal_(std::move(goal)), map_(std::move(map)) {}
+
+  void set_options(bool any_heading, bool unknown_closed) {
+    options_.any_heading = any_heading;
+    if (unknown_closed) options_.unknown_factor = std::numeric_limits<double>::infinity();
+  }
+
+  Result<Outcome> run() {
+    const Time start = body_.now();
+    KAZ_TRY(look_around());
+    if (goal_.ball) {
+      const auto found = KAZ_TRY(find_ball());
+      if (!found)
+        return Outcome{
+            false, "no ball was found all around", {}, body_.fallen() ? "fell" : "not found"};
+    }
+    auto outcome = KAZ_TRY(walk_there());
+    draw();
+    outcome.measurements.insert(outcome.measurements.begin(),
+                                {{"navigate_s", seconds(body_.now() - start)},
+                                 {"walked_m", walked_m_},
+                                 {"moving_s", moving_s_},
+                                 {"turns", turns_},
+                                 {"looks", looks_},
+                                 {"plans", plans_}});
+    return outcome;
+  }
+
+ private:
+  motion::Motion& motion() { return body_.motion(); }
+  const motion::Place& place() { return body_.motion().place(); }
+  Vector2d here() { return {place().x, place().y}; }
+  Vector2d goal_now() { return goal_.ball ? ball_ : goal_.position; }
+
+  // ---- Pictures
+
+  Result<void> step() {
+    KAZ_TRY(body_.step());
+    if (motion().state() == motion::State::turning) turned_until_ = body_.now();
+    auto pictures = KAZ_TRY(floor_.take());
+    std::erase_if(pictures, [&](const FloorPicture& picture) {
+      return picture.planes.info.exposure <= turned_until_;
+    });
+    KAZ_TRY(map_.enter(pictures, body_.places()));
+    if (goal_.ball && body_.ball().known() && body_.consecutive() >= 3)
+      ball_ = body_.ball().at(body_.now()), ball_known_ = true;
+    return {};
+  }
+
+  Result<void> stay(Time duration) {
+    const Time end = body_.now() + duration;
+    while (body_.now() < end && !body_.fallen()) KAZ_TRY(step());
+    return {};
+  }
+
+  // Until so many pictures are entered that were exposed from now on, the head at rest.
+  Result<void> look(const host::Gaze& gaze) {
+    body_.set_gaze(gaze);
+    KAZ_TRY(stay(kHeadSettles));
+    const Time since = body_.now();
+    while (map_.entered_since(since) < kPictures && !body_.fallen()) KAZ_TRY(step());
+    return {};
+  }
+
+  Result<void> look_around() {
+    body_.phase("look around");
+    ++looks_;
+    const host::Gaze from = host::gaze_of(body_.measured());
+    const double first = from.pan_rad > 0 ? kSweep : -kSweep;
+    double pan = from.pan_rad;
+    for (const double to : {first, -first, 0.0}) {
+      const double begin = pan, lasts = std::abs(to - begin) / kSweepSpeed;
+      const Time start = body_.now();
+      for (double t = 0; t < lasts && !body_.fallen(); t = seconds(body_.now() - start)) {
+        pan = begin + std::copysign(kSweepSpeed * t, to - begin);
+        body_.set_gaze({pan, kAhead.tilt_rad});
+        KAZ_TRY(step());
+      }
+      pan = to;
+    }
+    looked_around_at_ = here();
+    return look(kAhead);
+  }
+
+  Result<bool> find_ball() {
+    if (ball_known_) return true;
+    const bool found = KAZ_TRY(scan_for_ball(body_, 3, body_.context().seed & 1));
+    if (!found) return false;
+    body_.set_gaze(kAhead);
+    ball_ = body_.ball().at(body_.now());
+    ball_known_ = true;
+    KAZ_TRY(look_around());
+    return true;
+  }
+
+  // ---- Planning
+
+  plan::Grid grid() {
+    const double reach = std::max(goal_now().cwiseAbs().maxCoeff(), here().cwiseAbs().maxCoeff());
+    plan::Grid grid = plan::grid_of(
+        map_.map(), std::min(2 * (reach + kMarginAround), map_.map().options().size_m));
+    plan::forget_specks(grid, kSpeck, here(), kSpecksBeyond);
+    for (const Vector2d& at : closed_) {
+      const Eigen::Vector2i cell = grid.cell(at);
+      if (grid.at(cell.x(), cell.y()) == map::CellState::unknown && grid.inside(cell.x(), cell.y()))
+        grid.state[grid.index(cell.x(), cell.y())] = map::CellState::obstacle;
+    }
+    return grid;
+  }
+
+  // The goal; or places around it, facing it, the nearest first: from there approach takes over, or the
+  // map shows whether the goal is free.
+  std::vector<plan::Goal> goals() {
+    if (!goal_.ball && !explores_) return {{goal_.position, goal_.heading_rad}};
+    const Vector2d from = here() - goal_now();
+    const double nearest = std::atan2(from.y(), from.x());
+    std::vector<plan::Goal> around;
+    for (int i = 0; i < kSides; ++i) {
+      const int side = (i + 1) / 2 * (i % 2 == 0 ? 1 : -1);  // 0, -1, 1, -2, ...
+      const double angle = nearest + side * 2 * std::numbers::pi / kSides;
+      around.push_back({goal_now() + kStandOff * Vector2d(std::cos(angle), std::sin(angle)),
+                        wrapped(angle + std::numbers::pi)});
+    }
+    return around;
+  }
+
+  // Approach walks straight to the ball, without a map.
+  bool near_ball() {
+    const Vector2d there = ball_ - here();
+    if (there.norm() > kApproachable) return false;
+    motion::Place facing = place();
+    facing.heading = std::atan2(there.y(), there.x());
+    const double until = there.norm() - kBallMargin - kToes;
+    return until < 0 || look_ahead(map_.map(), facing, until, false).by != Ahead::By::obstacle;
+  }
+
+  // With the largest disc for which there is a path.
+  Result<plan::Planned> find_path() {
+    body_.phase("plan");
+    ++plans_;
+    const plan::Grid now = grid();
+    Result<plan::Planned> found = tl::unexpected(Error{});
+    for (const double radius : kRadii) {
+      options_.radius_m = radius;
+      found = best_of(now);
+      if (!found) break;
+      const auto* none = std::get_if<plan::NoPath>(&*found);
+      if (none == nullptr) break;
+    }
+    if (found) {
+      const auto* path = std::get_if<plan::Path>(&*found);
+      corners_ = path == nullptr ? std::vector<Vector2d>{} : path->corners;
+      draw();
+    }
+    return found;
+  }
+
+  // Of the paths to all goals the fastest; without any, why there is none to the first.
+  Result<plan::Planned> best_of(const plan::Grid& grid) {
+    std::optional<plan::Planned> best;
+    for (const plan::Goal& goal : goals()) {
+      auto planned = KAZ_TRY(planner_->plan(grid, {here(), place().heading}, goal, options_));
+      const auto* path = std::get_if<plan::Path>(&planned);
+      const auto* before = best ? std::get_if<plan::Path>(&*best) : nullptr;
+      if (!best || (path != nullptr && (before == nullptr || path->seconds < before->seconds)))
+        best = std::move(planned);
+    }
+    return std::move(*best);
+  }
+
+  void draw() {
+    trail_.push_back(here());
+    body_.context().sink.map(
+        {body_.now(), map_.map(), here(), place().heading, corners_, trail_, goal_now()});
+  }
+
+  bool unknown_ends() const { return std::isinf(options_.unknown_factor); }
+
+  // ---- Moves
+
+  Result<void> turn(double angle) {
+    body_.phase("turn");
+    body_.set_gaze(kAhead);
+    ++turns_;
+    const Time start = body_.now();
+    motion().turn(angle);
+    while (!motion().idle() && !body_.fallen()) KAZ_TRY(step());
+    moving_s_ += seconds(body_.now() - start);
+    return stay(kGyroStill);
+  }
+
+  // Bends by `steer` at the beginning, and stops where the way ahead is not free any more.
+  Result<void> walk(double distance, double steer) {
+    body_.phase("walk");
+    body_.set_gaze(kAhead);
+    const Time start = body_.now();
+    const double from = motion().walked();
+    motion().walk(distance, steer);
+    Time seen = map_.newest();
+    while (!motion().idle() && !body_.fallen()) {
+      KAZ_TRY(step());
+      const double left = distance - (motion().walked() - from);
+      const bool fresh = map_.newest() > seen;
+      seen = map_.newest();
+      // A camera that stands still shows no way.
+      const bool blind = body_.blind();
+      if (distance > 0 && left > kShortest && (blind || (fresh && blocked(left)))) motion().stop();
+    }
+    walked_m_ += std::abs(motion().walked() - from);
+    moving_s_ += seconds(body_.now() - start);
+    trail_.push_back(here());
+    return stay(kGyroStill);
+  }
+
+  bool blocked(double left) {
+    const Ahead ahead = look_ahead(map_.map(), place(), std::min(left, 0.2), unknown_ends());
+    return ahead.by != Ahead::By::nothing && ahead.clear_m < std::min(left, 0.2) - 0.02;
+  }
+
+  // The first piece of a path that begins with a straight line. False: it is not free.
+  Result<bool> go(double distance, double steer) {
+    body_.phase("look ahead");
+    KAZ_TRY(look({steer, kAhead.tilt_rad}));
+    motion::Place along = place();
+    along.heading += steer;
+    const double piece = std::min(distance, kPiece);
+    const Ahead ahead = look_ahead(map_.map(), along, piece, unknown_ends());
+    if (ahead.clear_m < std::min(piece, 2 * kShortest)) {
+      if (ahead.by == Ahead::By::unknown) close(ahead.where, along.heading);
+      return false;
+    }
+    KAZ_TRY(walk(std::min(piece, ahead.clear_m), steer));
+    return true;
+  }
+
+  // What was looked at and stays unknown is not floor: an edge, a hole, a mirror.
+  void close(const Vector2d& where, double heading) {
+    const Vector2d left(-std::sin(heading), std::cos(heading));
+    for (double aside = -0.10; aside <= 0.10; aside += 0.01)
+      closed_.push_back(where + aside * left);
+  }
+
+  Result<Outcome> walk_there() {
+    int fruitless = 0;
+    for (int moves = 0; moves < kMaxMoves && !body_.fallen(); ++moves) {
+      const Vector2d there = goal_now() - here();
+      if (!goal_.ball && there.norm() < kArrived) return turn_to_heading();
+      const double behind =
+          wrapped(std::atan2(there.y(), there.x()) - place().heading - std::numbers::pi);
+      if (!goal_.ball && there.norm() < kBack && std::abs(behind) < 30 * kDegree) {
+        KAZ_TRY(walk(-there.norm(), 0));
+        continue;
+      }
+      if (goal_.ball && near_ball())
+        return Outcome{true, "the ball is near, and the way is free", {}};
+      explores_ = explores_ && there.norm() > kStandOff + kShortest;
+      const auto planned = KAZ_TRY(find_path());
+      if (const auto* none = std::get_if<plan::NoPath>(&planned)) {
+        const auto again = KAZ_TRY(try_otherwise(*none));
+        if (again) continue;
+        return Outcome{false, "no path: " + plan::text(*none, options_), {}, "no path"};
+      }
+      const auto& path = std::get<plan::Path>(planned);
+      if (path.legs.empty()) break;
+      const bool moved = KAZ_TRY(follow(path));
+      fruitless = moved ? 0 : fruitless + 1;
+      if (fruitless == 3) KAZ_TRY(look_around());
+      if (fruitless > 8) break;
+    }
+    if (body_.fallen()) return Outcome{false, "the robot fell", {}, "fell"};
+    return Outcome{false, "the goal was not reached", {}, "not reached"};
+  }
+
+  // Towards the path's first corner that is not just here. False: the way is not free.
+  Result<bool> follow(const plan::Path& path) {
+    if (path.legs.size() == 1 && path.legs[0].kind == plan::Leg::Kind::turn) {
+      KAZ_TRY(turn(path.legs[0].amount));
+      return true;
+    }
+    std::size_t next = 1;
+    while (next + 1 < path.corners.size() && (path.corners[next] - here()).norm() < kShortest)
+      ++next;
+    const Vector2d there = path.corners[next] - here();
+    const double off = wrapped(std::atan2(there.y(), there.x()) - place().heading);
+    if (std::abs(off) > kSteered) {
+      KAZ_TRY(turn(off));
+      return true;
+    }
+    const Vector2d before = here();
+    const bool went = KAZ_TRY(go(there.norm(), off));
+    return went && (here() - before).norm() > 0.01;
+  }
+
+  // What may help where there is no path. False: nothing was left to try.
+  Result<bool> try_otherwise(const plan::NoPath& none) {
+    if (none.why == plan::NoPath::Why::goal_blocked && !explores_ && explored_ < 2 &&
+        (goal_now() - here()).norm() > kStandOff + 2 * kShortest) {
+      explores_ = true;
+      ++explored_;
+      return true;
+    }
+    explores_ = false;
+    if (none.why == plan::NoPath::Why::start_blocked && stepped_back_ < 2) {
+      ++stepped_back_;
+      KAZ_TRY(walk(-0.06, 0));
+      return true;
+    }
+    if (!looked_around_at_ || (*looked_around_at_ - here()).norm() > 0.05 || !closed_.empty()) {
+      closed_.clear();
+      KAZ_TRY(look_around());
+      return true;
+    }
+    return false;
+  }
+
+  Result<Outcome> turn_to_heading() {
+    if (goal_.heading_rad) {
+      for (int i = 0; i < 3 && !body_.fallen(); ++i) {
+        const double off = wrapped(*goal_.heading_rad - place().heading);
+        if (std::abs(off) < kHeadingArrived) break;
+        KAZ_TRY(turn(off));
+      }
+    }
+    if (body_.fallen()) return Outcome{false, "the robot fell", {}, "fell"};
+    const double missed = (goal_now() - here()).norm();
+    char text[120];
+    std::snprintf(text, sizeof text, "the goal is reached; by odometry %.0f mm beside it",
+                  1e3 * missed);
+    Outcome outcome{true, text, {{"missed_m", missed}}};
+    if (goal_.heading_rad)
+      outcome.measurements.emplace_back("missed_deg",
+                                        wrapped(*goal_.heading_rad - place().heading) / kDegree);
+    return outcome;
+  }
+
+  static constexpr int kMaxMoves = 200;
+
+  BodyControl& body_;
+  FloorDetector& floor_;
+  NavigationGoal goal_;
+  WalkingMap map_;
+  plan::PlanOptions options_;
+  std::unique_ptr<plan::Planner> planner_ = plan::make_grid_planner();
+  // On slipping soles, which roll, the place of the eyes over the floor is not well known: such pictures
+  // smear what stands about.
+  Time turned_until_{};
+  Vector2d ball_{0, 0};
+  bool ball_known_ = false;
+  std::optional<Vector2d> looked_around_at_;
+  std::vector<Vector2d> closed_, corners_, trail_;
+  double walked_m_ = 0, moving_s_ = 0;
+  int turns_ = 0, looks_ = 0, plans_ = 0, stepped_back_ = 0, explored_ = 0;
+  bool explores_ = false;  // goes to where it can see the goal, which seems not free from afar
+};
+
+Result<Outcome> navigate(Context& context) {
+  if (context.floor == nullptr)
+    return fail(Fault::usage, "navigate needs a camera: give one with --camera");
+  const NavigationGoal goal = *navigation_goal(context.options.choice("goal"));
+  map::LocalMapOptions options;
+  options.own_m = kOwnBody;
+  options.size_m = std::max(4.0, 2 * (goal.position.cwiseAbs().maxCoeff() + 1));
+  auto map = KAZ_TRY(map::LocalMap::make(options));
+  auto body = KAZ_TRY(BodyControl::begin(context, kNavigate.name));
+  Navigation navigation(body, *context.floor, goal, std::move(map));
+  navigation.set_options(context.options.choice("turns") != "paper",
+                         context.options.choice("unknown") == "closed");
+  auto outcome = KAZ_TRY(navigation.run());
+  if (!goal.ball || !outcome.success) return outcome;
+  auto caught = KAZ_TRY(catch_ball(body, {.left_first = (context.seed & 1) != 0}));
+  caught.measurements.insert(caught.measurements.begin(), outcome.measurements.begin(),
+                             outcome.measurements.end());
+  return caught;
+}
+
+Result<Outcome> run(Context& context) {
+  return within(from_seconds(context.options.number("seconds")), navigate)(context);
+}
+
+}  // namespace
+
+constinit const Behavior kNavigate{.name = "navigate",
+                                   .text = "map the floor, plan a path to a goal, walk it",
+                                   .needs_camera = true,
+                                   .options = kOptions,
+                                   .run = run,
+                                   .needs_floor = true};
+
+}  // namespace kaz::behavior

@@ -1,0 +1,99 @@
+// Enters pictures by odometry; reads the way ahead.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/walking_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/robot/kinematics.h"
+#include "shared/base/angle.hpp"
+
+namespace kaz::behavior {
+
+namespace {
+
+using Eigen::Vector2d, Eigen::Vector3d;
+
+// Odometry errs by 1.5 % of the way and a degree of a turn: after 2 m, or a full turn, what was not
+// seen again has a seventh of its evidence left.
+constexpr double kFadeEvery_m = 0.1, kFadeEvery_rad = 18 * kDegree, kFade = 0.9;
+constexpr std::size_t kRemembered = 64;  // pictures
+
+// The strip that is looked at: half of its width, and how far the robot's front is from its middle.
+constexpr double kHalfWidth = 0.10, kFront = 0.08;
+// The eyes do not see nearer than that, from the middle: chest and feet are in the way.
+constexpr double kBlindUntil = 0.20;
+// Of the cells across the strip that may be unknown. Two obstacle cells in a row are none by chance.
+constexpr double kMaxUnknown = 0.3;
+constexpr int kMinObstacle = 2;
+
+}  // namespace
+
+Eigen::Isometry3d map_from_foot(const motion::Place& place, const std::vector<double>& joint_rad) {
+  host::JointAngles angles;
+  std::copy(joint_rad.begin(), joint_rad.end(), angles.begin());
+  const Vector3d hips = motion::hips_over_sole(angles, host::supporting_foot(angles));
+  return Eigen::Translation3d(place.x, place.y, 0) *
+         Eigen::AngleAxisd(place.heading, Vector3d::UnitZ()) *
+         Eigen::Translation3d(-hips.x(), -hips.y(), 0);
+}
+
+Result<void> WalkingMap::enter(const std::vector<FloorPicture>& pictures,
+                               const PlaceHistory& places) {
+  for (const FloorPicture& picture : pictures) {
+    const vision::FrameInfo& info = picture.planes.info;
+    const auto place = places.at(info.exposure);
+    if (!info.posture_known || info.joint_rad.size() != KZ_JOINTS || !place) continue;
+    if (info.exposure <= newest_) continue;
+    fade(*place);
+    KAZ_TRY(
+        map_.update(picture.planes, picture.depth, info, map_from_foot(*place, info.joint_rad)));
+    newest_ = info.exposure;
+    if (entered_.size() == kRemembered) entered_.erase(entered_.begin());
+    entered_.push_back(newest_);
+  }
+  return {};
+}
+
+int WalkingMap::entered_since(Time since) const {
+  return static_cast<int>(
+      std::ranges::count_if(entered_, [&](Time exposure) { return exposure >= since; }));
+}
+
+void WalkingMap::fade(const motion::Place& place) {
+  if (faded_at_) {
+    const double moved = std::hypot(place.x - faded_at_->x, place.y - faded_at_->y);
+    if (moved < kFadeEvery_m && std::abs(place.heading - faded_at_->heading) < kFadeEvery_rad)
+      return;
+    map_.fade(kFade);
+  }
+  faded_at_ = place;
+}
+
+Ahead look_ahead(const map::LocalMap& map, const motion::Place& place, double until_m,
+                 bool unknown_ends) {
+  const Vector2d from(place.x, place.y), forward(std::cos(place.heading), std::sin(place.heading)),
+      left(-forward.y(), forward.x());
+  const double cell = map.options().cell_m;
+  const int across = static_cast<int>(std::ceil(2 * kHalfWidth / cell));
+  int consecutive = 0;
+  for (double d = kFront; d <= until_m + kFront; d += cell) {
+    int obstacles = 0, unknown = 0;
+    Vector2d nearest = from + d * forward;
+    for (int i = 0; i <= across; ++i) {
+      const Vector2d at = from + d * forward + (i * cell - kHalfWidth) * left;
+      const map::CellState state = map.at(at.x(), at.y()).state;
+      unknown += state == map::CellState::unknown;
+      if (state != map::CellState::obstacle) continue;
+      if (obstacles++ == 0) nearest = at;
+    }
+    consecutive = obstacles > 0 ? consecutive + obstacles : 0;
+    const double clear = std::max(0.0, d - kFront - 0.02);
+    if (consecutive >= kMinObstacle) return {clear, Ahead::By::obstacle, nearest};
+    if (unknown_ends && d > kBlindUntil && unknown > kMaxUnknown * (across + 1))
+      return {clear, Ahead::By::unknown, from + d * forward};
+  }
+  return {until_m, Ahead::By::nothing, from};
+}
+
+}  // namespace kaz::behavior

@@ -1,0 +1,54 @@
+// The local map of a robot that walks: pictures entered where the robot was when they were exposed.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Frame: odometry's, which is the foot frame of the start: x ahead, y left, origin below the hips. m, rad.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "host/behavior/floor_detector.h"
+#include "host/behavior/place_history.h"
+#include "host/map/local_map.h"
+
+namespace kaz::behavior {
+
+class WalkingMap {
+ public:
+  explicit WalkingMap(map::LocalMap map) : map_(std::move(map)) {}
+
+  // Pictures of which posture or place are not known are left out. Errors: of LocalMap::update() but for
+  // these.
+  Result<void> enter(const std::vector<FloorPicture>& pictures, const PlaceHistory& places);
+
+  const map::LocalMap& map() const { return map_; }
+  map::LocalMap& map() { return map_; }
+  // Exposure of the newest picture entered; zero before the first.
+  Time newest() const { return newest_; }
+  // Pictures entered that were exposed at `since` or later.
+  int entered_since(Time since) const;
+
+ private:
+  void fade(const motion::Place& place);
+
+  map::LocalMap map_;
+  Time newest_{};
+  std::vector<Time> entered_;  // exposures of the newest pictures
+  std::optional<motion::Place> faded_at_;
+};
+
+// Pose of the supporting sole (vision/image/frame.h) in the map, from odometry's place and joint angles of
+// the same time.
+Eigen::Isometry3d map_from_foot(const motion::Place& place, const std::vector<double>& joint_rad);
+
+// The floor ahead of a robot at `place`: how far it may walk straight ahead, as far as `until_m`.
+struct Ahead {
+  double clear_m = 0;  // nothing is in the way of the robot's middle so far
+  enum class By { nothing, obstacle, unknown } by = By::nothing;
+  Eigen::Vector2d where{0, 0};  // of what ends it
+};
+// `unknown_ends`: floor that was not seen ends it, too.
+Ahead look_ahead(const map::LocalMap& map, const motion::Place& place, double until_m,
+                 bool unknown_ends);
+
+}  // namespace kaz::behavior
