@@ -15,16 +15,17 @@ constexpr std::size_t kMaxPictures = 8;
 }  // namespace
 
 PipelineFloorDetector::PipelineFloorDetector(vision::Pipeline& pipeline) {
-  const auto subscribed = pipeline.subscribe<vision::PlaneSegments>(
-      "floor",
-      [this](const vision::Frame& frame, const vision::PlaneSegments* planes, const Error* error) {
-        if (planes != nullptr) {
-          if (pictures_.size() == kMaxPictures) pictures_.erase(pictures_.begin());
-          pictures_.push_back({*planes, frame.of<vision::DepthImage>("depth")});
-        } else if (!error_) {
-          error_ = *error;
-        }
-      });
+  const auto subscribed = pipeline.subscribe<
+      vision::PlaneSegments>("floor", [this](const vision::Frame& frame,
+                                             const vision::PlaneSegments* planes,
+                                             const Error* error) {
+    if (planes != nullptr) {
+      if (pictures_.size() == kMaxPictures) pictures_.erase(pictures_.begin());
+      pictures_.push_back({*planes, frame.of<vision::DepthImage>("depth"), frame.shared_images()});
+    } else if (!error_) {
+      error_ = *error;
+    }
+  });
   if (!subscribed) error_ = subscribed.error();
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,13 +20,15 @@ namespace kaz::behavior {
 struct FloorPicture {
   vision::PlaneSegments planes;  // planes.info is the frame information
   vision::DepthImage depth;
+  std::shared_ptr<const vision::StereoImages> images;  // rectified
 };
 
 class FloorDetector {
  public:
   virtual ~FloorDetector() = default;
-  // Results since the last call, the newest eight at most, in order of exposure. They arrive while the BallDetector of the same
-  // Context is polled. Never blocks. Fails when vision failed; the message contains the reason.
+  // Results since the last call, the newest eight at most, in order of exposure. They arrive while the
+  // BallDetector of the same Context is polled. Never blocks. Fails when vision failed; the message contains
+  // the reason.
   virtual Result<std::vector<FloorPicture>> take() = 0;
 };
 

@@ -36,8 +36,9 @@ constexpr Option kOptions[] = {
 
 constexpr host::Gaze kAhead{0, 35 * kDegree};
 constexpr double kSweep = 60 * kDegree,
-                 kSweepSpeed = 60 * kDegree;  // farther aside it sees its arms
-constexpr int kPictures = 4;                  // before a straight piece
+                 kSweepSpeed = 60 * kDegree;     // farther aside it sees its arms
+constexpr double kRememberEvery = 25 * kDegree;  // of the sweep, the floor's pattern
+constexpr int kPictures = 4;                     // before a straight piece
 // After a move: the gyro's zero is measured after 0.6 s (motion.cpp).
 constexpr Time kGyroStill = std::chrono::milliseconds(1200);
 constexpr Time kHeadSettles = std::chrono::milliseconds(250);
@@ -90,14 +91,22 @@ class Navigation {
                                  {"moving_s", moving_s_},
                                  {"turns", turns_},
                                  {"looks", looks_},
-                                 {"plans", plans_}});
+                                 {"plans", plans_},
+                                 {"corrections", map_.corrections()}});
     return outcome;
   }
 
  private:
   motion::Motion& motion() { return body_.motion(); }
-  const motion::Place& place() { return body_.motion().place(); }
-  Vector2d here() { return {place().x, place().y}; }
+  motion::Place place() { return map_.corrected(body_.motion().place()); }
+  Vector2d here() {
+    const motion::Place now = place();
+    return {now.x, now.y};
+  }
+  Vector2d in_map(const Vector2d& by_odometry) {
+    const motion::Place there = map_.corrected({.x = by_odometry.x(), .y = by_odometry.y()});
+    return {there.x, there.y};
+  }
   Vector2d goal_now() { return goal_.ball ? ball_ : goal_.position; }
 
   // ---- Pictures
@@ -110,8 +119,9 @@ class Navigation {
       return picture.planes.info.exposure <= turned_until_;
     });
     KAZ_TRY(map_.enter(pictures, body_.places()));
+    if (!pictures.empty()) newest_picture_ = std::move(pictures.back());
     if (goal_.ball && body_.ball().known() && body_.consecutive() >= 3)
-      ball_ = body_.ball().at(body_.now()), ball_known_ = true;
+      ball_ = in_map(body_.ball().at(body_.now())), ball_known_ = true;
     return {};
   }
 
@@ -127,6 +137,10 @@ class Navigation {
     KAZ_TRY(stay(kHeadSettles));
     const Time since = body_.now();
     while (map_.entered_since(since) < kPictures && !body_.fallen()) KAZ_TRY(step());
+    if (!newest_picture_) return {};
+    looked_since_move_ = true;
+    map_.align(*newest_picture_, body_.places());
+    map_.remember(*newest_picture_, body_.places());
     return {};
   }
 
@@ -135,7 +149,7 @@ class Navigation {
     ++looks_;
     const host::Gaze from = host::gaze_of(body_.measured());
     const double first = from.pan_rad > 0 ? kSweep : -kSweep;
-    double pan = from.pan_rad;
+    double pan = from.pan_rad, remembered = pan;
     for (const double to : {first, -first, 0.0}) {
       const double begin = pan, lasts = std::abs(to - begin) / kSweepSpeed;
       const Time start = body_.now();
@@ -143,6 +157,10 @@ class Navigation {
         pan = begin + std::copysign(kSweepSpeed * t, to - begin);
         body_.set_gaze({pan, kAhead.tilt_rad});
         KAZ_TRY(step());
+        if (std::abs(pan - remembered) > kRememberEvery && newest_picture_) {
+          remembered = pan;
+          map_.remember(*newest_picture_, body_.places());
+        }
       }
       pan = to;
     }
@@ -155,7 +173,7 @@ class Navigation {
     const bool found = KAZ_TRY(scan_for_ball(body_, 3, body_.context().seed & 1));
     if (!found) return false;
     body_.set_gaze(kAhead);
-    ball_ = body_.ball().at(body_.now());
+    ball_ = in_map(body_.ball().at(body_.now()));
     ball_known_ = true;
     KAZ_TRY(look_around());
     return true;
@@ -251,6 +269,7 @@ class Navigation {
     body_.set_gaze(kAhead);
     ++turns_;
     const Time start = body_.now();
+    looked_since_move_ = false;
     motion().turn(angle);
     while (!motion().idle() && !body_.fallen()) KAZ_TRY(step());
     moving_s_ += seconds(body_.now() - start);
@@ -263,6 +282,7 @@ class Navigation {
     body_.set_gaze(kAhead);
     const Time start = body_.now();
     const double from = motion().walked();
+    looked_since_move_ = false;
     motion().walk(distance, steer);
     Time seen = map_.newest();
     while (!motion().idle() && !body_.fallen()) {
@@ -312,7 +332,11 @@ class Navigation {
     int fruitless = 0;
     for (int moves = 0; moves < kMaxMoves && !body_.fallen(); ++moves) {
       const Vector2d there = goal_now() - here();
-      if (!goal_.ball && there.norm() < kArrived) return turn_to_heading();
+      if (!goal_.ball && there.norm() < kArrived) {
+        if (looked_since_move_) return turn_to_heading();
+        KAZ_TRY(look(kAhead));  // the floor's pattern may say otherwise
+        continue;
+      }
       const double behind =
           wrapped(std::atan2(there.y(), there.x()) - place().heading - std::numbers::pi);
       if (!goal_.ball && there.norm() < kBack && std::abs(behind) < 30 * kDegree) {
@@ -383,7 +407,8 @@ class Navigation {
 
   Result<Outcome> turn_to_heading() {
     if (goal_.heading_rad) {
-      for (int i = 0; i < 3 && !body_.fallen(); ++i) {
+      for (int i = 0; i < 4 && !body_.fallen(); ++i) {
+        if (!looked_since_move_) KAZ_TRY(look(kAhead));
         const double off = wrapped(*goal_.heading_rad - place().heading);
         if (std::abs(off) < kHeadingArrived) break;
         KAZ_TRY(turn(off));
@@ -412,12 +437,14 @@ class Navigation {
   // On slipping soles, which roll, the place of the eyes over the floor is not well known: such pictures
   // smear what stands about.
   Time turned_until_{};
+  std::optional<FloorPicture> newest_picture_;
   Vector2d ball_{0, 0};
   bool ball_known_ = false;
   std::optional<Vector2d> looked_around_at_;
   std::vector<Vector2d> closed_, corners_, trail_;
   double walked_m_ = 0, moving_s_ = 0;
   int turns_ = 0, looks_ = 0, plans_ = 0, stepped_back_ = 0, explored_ = 0;
+  bool looked_since_move_ = false;
   bool explores_ = false;  // goes to where it can see the goal, which seems not free from afar
 };
 

@@ -18,6 +18,7 @@ using Eigen::Vector2d, Eigen::Vector3d;
 // seen again has a seventh of its evidence left.
 constexpr double kFadeEvery_m = 0.1, kFadeEvery_rad = 18 * kDegree, kFade = 0.9;
 constexpr std::size_t kRemembered = 64;  // pictures
+constexpr std::size_t kViews = 60;       // of the floor's pattern
 
 // The strip that is looked at: half of its width, and how far the robot's front is from its middle.
 constexpr double kHalfWidth = 0.10, kFront = 0.08;
@@ -38,21 +39,60 @@ Eigen::Isometry3d map_from_foot(const motion::Place& place, const std::vector<do
          Eigen::Translation3d(-hips.x(), -hips.y(), 0);
 }
 
+motion::Place WalkingMap::corrected(const motion::Place& place) const {
+  motion::Place out = place;
+  const Vector2d at = map_from_odometry_ * Vector2d(place.x, place.y);
+  out.x = at.x();
+  out.y = at.y();
+  out.heading += Eigen::Rotation2Dd(map_from_odometry_.linear()).angle();
+  return out;
+}
+
+std::optional<Eigen::Isometry3d> WalkingMap::foot_at(const FloorPicture& picture,
+                                                     const PlaceHistory& places) const {
+  const vision::FrameInfo& info = picture.planes.info;
+  const auto place = places.at(info.exposure);
+  if (!info.posture_known || info.joint_rad.size() != KZ_JOINTS || !place) return std::nullopt;
+  return map_from_foot(corrected(*place), info.joint_rad);
+}
+
 Result<void> WalkingMap::enter(const std::vector<FloorPicture>& pictures,
                                const PlaceHistory& places) {
   for (const FloorPicture& picture : pictures) {
     const vision::FrameInfo& info = picture.planes.info;
-    const auto place = places.at(info.exposure);
-    if (!info.posture_known || info.joint_rad.size() != KZ_JOINTS || !place) continue;
-    if (info.exposure <= newest_) continue;
-    fade(*place);
-    KAZ_TRY(
-        map_.update(picture.planes, picture.depth, info, map_from_foot(*place, info.joint_rad)));
+    const auto foot = foot_at(picture, places);
+    if (!foot || info.exposure <= newest_) continue;
+    fade(*places.at(info.exposure));
+    KAZ_TRY(map_.update(picture.planes, picture.depth, info, *foot));
     newest_ = info.exposure;
     if (entered_.size() == kRemembered) entered_.erase(entered_.begin());
     entered_.push_back(newest_);
   }
   return {};
+}
+
+bool WalkingMap::align(const FloorPicture& picture, const PlaceHistory& places) {
+  const auto foot = foot_at(picture, places);
+  if (!foot || !picture.images) return false;
+  const map::FloorPictureView view{picture.images->left, picture.planes, *foot};
+  const Vector2d pivot = foot->translation().head<2>();
+  for (const map::FloorView& before : remembered_) {
+    const auto found = map::match_floor(before, view, pivot);
+    if (!found) continue;
+    const Eigen::Isometry2d correction = Eigen::Translation2d(found->shift + pivot) *
+                                         Eigen::Rotation2Dd(found->turn_rad) *
+                                         Eigen::Translation2d(-pivot);
+    map_from_odometry_ = correction * map_from_odometry_;
+    ++corrections_;
+    return true;
+  }
+  return false;
+}
+
+void WalkingMap::remember(const FloorPicture& picture, const PlaceHistory& places) {
+  const auto foot = foot_at(picture, places);
+  if (!foot || !picture.images || remembered_.size() == kViews) return;
+  remembered_.push_back(map::floor_view({picture.images->left, picture.planes, *foot}));
 }
 
 int WalkingMap::entered_since(Time since) const {

@@ -9,6 +9,7 @@
 
 #include "host/behavior/floor_detector.h"
 #include "host/behavior/place_history.h"
+#include "host/map/floor_texture.h"
 #include "host/map/local_map.h"
 
 namespace kaz::behavior {
@@ -21,6 +22,15 @@ class WalkingMap {
   // these.
   Result<void> enter(const std::vector<FloorPicture>& pictures, const PlaceHistory& places);
 
+  // Odometry's place as the floor's pattern has corrected it.
+  motion::Place corrected(const motion::Place& place) const;
+  // Compares the floor's pattern in a picture of a standing robot with what was remembered, the oldest first,
+  // and corrects. True if one matched.
+  bool align(const FloorPicture& picture, const PlaceHistory& places);
+  // Remembers the pattern, to be compared with later.
+  void remember(const FloorPicture& picture, const PlaceHistory& places);
+  int corrections() const { return corrections_; }
+
   const map::LocalMap& map() const { return map_; }
   map::LocalMap& map() { return map_; }
   // Exposure of the newest picture entered; zero before the first.
@@ -30,11 +40,17 @@ class WalkingMap {
 
  private:
   void fade(const motion::Place& place);
+  // Pose of the foot at the exposure; nothing where posture or place are not known.
+  std::optional<Eigen::Isometry3d> foot_at(const FloorPicture& picture,
+                                           const PlaceHistory& places) const;
 
   map::LocalMap map_;
   Time newest_{};
   std::vector<Time> entered_;  // exposures of the newest pictures
   std::optional<motion::Place> faded_at_;
+  Eigen::Isometry2d map_from_odometry_ = Eigen::Isometry2d::Identity();
+  std::vector<map::FloorView> remembered_;
+  int corrections_ = 0;
 };
 
 // Pose of the supporting sole (vision/image/frame.h) in the map, from odometry's place and joint angles of

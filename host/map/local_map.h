@@ -18,8 +18,10 @@
 //   has more points. A point in a cell that is floor in the same picture is moved along its ray, by up to
 //   two sigma of its depth, to a cell that is not: stereo errors are along the ray, and an obstacle's face
 //   is not in front of its foot.
-// - Hole. A pixel whose point is below the floor by more than `drop_m`, and three sigma, shows that there is no
-//   floor where its ray passes the floor's height: that cell is an obstacle.
+// - Hole. A pixel whose point is below the floor by more than `drop_m`, and three sigma, shows that there
+//   is no floor where its ray passes the floor's height: that cell is an obstacle.
+// Strays count for nothing: points that those above and below contradict, and those that are too few for
+// even a low obstacle.
 // A vote's weight is min(1, cell_m / dz), with dz = z^2 / (fx baseline) disparity_error_px, one sigma of
 // the depth z. Votes add up as log-odds, so their order is irrelevant until a cell saturates.
 #pragma once

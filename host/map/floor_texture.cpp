@@ -1,0 +1,203 @@
+// Views of the floor from above, and their correlation.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/map/floor_texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "shared/base/angle.hpp"
+
+namespace kaz::map {
+
+namespace {
+
+using Eigen::Isometry3d, Eigen::Vector2d, Eigen::Vector2i, Eigen::Vector3d;
+
+constexpr int kCells = FloorView::kCells;
+constexpr double kCell = FloorView::kCell;
+constexpr double kFarthest = 0.95, kAhead = 0.55;  // m from the eye; of the square's middle
+constexpr int kBox = 4;                            // cells to each side, of the mean
+constexpr int kShift = 8;                          // cells: 6.4 cm
+constexpr int kTurns = 6;                          // degrees, to each side
+constexpr double kMinOverlap = 0.12, kMinCorrelation = 0.4;
+// Of the correlation, at a shift of 2 cm or a turn of 2 degrees: on a floor of planks, which look alike along
+// the grain, the smallest shift is the likeliest.
+constexpr double kPrior = 0.04, kPriorShift = 0.02, kPriorTurn = 2 * kDegree;
+
+std::size_t index(int x, int y) {
+  return static_cast<std::size_t>(x) * kCells + static_cast<std::size_t>(y);
+}
+
+// Brightness of the cells' middles, bilinear; -1 where not known.
+std::vector<std::int16_t> brightness(const FloorPictureView& picture,
+                                     const Isometry3d& map_from_eye, const Vector2i& corner) {
+  const vision::CameraModel& c = picture.planes.info.camera;
+  const Isometry3d eye_from_map = map_from_eye.inverse();
+  const Vector3d eye = map_from_eye.translation();
+  std::array<bool, 256> floor{};
+  for (std::size_t i = 0; i < std::min<std::size_t>(picture.planes.segments.size(), 255); ++i)
+    floor[i + 1] = picture.planes.segments[i].floor;
+  std::vector<std::int16_t> grey(static_cast<std::size_t>(kCells) * kCells, -1);
+  for (int x = 0; x < kCells; ++x) {
+    for (int y = 0; y < kCells; ++y) {
+      const Vector3d at((corner.x() + x + 0.5) * kCell, (corner.y() + y + 0.5) * kCell, 0);
+      if ((at - eye).head<2>().squaredNorm() > kFarthest * kFarthest) continue;
+      const Vector3d p = eye_from_map * at;
+      if (p.z() < 0.05) continue;
+      const double u = c.fx * p.x() / p.z() + c.cx, v = c.fy * p.y() / p.z() + c.cy;
+      if (!(u >= 1 && v >= 1 && u < c.width - 2 && v < c.height - 2)) continue;
+      const int column = static_cast<int>(u), row = static_cast<int>(v);
+      const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(c.width) +
+                         static_cast<std::size_t>(column);
+      if (!floor[picture.planes.label[pixel]]) continue;
+      // 8 bits of the fraction.
+      const int du = static_cast<int>((u - column) * 256), dv = static_cast<int>((v - row) * 256);
+      const auto green = [&](std::size_t k) {
+        return static_cast<int>(picture.left.rgb[3 * k + 1]);
+      };
+      const auto below = pixel + static_cast<std::size_t>(c.width);
+      const int top = green(pixel) * (256 - du) + green(pixel + 1) * du;
+      const int bottom = green(below) * (256 - du) + green(below + 1) * du;
+      grey[index(x, y)] = static_cast<std::int16_t>((top * (256 - dv) + bottom * dv) >> 16);
+    }
+  }
+  return grey;
+}
+
+// Less the mean of what is known in a square around each.
+FloorView without_mean(const std::vector<std::int16_t>& grey, const Vector2i& corner) {
+  constexpr int kRow = kCells + 1;
+  std::vector<int> sums(static_cast<std::size_t>(kRow) * kRow, 0), counts = sums;
+  const auto at = [](int x, int y) {
+    return static_cast<std::size_t>(x) * kRow + static_cast<std::size_t>(y);
+  };
+  for (int x = 0; x < kCells; ++x) {
+    for (int y = 0; y < kCells; ++y) {
+      const int value = grey[index(x, y)];
+      const bool known = value >= 0;
+      sums[at(x + 1, y + 1)] =
+          sums[at(x, y + 1)] + sums[at(x + 1, y)] - sums[at(x, y)] + (known ? value : 0);
+      counts[at(x + 1, y + 1)] =
+          counts[at(x, y + 1)] + counts[at(x + 1, y)] - counts[at(x, y)] + (known ? 1 : 0);
+    }
+  }
+  FloorView view;
+  view.corner = corner;
+  view.value.assign(grey.size(), 0);
+  view.known.assign(grey.size(), 0);
+  for (int x = 0; x < kCells; ++x) {
+    for (int y = 0; y < kCells; ++y) {
+      if (grey[index(x, y)] < 0) continue;
+      const int x0 = std::max(0, x - kBox), x1 = std::min(kCells, x + kBox + 1);
+      const int y0 = std::max(0, y - kBox), y1 = std::min(kCells, y + kBox + 1);
+      const auto box = [&](const std::vector<int>& all) {
+        return all[at(x1, y1)] - all[at(x0, y1)] - all[at(x1, y0)] + all[at(x0, y0)];
+      };
+      const int value = grey[index(x, y)] - box(sums) / box(counts);
+      view.value[index(x, y)] = static_cast<std::int16_t>(std::clamp(value, -127, 127));
+      view.known[index(x, y)] = 1;
+      ++view.count;
+    }
+  }
+  return view;
+}
+
+Vector2i corner_before(const Isometry3d& map_from_eye) {
+  Vector2d ahead = map_from_eye.linear().col(2).head<2>();
+  if (ahead.norm() > 1e-6) ahead.normalize();
+  const Vector2d middle = map_from_eye.translation().head<2>() + kAhead * ahead;
+  return (middle / kCell).array().floor().cast<int>() - kCells / 2;
+}
+
+struct Sums {
+  std::int64_t ab = 0, aa = 0, bb = 0;
+  int both = 0;
+};
+// Of `a` and of `b` moved by (dx, dy) cells.
+Sums overlap(const FloorView& a, const FloorView& b, int dx, int dy) {
+  Sums sums;
+  const Vector2i off = b.corner - a.corner + Vector2i(dx, dy);  // of b's first cell in a
+  const int x0 = std::max(0, off.x()), x1 = std::min(kCells, off.x() + kCells);
+  const int y0 = std::max(0, off.y()), y1 = std::min(kCells, off.y() + kCells);
+  for (int x = x0; x < x1; ++x) {
+    const std::int16_t *in_a = &a.value[index(x, 0)], *in_b = &b.value[index(x - off.x(), 0)];
+    const std::uint8_t *has_a = &a.known[index(x, 0)], *has_b = &b.known[index(x - off.x(), 0)];
+    int ab = 0, aa = 0, bb = 0, both = 0;
+    for (int y = y0; y < y1; ++y) {
+      const int has = has_a[y] & has_b[y - off.y()];
+      const int va = in_a[y] * has, vb = in_b[y - off.y()] * has;
+      ab += va * vb;
+      aa += va * va;
+      bb += vb * vb;
+      both += has;
+    }
+    sums.ab += ab;
+    sums.aa += aa;
+    sums.bb += bb;
+    sums.both += both;
+  }
+  return sums;
+}
+
+struct Best {
+  double score = -2, correlation = -1;
+  int dx = 0, dy = 0, both = 0;
+};
+
+// The best shift of one turn. `step`: of the shifts tried.
+Best best_shift(const FloorView& a, const FloorView& b, double turn_rad, int from_x, int from_y,
+                int reach, int step) {
+  Best best;
+  for (int dx = from_x - reach; dx <= from_x + reach; dx += step) {
+    for (int dy = from_y - reach; dy <= from_y + reach; dy += step) {
+      const Sums sums = overlap(a, b, dx, dy);
+      if (sums.both * kCell * kCell < kMinOverlap || sums.aa == 0 || sums.bb == 0) continue;
+      const double correlation =
+          static_cast<double>(sums.ab) /
+          std::sqrt(static_cast<double>(sums.aa) * static_cast<double>(sums.bb));
+      const double shift = kCell * std::hypot(dx, dy) / kPriorShift, turn = turn_rad / kPriorTurn;
+      const double score = correlation - kPrior * (shift * shift + turn * turn);
+      if (score > best.score) best = {score, correlation, dx, dy, sums.both};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+FloorView floor_view(const FloorPictureView& picture) {
+  const Isometry3d eye = picture.map_from_foot * picture.planes.info.foot_from_eye;
+  const Vector2i corner = corner_before(eye);
+  return without_mean(brightness(picture, eye, corner), corner);
+}
+
+std::optional<FloorShift> match_floor(const FloorView& before, const FloorPictureView& picture,
+                                      const Vector2d& pivot) {
+  const auto turned = [&](double turn_rad) {
+    const Eigen::Translation3d there(pivot.x(), pivot.y(), 0), back(-pivot.x(), -pivot.y(), 0);
+    const Isometry3d turn =
+        there * Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ()) * back * Isometry3d::Identity();
+    return floor_view({picture.left, picture.planes, turn * picture.map_from_foot});
+  };
+  Best best;
+  double turn = 0;
+  const auto attempt = [&](double turn_rad, int from_x, int from_y, int reach, int step) {
+    const Best found = best_shift(before, turned(turn_rad), turn_rad, from_x, from_y, reach, step);
+    if (found.score > best.score) best = found, turn = turn_rad;
+  };
+  for (int degrees = -kTurns; degrees <= kTurns; ++degrees)
+    attempt(degrees * kDegree, 0, 0, kShift, 2);
+  if (best.score < -1) return std::nullopt;
+  const Best coarse = best;
+  const double coarse_turn = turn;
+  for (const double degrees : {-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75})
+    attempt(coarse_turn + degrees * kDegree, coarse.dx, coarse.dy, 2, 1);
+  if (best.correlation < kMinCorrelation || std::abs(best.dx) > kShift ||
+      std::abs(best.dy) > kShift || std::abs(turn) > (kTurns + 0.5) * kDegree)
+    return std::nullopt;
+  return FloorShift{kCell * Vector2d(best.dx, best.dy), turn, best.correlation,
+                    best.both * kCell * kCell};
+}
+
+}  // namespace kaz::map

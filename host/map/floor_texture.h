@@ -1,0 +1,53 @@
+// What a picture shows of the floor's pattern, seen from above, and how far two such views are off each other.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A robot that stands again where the floor was seen before knows by the floor's pattern how far its odometry
+// has drifted. A view is the floor's brightness at the cells' middles in the map, less the mean around each,
+// so that light does not matter. Two views are compared by normalized cross-correlation over all shifts and turns
+// within a range (J. P. Lewis, "Fast normalized cross-correlation", 1995), in whole numbers: the same result on
+// every machine. Frame of the map: x ahead, y left. m, rad.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "vision/image/frame.h"
+#include "vision/planes/plane_segments.h"
+
+namespace kaz::map {
+
+// Of the floor around `middle`: a square of kCells cells, axes as the map's.
+struct FloorView {
+  static constexpr int kCells = 128;
+  static constexpr double kCell = 0.008;  // m
+  Eigen::Vector2i corner{0, 0};           // number of the first cell; 0 begins at the map's origin
+  std::vector<std::int16_t> value;        // [x * kCells + y], -128..127; 0 where not known
+  std::vector<std::uint8_t> known;        // 1: floor that the picture shows
+  int count = 0;                          // of the known
+};
+
+// A picture of which views are made: rectified left image, its planes and where the foot was.
+struct FloorPictureView {
+  const vision::Image& left;
+  const vision::PlaneSegments& planes;  // with info
+  Eigen::Isometry3d map_from_foot;
+};
+// The square before the eye. Floor farther than 0.95 m is too coarse and counts as unknown.
+FloorView floor_view(const FloorPictureView& picture);
+
+// What is added to the pose of `picture` so that it agrees with `before`.
+struct FloorShift {
+  Eigen::Vector2d shift{0, 0};  // m, of the robot
+  double turn_rad = 0;          // about `pivot`, first
+  double correlation = 0;       // -1..1
+  double overlap_m2 = 0;
+};
+// Within 6 cm and 6 degrees. Nothing: less than 0.12 m^2 in common, or no clear match (a correlation under
+// 0.4, or the best at the rim of the range).
+std::optional<FloorShift> match_floor(const FloorView& before, const FloorPictureView& picture,
+                                      const Eigen::Vector2d& pivot);
+
+}  // namespace kaz::map

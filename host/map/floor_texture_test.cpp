@@ -1,0 +1,132 @@
+// Pictures of a painted floor from two places: how far they are off each other must come out.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/map/floor_texture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "host/map/view_testing.h"
+#include "shared/base/angle.hpp"
+#include "shared/base/random.hpp"
+
+namespace kaz::map {
+namespace {
+
+using Eigen::Isometry3d, Eigen::Vector2d, Eigen::Vector3d;
+
+// Brightness, 0..255, of the floor at a place.
+using Paint = std::function<double(const Vector2d&)>;
+
+// Spots of 1 cm and 3 cm.
+double carpet(const Vector2d& at, std::uint64_t seed) {
+  double value = 128;
+  for (const double size : {0.01, 0.03}) {
+    const Vector2d grid = at / size;
+    const Vector2d low = grid.array().floor();
+    const auto spot = [&](double x, double y) {
+      return keyed_normal(seed, static_cast<std::uint64_t>(x + 5000),
+                          static_cast<std::uint64_t>(y + 5000));
+    };
+    const double u = grid.x() - low.x(), v = grid.y() - low.y();
+    value +=
+        20 * std::lerp(std::lerp(spot(low.x(), low.y()), spot(low.x() + 1, low.y()), u),
+                       std::lerp(spot(low.x(), low.y() + 1), spot(low.x() + 1, low.y() + 1), u), v);
+  }
+  return std::clamp(value, 0.0, 255.0);
+}
+// Alike along x.
+double planks(const Vector2d& at) {
+  return carpet({0.004, at.y()}, 9);
+}
+
+struct Taken {
+  vision::Image left;
+  vision::PlaneSegments planes;
+};
+
+// What an eye at `eye` over the foot sees, the foot at `place` on the floor.
+Taken take(const Paint& paint, const Isometry3d& map_from_foot) {
+  const Isometry3d foot_from_eye = test_eye(0, 35 * kDegree);
+  const TestView view = TestYard{}.seen(foot_from_eye);
+  Taken taken{{view.planes.width, view.planes.height, {}}, view.planes};
+  taken.planes.info.foot_from_eye = foot_from_eye;
+  const vision::CameraModel& c = taken.planes.info.camera;
+  const Isometry3d eye = map_from_foot * foot_from_eye;
+  for (int v = 0; v < c.height; ++v) {
+    for (int u = 0; u < c.width; ++u) {
+      const Vector3d ray = eye.linear() * Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1);
+      const Vector3d at = eye.translation() - eye.translation().z() / ray.z() * ray;
+      const double value = ray.z() < 0 ? paint(at.head<2>()) : 200;
+      taken.left.rgb.insert(taken.left.rgb.end(), 3, static_cast<std::uint8_t>(std::lround(value)));
+    }
+  }
+  return taken;
+}
+
+Isometry3d foot(double x, double y, double heading_rad) {
+  return Eigen::Translation3d(x, y, 0) *
+         Isometry3d(Eigen::AngleAxisd(heading_rad, Vector3d::UnitZ()));
+}
+
+// The foot that odometry claims for what was taken at `truth`.
+std::optional<FloorShift> match(const Paint& paint, const Isometry3d& before,
+                                const Isometry3d& truth, const Isometry3d& claimed) {
+  const Taken first = take(paint, before), second = take(paint, truth);
+  const FloorView view = floor_view({first.left, first.planes, before});
+  return match_floor(view, {second.left, second.planes, claimed}, claimed.translation().head<2>());
+}
+
+const Paint kCarpet = [](const Vector2d& at) { return carpet(at, 3); };
+
+// Walked and turned; odometry errs by some centimetres and degrees.
+TEST(FloorTexture, TellsHowFarOdometryErrs) {
+  const Isometry3d before = foot(0, 0, 0);
+  const struct {
+    Isometry3d truth;
+    double dx, dy, turn_deg;
+  } cases[] = {{foot(0.30, 0.02, 3 * kDegree), 0.03, -0.02, 2},
+               {foot(0.10, -0.05, 30 * kDegree), -0.045, 0.03, -3.5},
+               {foot(0, 0, 0), 0, 0, 0},
+               {foot(0.2, 0.1, -20 * kDegree), 0.008, 0.05, 5}};
+  for (const auto& one : cases) {
+    // corrected = shift * turn about the claimed place = truth
+    const Vector2d at = one.truth.translation().head<2>() - Vector2d(one.dx, one.dy);
+    const double heading = std::atan2(one.truth.linear()(1, 0), one.truth.linear()(0, 0));
+    const auto found =
+        match(kCarpet, before, one.truth, foot(at.x(), at.y(), heading - one.turn_deg * kDegree));
+    ASSERT_TRUE(found) << one.turn_deg;
+    EXPECT_NEAR(found->shift.x(), one.dx, 0.006) << one.turn_deg;
+    EXPECT_NEAR(found->shift.y(), one.dy, 0.006) << one.turn_deg;
+    EXPECT_NEAR(found->turn_rad / kDegree, one.turn_deg, 0.4);
+    EXPECT_GT(found->correlation, 0.5);
+    EXPECT_GT(found->overlap_m2, 0.12);
+  }
+}
+
+// Along the grain nothing says how far: no shift is the likeliest. Across it the shift comes out.
+TEST(FloorTexture, ShiftsAcrossPlanksOnly) {
+  const Paint paint = [](const Vector2d& at) { return planks(at); };
+  const auto found = match(paint, foot(0, 0, 0), foot(0.2, 0.03, 0), foot(0.17, 0.01, 0));
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->shift.x(), 0, 0.009);
+  EXPECT_NEAR(found->shift.y(), 0.02, 0.006);
+  EXPECT_NEAR(found->turn_rad, 0, 0.5 * kDegree);
+}
+
+TEST(FloorTexture, FindsNothingWhereNothingIsInCommon) {
+  const Isometry3d here = foot(0, 0, 0);
+  EXPECT_FALSE(match(kCarpet, here, foot(0, 0, 120 * kDegree), foot(0, 0, 120 * kDegree)))
+      << "it looks elsewhere";
+  EXPECT_FALSE(match(kCarpet, here, foot(0.2, 0.1, 0), here)) << "too far off";
+  EXPECT_FALSE(match([](const Vector2d&) { return 90.0; }, here, here, here)) << "a plain floor";
+  const Taken first = take(kCarpet, here);
+  const Taken other = take([](const Vector2d& at) { return carpet(at, 77); }, here);
+  EXPECT_FALSE(match_floor(floor_view({first.left, first.planes, here}),
+                           {other.left, other.planes, here}, {0, 0}))
+      << "another carpet";
+}
+
+}  // namespace
+}  // namespace kaz::map
