@@ -29,7 +29,7 @@ FloorPicture picture(const map::TestYard& yard, std::uint64_t number) {
   map::TestView view = yard.seen(map::test_eye(0, 0.5), 0.1, number);
   const host::JointAngles angles = motion::home();
   view.planes.info.joint_rad.assign(angles.begin(), angles.end());
-  return {view.planes, view.depth};
+  return {view.planes, view.depth, nullptr};
 }
 
 TEST(PlaceHistory, InterpolatesAndForgets) {
