@@ -90,7 +90,7 @@ TEST(WalkingMap, FadesWhileTheRobotWalks) {
   places.add(0s, {});
   ASSERT_TRUE(walking.enter({picture(kBoxAhead, 1)}, places));
   const double before = walking.map().at(0.465, 0.05).confidence;
-  places.add(1s, {.x = -1.0});  // backwards: the box is out of reach of the eyes
+  places.add(1s, {.x = -0.3, .heading = 180 * kDegree});  // it looks away
   ASSERT_TRUE(walking.enter({picture({}, 20)}, places));
   EXPECT_LT(walking.map().at(0.465, 0.05).confidence, before);
   EXPECT_EQ(walking.map().at(0.465, 0.05).state, CellState::obstacle);
@@ -111,7 +111,7 @@ TEST(LookAhead, EndsAtAnObstacleAndAtWhatIsNotKnown) {
   EXPECT_EQ(near.by, Ahead::By::nothing);
   EXPECT_EQ(near.clear_m, 0.2);
   // To the right the floor is free; behind the robot nothing was seen.
-  EXPECT_EQ(look_ahead(walking.map(), {.y = -0.25}, 0.6, true).by, Ahead::By::nothing);
+  EXPECT_EQ(look_ahead(walking.map(), {.x = 0.3, .y = -0.3}, 0.4, true).by, Ahead::By::nothing);
   const Ahead behind = look_ahead(walking.map(), {.heading = 180 * kDegree}, 0.6, true);
   EXPECT_EQ(behind.by, Ahead::By::unknown);
   EXPECT_LT(behind.clear_m, 0.15);

@@ -21,9 +21,9 @@ constexpr int kBox = 4;                            // cells to each side, of the
 constexpr int kShift = 8;                          // cells: 6.4 cm
 constexpr int kTurns = 6;                          // degrees, to each side
 constexpr double kMinOverlap = 0.12, kMinCorrelation = 0.4;
-// Of the correlation, at a shift of 2 cm or a turn of 2 degrees: on a floor of planks, which look alike along
+// Of the correlation, at a shift of 2 cm or a turn of 6 degrees: on a floor of planks, which look alike along
 // the grain, the smallest shift is the likeliest.
-constexpr double kPrior = 0.04, kPriorShift = 0.02, kPriorTurn = 2 * kDegree;
+constexpr double kPrior = 0.04, kPriorShift = 0.02, kPriorTurn = 6 * kDegree;
 
 std::size_t index(int x, int y) {
   return static_cast<std::size_t>(x) * kCells + static_cast<std::size_t>(y);

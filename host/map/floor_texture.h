@@ -1,11 +1,11 @@
-// What a picture shows of the floor's pattern, seen from above, and how far two such views are off each other.
+// What a picture shows of the floor's pattern, seen from above, and how two such views are off each other.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A robot that stands again where the floor was seen before knows by the floor's pattern how far its odometry
-// has drifted. A view is the floor's brightness at the cells' middles in the map, less the mean around each,
-// so that light does not matter. Two views are compared by normalized cross-correlation over all shifts and turns
-// within a range (J. P. Lewis, "Fast normalized cross-correlation", 1995), in whole numbers: the same result on
-// every machine. Frame of the map: x ahead, y left. m, rad.
+// has drifted. A view is the floor's brightness at the cells' middles in the map, less the mean around
+// each, so that light does not matter. Two views are compared by normalized cross-correlation over all shifts
+// and turns within a range (J. P. Lewis, "Fast normalized cross-correlation", 1995), in whole numbers: the
+// same result on every machine. Frame of the map: x ahead, y left. m, rad.
 #pragma once
 
 #include <cstdint>

@@ -81,7 +81,7 @@ std::optional<FloorShift> match(const Paint& paint, const Isometry3d& before,
 const Paint kCarpet = [](const Vector2d& at) { return carpet(at, 3); };
 
 // Walked and turned; odometry errs by some centimetres and degrees.
-TEST(FloorTexture, TellsHowFarOdometryErrs) {
+TEST(FloorTexture, ReportsHowFarOdometryErrs) {
   const Isometry3d before = foot(0, 0, 0);
   const struct {
     Isometry3d truth;

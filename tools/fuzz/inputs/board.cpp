@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hil/fuzz/choices.h"
+#include "host/behavior/navigation_goal.h"
 #include "host/behavior/options.h"
 #include "host/camera/v4l2_camera.h"
 #include "shared/protocol/crc16.h"
@@ -170,7 +171,9 @@ Complaint try_arguments(Bytes bytes) {
     return "no modules";
   }
   constexpr behavior::Option kOptions[] = {{"seconds", "10", "", 0, 100, "how long"},
-                                           {"end", "keep", "keep|home", 0, 0, "what then"}};
+                                           {"end", "keep", "keep|home", 0, 0, "what then"},
+                                           {"goal", "1,0", "X,Y or ball", 0, 0, "where to", false,
+                                            behavior::is_navigation_goal}};
   const std::size_t equals = text.find('=');
   const auto values = behavior::OptionValues::parse(
       kOptions,
@@ -178,6 +181,9 @@ Complaint try_arguments(Bytes bytes) {
   if (!values) return judge_error(values.error(), "`");
   if (!(values->number("seconds") >= 0 && values->number("seconds") <= 100))
     return "an option outside of its bounds";
+  const auto goal = behavior::navigation_goal(values->choice("goal"));
+  if (!goal) return "a goal that is none";
+  if (!(goal->position.norm() <= 3)) return "a goal out of reach";
   return std::nullopt;
 }
 
