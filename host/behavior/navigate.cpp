@@ -57,8 +57,7 @@ constexpr double kOwnBody = 0.19;  // m, from the middle of the foot: hands and 
 constexpr int kSpeck = 8;
 constexpr double kSpecksBeyond = 0.3;  // m
 constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
-constexpr double kRadii[] = {0.11, 0.095,
-                             0.085};  // m, of the disc; smaller where the robot is that near
+constexpr double kRadii[] = {0.19, 0.175, 0.16, 0.15};  // m, of the disc; smaller where the robot is that near
 
 double wrapped(double angle) {
   return std::remainder(angle, 2 * std::numbers::pi);
@@ -324,7 +323,7 @@ class Navigation {
   // What was looked at and stays unknown is not floor: an edge, a hole, a mirror.
   void close(const Vector2d& where, double heading) {
     const Vector2d left(-std::sin(heading), std::cos(heading));
-    for (double aside = -0.10; aside <= 0.10; aside += 0.01)
+    for (double aside = -0.14; aside <= 0.14; aside += 0.01)
       closed_.push_back(where + aside * left);
   }
 

@@ -21,7 +21,7 @@ constexpr std::size_t kRemembered = 64;  // pictures
 constexpr std::size_t kViews = 60;       // of the floor's pattern
 
 // The strip that is looked at: half of its width, and how far the robot's front is from its middle.
-constexpr double kHalfWidth = 0.10, kFront = 0.08;
+constexpr double kHalfWidth = 0.14, kFront = 0.08;
 // The eyes do not see nearer than that, from the middle: chest and feet are in the way.
 constexpr double kBlindUntil = 0.20;
 // Of the cells across the strip that may be unknown. Two obstacle cells in a row are none by chance.

@@ -78,6 +78,9 @@ std::optional<FloorShift> match(const Paint& paint, const Isometry3d& before,
   return match_floor(view, {second.left, second.planes, claimed}, claimed.translation().head<2>());
 }
 
+// Of a turn that moves the square's middle by a cell.
+constexpr double kTurnError = FloorView::kCell / 0.55;
+
 const Paint kCarpet = [](const Vector2d& at) { return carpet(at, 3); };
 
 // Walked and turned; odometry errs by some centimetres and degrees.
@@ -99,7 +102,7 @@ TEST(FloorTexture, ReportsHowFarOdometryErrs) {
     ASSERT_TRUE(found) << one.turn_deg;
     EXPECT_NEAR(found->shift.x(), one.dx, 0.006) << one.turn_deg;
     EXPECT_NEAR(found->shift.y(), one.dy, 0.006) << one.turn_deg;
-    EXPECT_NEAR(found->turn_rad / kDegree, one.turn_deg, 0.4);
+    EXPECT_NEAR(found->turn_rad, one.turn_deg * kDegree, kTurnError) << one.turn_deg;
     EXPECT_GT(found->correlation, 0.5);
     EXPECT_GT(found->overlap_m2, 0.12);
   }

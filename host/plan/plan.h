@@ -68,7 +68,7 @@ struct Goal {
 struct PlanOptions {
   double turn_s_per_rad = 6.6 / (45 * kDegree);  // docs/results/walking.md
   double go_s_per_m = 6.6 / 0.33;
-  double radius_m = 0.11;  // of the disc: half of the robot's width, its sway, the map's error
+  double radius_m = 0.16;  // of the disc: the hands in the crouch, and 2 cm of sway
   // On the time in unknown cells, 1 or more. Infinite: they are obstacles, those outside of the grid are not.
   double unknown_factor = 2;
   // Else turns are multiples of 45 degrees from the start's heading, but for the last to the goal's heading.
@@ -99,7 +99,7 @@ struct NoPath {
   Eigen::Vector2d where{0, 0};
   double clear_m = 0;  // what is free there to each side
 };
-// "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.11 m".
+// "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.16 m".
 std::string text(const NoPath& none, const PlanOptions& options);
 
 using Planned = std::variant<Path, NoPath>;

@@ -135,9 +135,9 @@ TEST(Plan, SaysWhatIsInTheWayOfStartOrGoal) {
     return std::holds_alternative<NoPath>(none) ? text(std::get<NoPath>(none), {}) : "a path";
   };
   EXPECT_EQ(why({0.3, 0}, {1.25, 0.12}),
-            "the goal is 0.07 m from an obstacle at (1.255, 0.205); the robot needs 0.11 m");
+            "the goal is 0.07 m from an obstacle at (1.255, 0.205); the robot needs 0.16 m");
   EXPECT_EQ(why({1.25, 0.12}, {0.3, 0}),
-            "the robot is 0.07 m from an obstacle at (1.255, 0.205); it needs 0.11 m to turn");
+            "the robot is 0.07 m from an obstacle at (1.255, 0.205); it needs 0.16 m to turn");
   EXPECT_EQ(why({0.3, 0}, {2.5, 0}), "the goal is not on the map");
   EXPECT_EQ(why({0.3, 0}, {1e300, 0}), "the goal is not on the map");
   EXPECT_EQ(why({-0.3, 0}, {1.5, 0}), "the robot is not on the map");

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/evaluate/judge.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -18,17 +19,6 @@ double yaw_of(const Eigen::Isometry3d& pose) {
   return std::atan2(ahead.y(), ahead.x());
 }
 
-// A model of a scenario is touched by the robot, whose links have no "::".
-std::string touched_thing(const sim::World& world) {
-  for (const sim::ContactPoint& contact : world.contacts()) {
-    for (const auto& [thing, other] : {std::pair{contact.a, contact.b}, {contact.b, contact.a}}) {
-      const bool robot = other.find("::") == std::string::npos;
-      if (robot && thing.starts_with("thing")) return thing.substr(0, thing.find("::"));
-    }
-  }
-  return {};
-}
-
 // Where it went, against the goal; empty if it is there.
 std::string missed_goal(const behavior::NavigationGoal& goal, const Judge& judge) {
   if (goal.ball) return judge.held_s() < 3 ? "not held" : "";
@@ -41,6 +31,19 @@ std::string missed_goal(const behavior::NavigationGoal& goal, const Judge& judge
 
 }  // namespace
 
+// Names of a world's links have "::" or, where a model has one link, its name; those of the robot are of its
+// URDF.
+Judge::Touch Judge::touch_now(const sim::World& world) {
+  const auto links = world.link_order();
+  for (const sim::ContactPoint& contact : world.contacts()) {
+    for (const auto& [thing, by] : {std::pair{contact.a, contact.b}, {contact.b, contact.a}}) {
+      const bool robot = std::ranges::find(links, by) != links.end();
+      if (robot && thing.starts_with("thing")) return {thing, by, 0};
+    }
+  }
+  return {};
+}
+
 void Judge::look(sim::Simulation& simulation) {
   const sim::World& world = simulation.world();
   now_ = simulation.time();
@@ -51,7 +54,10 @@ void Judge::look(sim::Simulation& simulation) {
     last_yaw_ = yaw_of(last_);
     simulation.world().watch_contacts(true);
   }
-  if (touched_.empty()) touched_ = touched_thing(world);
+  if (touch_.thing.empty()) {
+    touch_ = touch_now(world);
+    touch_.at_s = seconds(now_);
+  }
   heading_ += std::remainder(yaw_of(last_) - last_yaw_, 2 * std::numbers::pi);
   last_yaw_ = yaw_of(last_);
   if (last_.linear()(2, 2) < std::cos(60 * kDegree)) fell_ = true;
@@ -82,7 +88,8 @@ nlohmann::ordered_json Judge::json() const {
                               {"forward_m", forward_m()},
                               {"aside_m", aside_m()},
                               {"heading_deg", heading_ / kDegree}};
-  if (!touched_.empty()) json["touched"] = touched_;
+  if (!touched().empty())
+    json["touched"] = {{"thing", touch_.thing}, {"by", touch_.by}, {"at_s", touch_.at_s}};
   if (unconverged_steps_) json["unconverged_steps"] = *unconverged_steps_;
   if (!has_ball_) return json;
   json["held_s"] = held_s();

@@ -27,7 +27,7 @@ class Judge final : public Onlooker {
   double aside_m() const;
   double heading_rad() const { return heading_; }
   // Something that stands on the floor was touched: the first one's name, "" if none.
-  const std::string& touched() const { return touched_; }
+  const std::string& touched() const { return touch_.thing; }
   // For how long, up to the last look, the ball was lifted clear of the floor without a break, s.
   double held_s() const;
   nlohmann::ordered_json json() const;
@@ -35,7 +35,12 @@ class Judge final : public Onlooker {
  private:
   double ball_radius_m_;
   bool fell_ = false;
-  std::string touched_;
+  struct Touch {
+    std::string thing, by;  // model; link of the robot
+    double at_s = 0;
+  };
+  static Touch touch_now(const sim::World& world);
+  Touch touch_;
   std::optional<Eigen::Isometry3d> start_;
   Eigen::Isometry3d last_ = Eigen::Isometry3d::Identity();
   double heading_ = 0, last_yaw_ = 0;  // rad; the heading over any number of turns

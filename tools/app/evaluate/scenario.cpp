@@ -243,10 +243,10 @@ Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uin
 
 Result<void> Scenario::add_obstacles(const Variation& variation, bool ball_is_goal) {
   has_ball = ball_is_goal;
-  constexpr double kStartFree = 0.25, kGoalFree = 0.20;  // m, around them
+  constexpr double kStartFree = 0.28, kGoalFree = 0.24;  // m, around them
   plan::PlanOptions options;
   options.radius_m =
-      0.14;  // wider than the robot plans for itself: what it may think impassable is not drawn
+      0.20;  // wider than the robot plans for itself: what it may think impassable is not drawn
   const auto planner = plan::make_grid_planner();
   for (std::uint64_t draw = 0; draw < 100; ++draw) {
     Dice dice(seed + draw * 7919, Draw::obstacles), aim(seed + draw * 7919, Draw::goal);
