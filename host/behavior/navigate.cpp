@@ -57,7 +57,8 @@ constexpr double kOwnBody = 0.19;  // m, from the middle of the foot: hands and 
 constexpr int kSpeck = 8;
 constexpr double kSpecksBeyond = 0.3;  // m
 constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
-constexpr double kRadii[] = {0.19, 0.175, 0.16, 0.15};  // m, of the disc; smaller where the robot is that near
+constexpr double kRadii[] = {0.19, 0.175, 0.16,
+                             0.15};  // m, of the disc; smaller where the robot is that near
 
 double wrapped(double angle) {
   return std::remainder(angle, 2 * std::numbers::pi);
@@ -131,13 +132,24 @@ class Navigation {
   }
 
   // Until so many pictures are entered that were exposed from now on, the head at rest.
-  Result<void> look(const host::Gaze& gaze) {
+  Result<void> gaze(const host::Gaze& gaze) {
     body_.set_gaze(gaze);
     KAZ_TRY(stay(kHeadSettles));
     const Time since = body_.now();
     while (map_.entered_since(since) < kPictures && !body_.fallen()) KAZ_TRY(step());
-    if (!newest_picture_) return {};
+    return {};
+  }
+
+  // After a move first to where the floor was seen longest ago: its pattern says where the robot is.
+  Result<void> look(const host::Gaze& to) {
+    const auto oldest = map_.direction_of_oldest(place());
+    if (!looked_since_move_ && oldest && std::abs(*oldest - to.pan_rad) > kRememberEvery / 2) {
+      KAZ_TRY(gaze({*oldest, to.tilt_rad}));
+      if (newest_picture_) map_.align(*newest_picture_, body_.places());
+    }
+    KAZ_TRY(gaze(to));
     looked_since_move_ = true;
+    if (!newest_picture_) return {};
     map_.align(*newest_picture_, body_.places());
     map_.remember(*newest_picture_, body_.places());
     return {};

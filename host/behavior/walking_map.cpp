@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/robot/kinematics.h"
 #include "shared/base/angle.hpp"
@@ -19,6 +20,7 @@ using Eigen::Vector2d, Eigen::Vector3d;
 constexpr double kFadeEvery_m = 0.1, kFadeEvery_rad = 18 * kDegree, kFade = 0.9;
 constexpr std::size_t kRemembered = 64;  // pictures
 constexpr std::size_t kViews = 60;       // of the floor's pattern
+constexpr double kViewNear = 0.25, kViewFar = 0.8, kViewAside = 60 * kDegree;
 
 // The strip that is looked at: half of its width, and how far the robot's front is from its middle.
 constexpr double kHalfWidth = 0.14, kFront = 0.08;
@@ -87,6 +89,19 @@ bool WalkingMap::align(const FloorPicture& picture, const PlaceHistory& places) 
     return true;
   }
   return false;
+}
+
+std::optional<double> WalkingMap::direction_of_oldest(const motion::Place& place) const {
+  for (const map::FloorView& view : remembered_) {
+    const Vector2d middle =
+        map::FloorView::kCell * (view.corner.cast<double>().array() + map::FloorView::kCells / 2);
+    const Vector2d there = middle - Vector2d(place.x, place.y);
+    const double direction =
+        std::remainder(std::atan2(there.y(), there.x()) - place.heading, 2 * std::numbers::pi);
+    if (there.norm() > kViewNear && there.norm() < kViewFar && std::abs(direction) < kViewAside)
+      return direction;
+  }
+  return std::nullopt;
 }
 
 void WalkingMap::remember(const FloorPicture& picture, const PlaceHistory& places) {

@@ -1,0 +1,81 @@
+// `kaz run navigate`: a goal beyond boxes, one that cannot be reached, and goals that are none; and whether
+// it reached one in truth.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "shared/base/json_testing.h"
+#include "tests/system/command_line/process_testing.h"
+
+namespace kaz::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+Finished navigate(const std::string& goal, std::vector<std::string> more) {
+  std::vector<std::string> all{"run",    "navigate", "--goal", goal,    "--world", "boxes",
+                               "--eyes", "real",     "--imu",  "--mcu", "native"};
+  all.insert(all.end(), more.begin(), more.end());
+  return run(kaz(all));
+}
+
+// The way straight ahead is free for 0.4 m; then a box stands to the left.
+TEST(Navigate, WalksPastABoxAndLeavesTheMap) {
+  const TemporaryFolder folder;
+  const Finished finished = navigate("0.55,-0.08", {"--out", folder / "there", "--json"});
+  ASSERT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+  const json result = parse_json(finished.out);
+  EXPECT_LE(result["missed_m"].get<double>(), 0.03);
+  EXPECT_GE(result["walked_m"].get<double>(), 0.4);
+  EXPECT_GE(result["corrections"].get<int>(), 1) << "the floor's pattern was not found again";
+  EXPECT_TRUE(fs::exists(folder / "there/map.png"));
+  EXPECT_NE(std::ranges::find(result["pictures"], "map.png"), result["pictures"].end());
+}
+
+// In the middle of a box.
+TEST(Navigate, SaysWhyThereIsNoWay) {
+  const Finished finished = navigate("0.5,0.12", {});
+  EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
+  EXPECT_NE(finished.out.find("no path: the goal is "), std::string::npos) << finished.out;
+  EXPECT_NE(finished.out.find(" m from an obstacle at ("), std::string::npos) << finished.out;
+}
+
+TEST(Navigate, RefusesGoalsThatAreNone) {
+  for (const char* goal : {"there", "1", "9,9", "1,2,3,4"}) {
+    const Finished finished = navigate(goal, {});
+    EXPECT_EQ(finished.exit_code, 2) << goal;
+    EXPECT_NE(finished.err.find("X,Y or X,Y,HEADING or ball"), std::string::npos) << finished.err;
+  }
+  const Finished two = navigate("1,0", {"--set", "goal=0.5,0"});
+  EXPECT_EQ(two.exit_code, 2);
+  EXPECT_NE(two.err.find("contradict each other"), std::string::npos) << two.err;
+  const Finished realtime = run(kaz({"evaluate", "navigate", "--realtime", "--out", "/tmp/none"}));
+  EXPECT_EQ(realtime.exit_code, 2);
+  EXPECT_NE(realtime.err.find("--realtime"), std::string::npos) << realtime.err;
+}
+
+// An episode with obstacles, judged by where the robot truly is.
+TEST(Navigate, ReachesAGoalInTruth) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      run(kaz({"evaluate", "navigate", "--episodes", "9", "--shard", "9/9", "--seed", "5", "--mcu",
+               "native", "--goal-distance", "0.5", "0.6", "--out", folder / "one", "--json"}));
+  ASSERT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+  const json episode = parse_json(read_file(folder / "one/episodes/000008.json"));
+  const json& scenario = episode["scenario"];
+  EXPECT_GE(scenario["obstacles"].get<int>(), 4);
+  EXPECT_GT(scenario["least_s"].get<double>(), 5);
+  EXPECT_FALSE(episode["truth"].contains("touched"));
+  const double off =
+      std::hypot(episode["truth"]["forward_m"].get<double>() - scenario["goal_m"][0].get<double>(),
+                 episode["truth"]["aside_m"].get<double>() - scenario["goal_m"][1].get<double>());
+  EXPECT_LE(off, 0.05);
+}
+
+}  // namespace
+}  // namespace kaz::test
