@@ -8,8 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
+#include <regex>
 #include <span>
+
+#include <nlohmann/json.hpp>
 
 #include "hil/bench/link_bench.h"
 #include "hil/bench/motor/motor_bench.h"
@@ -124,6 +126,33 @@ Result<void> measure_motors(const BenchOptions& arguments, const std::vector<int
     if (auto done = hil::bench_motor(robot, target.stand(), options, judge); !done) return done;
   }
   return {};
+}
+
+// Whether the filter leaves anything of a group.
+bool chosen(const BenchOptions& arguments, hil::BenchGroup group) {
+  if (arguments.filter.empty()) return true;
+  const std::regex filter(arguments.filter);
+  return std::ranges::any_of(hil::measurement_infos(), [&](const hil::MeasurementInfo& one) {
+    return one.group == group && std::regex_search(one.name, filter);
+  });
+}
+
+// `bench all`: a filter that fits measurements of link or tick alone is none of the motor's.
+Result<BenchOptions> with_filter(BenchOptions arguments) {
+  if (arguments.filter.empty() || !arguments.motor) return arguments;
+  if (!(arguments.link || arguments.tick)) {
+    KAZ_TRY(hil::check_motor_filter(arguments.filter));
+    return arguments;
+  }
+  try {
+    arguments.link = arguments.link && chosen(arguments, hil::BenchGroup::link);
+    arguments.tick = arguments.tick && chosen(arguments, hil::BenchGroup::tick);
+  } catch (const std::regex_error&) {
+    KAZ_TRY(hil::check_motor_filter(arguments.filter));  // which says so
+  }
+  arguments.motor = chosen(arguments, hil::BenchGroup::motor);
+  if (!arguments.link && !arguments.tick) KAZ_TRY(hil::check_motor_filter(arguments.filter));
+  return arguments;
 }
 
 Result<void> measure(const BenchOptions& arguments, const std::vector<int>& joints,
@@ -276,9 +305,9 @@ Result<std::vector<int>> joints_of(const std::string& text) {
   return joints;
 }
 
-Result<Outcome> run_bench(const BenchOptions& arguments) {
+Result<Outcome> run_bench(const BenchOptions& given) {
+  const auto arguments = KAZ_TRY(with_filter(given));
   KAZ_TRY(check_motion(arguments));
-  KAZ_TRY(hil::check_motor_filter(arguments.filter));
   const auto joints = KAZ_TRY(joints_of(arguments.joints));
   const auto limits = KAZ_TRY(limits_of(arguments.limits));
   const auto folder = KAZ_TRY(BenchFolder::open(arguments.out, bench_output()));
@@ -323,9 +352,9 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   if (!ran || !left) {
     const Error error = together(ran, left).error();
     const std::string results =
-        report.measurements.empty() ? "; nothing was measured until then" 
-                                    : "; what was measured until then is in " +
-                                          folder.reports.path("report.html");
+        report.measurements.empty()
+            ? "; nothing was measured until then"
+            : "; what was measured until then is in " + folder.reports.path("report.html");
     return tl::unexpected(Error{error.fault, error.message + results});
   }
   const int failed = report.count(hil::Verdict::failed);

@@ -59,6 +59,9 @@ class KeptRun {
   // it; the notes then remain.
   Result<void> end();
 
+  // From now on motors are switched off at the end (KeptRunOptions::motors_off).
+  void switch_motors_off() { options_.motors_off = true; }
+
   const host::BoardState& before() const { return kept_.board; }
   const std::string& notes_path() const { return path_; }
 

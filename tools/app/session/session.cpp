@@ -410,6 +410,8 @@ void Session::perform() {
     context.other_joints = other_joints(simulation->world());
   std::optional<RunProfiler> profiler;
   if (options_.profile) profiler.emplace();
+  // Also where the link is lost and comes back when the run has given up.
+  if (kept_) kept_->switch_motors_off();
   if (real()) lateness_meter_.emplace(backend_->link(), interrupt_);
   {
     const ProfileScope host("behaviour and link");
