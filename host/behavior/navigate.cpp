@@ -35,8 +35,8 @@ constexpr Option kOptions[] = {
 };
 
 constexpr host::Gaze kAhead{0, 35 * kDegree};
-constexpr double kSweep = 60 * kDegree,
-                 kSweepSpeed = 60 * kDegree;     // farther aside it sees its arms
+// Farther aside the eyes see the robot's arms.
+constexpr double kSweep = 60 * kDegree, kSweepSpeed = 60 * kDegree;
 constexpr double kRememberEvery = 25 * kDegree;  // of the sweep, the floor's pattern
 constexpr int kPictures = 4;                     // before a straight piece
 // After a move: the gyro's zero is measured after 0.6 s (motion.cpp).
