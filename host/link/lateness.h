@@ -35,6 +35,8 @@ class LatenessMeter final : public Link, public Clock {
 
   // Begins anew: what was late until now does not count.
   void begin();
+  // The program has waited for somebody at the keyboard: the time since its last call is no lateness.
+  void waited() { left_ = clock_.now(); }
   // Lateness since begin(): the longest, and the sum of those above kNoticed.
   Time longest() const { return longest_; }
   Time total() const { return total_; }

@@ -71,6 +71,19 @@ TEST_F(Lateness, APunctualProgramHasNoExcuse) {
   EXPECT_EQ(meter_.excuse(), "");
 }
 
+// Somebody at a stand takes his time; what is late afterwards counts.
+TEST_F(Lateness, WaitingForAPersonIsNone) {
+  EXPECT_EQ(read(milliseconds(10)), 0u);
+  fake_.pass(milliseconds(4000));
+  meter_.waited();
+  EXPECT_EQ(read(milliseconds(10)), 0u);
+  EXPECT_EQ(meter_.longest(), Time::zero());
+  EXPECT_EQ(meter_.excuse(), "");
+  fake_.pass(milliseconds(40));
+  EXPECT_EQ(read(milliseconds(10)), 0u);
+  EXPECT_EQ(meter_.longest(), milliseconds(40));
+}
+
 TEST_F(Lateness, ASleepThatEndsLate) {
   stall_next(milliseconds(34));
   EXPECT_TRUE(meter_.sleep_until(milliseconds(1010)));

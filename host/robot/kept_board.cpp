@@ -243,7 +243,7 @@ class Return {
                                           std::to_string(now) + " although another was stored");
     if (at != state_.address) put(step_);
     if (is_shared(identity) != state_.shared_line)
-      put(state_.shared_line ? "its line is shared again" : "its line is not shared any more");
+      put(state_.shared_line ? "its line is shared" : "its line is not shared");
     return {};
   }
 

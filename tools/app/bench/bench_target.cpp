@@ -48,6 +48,7 @@ class PortTarget final : public BenchTarget {
   host::Clock& clock() override { return meter_; }
   hil::Stand* stand() override { return stand_.get(); }
   host::LatenessMeter* lateness() override { return &meter_; }
+  host::LatenessMeter& meter() { return meter_; }
   void put(std::unique_ptr<hil::Stand> stand) { stand_ = std::move(stand); }
 
  private:
@@ -74,12 +75,16 @@ Result<std::string> prompt_user(const std::string& prompt, const host::Interrupt
 }
 
 Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options,
-                                               host::Clock& clock,
+                                               host::LatenessMeter& clock,
                                                const host::Interrupt& interrupt) {
   std::unique_ptr<hil::Stand> stand;
   if (options.stand == "manual") {
     stand = std::make_unique<hil::ManualStand>(
-        [&interrupt](const std::string& prompt) { return prompt_user(prompt, interrupt); },
+        [&interrupt, &clock](const std::string& prompt) {
+          auto line = prompt_user(prompt, interrupt);
+          clock.waited();
+          return line;
+        },
         options.backend.disc_kgm2);
   } else if (options.stand.starts_with("ctl:")) {
     const std::string path = options.stand.substr(4);
@@ -117,7 +122,7 @@ Result<std::unique_ptr<BenchTarget>> BenchTarget::open(const BenchTargetOptions&
   const auto port = KAZ_TRY(parse_port(options.port));
   auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   auto target = std::make_unique<PortTarget>(std::move(link), interrupt);
-  auto stand = KAZ_TRY(make_stand(options, target->clock(), interrupt));
+  auto stand = KAZ_TRY(make_stand(options, target->meter(), interrupt));
   target->put(std::move(stand));
   return target;
 }
