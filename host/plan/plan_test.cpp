@@ -111,7 +111,7 @@ TEST(Plan, GoesThroughAGapThatIsWideEnough) {
     fill(grid, {0.9, 0.3 + width_m}, {1.0, 1}, CellState::obstacle);
     return grid;
   };
-  const Grid wide = with_gap(0.26);
+  const Grid wide = with_gap(0.36);
   const Pose start{{0.3, -0.5}, 0};
   const Path path = path_of(planned(wide, start, {{1.7, -0.5}, {}}));
   const Walked end = walked(wide, start, path);
