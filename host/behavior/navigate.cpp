@@ -53,6 +53,7 @@ constexpr double kBack = 0.10;            // m, up to which the goal behind is w
 constexpr double kApproachable = 0.40, kStandOff = 0.30, kBallMargin = 0.045, kToes = 0.08;  // m
 constexpr int kSides = 12;
 constexpr double kOwnBody = 0.19;  // m, from the middle of the foot: hands and toes
+constexpr double kUnseen = 0.26;   // m, from the middle: below and just before the robot
 // Fewer obstacle cells together are strays of depth; near by all count.
 constexpr int kSpeck = 8;
 constexpr double kSpecksBeyond = 0.3;  // m
@@ -205,7 +206,19 @@ class Navigation {
       if (grid.at(cell.x(), cell.y()) == map::CellState::unknown && grid.inside(cell.x(), cell.y()))
         grid.state[grid.index(cell.x(), cell.y())] = map::CellState::obstacle;
     }
+    if (unknown_ends()) open_below(grid);
     return grid;
+  }
+
+  // The eyes do not see the floor on which the robot stands, nor what is just before its feet.
+  void open_below(plan::Grid& grid) {
+    for (int x = 0; x < grid.cells_x; ++x) {
+      for (int y = 0; y < grid.cells_y; ++y) {
+        map::CellState& state = grid.state[grid.index(x, y)];
+        if (state == map::CellState::unknown && (grid.middle(x, y) - here()).norm() < kUnseen)
+          state = map::CellState::floor;
+      }
+    }
   }
 
   // The goal; or places around it, facing it, the nearest first: from there approach takes over, or the

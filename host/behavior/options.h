@@ -14,8 +14,8 @@ namespace kaz::behavior {
 struct Option {
   std::string_view name;     // "seconds"
   std::string_view initial;  // default value
-  std::string_view
-      choices;  // "keep|straight|home"; empty: a number in [min, max]; of a text: its form
+  // "keep|straight|home"; empty: a number in [min, max]. Of a text (is_valid) its form, for messages.
+  std::string_view choices;
   double min = 0, max = 0;
   std::string_view text;  // one line, with the unit
   bool whole = false;     // a number without fraction

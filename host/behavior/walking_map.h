@@ -29,13 +29,12 @@ class WalkingMap {
   bool align(const FloorPicture& picture, const PlaceHistory& places);
   // Remembers the pattern, to be compared with later.
   void remember(const FloorPicture& picture, const PlaceHistory& places);
-  // Where the oldest pattern lies that is in front of a robot at `place`: direction, + to its left; nothing
-  // where none is within reach of eyes and neck.
+  // Where the oldest pattern lies that is in front of a robot at `place`: direction, rad, + to its left;
+  // nothing where none is within reach of eyes and neck.
   std::optional<double> direction_of_oldest(const motion::Place& place) const;
   int corrections() const { return corrections_; }
 
   const map::LocalMap& map() const { return map_; }
-  map::LocalMap& map() { return map_; }
   // Exposure of the newest picture entered; zero before the first.
   Time newest() const { return newest_; }
   // Pictures entered that were exposed at `since` or later.

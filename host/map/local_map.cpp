@@ -49,16 +49,6 @@ void LocalMap::fade(double share) {
   for (std::int16_t& odds : odds_) odds = static_cast<std::int16_t>(kept * odds);
 }
 
-void LocalMap::forget(const Eigen::Vector2d& place, double radius_m) {
-  for (int x = number(place.x() - radius_m); x <= number(place.x() + radius_m); ++x) {
-    for (int y = number(place.y() - radius_m); y <= number(place.y() + radius_m); ++y) {
-      const bool inside = x >= 0 && y >= 0 && x < cells_ && y < cells_;
-      if (inside && (Eigen::Vector2d(middle(x), middle(y)) - place).norm() <= radius_m)
-        odds_[index(x, y)] = 0;
-    }
-  }
-}
-
 Result<void> LocalMap::check(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
                              const vision::FrameInfo& info, const Isometry3d& map_from_foot) {
   const std::string picture = "picture " + std::to_string(info.sequence);

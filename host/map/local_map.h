@@ -82,8 +82,6 @@ class LocalMap {
   void clear();
   // Old evidence counts less: all log-odds times `share`, 0..1.
   void fade(double share);
-  // Cells whose middle is within `radius_m` of a place become unknown.
-  void forget(const Eigen::Vector2d& place, double radius_m);
 
   // Cells by number; 0 is at the rear right corner. Outside the map all is unknown.
   int cells() const { return cells_; }  // along each side

@@ -37,6 +37,20 @@ TEST(Navigate, WalksPastABoxAndLeavesTheMap) {
   EXPECT_NE(std::ranges::find(result["pictures"], "map.png"), result["pictures"].end());
 }
 
+// The floor below the robot, which it cannot see, is no obstacle.
+TEST(Navigate, WalksOnFloorAloneThatItHasSeen) {
+  const Finished finished = navigate("0.45,-0.15", {"--set", "unknown=closed"});
+  EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+}
+
+// The map shows the edge before the robot is there; beyond it the floor is half a metre below.
+TEST(Navigate, StopsBeforeTheEdgeOfATable) {
+  const Finished finished = run(kaz({"run", "navigate", "--goal", "1.3,0", "--world", "table",
+                                     "--eyes", "real", "--imu", "--mcu", "native"}));
+  EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
+  EXPECT_NE(finished.out.find("no path: "), std::string::npos) << finished.out;
+}
+
 // In the middle of a box.
 TEST(Navigate, SaysWhyThereIsNoWay) {
   const Finished finished = navigate("0.5,0.12", {});

@@ -393,7 +393,7 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
   if (options.realtime &&
-      (known.name == "go-forward" || known.name.starts_with("turn-") || known.needs_floor))
+      (known.name == "go-forward" || known.name.starts_with("turn-") || known.name == "navigate"))
     return fail(Fault::usage, options.behavior +
                                   " is judged by where the robot truly is, which a robot in "
                                   "another process does not tell: leave --realtime out");

@@ -83,13 +83,14 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
   Scenario scenario = Scenario::draw(options.variation, options.seed, number);
   std::map<std::string, std::string> settings = options.settings;
-  if (known.needs_floor) KAZ_TRY(add_goal(options.variation, scenario, settings));
+  const bool navigates = known.name == "navigate";
+  if (navigates) KAZ_TRY(add_goal(options.variation, scenario, settings));
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, settings));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   const auto color = KAZ_TRY(ball_color(scenario.ball_color));
 
-  Judge judge(scenario.ball_radius_m);
+  Judge judge(scenario.ball_radius_m, navigates);
   Ended ended;
   SessionOptions session;
   session.backend = options.backend;

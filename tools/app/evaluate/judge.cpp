@@ -52,9 +52,9 @@ void Judge::look(sim::Simulation& simulation) {
   if (!start_) {
     start_ = last_;
     last_yaw_ = yaw_of(last_);
-    simulation.world().watch_contacts(true);
+    if (watches_touch_) simulation.world().watch_contacts(true);
   }
-  if (touch_.thing.empty()) {
+  if (watches_touch_ && touch_.thing.empty()) {
     touch_ = touch_now(world);
     touch_.at_s = seconds(now_);
   }
@@ -104,9 +104,8 @@ std::string cause_of_failure(const std::string& behavior, const behavior::Option
   if (!outcome) return "error";
   if (!outcome->success) return outcome->cause.empty() ? "gave up" : outcome->cause;
   if (behavior == "catch-ball" && judge.held_s() < 3) return "not held";
-  if (behavior == "navigate") {
+  if (behavior == "navigate")
     return missed_goal(*behavior::navigation_goal(options.choice("goal")), judge);
-  }
   if (behavior == "go-forward") {
     const double distance = options.number("distance");
     if (std::abs(judge.forward_m() - distance) > 0.1 * distance) return "distance";

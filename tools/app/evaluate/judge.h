@@ -17,7 +17,9 @@ constexpr double kClearOfFloor_m = 0.02;  // under a ball that is lifted
 
 class Judge final : public Onlooker {
  public:
-  explicit Judge(double ball_radius_m) : ball_radius_m_(ball_radius_m) {}
+  // `watches_touch`: whether touched() is to be known, which costs time.
+  explicit Judge(double ball_radius_m, bool watches_touch = false)
+      : ball_radius_m_(ball_radius_m), watches_touch_(watches_touch) {}
   void look(sim::Simulation& simulation) override;
 
   // The trunk lay farther than 60 degrees from upright, at whatever time.
@@ -34,6 +36,7 @@ class Judge final : public Onlooker {
 
  private:
   double ball_radius_m_;
+  bool watches_touch_;
   bool fell_ = false;
   struct Touch {
     std::string thing, by;  // model; link of the robot
