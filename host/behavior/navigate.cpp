@@ -58,11 +58,9 @@ constexpr double kUnseen = 0.26;   // m, from the middle: below and just before 
 constexpr int kSpeck = 8;
 constexpr double kSpecksBeyond = 0.3;  // m
 constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
-// Discs, m, and what a path with so much room costs: there should be room for what map and odometry err,
-// but not at the price of a long way round. The last is what the hands reach.
-constexpr struct {
-  double radius_m, factor;
-} kRooms[] = {{0.19, 1}, {0.175, 1.15}, {0.16, 1.3}, {0.15, 1.5}};
+// m, of the disc: first with room for what map and odometry err; the last is what the hands reach. A nearer
+// way with less room is not taken: robots got stuck there.
+constexpr double kRadii[] = {0.19, 0.175, 0.16, 0.15};
 
 double wrapped(double angle) {
   return std::remainder(angle, 2 * std::numbers::pi);
@@ -253,15 +251,10 @@ class Navigation {
     ++plans_;
     const plan::Grid now = grid();
     plan::Planned found = plan::NoPath{};
-    double best_s = std::numeric_limits<double>::infinity();
-    for (const auto& [radius_m, factor] : kRooms) {
-      options_.radius_m = radius_m;
-      auto planned = KAZ_TRY(best_of(now));
-      const auto* path = std::get_if<plan::Path>(&planned);
-      if (path == nullptr && std::isfinite(best_s)) continue;
-      if (path != nullptr && factor * path->seconds >= best_s) continue;
-      if (path != nullptr) best_s = factor * path->seconds;
-      found = std::move(planned);
+    for (const double radius : kRadii) {
+      options_.radius_m = radius;
+      found = KAZ_TRY(best_of(now));
+      if (std::holds_alternative<plan::Path>(found)) break;
     }
     const auto* path = std::get_if<plan::Path>(&found);
     corners_ = path == nullptr ? std::vector<Vector2d>{} : path->corners;
