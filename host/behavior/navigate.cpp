@@ -58,9 +58,10 @@ constexpr double kUnseen = 0.26;   // m, from the middle: below and just before 
 constexpr int kSpeck = 8;
 constexpr double kSpecksBeyond = 0.3;  // m
 constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
-// m, of the disc: first with room for what map and odometry err; the last is what the hands reach. A nearer
+// m, of the disc: with room for what map and odometry err; the smallest is what the hands reach. A nearer
 // way with less room is not taken: robots got stuck there.
-constexpr double kRadii[] = {0.19, 0.175, 0.16, 0.15};
+constexpr double kWiderDiscs[] = {0.19, 0.175, 0.16};
+constexpr double kSmallestDisc = 0.15;
 
 double wrapped(double angle) {
   return std::remainder(angle, 2 * std::numbers::pi);
@@ -245,21 +246,26 @@ class Navigation {
     return until < 0 || look_ahead(map_.map(), facing, until, false).by != Ahead::By::obstacle;
   }
 
-  // With the largest disc for which there is a path.
   Result<plan::Planned> find_path() {
     body_.phase("plan");
     ++plans_;
-    const plan::Grid now = grid();
-    plan::Planned found = plan::NoPath{};
-    for (const double radius : kRadii) {
-      options_.radius_m = radius;
-      found = KAZ_TRY(best_of(now));
-      if (std::holds_alternative<plan::Path>(found)) break;
-    }
+    auto found = KAZ_TRY(roomiest());
     const auto* path = std::get_if<plan::Path>(&found);
     corners_ = path == nullptr ? std::vector<Vector2d>{} : path->corners;
     draw();
     return found;
+  }
+
+  // With the largest disc for which there is a path; without any, why there is none for the smallest.
+  Result<plan::Planned> roomiest() {
+    const plan::Grid now = grid();
+    for (const double radius : kWiderDiscs) {
+      options_.radius_m = radius;
+      auto found = KAZ_TRY(best_of(now));
+      if (std::holds_alternative<plan::Path>(found)) return found;
+    }
+    options_.radius_m = kSmallestDisc;
+    return best_of(now);
   }
 
   // Of the paths to all goals the fastest; without any, why there is none to the first.
