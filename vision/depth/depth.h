@@ -3,7 +3,7 @@
 //
 // Block matching on pictures filtered by a horizontal derivative (K. Konolige, "Small vision
 // systems", ISRR 1997), so that exposure and shading cancel out. A match is accepted only if
-// - the block has enough texture (`min_texture`),
+// - the block has enough texture (`min_texture`), and not only edges along the rows (depth_aperture.h),
 // - its cost is lower than that of any other disparity by `uniqueness_percent`,
 // - matching the right picture against the left one finds it again (left-right check);
 // subpixel interpolation uses the costs of the neighbouring disparities. Other pixels have no depth.

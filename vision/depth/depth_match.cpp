@@ -17,6 +17,8 @@ void StereoMatcher::match(const GreyPair& pair, int disparities, const MatchOpti
   const int min_texture =
       o.min_texture * o.block.block * o.block.block / 225;  // scaled from 15 x 15
   texture_.find(left_, o.block.block, min_texture, vectors, textured_);
+  fixed_ = textured_;
+  aperture_.clear(pair.left, pair.width, pair.height, o.block.block, vectors, fixed_);
   const auto width = static_cast<std::size_t>(pair.width);
   const std::size_t pixels = width * static_cast<std::size_t>(pair.height);
   const int half = o.block.block / 2, end = pair.height - half;
@@ -28,7 +30,7 @@ void StereoMatcher::match(const GreyPair& pair, int disparities, const MatchOpti
   blocks_.begin(left_, mirrored_, o.block);
   for (int v = half; v < end; ++v) {
     const std::size_t first = static_cast<std::size_t>(v) * width;
-    take_row(blocks_.row(v, &textured_[first]), &disparity[first], &cost_[first], vectors);
+    take_row(blocks_.row(v, &fixed_[first]), &disparity[first], &cost_[first], vectors);
   }
   if (o.slants == 0) return;
   for (const DisparityPlane& plane :

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "vision/depth/depth_aperture.h"
 #include "vision/depth/depth_blocks.h"
 #include "vision/depth/depth_slants.h"
 
@@ -32,8 +33,9 @@ class StereoMatcher {
   MirroredPicture mirrored_;
   BlockMatcher blocks_;
   BlockTexture texture_;
+  BlockAperture aperture_;
   SlantFinder slants_;
-  std::vector<std::uint8_t> textured_, wanted_;
+  std::vector<std::uint8_t> textured_, fixed_, wanted_;
   std::vector<std::int16_t> cost_;  // of the disparities found, by pixel
 
   // Replaces disparities near the plane by those of blocks slanted like it.

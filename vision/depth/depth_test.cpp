@@ -224,6 +224,49 @@ TEST(Depth, PicturesThatHaveNoneAreErrors) {
   EXPECT_TRUE(says(message(good, good, camera, {.nearest_m = 0.01}), "raise it"));
 }
 
+// An edge at a disparity of 20 px that falls by `slope` rows a column, in the right picture `up` px higher than
+// rectified. Of its blocks how many have depth, and how many of them within a pixel.
+struct EdgeScore {
+  int known = 0, good = 0;
+};
+EdgeScore edge_score(double slope, double up, bool vectors) {
+  const CameraModel camera = test_camera();
+  GreyPicture pictures[2];
+  std::vector<std::uint8_t> grey[2];
+  TestRandom random(3);
+  for (const int side : {0, 1}) {
+    for (int v = 0; v < 240; ++v) {
+      for (int u = 0; u < 320; ++u) {
+        const double over = v + side * up - 120 - slope * (u + side * 20 - 160);
+        const double noise = static_cast<double>(random.next() % 3) - 1;
+        grey[side].push_back(static_cast<std::uint8_t>(128 + 60 * std::tanh(over / 1.5) + noise));
+      }
+    }
+    pictures[side] = {320, 240, grey[side]};
+  }
+  DepthFinder finder({.slants = 0, .vectors = vectors});
+  DepthImage depth;
+  EXPECT_TRUE(finder.find(pictures[0], pictures[1], test_info(camera), depth));
+  EdgeScore s;
+  for (const float d : depth.disparity_px) {
+    if (d <= 0) continue;
+    ++s.known;
+    s.good += std::abs(d - 20) < 1 ? 1 : 0;
+  }
+  return s;
+}
+
+// Along an edge all points look alike, so one that runs along the rows fixes no disparity: a third of a pixel
+// between the eyes' rows would move it by several.
+TEST(Depth, EdgesAlongTheRowsHaveNone) {
+  for (const bool vectors : {false, true}) {
+    const EdgeScore flat = edge_score(0.12, 0.3, vectors), steep = edge_score(0.5, 0.3, vectors);
+    EXPECT_EQ(flat.known, 0);
+    EXPECT_GT(steep.known, 1500);
+    EXPECT_GT(steep.good, 0.98 * steep.known);
+  }
+}
+
 // Bytes without sense, and pictures that have nothing to do with each other.
 TEST(Depth, NoiseHasHardlyAnyDepth) {
   const CameraModel camera = test_camera();
