@@ -410,8 +410,10 @@ class Fuzzing {
           8 * totals_.worst_busy_8states, totals_.emulator_engine.c_str(),
           100.0 * static_cast<double>(totals_.translated_instructions) /
               static_cast<double>(std::max(1LL, totals_.instructions)));
-    if (arguments_.body)
+    if (arguments_.body && totals_.worst_overshoot_rad > 0)
       std::printf("furthest past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
+    else if (arguments_.body)
+      std::printf("no joint went past a soft limit\n");
     if (!violation) {
       std::printf("%s%s\n", totals_.cases > 0 ? "nothing was wrong" : "nothing was tried",
                   broken_off_.empty() ? "" : " until the run broke off");

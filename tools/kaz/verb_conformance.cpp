@@ -55,7 +55,7 @@ void add_conformance(CLI::App& program, Action& action) {
       "left out. The board there is left as it was found, also by Ctrl-C; kaz recover brings back "
       "one whose run was killed. A case that fails while this machine is late runs up to three "
       "times more, and is undecided then. All cases take a few "
-      "seconds on a virtual board, a minute or two on a port.\n"
+      "seconds on a virtual board, a minute or two on a port, some four with --allow-flash.\n"
       "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error or "
       "undecided.\n"
       "Examples:\n"

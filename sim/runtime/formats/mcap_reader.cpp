@@ -247,11 +247,11 @@ tl::unexpected<Error> too_large(const std::string& name) {
 
 }  // namespace
 
-bool McapRecording::has_messages(const std::string& topic) const {
-  return std::ranges::any_of(messages, [&](const Message& message) {
+std::size_t McapRecording::count(const std::string& topic) const {
+  return static_cast<std::size_t>(std::ranges::count_if(messages, [&](const Message& message) {
     const auto found = topics.find(message.channel);
     return found != topics.end() && found->second == topic;
-  });
+  }));
 }
 
 std::string McapRecording::interrupted_by() const {

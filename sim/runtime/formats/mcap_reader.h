@@ -39,7 +39,8 @@ struct McapRecording {
   std::size_t damaged_chunks = 0;  // their CRC is wrong; skipped
   bool whole = false;              // false: the file is truncated
 
-  bool has_messages(const std::string& topic) const;
+  std::size_t count(const std::string& topic) const;
+  bool has_messages(const std::string& topic) const { return count(topic) > 0; }
   // The signal that interrupted the run, "SIGINT"; empty: none.
   std::string interrupted_by() const;
   // Whether the run went on after what is recorded: the file is truncated, or the run was interrupted.

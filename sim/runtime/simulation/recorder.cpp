@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <utility>
 
 #include "sim/runtime/formats/little_endian.h"
@@ -71,8 +73,47 @@ constexpr char picture_schema[] =
     "================================================================================\n"
     "MSG: std_msgs/Header\n"
     "uint32 seq\ntime stamp\nstring frame_id\n";
+// nav_msgs and geometry_msgs as ROS has them, so that viewers draw them.
+#define KAZ_ROS_SEPARATOR \
+  "================================================================================\n"
+#define KAZ_ROS_HEADER     \
+  KAZ_ROS_SEPARATOR        \
+  "MSG: std_msgs/Header\n" \
+  "uint32 seq\ntime stamp\nstring frame_id\n"
+#define KAZ_ROS_POSE                                         \
+  KAZ_ROS_SEPARATOR                                          \
+  "MSG: geometry_msgs/Pose\n"                                \
+  "geometry_msgs/Point position\n"                           \
+  "geometry_msgs/Quaternion orientation\n" KAZ_ROS_SEPARATOR \
+  "MSG: geometry_msgs/Point\n"                               \
+  "float64 x\nfloat64 y\nfloat64 z\n" KAZ_ROS_SEPARATOR      \
+  "MSG: geometry_msgs/Quaternion\n"                          \
+  "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"
+constexpr char map_schema[] =
+    "# Probabilities of an obstacle, %; -1: unknown. Row by row, x fastest.\n"
+    "std_msgs/Header header\nnav_msgs/MapMetaData info\nint8[] data\n" KAZ_ROS_HEADER
+        KAZ_ROS_SEPARATOR
+    "MSG: nav_msgs/MapMetaData\n"
+    "time map_load_time\nfloat32 resolution\nuint32 width\nuint32 height\n"
+    "geometry_msgs/Pose origin\n" KAZ_ROS_POSE;
+constexpr char path_schema[] =
+    "# Corners, from start to goal; none: there is no path.\n"
+    "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n" KAZ_ROS_HEADER KAZ_ROS_SEPARATOR
+    "MSG: geometry_msgs/PoseStamped\n"
+    "std_msgs/Header header\ngeometry_msgs/Pose pose\n" KAZ_ROS_POSE;
+constexpr char pose_schema[] =
+    "# Where the robot takes itself to be: midway between its feet.\n"
+    "std_msgs/Header header\ngeometry_msgs/Pose pose\n" KAZ_ROS_HEADER KAZ_ROS_POSE;
 constexpr char fault_schema[] = "# A fault that begins, or was asked for.\nstring line\n";
 constexpr char behavior_schema[] = R"({"type": "object"})";
+
+// The beginning of std_msgs/Header: seq and stamp.
+LittleEndian& put_stamp(LittleEndian& to, Time time, std::uint32_t sequence = 0) {
+  constexpr std::int64_t second = 1'000'000'000;
+  return to.number(sequence)
+      .number(static_cast<std::uint32_t>(time.count() / second))
+      .number(static_cast<std::uint32_t>(time.count() % second));
+}
 
 }  // namespace
 
@@ -217,13 +258,9 @@ void Recorder::eyes(const Eyes::Digest& digest) {
 void Recorder::picture(std::uint16_t channel, const char* eye, const Eyes::Digest& digest,
                        std::span<const std::uint8_t> png) {
   if (png.empty()) return;
-  constexpr std::int64_t second = 1'000'000'000;
-  const std::int64_t stamp = digest.exposure.count();
   data_.clear();
-  LittleEndian(data_)
-      .number(static_cast<std::uint32_t>(digest.sequence))
-      .number(static_cast<std::uint32_t>(stamp / second))
-      .number(static_cast<std::uint32_t>(stamp % second))
+  LittleEndian to(data_);
+  put_stamp(to, digest.exposure, static_cast<std::uint32_t>(digest.sequence))
       .text(eye)
       .text("png")
       .number(static_cast<std::uint32_t>(png.size()))
@@ -234,6 +271,53 @@ void Recorder::picture(std::uint16_t channel, const char* eye, const Eyes::Diges
 void Recorder::behavior(States at, std::string_view json) {
   data_.assign(json.begin(), json.end());
   put(behavior_, time_of(at));
+}
+
+void Recorder::map(States at, const RecordedMap& map) {
+  if (!maps_) {
+    const auto channel = [this](const char* topic, const char* name, const char* text) {
+      return file_->add_channel(file_->add_schema(name, "ros1msg", text), topic, "ros1");
+    };
+    maps_ = {channel("/map", "nav_msgs/OccupancyGrid", map_schema),
+             channel("/map/path", "nav_msgs/Path", path_schema),
+             channel("/map/robot", "geometry_msgs/PoseStamped", pose_schema)};
+  }
+  LittleEndian to(data_);
+  const auto header = [&] { put_stamp(to, time_of(at)).text("map"); };
+  const auto pose = [&](const Eigen::Vector2d& place, double heading_rad) {
+    to.reals(std::array{place.x(), place.y(), 0.0});
+    to.reals(std::array{0.0, 0.0, std::sin(heading_rad / 2), std::cos(heading_rad / 2)});
+  };
+
+  data_.clear();
+  header();
+  to.number(std::uint32_t{0}).number(std::uint32_t{0});  // map_load_time
+  to.number(std::bit_cast<std::uint32_t>(static_cast<float>(map.cell_m)));
+  to.number(static_cast<std::uint32_t>(map.cells_x));
+  to.number(static_cast<std::uint32_t>(map.cells_y));
+  pose(map.corner, 0);
+  to.number(static_cast<std::uint32_t>(map.cells.size()));
+  for (const std::int8_t cell : map.cells) to.number(static_cast<std::uint8_t>(cell));
+  put(maps_->map, time_of(at));
+
+  data_.clear();
+  header();
+  to.number(static_cast<std::uint32_t>(map.path.size()));
+  double heading_rad = 0;  // the last corner has that of the leg that ends there
+  for (std::size_t i = 0; i < map.path.size(); ++i) {
+    if (i + 1 < map.path.size()) {
+      const Eigen::Vector2d leg = map.path[i + 1] - map.path[i];
+      heading_rad = std::atan2(leg.y(), leg.x());
+    }
+    header();
+    pose(map.path[i], heading_rad);
+  }
+  put(maps_->path, time_of(at));
+
+  data_.clear();
+  header();
+  pose(map.robot, map.heading_rad);
+  put(maps_->robot, time_of(at));
 }
 
 void Recorder::fault(States at, std::string_view line) {

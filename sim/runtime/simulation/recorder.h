@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 #include "sim/mcu/mcu.h"
 #include "sim/runtime/eyes/eyes.h"
 #include "sim/runtime/formats/mcap_writer.h"
+#include "sim/runtime/simulation/recorded_map.h"
 #include "vision/image/frame.h"
 
 namespace kaz::sim {
@@ -42,6 +44,7 @@ class Recorder {
   // With the pictures, if they were stored.
   void eyes(const Eyes::Digest& digest);
   void behavior(States at, std::string_view json);
+  void map(States at, const RecordedMap& map);
   // Start of a fault, as a line of docs/reference/faults.md.
   void fault(States at, std::string_view line);
 
@@ -61,6 +64,11 @@ class Recorder {
   std::unique_ptr<McapWriter> file_;
   std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, supply_, contacts_,
       link_forces_, joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
+  // From the first map on.
+  struct MapChannels {
+    std::uint16_t map, path, robot;
+  };
+  std::optional<MapChannels> maps_;
   std::vector<std::uint8_t> data_;  // of the current message
 };
 

@@ -313,6 +313,11 @@ void Simulation::record_behavior(std::string_view json) {
   if (recorder_) recorder_->behavior(now_, json);
 }
 
+void Simulation::record_map(const RecordedMap& map) {
+  const ProfileScope recording("recording");
+  if (recorder_) recorder_->map(now_, map);
+}
+
 Result<void> Simulation::start_recording(const std::string& path) {
   if (recorder_)
     return fail(Fault::usage, "cannot record into " + path +

@@ -36,6 +36,7 @@
 namespace kaz::sim {
 
 class Recorder;
+struct RecordedMap;
 
 struct SimulationOptions {
   McuKind mcu = McuKind::native;
@@ -124,6 +125,8 @@ class Simulation {
 
   // Records the behaviour's internal state (one JSON object) at the present time.
   void record_behavior(std::string_view json);
+  // Records the host's map at the present time.
+  void record_map(const RecordedMap& map);
   // Starts recording, as `recording_path` does from the start. Errors: the file cannot be written; a
   // recording is in progress.
   Result<void> start_recording(const std::string& path);

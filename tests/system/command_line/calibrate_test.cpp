@@ -281,6 +281,16 @@ TEST(Calibrate, RefusesTheSamePicturesForBothEyes) {
   expect_refusal(with_right(folder / "copy*.ppm"), 1, out, {});
 }
 
+TEST(Calibrate, RefusesCopiesOfAPair) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "stereo.yml";
+  copy_pairs(folder.path(), {"01", "03", "04", "05", "06"});
+  for (const std::string side : {"left", "right"})
+    fs::copy_file(kPictures + "/" + side + "04.jpg", folder / (side + "14.jpg"));
+  expect_refusal(calibrate(folder.path(), out), 2, out,
+                 {"left04.jpg", "left14.jpg", "exactly the same place"});
+}
+
 TEST(Calibrate, RefusesImplausibleSizes) {
   const TemporaryFolder folder;
   const std::string out = folder / "stereo.yml";

@@ -137,6 +137,53 @@ TEST_F(RecordingReader, DecodesTheNumbersThatWereWritten) {
   EXPECT_EQ(picture["header"]["stamp"]["nsec"], 33'000'000);
 }
 
+// As viewers of ROS draw them: a box 7 cm to each side of (0.55, 0.12), free floor to its right.
+TEST_F(RecordingReader, DecodesMapAndPath) {
+  const std::string out = *folder_ / "navigated";
+  const Finished made = run(kaz({"run", "navigate", "--goal", "0.5,-0.15", "--world", "boxes",
+                                 "--eyes", "real", "--imu", "--mcu", "native", "--out", out}),
+                            std::chrono::seconds(100));
+  ASSERT_EQ(made.exit_code, 0) << made.out << made.err;
+  const Finished read = read_by_npm(out + "/recording.mcap");
+  ASSERT_EQ(read.exit_code, 0) << read.err;
+  const json result = parse_json(read.out);
+  const json& channels = result["indexed"]["channels"];
+  EXPECT_EQ(channels["/map"]["schema"], "nav_msgs/OccupancyGrid");
+  const json& map = channels["/map"]["first"];
+  EXPECT_EQ(map["header"]["frame_id"], "map");
+  const json& info = map["info"];
+  const double cell = info["resolution"].get<double>();
+  EXPECT_NEAR(cell, 0.01, 1e-6);
+  const int width = info["width"].get<int>();
+  ASSERT_EQ(map["data"].size(), static_cast<std::size_t>(width * info["height"].get<int>()));
+  const auto at = [&](double x, double y) {
+    const json& origin = info["origin"]["position"];
+    const int column = static_cast<int>((x - origin["x"].get<double>()) / cell),
+              row = static_cast<int>((y - origin["y"].get<double>()) / cell);
+    return map["data"][static_cast<std::size_t>(row * width + column)].get<int>();
+  };
+  int obstacles = 0, floor = 0;
+  for (int i = -6; i <= 6; ++i) {
+    for (int j = -6; j <= 6; ++j) {
+      obstacles += at(0.49 + 0.01 * i, 0.12 + 0.01 * j) > 50 ? 1 : 0;
+      const int free = at(0.5 + 0.01 * i, -0.15 + 0.01 * j);
+      floor += free >= 0 && free < 50 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(obstacles, 12);
+  EXPECT_GT(floor, 160);
+  EXPECT_EQ(at(-1.9, 1.9), -1);
+
+  EXPECT_EQ(channels["/map/path"]["schema"], "nav_msgs/Path");
+  const json& poses = channels["/map/path"]["first"]["poses"];
+  ASSERT_GE(poses.size(), 2u);
+  EXPECT_NEAR(poses.front()["pose"]["position"]["x"].get<double>(), 0, 0.03);
+  EXPECT_NEAR(poses.back()["pose"]["position"]["x"].get<double>(), 0.5, 1e-9);
+  EXPECT_NEAR(poses.back()["pose"]["position"]["y"].get<double>(), -0.15, 1e-9);
+  EXPECT_EQ(channels["/map/robot"]["schema"], "geometry_msgs/PoseStamped");
+  EXPECT_NEAR(channels["/map/robot"]["first"]["pose"]["orientation"]["w"].get<double>(), 1, 0.01);
+}
+
 TEST_F(RecordingReader, RefusesOneFlippedBit) {
   const std::string damaged = *folder_ / "damaged.mcap";
   std::string bytes = read_file(file());

@@ -162,8 +162,9 @@ std::optional<Error> FlashSession::at_another_address(const Error& error) {
 }
 
 Error FlashSession::start_again(const Error& error) {
-  if (error.fault != Fault::interrupted || !flasher_ || !flasher_->found() ||
-      !flasher_->found()->by_loader || !flasher_->left_behind().empty())
+  const bool given_up = error.fault == Fault::interrupted || error.fault == Fault::usage;
+  if (!given_up || !flasher_ || !flasher_->found() || !flasher_->found()->by_loader ||
+      !flasher_->left_behind().empty())
     return error;
   const host::CleanUp clean_up(interrupt_);
   const auto started = flasher_->run(nullptr);

@@ -103,15 +103,15 @@ class Feeder {
 // In pieces, so that a long run shows that it is alive.
 h8s::Stop run_until(h8s::Chip& chip, h8s::States until, bool quiet, Feeder& feeder,
                     const host::Interrupt& interrupt) {
-  // With a trace on a slow disc some tenths of a second.
-  constexpr h8s::States kPiece = 1'000'000;
+  // With a trace and signals on a slow disc some tenths of a second.
+  constexpr h8s::States kPiece = 250'000;
   Progress progress("kaz mcu run", quiet);
   h8s::Stop stop;
   h8s::States shown = 0;
   while (chip.now() < until && stop.reason == h8s::Stop::Reason::reached &&
          !interrupt.requested()) {
     stop = chip.run_until(std::min(until, feeder.feed(chip, chip.now() + kPiece)));
-    if (until > 1000 * kPiece && chip.now() - shown >= 20 * kPiece) {
+    if (until > 4000 * kPiece && chip.now() - shown >= 80 * kPiece) {
       shown = chip.now();
       progress.update(static_cast<double>(shown) / static_cast<double>(until), "");
     }

@@ -37,6 +37,7 @@ class LockstepBackend final : public SessionBackend {
   Time camera_latency() const override { return from_seconds(simulation_->camera().latency_s); }
   sim::Simulation* simulation() override { return simulation_.get(); }
   void record_behavior(const std::string& json) override { simulation_->record_behavior(json); }
+  void record_map(const sim::RecordedMap& map) override { simulation_->record_map(map); }
 
  private:
   std::unique_ptr<sim::Simulation> simulation_;

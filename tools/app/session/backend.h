@@ -46,6 +46,7 @@ class SessionBackend {
   virtual sim::Simulation* simulation() = 0;
   // The state of the behaviour, as one JSON object, for a recording where there is one.
   virtual void record_behavior(const std::string& /*json*/) {}
+  virtual void record_map(const sim::RecordedMap& /*map*/) {}
 };
 
 // Checks what can be checked without opening anything.

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/map_picture.h"
 
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -110,6 +109,23 @@ figure::Image map_picture(const behavior::MapReport& report) {
        figure::kBlack, 2.5);
   figure::draw_text(image, 6, image.height - 8, "lines every 0.5 m", 11, figure::kWhite);
   return image;
+}
+
+sim::RecordedMap recorded_map(const behavior::MapReport& report) {
+  const map::LocalMap& map = report.map;
+  const double cell_m = map.options().cell_m, corner = map.middle(0) - cell_m / 2;
+  sim::RecordedMap out{cell_m, map.cells(), map.cells(),  {corner, corner},
+                       {},     report.path, report.robot, report.heading_rad};
+  out.cells.reserve(static_cast<std::size_t>(map.cells()) * static_cast<std::size_t>(map.cells()));
+  for (int y = 0; y < map.cells(); ++y) {
+    for (int x = 0; x < map.cells(); ++x) {
+      const bool known = map.cell(x, y).state != map::CellState::unknown;
+      const double probability = 1 / (1 + std::exp(-map.log_odds(x, y)));
+      out.cells.push_back(
+          static_cast<std::int8_t>(known ? std::lround(100 * probability) : std::int64_t{-1}));
+    }
+  }
+  return out;
 }
 
 }  // namespace kaz::tools

@@ -82,6 +82,7 @@ class Listener final : public behavior::Sink {
   void map(const behavior::MapReport& report) override {
     const CallGate::Call call(gate_);
     map_ = map_picture(report);
+    backend_.record_map(recorded_map(report));
   }
 
   const behavior::Recording& recording() const { return recording_; }

@@ -70,6 +70,16 @@ Result<Look> look(const std::string& path, const Board& board, Sightings& all, s
   return Look{std::move(*image), std::move(corners)};
 }
 
+// Copies of a picture would make lenses look better known than they are; of two that were taken, noise moves the
+// corners.
+Result<void> check_new(const vision::Corners& corners, const std::string& path,
+                       const vision::Corners& before, const std::string& path_before) {
+  if (corners.empty() || corners != before) return {};
+  return fail(Fault::usage,
+              "'" + path_before + "' and '" + path +
+                  "' show the board at exactly the same place: give each picture once");
+}
+
 Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board& board,
                               bool quiet) {
   Sightings all;
@@ -85,6 +95,11 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
       return fail(Fault::usage,
                   "'" + files.left + "' and '" + files.right +
                       "' are the same picture: give --left and --right pictures of two eyes");
+    for (std::size_t i = 0; i < all.pairs.size(); ++i) {
+      const PicturePair& before = all.pairs[i].files;
+      KAZ_TRY(check_new(left.corners, files.left, all.boards[i].left, before.left));
+      KAZ_TRY(check_new(right.corners, files.right, all.boards[i].right, before.right));
+    }
     all.pairs.push_back(sighting);
     all.boards.push_back({left.corners, right.corners});
   }

@@ -389,6 +389,14 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
     return fail(Fault::usage, options.in + ": nothing looked at its pictures");
+  const std::size_t pairs = recorded.count("/eyes/left");
+  if (ran && !*ran && !watcher.full() && watcher.report()->frames().size() < pairs)
+    std::fprintf(
+        stderr,
+        "kaz vision run: of %zu pairs recorded %zu were looked at: then the behaviour, which "
+        "runs again on them, acted otherwise than recorded, as another version does; `kaz "
+        "replay --host %s` says where\n",
+        pairs, watcher.report()->frames().size(), options.in.c_str());
   return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
                                  vision, folder, interrupted));
 }
