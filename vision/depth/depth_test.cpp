@@ -224,8 +224,8 @@ TEST(Depth, PicturesThatHaveNoneAreErrors) {
   EXPECT_TRUE(says(message(good, good, camera, {.nearest_m = 0.01}), "raise it"));
 }
 
-// An edge at a disparity of 20 px that falls by `slope` rows a column, in the right picture `up` px higher than
-// rectified. Of its blocks how many have depth, and how many of them within a pixel.
+// An edge at a disparity of 20 px that falls by `slope` rows a column, in the right picture `up` px higher
+// than rectified. Of its blocks how many have depth, and how many of them within a pixel.
 struct EdgeScore {
   int known = 0, good = 0;
 };

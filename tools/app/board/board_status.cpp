@@ -92,7 +92,9 @@ void print(const Json& now, const std::string& fault) {
               now["drivers_celsius"].get<double>());
   const auto failed = now.value("self_test_failed", std::string());
   std::printf("self-test: %s; calibration: %s\n", failed.empty() ? "passed" : failed.c_str(),
-              now["calibrated"].get<bool>() ? "from flash" : "none stored, nominal values unless a host has set others");
+              now["calibrated"].get<bool>()
+                  ? "from flash"
+                  : "none stored, nominal unless a host has set other values");
   std::printf("link: %d frames, %d refused, %d damaged; watchdog %d ms, then %s\n",
               now["frames"].get<int>(), now["refusals"].get<int>(),
               now["damaged_frames"].get<int>(), now["watchdog_ms"].get<int>(),

@@ -70,8 +70,8 @@ Result<Look> look(const std::string& path, const Board& board, Sightings& all, s
   return Look{std::move(*image), std::move(corners)};
 }
 
-// Copies of a picture would make lenses look better known than they are; of two that were taken, noise moves the
-// corners.
+// Copies of a picture would make lenses look better known than they are; of two that were taken, noise
+// moves the corners.
 Result<void> check_new(const vision::Corners& corners, const std::string& path,
                        const vision::Corners& before, const std::string& path_before) {
   if (corners.empty() || corners != before) return {};
