@@ -44,10 +44,13 @@ constexpr Time kGyroStill = std::chrono::milliseconds(1200);
 constexpr Time kHeadSettles = std::chrono::milliseconds(250);
 
 constexpr double kArrived = 0.030, kHeadingArrived = 5 * kDegree;  // m, rad, by odometry
+constexpr double kTooFarBeside = 0.040;  // m, after the turn to the heading: approaches again
+constexpr int kApproaches = 2;
 constexpr double kSteered = 9 * kDegree;  // a turn that is walked as a bend
-constexpr double kPiece = 0.45;           // m, walked before the next look
-constexpr double kShortest = 0.04;        // m, walked at all
-constexpr double kBack = 0.10;            // m, up to which the goal behind is walked to backwards
+// m, walked before the next look: after 0.45 the floor that both looks see was too little to match.
+constexpr double kPiece = 0.3;
+constexpr double kShortest = 0.04;  // m, walked at all
+constexpr double kBack = 0.10;      // m, up to which the goal behind is walked to backwards
 // The ball: approach takes over so near to it, or before it; how far the map may smear it; toes before the
 // middle.
 constexpr double kApproachable = 0.40, kStandOff = 0.30, kBallMargin = 0.045, kToes = 0.08;  // m
@@ -360,8 +363,15 @@ class Navigation {
     for (int moves = 0; moves < kMaxMoves && !body_.fallen(); ++moves) {
       const Vector2d there = goal_now() - here();
       if (!goal_.ball && there.norm() < kArrived) {
-        if (looked_since_move_) return turn_to_heading();
-        KAZ_TRY(look(kAhead));  // the floor's pattern may say otherwise
+        if (!looked_since_move_) {
+          KAZ_TRY(look(kAhead));  // the floor's pattern may say otherwise
+          continue;
+        }
+        auto arrived = KAZ_TRY(turn_to_heading());
+        // A turn on the spot moves the robot by some centimetres.
+        const bool beside = (goal_now() - here()).norm() > kTooFarBeside;
+        if (!arrived.success || !beside || again_ == kApproaches) return arrived;
+        ++again_;
         continue;
       }
       const double behind =
@@ -470,7 +480,7 @@ class Navigation {
   std::optional<Vector2d> looked_around_at_;
   std::vector<Vector2d> closed_, corners_, trail_;
   double walked_m_ = 0, moving_s_ = 0;
-  int turns_ = 0, looks_ = 0, plans_ = 0, stepped_back_ = 0, explored_ = 0;
+  int turns_ = 0, looks_ = 0, plans_ = 0, stepped_back_ = 0, explored_ = 0, again_ = 0;
   bool looked_since_move_ = false;
   bool explores_ = false;  // goes to where it can see the goal, which seems not free from afar
 };

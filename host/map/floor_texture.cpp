@@ -20,6 +20,7 @@ constexpr double kFarthest = 0.95, kAhead = 0.55;  // m from the eye; of the squ
 constexpr int kBox = 4;                            // cells to each side, of the mean
 constexpr int kShift = 8;                          // cells: 6.4 cm
 constexpr int kTurns = 6;                          // degrees, to each side
+constexpr double kFineTurn = 0.25 * kDegree;
 constexpr double kMinOverlap = 0.12, kMinCorrelation = 0.4;
 // Of the correlation, at a shift of 2 cm or a turn of 6 degrees: on a floor of planks, which look alike along
 // the grain, the smallest shift is the likeliest.
@@ -145,23 +146,35 @@ struct Best {
   int dx = 0, dy = 0, both = 0;
 };
 
+// Of one shift and turn; a score of -2 where too little is in common.
+Best score_of(const FloorView& a, const FloorView& b, double turn_rad, int dx, int dy) {
+  const Sums sums = overlap(a, b, dx, dy);
+  if (sums.both * kCell * kCell < kMinOverlap || sums.aa == 0 || sums.bb == 0) return {};
+  const double correlation = static_cast<double>(sums.ab) /
+                             std::sqrt(static_cast<double>(sums.aa) * static_cast<double>(sums.bb));
+  const double shift = kCell * std::hypot(dx, dy) / kPriorShift, turn = turn_rad / kPriorTurn;
+  const double score = correlation - kPrior * (shift * shift + turn * turn);
+  return {score, correlation, dx, dy, sums.both};
+}
+
 // The best shift of one turn. `step`: of the shifts tried.
 Best best_shift(const FloorView& a, const FloorView& b, double turn_rad, int from_x, int from_y,
                 int reach, int step) {
   Best best;
   for (int dx = from_x - reach; dx <= from_x + reach; dx += step) {
     for (int dy = from_y - reach; dy <= from_y + reach; dy += step) {
-      const Sums sums = overlap(a, b, dx, dy);
-      if (sums.both * kCell * kCell < kMinOverlap || sums.aa == 0 || sums.bb == 0) continue;
-      const double correlation =
-          static_cast<double>(sums.ab) /
-          std::sqrt(static_cast<double>(sums.aa) * static_cast<double>(sums.bb));
-      const double shift = kCell * std::hypot(dx, dy) / kPriorShift, turn = turn_rad / kPriorTurn;
-      const double score = correlation - kPrior * (shift * shift + turn * turn);
-      if (score > best.score) best = {score, correlation, dx, dy, sums.both};
+      const Best one = score_of(a, b, turn_rad, dx, dy);
+      if (one.score > best.score) best = one;
     }
   }
   return best;
+}
+
+// Where the parabola through the scores at -1, 0 and 1 is highest, of a middle that is: within -0.5..0.5.
+double top(double before, double here, double after) {
+  const double bend = before - 2 * here + after;
+  if (before < -1 || after < -1 || !(bend < 0)) return 0;
+  return std::clamp(0.5 * (before - after) / bend, -0.5, 0.5);
 }
 
 }  // namespace
@@ -191,13 +204,23 @@ std::optional<FloorShift> match_floor(const FloorView& before, const FloorPictur
   if (best.score < -1) return std::nullopt;
   const Best coarse = best;
   const double coarse_turn = turn;
-  for (const double degrees : {-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75})
-    attempt(coarse_turn + degrees * kDegree, coarse.dx, coarse.dy, 2, 1);
+  for (const int quarters : {-3, -2, -1, 0, 1, 2, 3})
+    attempt(coarse_turn + quarters * kFineTurn, coarse.dx, coarse.dy, 2, 1);
   if (best.correlation < kMinCorrelation || std::abs(best.dx) > kShift ||
       std::abs(best.dy) > kShift || std::abs(turn) > (kTurns + 0.5) * kDegree)
     return std::nullopt;
-  return FloorShift{kCell * Vector2d(best.dx, best.dy), turn, best.correlation,
-                    best.both * kCell * kCell};
+  const FloorView here = turned(turn);
+  const auto moved = [&](int dx, int dy) {
+    return score_of(before, here, turn, best.dx + dx, best.dy + dy).score;
+  };
+  const auto turned_by = [&](double more) {
+    return score_of(before, turned(turn + more), turn + more, best.dx, best.dy).score;
+  };
+  const Vector2d part(top(moved(-1, 0), best.score, moved(1, 0)),
+                      top(moved(0, -1), best.score, moved(0, 1)));
+  const double turn_part = top(turned_by(-kFineTurn), best.score, turned_by(kFineTurn));
+  return FloorShift{kCell * (Vector2d(best.dx, best.dy) + part), turn + kFineTurn * turn_part,
+                    best.correlation, best.both * kCell * kCell};
 }
 
 }  // namespace kaz::map

@@ -100,8 +100,8 @@ TEST(FloorTexture, ReportsHowFarOdometryErrs) {
     const auto found =
         match(kCarpet, before, one.truth, foot(at.x(), at.y(), heading - one.turn_deg * kDegree));
     ASSERT_TRUE(found) << one.turn_deg;
-    EXPECT_NEAR(found->shift.x(), one.dx, 0.006) << one.turn_deg;
-    EXPECT_NEAR(found->shift.y(), one.dy, 0.006) << one.turn_deg;
+    EXPECT_NEAR(found->shift.x(), one.dx, 0.004) << one.turn_deg;
+    EXPECT_NEAR(found->shift.y(), one.dy, 0.004) << one.turn_deg;
     EXPECT_NEAR(found->turn_rad, one.turn_deg * kDegree, kTurnError) << one.turn_deg;
     EXPECT_GT(found->correlation, 0.5);
     EXPECT_GT(found->overlap_m2, 0.12);

@@ -37,6 +37,10 @@ class RobotFolder {
   std::string world() const { return folder_ / "world.sdf"; }
   std::string robot() const { return folder_ / "kaz.urdf"; }
   std::string camera() const { return folder_ / "camera.json"; }
+  std::filesystem::path folder() const { return folder_; }
+  // What it holds.
+  static constexpr const char* kFiles[] = {"world.sdf", "kaz.urdf", "motor.xml", "camera.json",
+                                           "sensors.xml"};
 
  private:
   explicit RobotFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}

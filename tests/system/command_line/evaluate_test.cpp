@@ -57,12 +57,18 @@ TEST(Evaluate, PartsJoinToTheWhole) {
     ASSERT_TRUE(all[0]["scenario"].contains(what)) << what;
     EXPECT_NE(all[0]["scenario"][what], all[1]["scenario"][what]) << what;
   }
-  // A failure leaves its recording, a success does not.
+  // A failure leaves its recording, which replays; a success does not.
+  int replayed = 0;
   for (int i = 0; i < 4; ++i) {
     const bool success = all[static_cast<std::size_t>(i)]["success"].get<bool>();
     const std::string kept = folder / ("whole/failures/00000" + std::to_string(i));
     EXPECT_EQ(fs::exists(kept + "/recording.mcap"), !success) << i;
+    if (success || replayed++ > 0) continue;
+    const Finished again = run(kaz({"replay", kept + "/recording.mcap"}));
+    EXPECT_EQ(again.exit_code, 0) << again.out << again.err;
+    EXPECT_NE(again.out.find("identical"), std::string::npos) << again.out;
   }
+  EXPECT_GT(replayed, 0);
 
   for (const char* part : {"1/2", "2/2"}) {
     const Finished done = evaluate({"--episodes", "4", "--shard", part, "--out", folder / part});
@@ -236,8 +242,8 @@ TEST(Evaluate, KeepsWhatOthersPutIntoItsFolder) {
 // the behaviour ran to an end of its own is not.
 TEST(Evaluate, RunsInRealTimeToo) {
   const TemporaryFolder folder;
-  const Finished finished = evaluate(
-      {"--realtime", "--episodes", "1", "--colors", "green", "--out", folder / "live"});
+  const Finished finished =
+      evaluate({"--realtime", "--episodes", "1", "--colors", "green", "--out", folder / "live"});
   EXPECT_LE(finished.exit_code, 1) << finished.err;
   const auto all = without_speed(folder / "live", 1);
   ASSERT_EQ(all.size(), 1u) << finished.err;

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "shared/base/files.hpp"
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
 #include "tools/app/session/plugin_guard.h"
@@ -29,6 +30,18 @@ Result<void> remove_run(const std::string& folder) {
   KAZ_TRY(OutputFolder::begin(folder, run_output()));  // its list goes with the object
   std::error_code ignored;
   fs::remove(folder, ignored);
+  return {};
+}
+
+// World and robot beside the recording, where kaz replay finds them.
+Result<void> keep_files(const trials::RobotFolder& files, const std::string& failure) {
+  const auto folder = KAZ_TRY(OutputFolder::open(failure, run_output()));
+  for (const char* name : trials::RobotFolder::kFiles) {
+    constexpr std::size_t max_bytes = 16 << 20;
+    const auto bytes = KAZ_TRY(read_whole_file((files.folder() / name).string(), max_bytes));
+    KAZ_TRY(folder.add(name));
+    KAZ_TRY(folder.explained(folder.write(name, bytes)));
+  }
   return {};
 }
 
@@ -138,7 +151,11 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
 
   const std::string cause =
       ended.crashed ? "crashed" : cause_of_failure(options.behavior, values, ended.outcome, judge);
-  if (cause.empty()) KAZ_TRY(remove_run(kept));
+  if (cause.empty()) {
+    KAZ_TRY(remove_run(kept));
+  } else if (!ended.crashed) {
+    KAZ_TRY(keep_files(files, kept));
+  }
   return episode_json(number, scenario, ended, cause, judge);
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/replay/recorded_backend.h"
 
+#include <filesystem>
+
 #include <nlohmann/json.hpp>
 
 #include "shared/base/enum_names.hpp"
@@ -31,6 +33,16 @@ Result<void> choose(const std::string& name, const std::array<T, N>& values, T& 
 }
 
 }  // namespace
+
+void find_beside(BackendOptions& options, const std::string& recording) {
+  namespace fs = std::filesystem;
+  for (std::string* file : {&options.world, &options.robot_file}) {
+    std::error_code none;
+    const fs::path beside = fs::path(recording).parent_path() / fs::path(*file).filename();
+    const bool is_path = file->find('/') != std::string::npos;
+    if (is_path && !fs::exists(*file, none) && fs::exists(beside, none)) *file = beside.string();
+  }
+}
 
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
                                          const std::string& name) {

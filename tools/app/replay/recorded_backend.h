@@ -21,4 +21,8 @@ struct RecordedBackend {
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
                                          const std::string& name);
 
+// World and robot that are not where they were, and are beside the recording: as kaz evaluate keeps them of
+// episodes that failed.
+void find_beside(BackendOptions& options, const std::string& recording);
+
 }  // namespace kaz::tools

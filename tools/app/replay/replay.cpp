@@ -45,6 +45,7 @@ std::string topic_of(const sim::McapRecording& recording, const Message& message
 Result<SessionOptions> session_of(const sim::McapRecording& recording,
                                   const ReplayOptions& options) {
   auto recorded = KAZ_TRY(recorded_backend(recording, options.file));
+  find_beside(recorded.backend, options.file);
   SessionOptions session;
   session.behavior = recorded.behavior;
   // Which code is loaded is the user's choice, never the recording's.
