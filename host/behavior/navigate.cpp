@@ -55,9 +55,8 @@ constexpr double kBack = 0.10;      // m, up to which the goal behind is walked 
 // middle.
 constexpr double kApproachable = 0.40, kStandOff = 0.30, kBallMargin = 0.045, kToes = 0.08;  // m
 constexpr int kSides = 12;
-constexpr double kOwnBody =
-    0.22;  // m, from the middle of a foot: to the other side's hand, and toes
-constexpr double kUnseen = 0.26;  // m, from the middle: below and just before the robot
+constexpr double kOwnBody = 0.22;  // m, from a foot's middle to the other side's hand
+constexpr double kUnseen = 0.26;   // m, from the middle: below and just before the robot
 // Fewer obstacle cells together are strays of depth; near by all count.
 constexpr int kSpeck = 8;
 constexpr double kSpecksBeyond = 0.3;  // m
