@@ -26,7 +26,8 @@ using Eigen::Vector2d;
 
 constexpr Option kOptions[] = {
     {"goal", "0.6,0", "X,Y or X,Y,HEADING or ball", 0, 0,
-     "m ahead and to the left of the start; degrees, + to the left; or the ball, which is caught",
+     "m ahead and to the left of the start, up to 3 m away; degrees up to 360, + to the left; or "
+     "the ball, which is caught",
      false, is_navigation_goal},
     {"turns", "steered", "steered|paper", 0, 0, "paper: turns are multiples of 45 degrees"},
     {"unknown", "costly", "costly|closed", 0, 0,
@@ -385,9 +386,10 @@ class Navigation {
       explores_ = explores_ && there.norm() > kStandOff + kShortest;
       const auto planned = KAZ_TRY(find_path());
       if (const auto* none = std::get_if<plan::NoPath>(&planned)) {
+        const std::string why = text_of(*none);
         const auto again = KAZ_TRY(try_otherwise(*none));
         if (again) continue;
-        return Outcome{false, "no path: " + plan::text(*none, options_), {}, "no path"};
+        return Outcome{false, "no path: " + why, {}, "no path"};
       }
       const auto& path = std::get<plan::Path>(planned);
       if (path.legs.empty()) break;
@@ -418,6 +420,15 @@ class Navigation {
     const Vector2d before = here();
     const bool went = KAZ_TRY(go(there.norm(), off));
     return went && (here() - before).norm() > 0.01;
+  }
+
+  // Planned to places around the goal it is the first of these that is meant.
+  std::string text_of(const plan::NoPath& none) const {
+    const std::string text = plan::text(none, options_), goal = "the goal";
+    const bool around = goal_.ball || explores_;
+    if (!around || !text.starts_with(goal)) return text;
+    return (goal_.ball ? "the place 0.3 m before the ball" : "the place 0.3 m before the goal") +
+           text.substr(goal.size());
   }
 
   // What may help where there is no path. False: nothing was left to try.
