@@ -127,7 +127,8 @@ double JointMotor::pressing(const Row& row) const {
   const double torque = std::clamp(row.velocity / row.softness, row.min, row.max);
   if (state_.regime != Regime::held || jammed_) return torque;
   const double breakaway = params_->friction_nm * params_->stiction_ratio;
-  return std::clamp(torque, drive_torque_ - breakaway, drive_torque_ + breakaway);
+  const double held = std::clamp(torque, drive_torque_ - breakaway, drive_torque_ + breakaway);
+  return slipping_ ? std::clamp(held, row.min, row.max) : held;
 }
 
 // The row without backlash: rotor and joint have the same speed. Moving: w = u_free - T / K. Held: a stiff
@@ -135,9 +136,12 @@ double JointMotor::pressing(const Row& row) const {
 JointMotor::Row JointMotor::tight_row(double angle) {
   if (state_.regime != Regime::held) return {free_speed_, 1.0 / stiffness_, max_, -max_};
   const double wound = step_s_ * kHeldSoftness / kHeldCorrection;  // rad per Nm held
-  // A slipping clutch has no rest angle: the angle after slipping is the new one.
-  if (state_.stopped || slipping_) {
-    state_.rotor_angle = angle + (slipping_ ? 0 : wound * state_.press);
+  if (state_.stopped) {
+    state_.rotor_angle = angle + wound * std::clamp(state_.press, -max_, max_);
+  } else if (slipping_) {
+    // Once it has slipped the clutch rests at another angle, wound up by its torque.
+    state_.rotor_angle =
+        angle + std::clamp(state_.rotor_angle - angle, -wound * max_, wound * max_);
   }
   state_.stopped = false;
   return {kHeldCorrection * (state_.rotor_angle - angle) / step_s_, kHeldSoftness, max_, -max_};

@@ -110,6 +110,39 @@ TEST(JointMotor, TakesNoHarmFromADutyThatIsNoNumber) {
   EXPECT_NEAR(bench.speed, (2.288 - kFriction) / kBackEmf, 1e-6);
 }
 
+// A clutch of 0.5 Nm on a motor that stalls at 2.2 Nm: it carries this much, moving or blocked, and no more.
+TEST(JointMotor, ASlippingGearTransmitsItsTorque) {
+  for (const double load : {0.45, 0.55}) {
+    Bench bench;
+    bench.slip_nm = 0.5;
+    bench.run(0.5, 1.0, true, 10, -load);
+    EXPECT_EQ(bench.speed > 0, load < 0.5) << load;
+  }
+  Bench blocked;
+  blocked.slip_nm = 0.5;
+  blocked.inertia = 1e4;  // a wall
+  for (int i = 0; i < 200; ++i) {
+    blocked.step(1.0, true, 10, 0);
+    if (i > 5) {
+      ASSERT_NEAR(blocked.torque, 0.5, 1e-3) << i;
+    }
+  }
+  // Below its torque it does not slip: the wall gets what the motor presses.
+  blocked.run(0.05, 0.15, true, 10, 0);
+  EXPECT_NEAR(blocked.torque, 0.15 * 10 * kSlope - kFriction, 0.02);
+}
+
+TEST(JointMotor, ASlippingGearHoldsByFrictionAndDoesNotPush) {
+  Bench bench;
+  bench.slip_nm = 0.1;  // below the motor's breakaway torque: the rotor stays held
+  bench.run(0.1, 0, false, 10, 0.08);
+  EXPECT_NEAR(bench.speed, 0, 1e-3);
+  bench.run(0.1, 0, false, 10, 0.15);
+  EXPECT_NEAR(bench.speed, 0.05 / bench.inertia * 0.1, 0.5) << "0.15 Nm against 0.1 Nm";
+  bench.run(1, 0, false, 10, 0);
+  EXPECT_NEAR(bench.speed, 0, 1e-6) << "the clutch brakes it, and comes to rest";
+}
+
 TEST(JointMotor, IsStableOnTheLightestLink) {
   Bench bench;
   bench.inertia = 1e-6;

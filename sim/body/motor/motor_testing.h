@@ -31,6 +31,7 @@ struct MotorBench {
     MotorDrive drive;
     drive.duty = duty;
     drive.powered = powered;
+    drive.slip_nm = slip_nm;
     const JointMotor::Row row = motor.prepare(drive, volts, angle, speed);
     const double free = speed + h / inertia * load;
     torque = std::clamp((row.velocity - free) / (row.softness + h / inertia), row.min, row.max);
@@ -43,6 +44,7 @@ struct MotorBench {
   }
 
   double h, inertia, angle = 0, speed = 0, torque = 0;
+  double slip_nm = MotorDrive{}.slip_nm;
   JointMotor motor;
 };
 
