@@ -155,7 +155,9 @@ void BoardLine::take(std::uint8_t type, std::span<const std::uint8_t> fields, Ti
   arrivals_.push_back(arrival);
 }
 
-CycleLoad::CycleLoad(BoardLine& line, const kz_state_reply& state) : line_(line) {
+CycleLoad::CycleLoad(BoardLine& line, const kz_state_reply& state,
+                     std::function<void(double)> progress)
+    : line_(line), progress_(std::move(progress)) {
   kz_targets targets{};
   targets.mask = KZ_ALL_JOINTS;
   std::copy(std::begin(state.angle), std::end(state.angle), std::begin(targets.angle));
@@ -180,18 +182,26 @@ Result<bool> CycleLoad::receive(Time deadline) {
   if (!targets) return tl::unexpected(targets.error());
   under_way_.erase(under_way_.begin());
   ++cycles_;
+  report_progress();
   return true;
 }
 
+void CycleLoad::report_progress() {
+  constexpr int kCyclesBetween = 32;
+  if (!progress_ || cycles_ % kCyclesBetween != 0) return;
+  progress_(std::min(1.0, seconds(line_.clock().now() - start_) / seconds(end_ - start_)));
+}
+
 Result<void> CycleLoad::run(double rate_hz, Time end) {
-  const Time start = line_.clock().now();
+  start_ = line_.clock().now();
+  end_ = end;
   if (auto ran = rate_hz > 0 ? run_paced(from_seconds(1 / rate_hz), end) : run_fast(end); !ran) {
     return ran;
   }
   while (!under_way_.empty()) {
     KAZ_TRY(receive(Time::max()));
   }
-  seconds_ = seconds(line_.clock().now() - start);
+  seconds_ = seconds(line_.clock().now() - start_);
   return {};
 }
 

@@ -84,8 +84,8 @@ class BoardLine {
 // which takes as many bytes; with the joints on they are where the joints stood.
 class CycleLoad {
  public:
-  // `state`: where the joints stand.
-  CycleLoad(BoardLine& line, const kz_state_reply& state);
+  // `state`: where the joints stand. `progress` gets the share of run() that is over, 0 to 1.
+  CycleLoad(BoardLine& line, const kz_state_reply& state, std::function<void(double)> progress);
   // At `rate_hz`, or as fast as the link takes them (0), until `end`; then waits for the last reply.
   Result<void> run(double rate_hz, Time end);
   int cycles() const { return cycles_; }  // whose angles came
@@ -99,10 +99,13 @@ class CycleLoad {
   Result<void> run_paced(Time period, Time end);
   Result<void> send();
   Result<bool> receive(Time deadline);  // the oldest cycle
+  void report_progress();
 
   BoardLine& line_;
   host::Request targets_, state_;
   std::vector<Cycle> under_way_;
+  std::function<void(double)> progress_;
+  Time start_ = Time::zero(), end_ = Time::zero();
   int cycles_ = 0;
   double seconds_ = 0;
 };

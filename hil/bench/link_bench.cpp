@@ -137,8 +137,9 @@ class LinkBench {
     if (options_.allow_motion) {
       if (auto on = line_.enable(true); !on) return on;
     }
-    progress(kTripsShare, "control cycles");
-    CycleLoad load(line_, state);
+    CycleLoad load(line_, state, [this](double share) {
+      progress(kTripsShare + (kCyclesShare - kTripsShare) * share, "control cycles");
+    });
     if (auto ran = load.run(0, clock_.now() + options_.cycle_time); !ran) return ran;
     if (options_.allow_motion) {
       if (auto off = line_.enable(false); !off) return off;

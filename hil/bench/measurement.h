@@ -97,6 +97,10 @@ class BenchJudge {
   // `name` of measurements.def; `note`: special conditions of it.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
+  // Where the default limits are for another condition, which `note` names: only limits that were given
+  // apply.
+  void enter_without_default_limits(const std::string& subject, const std::string& name,
+                                    double value, double error, const std::string& note);
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
   // Runs a part that measures times with this machine's clock. If one of them fails and the machine
   // was late, all that was entered is dropped and the part repeated; if it was late each time, they
@@ -111,6 +115,7 @@ class BenchJudge {
 
  private:
   Measurement begin(const std::string& subject, const std::string& name) const;
+  void judge(Measurement measurement, double value, double error, const std::string& note);
   void finish(Measurement measurement);
 
   BenchReport& report_;

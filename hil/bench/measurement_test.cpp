@@ -247,6 +247,20 @@ TEST_F(JudgeOfTimes, NothingIsDecidedOnceTheOtherEndIsGone) {
   EXPECT_EQ(report_.count(Verdict::failed), 0);
 }
 
+// The default limits of a start are for one disc; limits that somebody gives are for theirs.
+TEST(BenchJudge, DefaultLimitsOfAnotherConditionDoNotApply) {
+  for (const bool given : {false, true}) {
+    BenchReport report;
+    const Limits limits =
+        given ? Limits{{"start.time_constant", {6, 11}}} : Limits{{"backlash", {0, 1}}};
+    BenchJudge judge(report, limits);
+    judge.enter_without_default_limits("neck", "start.time_constant", 40, 1, "another disc");
+    ASSERT_EQ(report.measurements.size(), 1u);
+    EXPECT_EQ(report.measurements[0].verdict, given ? Verdict::failed : Verdict::passed);
+    EXPECT_NE(report.measurements[0].message.find("another disc"), std::string::npos);
+  }
+}
+
 TEST(LimitFile, ReplacesLimits) {
   const auto limits = parse_limits(
       R"({"backlash": {"low": 1, "high": 2}, "stall.slope": {"low": null, "high": 0.1},

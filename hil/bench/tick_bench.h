@@ -12,6 +12,7 @@ struct TickBenchOptions {
   Time quiet_time = std::chrono::seconds(10);  // telemetry alone: half before the load, half after
   Time load_time = std::chrono::seconds(10);   // 18 joints at 100 Hz
   bool allow_motion = false;                   // as in LinkBenchOptions
+  bool one_clock = false;  // board and bench run by the same clock: there is no error to measure
   BenchProgress progress;
 };
 

@@ -128,8 +128,12 @@ void measure_speed(MotorOnBench& motor, BenchJudge& judge, std::optional<double>
   // What the limits are for.
   constexpr double kDisc = 4e-4;
   const double disc = motor.has_stand() ? sure(motor.stand().disc_kgm2()) : kDisc;
-  judge.enter(motor.name(), "start.time_constant", lag.value, lag.error,
-              std::abs(disc / kDisc - 1) > 0.05 ? "the limits are for a disc of 4e-4 kg m2" : "");
+  if (std::abs(disc / kDisc - 1) > 0.05) {
+    judge.enter_without_default_limits(motor.name(), "start.time_constant", lag.value, lag.error,
+                                       "not judged: the limits are for a disc of 4e-4 kg m2");
+  } else {
+    judge.enter(motor.name(), "start.time_constant", lag.value, lag.error);
+  }
   if (slope_nm_per_v) {
     const double worth = *slope_nm_per_v / line.slope;
     judge.enter(motor.name(), "friction.running", -line.at_zero * worth,

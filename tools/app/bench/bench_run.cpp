@@ -73,12 +73,21 @@ std::string all_joint_names() {
   return names;
 }
 
+// As it was called: "kaz bench motor".
+std::string verb_name(const BenchOptions& arguments) {
+  const bool all = arguments.motor && arguments.link;
+  return std::string("kaz bench ") + (all               ? "all"
+                                      : arguments.motor ? "motor"
+                                      : arguments.link  ? "link"
+                                                        : "tick");
+}
+
 // After a bench that did not come to its end: lever, weight or hand may still be on a shaft.
-Result<void> free_stand(const BenchOptions& arguments, BenchTarget& target,
+Result<void> free_stand(const BenchOptions& arguments, const std::string& verb, BenchTarget& target,
                         host::Interrupt& interrupt) {
   if (arguments.target.port.empty() || target.stand() == nullptr) return {};
   if (arguments.target.stand == "manual") {
-    std::fprintf(stderr, "kaz bench: take lever, weight and hand off the shaft\n");
+    std::fprintf(stderr, "%s: take lever, weight and hand off the shaft\n", verb.c_str());
     return {};
   }
   const host::CleanUp clean_up(interrupt);
@@ -179,6 +188,7 @@ Result<void> measure(const BenchOptions& arguments, const std::vector<int>& join
     hil::TickBenchOptions options;
     options.address = arguments.target.address;
     options.allow_motion = arguments.allow_motion;
+    options.one_clock = arguments.target.port.empty();
     options.progress = part(tick);
     if (auto ran = hil::bench_tick(target.link(), target.clock(), options, judge); !ran) return ran;
     done += tick;
@@ -306,6 +316,7 @@ Result<std::vector<int>> joints_of(const std::string& text) {
 }
 
 Result<Outcome> run_bench(const BenchOptions& given) {
+  const std::string verb = verb_name(given);
   const auto arguments = KAZ_TRY(with_filter(given));
   KAZ_TRY(check_motion(arguments));
   const auto joints = KAZ_TRY(joints_of(arguments.joints));
@@ -326,10 +337,10 @@ Result<Outcome> run_bench(const BenchOptions& given) {
   if (!arguments.target.port.empty()) {
     auto begun = KAZ_TRY(KeptRun::begin(
         target->link(), target->clock(), interrupt,
-        {.verb = "kaz bench", .port = target->name(), .address = arguments.target.address}));
+        {.verb = verb, .port = target->name(), .address = arguments.target.address}));
     kept = std::move(begun);
   }
-  Progress progress("kaz bench", arguments.json);
+  Progress progress(verb, arguments.json);
   const auto listener = [&](const hil::Measurement& one) {
     progress.done();
     if (!arguments.json) say(one);
@@ -343,7 +354,7 @@ Result<Outcome> run_bench(const BenchOptions& given) {
   progress.done();
   report.seconds = seconds(target->clock().now() - begin);
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
-  const auto freed = ran ? Result<void>() : free_stand(arguments, *target, interrupt);
+  const auto freed = ran ? Result<void>() : free_stand(arguments, verb, *target, interrupt);
   const Result<void> left = together(kept ? kept->end() : Result<void>(), freed);
   if (!ran) report.interrupted = ran.error().message;
   if (interrupted) report.signal = received_signal_name();
@@ -369,15 +380,15 @@ Result<Outcome> run_bench(const BenchOptions& given) {
   }
   if (failed == 0 && undecided > 0) {
     std::fprintf(stderr,
-                 "kaz bench: this machine was too late to judge all measurements; end other "
-                 "programs and run "
-                 "it again\n");
+                 "%s: this machine was too late to judge all measurements; end other programs and "
+                 "run it again\n",
+                 verb.c_str());
     return Outcome::with_status(static_cast<int>(Fault::environment));
   }
   if (!arguments.json && std::ranges::none_of(report.plots, has_points))
     std::printf("no plots: nothing that was measured has a curve\n");
   if (failed == 0 && report.count(hil::Verdict::passed) == 0)
-    std::fprintf(stderr, "kaz bench: nothing was measured, so nothing has passed\n");
+    std::fprintf(stderr, "%s: nothing was measured, so nothing has passed\n", verb.c_str());
   return Outcome(failed == 0 && report.count(hil::Verdict::passed) > 0);
 }
 
