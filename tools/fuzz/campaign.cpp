@@ -170,7 +170,10 @@ class Fuzzing {
       if (search.learn(genome, verdict) && !arguments_.corpus.empty()) {
         const std::string name = arguments_.corpus + "/" + std::to_string(arguments_.seed) + "-" +
                                  std::to_string(totals_.cases);
-        KAZ_TRY(hil::fuzz::save_genome(name, genome));
+        if (const auto saved = hil::fuzz::save_genome(name, genome); !saved) {
+          progress.done();
+          return ended(saved.error(), search);
+        }
       }
       const double share = arguments_.cases > 0 ? static_cast<double>(totals_.cases) /
                                                       static_cast<double>(arguments_.cases)
@@ -321,12 +324,14 @@ class Fuzzing {
     // A board at a port need not fail twice.
     const Genome& kept = !verdict || verdict->violation ? shorter : genome;
     if (!verdict && !interrupted) broken_off_ = verdict.error().message;
-    KAZ_TRY(out_->write({reinterpret_cast<const char*>(kept.data()), kept.size()}));
+    const auto written = out_->write({reinterpret_cast<const char*>(kept.data()), kept.size()});
+    reproducer_written_ = written.has_value();
     const auto violation = verdict ? verdict->violation : std::optional<std::string>();
     report(search,
            violation.value_or(verdict ? "not seen again in the shortened case"
                                       : "the case was still being shortened"),
            hil::fuzz::text_of(hil::fuzz::events_of(kept, grammar_)));
+    KAZ_TRY(written);
     if (interrupted)
       return fail(
           Fault::interrupted,
@@ -386,7 +391,7 @@ class Fuzzing {
       if (violation) {
         json["violation"] = *violation;
         json["case"] = text;
-        if (arguments_.replay.empty()) json["reproducer"] = arguments_.out;
+        if (reproducer_written_) json["reproducer"] = arguments_.out;
       }
       json["provenance"] = provenance_json();
       print_json(json);
@@ -434,6 +439,7 @@ class Fuzzing {
   std::optional<Genome> failing_;
   std::optional<OutputFile> out_;  // of a failing case
   std::string broken_off_;         // why the machine ended the run; empty: it did not
+  bool reproducer_written_ = false;
   Totals totals_;
   WallTime::time_point began_{};
 };

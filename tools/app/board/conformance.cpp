@@ -100,14 +100,16 @@ class Reports {
     return std::ranges::any_of(all_, [](const One& one) { return one.on_output || one.file; });
   }
 
+  // All that can be written; the error is that of the first that cannot.
   Result<void> write(const hil::RunReport& report, const hil::ReportFacts& facts) {
+    Result<void> written;
     const std::string texts[] = {hil::junit_text(report, facts), hil::json_text(report, facts),
                                  hil::html_text(report, facts)};
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (all_[i].on_output) std::fputs(texts[i].c_str(), stdout);
-      if (all_[i].file) KAZ_TRY(all_[i].file->write(texts[i]));
+      if (all_[i].file) written = together(std::move(written), all_[i].file->write(texts[i]));
     }
-    return {};
+    return written;
   }
 
  private:
