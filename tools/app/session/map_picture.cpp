@@ -107,7 +107,10 @@ figure::Image map_picture(const behavior::MapReport& report) {
   draw({report.robot - 0.04 * ahead + 0.04 * left, report.robot + 0.07 * ahead,
         report.robot - 0.04 * ahead - 0.04 * left, report.robot - 0.04 * ahead + 0.04 * left},
        figure::kBlack, 2.5);
-  figure::draw_text(image, 6, image.height - 8, "lines every 0.5 m", 11, figure::kWhite);
+  const char* const legend[] = {"green: floor, red: obstacle, grey: not seen; paler: less sure",
+                                "blue: walked, white: path, yellow: goal; lines every 0.5 m"};
+  for (int line = 0; line < 2; ++line)
+    figure::draw_text(image, 6, image.height - 22 + 14 * line, legend[line], 11, figure::kWhite);
   return image;
 }
 

@@ -147,14 +147,18 @@ figure::PlotPage tracking_page(const RunReport& report) {
   return page;
 }
 
+// Of a behaviour with a map. Returns whether there is one.
+Result<bool> write_map(const RunReport& report, const OutputFolder& folder) {
+  if (report.map == nullptr || !*report.map) return false;
+  KAZ_TRY(figure::write_png(folder.path("map.png"), **report.map));
+  return true;
+}
+
 Result<std::vector<std::string>> write_pictures(const RunReport& report, const Snapshots& snapshots,
                                                 const OutputFolder& folder) {
   auto names = snapshots.write(folder);
   if (!names) return names;
-  if (report.map != nullptr && *report.map) {
-    KAZ_TRY(figure::write_png(folder.path("map.png"), **report.map));
-    names->push_back("map.png");
-  }
+  if (KAZ_TRY(write_map(report, folder))) names->push_back("map.png");
   const figure::PlotPage page = tracking_page(report);
   if (page.plots.empty()) return names;
   for (const auto& [name, write] : {std::pair{"pan_tilt.png", &figure::write_plot_png},
@@ -269,15 +273,17 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
       KAZ_TRY(place_recording(*folder));
       result["recording"] = "recording.mcap";
     }
-    // Drawing them takes seconds, which an interrupted run has not.
-    if (!report.interrupted) {
+    // Drawing the others takes seconds, which an interrupted run has not.
+    if (report.interrupted) {
+      if (KAZ_TRY(write_map(report, *folder))) result["pictures"] = {"map.png"};
+    } else {
       const auto names = KAZ_TRY(write_pictures(report, snapshots, *folder));
       result["pictures"] = names;
       if (std::ranges::find(names, "pan_tilt.png") == names.end())
         result["not_drawn"] = {{"pan_tilt.png", "nothing of head and ball was measured"}};
     }
     KAZ_TRY(folder->write("vision.csv", report.vision_table));
-    result["tracking_error"] = thinned_errors(report.score);
+    if (!report.score.time_s.empty()) result["tracking_error"] = thinned_errors(report.score);
     KAZ_TRY(folder->write_json("result.json", result));
   }
   return result;

@@ -36,6 +36,7 @@ Score score(const behavior::Recording& recording, const TruthProbe* probe, Time 
       break;
     }
   }
+  if (!score.found_s) return score;
   if (probe != nullptr && !probe->samples().empty()) {
     score.measured_by = "truth";
     for (const auto& sample : probe->samples()) {
@@ -50,7 +51,6 @@ Score score(const behavior::Recording& recording, const TruthProbe* probe, Time 
                                               : std::numeric_limits<double>::quiet_NaN());
     }
   }
-  if (!score.found_s) return score;
   std::size_t after = 0, within = 0, seen = 0;
   double squares = 0;
   for (std::size_t i = 0; i < score.time_s.size(); ++i) {

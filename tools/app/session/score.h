@@ -15,8 +15,9 @@ struct Score {
   // "truth": the ball's position in the simulated world; "pictures": that in the left eye's pictures,
   // a picture without the ball counting as a miss.
   std::string measured_by;
-  std::optional<double> found_s;  // from the start of the run to when tracking began
-  std::vector<double> time_s;     // from the start of the run
+  // From the start of the run to when tracking began. Without it all else is empty.
+  std::optional<double> found_s;
+  std::vector<double> time_s;  // from the start of the run
   std::vector<double>
       error_deg;  // between the left eye's axis and the ball; NaN: not in the picture
   std::optional<double> within_3deg;  // share of the samples after found_s; nothing without samples
