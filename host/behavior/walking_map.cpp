@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/motion/body_model.h"
 #include "host/robot/kinematics.h"
 #include "shared/base/angle.hpp"
 
@@ -29,6 +30,18 @@ constexpr double kBlindUntil = 0.20;
 // Of the cells across the strip that may be unknown. Two obstacle cells in a row are none by chance.
 constexpr double kMaxUnknown = 0.3;
 constexpr int kMinObstacle = 2;
+
+// The robot's limbs in the foot frame.
+std::vector<map::OwnPart> own_parts(const std::vector<double>& joint_rad) {
+  host::JointAngles angles;
+  std::copy(joint_rad.begin(), joint_rad.end(), angles.begin());
+  const Eigen::Isometry3d foot_from_trunk =
+      host::trunk_from_sole(angles, host::supporting_foot(angles)).inverse();
+  std::vector<map::OwnPart> parts;
+  for (const motion::Limb& limb : motion::limbs(angles))
+    parts.push_back({foot_from_trunk * limb.from, foot_from_trunk * limb.to, limb.radius_m});
+  return parts;
+}
 
 }  // namespace
 
@@ -65,7 +78,7 @@ Result<void> WalkingMap::enter(const std::vector<FloorPicture>& pictures,
     const auto foot = foot_at(picture, places);
     if (!foot || info.exposure <= newest_) continue;
     fade(*places.at(info.exposure));
-    KAZ_TRY(map_.update(picture.planes, picture.depth, info, *foot));
+    KAZ_TRY(map_.update(picture.planes, picture.depth, info, *foot, own_parts(info.joint_rad)));
     newest_ = info.exposure;
     if (entered_.size() == kRemembered) entered_.erase(entered_.begin());
     entered_.push_back(newest_);

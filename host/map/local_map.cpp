@@ -86,12 +86,15 @@ Result<void> LocalMap::check(const vision::PlaneSegments& planes, const vision::
 }
 
 Result<void> LocalMap::update(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
-                              const vision::FrameInfo& info, const Isometry3d& map_from_foot) {
+                              const vision::FrameInfo& info, const Isometry3d& map_from_foot,
+                              std::span<const OwnPart> own) {
   if (auto fine = check(planes, depth, info, map_from_foot); !fine) return fine;
   ++counts_.updates;
   last_ = info.exposure;
   const View view(info.camera, map_from_foot * info.foot_from_eye, options_);
   row_up_.resize(static_cast<std::size_t>(depth.width));
+  own_.assign(depth.disparity_px.size(), 0);
+  for (const OwnPart& part : own) mask(part, info);
   see_floor(view, planes);
   see_obstacles(view, planes, depth, map_from_foot.translation().head<2>());
   enter_obstacles(view, depth.width);

@@ -28,6 +28,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -58,6 +59,13 @@ struct Cell {
 };
 
 // State of a rectangle: free only if all of its cells are floor.
+// A part of the robot's own body that the eyes may see: a capsule around the line from `from` to `to`, foot
+// frame (vision/image/frame.h) at the exposure, m.
+struct OwnPart {
+  Eigen::Vector3d from, to;
+  double radius_m = 0;
+};
+
 enum class Footprint { free, blocked, unknown };
 
 struct MapCounts {
@@ -72,13 +80,14 @@ class LocalMap {
   static Result<LocalMap> make(const LocalMapOptions& options = {});
 
   // Enters one pair's floor and depth. `info` (as a rule planes.info) holds camera and posture;
-  // `map_from_foot` is the pose of the foot at the exposure, its sole on z = 0. After an error only
-  // counts() is changed. Errors: the posture at the exposure is not known; the exposure is not later than
+  // `map_from_foot` is the pose of the foot at the exposure, its sole on z = 0. Pixels that show `own`, or lie
+  // within 10 px (of 320) of its outline, are no obstacles. After an error only counts() is changed. Errors: the posture at the exposure is not known; the exposure is not later than
   // that of the last update; planes and depth of different exposures or sizes, no camera model,
   // numbers that are not finite.
   Result<void> update(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
                       const vision::FrameInfo& info,
-                      const Eigen::Isometry3d& map_from_foot = Eigen::Isometry3d::Identity());
+                      const Eigen::Isometry3d& map_from_foot = Eigen::Isometry3d::Identity(),
+                      std::span<const OwnPart> own = {});
   void clear();
   // Old evidence counts less: all log-odds times `share`, 0..1.
   void fade(double share);
@@ -110,6 +119,7 @@ class LocalMap {
   void see_floor(const View& view, const vision::PlaneSegments& planes);
   void see_obstacles(const View& view, const vision::PlaneSegments& planes,
                      const vision::DepthImage& depth, const Eigen::Vector2d& foot);
+  void mask(const OwnPart& part, const vision::FrameInfo& info);
   void enter_obstacles(const View& view, int width);
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(x) * static_cast<std::size_t>(cells_) +
@@ -128,6 +138,7 @@ class LocalMap {
   std::vector<std::uint32_t> touched_;
   std::vector<int> row_u_, row_v_, row_vote_;  // of a row of cells
   std::vector<float> row_up_;                  // of a row of pixels: height, m
+  std::vector<std::uint8_t> own_;              // by pixel, 1: shows the robot itself
 };
 
 }  // namespace kaz::map

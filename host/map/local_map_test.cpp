@@ -129,6 +129,34 @@ TEST(LocalMap, IgnoresWhatIsLowHighOrTheRobotsOwn) {
 }
 
 // A step of 2 cm agrees with the sole within what vision allows, and its top is called floor.
+// An arm at the place of the box: its pixels are no obstacle; the second box, farther aside, is one as before.
+TEST(LocalMap, DoesNotTakeTheRobotsLimbsForObstacles) {
+  TestYard yard = kBoxAhead;
+  yard.boxes.push_back({{0.60, -0.30, 0.05}, {0.10, 0.10, 0.10}});
+  const TestView view = yard.seen(test_eye(0, 0.5), 0.1);
+  const auto obstacles = [&](std::span<const OwnPart> own) {
+    LocalMap map = make();
+    EXPECT_TRUE(map.update(view.planes, view.depth, view.depth.info, Isometry3d::Identity(), own));
+    std::pair<int, int> near_far{0, 0};
+    for (int x = 0; x < map.cells(); ++x) {
+      for (int y = 0; y < map.cells(); ++y) {
+        if (map.cell(x, y).state != CellState::obstacle) continue;
+        (map.middle(y) > -0.2 ? near_far.first : near_far.second) += 1;
+      }
+    }
+    return near_far;
+  };
+  const auto [without_near, without_far] = obstacles({});
+  EXPECT_GT(without_near, 50);
+  EXPECT_GT(without_far, 20);
+  const OwnPart arm{{0.5, -0.04, 0.05}, {0.5, 0.14, 0.05}, 0.08};
+  const auto [near, far] = obstacles({&arm, 1});
+  EXPECT_EQ(near, 0);
+  EXPECT_EQ(far, without_far);
+  const OwnPart behind{{-0.5, 0, 0.05}, {-0.4, 0, 0.05}, 0.08};
+  EXPECT_EQ(obstacles({&behind, 1}), std::pair(without_near, without_far)) << "not in view";
+}
+
 TEST(LocalMap, TakesALowStepForAnObstacleThoughItsTopIsCalledFloor) {
   const TestYard yard{{{{0.50, 0, 0.01}, {0.10, 0.20, 0.02}}}};
   LocalMap map = make();

@@ -102,6 +102,33 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
   }
 }
 
+// Discs along the capsule's line, each as large as a sphere of its radius there appears: radius fx / z. At its
+// outline block matching mixes its disparity with that of what is behind, within half a block and beside it.
+void LocalMap::mask(const OwnPart& part, const vision::FrameInfo& info) {
+  constexpr double kStep_m = 0.004, kMargin = 10.0 / 320;  // of the picture's width
+  const vision::CameraModel& c = info.camera;
+  const Eigen::Isometry3d eye_from_foot = info.foot_from_eye.inverse();
+  const Vector3d from = eye_from_foot * part.from, to = eye_from_foot * part.to;
+  const int steps = 1 + static_cast<int>((to - from).norm() / kStep_m);
+  for (int i = 0; i <= steps; ++i) {
+    const Vector3d p = from + (to - from) * i / steps;
+    if (!(p.z() > kNearest_m)) continue;
+    const double u = c.cx + c.fx * p.x() / p.z(), v = c.cy + c.fy * p.y() / p.z();
+    const double radius = c.fx * part.radius_m / p.z() + kMargin * c.width;
+    const int first = static_cast<int>(std::clamp(std::ceil(v - radius), 0.0, 1.0 * c.height));
+    const int last = static_cast<int>(std::clamp(std::floor(v + radius), -1.0, c.height - 1.0));
+    for (int row = first; row <= last; ++row) {
+      const double half = std::sqrt(std::max(0.0, radius * radius - (row - v) * (row - v)));
+      const auto left =
+          static_cast<std::ptrdiff_t>(std::clamp(std::ceil(u - half), 0.0, 1.0 * c.width));
+      const auto right =
+          static_cast<std::ptrdiff_t>(std::clamp(std::floor(u + half) + 1, 0.0, 1.0 * c.width));
+      const auto begin = own_.begin() + static_cast<std::ptrdiff_t>(row) * c.width;
+      if (left < right) std::fill(begin + left, begin + right, std::uint8_t{1});
+    }
+  }
+}
+
 // Back-projects pixels that are not floor: p = eye + z R r, z = f B / d, map frame, in single precision
 // (error below 0.01 mm). A point counts if its height is within (obstacle_m, robot_m) and above 3 standard
 // deviations of its own error, dz = z^2 / (f B) dd times the ray's slope. Depth errors scatter points behind
@@ -146,11 +173,12 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
     const float* above = v >= stride_v ? d - stride_v * width : d;
     const float* below = v + stride_v < depth.height ? d + stride_v * width : d;
     const std::uint8_t* label = planes.label.data() + static_cast<std::ptrdiff_t>(v) * width;
+    const std::uint8_t* own = own_.data() + static_cast<std::ptrdiff_t>(v) * width;
     for (int u = 0; u < width; ++u)
       up[u] = eye.z() + fb / d[u] * (start.z() + static_cast<float>(u) * along.z());
     for (int u = stride / 2; u < width; u += stride) {
       const bool drop = up[u] < -deep;
-      if (!((up[u] > low && up[u] < high) || drop) || floor[label[u]]) continue;
+      if (!((up[u] > low && up[u] < high) || drop) || floor[label[u]] || own[u] != 0) continue;
       if (!(d[u] > 0 && d[u] < nearest_d)) continue;
       if (!(std::abs(above[u] - d[u]) < kSmooth_px && std::abs(below[u] - d[u]) < kSmooth_px))
         continue;

@@ -76,6 +76,25 @@ Vector3d centre_of_mass(const JointAngles& angles) {
   return moment / kTotalMass;
 }
 
+std::array<Limb, 12> limbs(const JointAngles& angles) {
+  const Poses poses = forward(angles);
+  std::array<Limb, 12> all;
+  std::size_t count = 0;
+  const auto add = [&](int joint, const Vector3d& from, const Vector3d& to, double radius_m) {
+    const Eigen::Isometry3d& pose = poses[static_cast<std::size_t>(joint)];
+    all[count++] = {pose * from, pose * to, radius_m};
+  };
+  for (const int arm : {l_sh_roll, r_sh_roll}) add(arm, {0, 0, -0.005}, {0, 0, -0.065}, 0.024);
+  for (const int forearm : {l_elbow, r_elbow}) add(forearm, {0, 0, 0}, {0, 0, -0.090}, 0.034);
+  for (const int hand : {l_hand, r_hand}) add(hand, {0, 0, 0}, {0, 0, -0.030}, 0.022);
+  for (const int thigh : {l_hip_pitch, r_hip_pitch})
+    add(thigh, {0, 0, 0}, {0, 0, -kLeg.thigh}, 0.028);
+  for (const int shank : {l_knee, r_knee}) add(shank, {0, 0, 0}, {0, 0, -kLeg.shank}, 0.028);
+  for (const int foot : {l_ankle_pitch, r_ankle_pitch})
+    add(foot, {-0.020, 0, -0.015}, {0.040, 0, -0.020}, 0.040);
+  return all;
+}
+
 Eigen::Isometry3d trunk_from_grasp(const JointAngles& angles, Side hand) {
   return forward(angles)[hand == Side::left ? l_elbow : r_elbow] * Eigen::Translation3d(kGrasp);
 }

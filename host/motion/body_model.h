@@ -36,6 +36,15 @@ Poses forward(const JointAngles& angles);
 // Of the whole robot, in the trunk's frame.
 Eigen::Vector3d centre_of_mass(const JointAngles& angles);
 
+// Limbs as capsules around the line from `from` to `to`, trunk frame, m: upper arms, forearms,
+// hands, thighs, shanks, feet. For what sees the robot itself; every collision shape of their links in the
+// URDF is inside (a test).
+struct Limb {
+  Eigen::Vector3d from, to;
+  double radius_m = 0;
+};
+std::array<Limb, 12> limbs(const JointAngles& angles);
+
 // Middle of what the jaws enclose, in the frame of the link `l_elbow` or `r_elbow`: kaz-model's.
 inline const Eigen::Vector3d kGrasp(0, 0, -0.093);
 // Pose of the hand in the trunk's frame: origin at the grasp's middle, axes of the forearm.

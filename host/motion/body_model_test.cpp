@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/motion/body_model.h"
 
+#include <algorithm>
+#include <string>
+
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -62,6 +65,48 @@ TEST(BodyModel, ForwardAgreesWithTheOtherKinematics) {
   // Straight arms hang: the grasp is 70 + 93 mm below the shoulder.
   const Eigen::Isometry3d hand = trunk_from_grasp(JointAngles{}, Side::right);
   EXPECT_NEAR((hand.translation() - Vector3d(0, -0.080, 0.100 - 0.163)).norm(), 0, 1e-12);
+}
+
+double distance_m(const Vector3d& p, const Limb& limb) {
+  const Vector3d along = limb.to - limb.from;
+  const double t = std::clamp((p - limb.from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (p - limb.from - t * along).norm();
+}
+
+TEST(BodyModel, LimbsHoldTheUrdfsShapes) {
+  const auto model = urdf::parseURDFFile("shared/robot/kaz/kaz.urdf");
+  ASSERT_TRUE(model);
+  JointAngles angles{};
+  for (std::size_t j = 0; j < angles.size(); ++j)
+    angles[j] = 0.4 * std::sin(2.3 * static_cast<double>(j) + 1);
+  const Poses poses = forward(angles);
+  const auto all = limbs(angles);
+  int corners = 0;
+  for (const char* name : {"sh_roll", "elbow", "hand", "hip_pitch", "knee", "ankle_pitch"}) {
+    for (const std::string side : {"l_", "r_"}) {
+      const auto link = model->getLink(side + name);
+      ASSERT_TRUE(link);
+      for (const auto& shape : link->collision_array) {
+        const auto box = std::dynamic_pointer_cast<urdf::Box>(shape->geometry);
+        ASSERT_TRUE(box) << link->name;
+        const auto& q = shape->origin.rotation;
+        const Eigen::Isometry3d own =
+            poses[static_cast<std::size_t>(*host::joint_index(side + name))] *
+            Eigen::Translation3d(vector(shape->origin.position)) *
+            Eigen::Quaterniond(q.w, q.x, q.y, q.z);
+        for (int corner = 0; corner < 8; ++corner) {
+          const Vector3d signs(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5,
+                               corner & 4 ? 0.5 : -0.5);
+          const Vector3d p = own * signs.cwiseProduct(vector(box->dim));
+          EXPECT_TRUE(std::ranges::any_of(
+              all, [&](const Limb& limb) { return distance_m(p, limb) <= limb.radius_m; }))
+              << link->name << " " << shape->name;
+          ++corners;
+        }
+      }
+    }
+  }
+  EXPECT_GT(corners, 100);
 }
 
 }  // namespace
