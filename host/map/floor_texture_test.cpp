@@ -118,6 +118,28 @@ TEST(FloorTexture, ShiftsAcrossPlanksOnly) {
   EXPECT_NEAR(found->turn_rad, 0, 0.5 * kDegree);
 }
 
+// What is fixed to the picture looks like a robot that has not moved; along the grain nothing contradicts it.
+TEST(FloorTexture, WhatIsFixedToThePictureDoesNotPullAlongPlanks) {
+  const auto dirty = [](const Isometry3d& at) {
+    Taken taken = take([](const Vector2d& place) { return planks(place); }, at);
+    const auto width = static_cast<std::size_t>(taken.left.width);
+    for (std::size_t i = 0; i < taken.left.rgb.size(); ++i) {
+      const std::size_t u = i / 3 % width, v = i / 3 / width;
+      const double dirt = 9 * keyed_normal(5, u / 8, v / 8);
+      taken.left.rgb[i] =
+          static_cast<std::uint8_t>(std::clamp(taken.left.rgb[i] + dirt, 0.0, 255.0));
+    }
+    return taken;
+  };
+  const Isometry3d before = foot(0, 0, 0), after = foot(0.05, 0, 0);
+  const Taken first = dirty(before), second = dirty(after);
+  const auto found = match_floor(floor_view({first.left, first.planes, before}),
+                                 {second.left, second.planes, after}, {0.05, 0});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->shift.x(), 0, 0.008);
+  EXPECT_NEAR(found->shift.y(), 0, 0.006);
+}
+
 TEST(FloorTexture, FindsNothingWhereNothingIsInCommon) {
   const Isometry3d here = foot(0, 0, 0);
   EXPECT_FALSE(match(kCarpet, here, foot(0, 0, 120 * kDegree), foot(0, 0, 120 * kDegree)))
