@@ -59,7 +59,8 @@ constexpr int kSides = 12;
 constexpr double kOwnBody = 0.22;  // m, from a foot's middle to the other side's hand
 constexpr double kUnseen = 0.26;   // m, from the middle: below and just before the robot
 // Fewer obstacle cells together are strays of depth; near by all count.
-constexpr int kSpeck = 8;
+// Where no path is left, also more of them are doubted from afar: each piece is looked at before it is walked.
+constexpr int kSpeck = 8, kDoubtful = 60;
 constexpr double kSpecksBeyond = 0.3;  // m
 constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
 // m, of the disc: with room for what map and odometry err; the smallest is what the hands reach. A nearer
@@ -203,7 +204,7 @@ class Navigation {
     const double reach = std::max(goal_now().cwiseAbs().maxCoeff(), here().cwiseAbs().maxCoeff());
     plan::Grid grid = plan::grid_of(
         map_.map(), std::min(2 * (reach + kMarginAround), map_.map().options().size_m));
-    plan::forget_specks(grid, kSpeck, here(), kSpecksBeyond);
+    plan::forget_specks(grid, doubts_ ? kDoubtful : kSpeck, here(), kSpecksBeyond);
     for (const Vector2d& at : closed_) {
       const Eigen::Vector2i cell = grid.cell(at);
       if (grid.at(cell.x(), cell.y()) == map::CellState::unknown && grid.inside(cell.x(), cell.y()))
@@ -450,6 +451,11 @@ class Navigation {
       KAZ_TRY(look_around());
       return true;
     }
+    if (!doubts_) {
+      doubts_ = true;
+      explored_ = 0;
+      return true;
+    }
     return false;
   }
 
@@ -493,6 +499,7 @@ class Navigation {
   double walked_m_ = 0, moving_s_ = 0;
   int turns_ = 0, looks_ = 0, plans_ = 0, stepped_back_ = 0, explored_ = 0, again_ = 0;
   bool looked_since_move_ = false;
+  bool doubts_ = false;    // small obstacles that are far away
   bool explores_ = false;  // goes to where it can see the goal, which seems not free from afar
 };
 
