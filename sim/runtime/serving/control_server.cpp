@@ -76,6 +76,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
               {"plug out|in", "the plug of the serial port, which is gone while it is out"},
               {"stand LINE", "a motor stand's tools; \"stand help\" lists them"},
               {"fault LINE", "a fault, from now on or `at` a time; \"fault none\" ends them all"},
+              {"touches", "from now on status lists what the robot has touched"},
               {"status", "time, mcu, power, host, losses"}}}};
   }
   if (command == "reset") {
@@ -110,6 +111,10 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
     Json all{{"ok", true}};
     all.update(*reply);
     return all;
+  }
+  if (command == "touches") {
+    handlers_.watch_touches();
+    return {{"ok", true}};
   }
   if (command == "status") {
     Json reply{{"ok", true}};

@@ -29,6 +29,7 @@ class ControlCommands {
     std::function<void(bool on)> power;
     std::function<Result<void>(bool in)> plug;
     std::function<nlohmann::ordered_json()> status;
+    std::function<void()> watch_touches;
     std::function<void(const faults::Fault& fault)> fault;
     std::function<void()> clear_faults;
     std::function<Time()> now;  // simulated

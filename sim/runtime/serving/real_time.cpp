@@ -4,8 +4,10 @@
 
 #include <time.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -65,6 +67,8 @@ struct RealTimeServer::Parts {
   void report_overrun();
   std::string why_off() const;
   nlohmann::ordered_json status() const;
+  void watch_touches();
+  void collect_touches();
 
   Simulation& simulation;
   RealTimeOptions options;
@@ -73,6 +77,8 @@ struct RealTimeServer::Parts {
   Time overruns_reported_at{}, discard_until{};
   std::uint64_t overruns_reported = 0;
   bool motors_on = false;
+  // Each pair of a link of the robot and something that is none, when it first touched it; null: not watched.
+  nlohmann::ordered_json touched;
   // The control socket first: opening it fails if another simulator serves the same paths.
   std::unique_ptr<ControlServer> control;
   std::unique_ptr<Pty> pty;
@@ -98,6 +104,7 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
       .power = [p](bool on) { p->set_power(on); },
       .plug = [p](bool in) { return p->plug(in); },
       .status = [p] { return p->status(); },
+      .watch_touches = [p] { p->watch_touches(); },
       .fault = [p](const faults::Fault& fault) { p->simulation.add_fault(fault); },
       .clear_faults = [p] { p->simulation.clear_faults(); },
       .now = [p] { return p->simulation.time(); },
@@ -144,6 +151,7 @@ Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
     p.control->poll();
     p.host_to_board();
     KAZ_TRY(p.simulation.step());
+    p.collect_touches();
     p.board_to_host();
     p.pictures();
     if (p.options.fast) {
@@ -296,6 +304,43 @@ nlohmann::ordered_json ball(const World& world) {
   return {place->x(), place->y(), place->z()};
 }
 
+// World frame: position, m; roll, pitch and yaw, rad. Null without such a link: a motor stand.
+nlohmann::ordered_json trunk(const World& world) {
+  if (std::ranges::find(world.link_order(), "trunk") == world.link_order().end()) return nullptr;
+  const Eigen::Isometry3d pose = world.link_pose("trunk");
+  const Eigen::Matrix3d& r = pose.linear();
+  const Eigen::Vector3d at = pose.translation();
+  return {{"position_m", {at.x(), at.y(), at.z()}},
+          {"roll_pitch_yaw_rad",
+           {std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1.0, 1.0)),
+            std::atan2(r(1, 0), r(0, 0))}}};
+}
+
+void RealTimeServer::Parts::watch_touches() {
+  if (!touched.is_null()) return;
+  touched = nlohmann::ordered_json::array();
+  simulation.world().watch_contacts(true);
+}
+
+void RealTimeServer::Parts::collect_touches() {
+  constexpr std::size_t kMost = 200;
+  if (touched.is_null() || touched.size() >= kMost) return;
+  const auto links = simulation.world().link_order();
+  const auto robots = [&links](const std::string& name) {
+    return std::ranges::find(links, name) != links.end();
+  };
+  for (const ContactPoint& contact : simulation.world().contacts()) {
+    if (robots(contact.a) == robots(contact.b)) continue;
+    const auto& [thing, by] =
+        robots(contact.b) ? std::tie(contact.a, contact.b) : std::tie(contact.b, contact.a);
+    const bool known = std::ranges::any_of(touched, [&](const nlohmann::ordered_json& one) {
+      return one["thing"] == thing && one["by"] == by;
+    });
+    if (!known)
+      touched.push_back({{"thing", thing}, {"by", by}, {"at_s", seconds(simulation.time())}});
+  }
+}
+
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
   const Time lost = pacer.lost_until(simulation.time(), monotonic_now());
@@ -308,6 +353,7 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
                               {"driver_celsius", board.driver_celsius()},
                               {"imu", board.imu().has_value()},
                               {"link_forces", link_forces(simulation.world())},
+                              {"trunk", trunk(simulation.world())},
                               {"ball_m", ball(simulation.world())},
                               {"host", watch.present()},
                               {"camera_readers", cameras ? cameras->readers() : 0},
@@ -319,6 +365,7 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const World& world = simulation.world();
   if (world.measures_convergence())
     json["unconverged_steps"] = world.diagnostics().unconverged_steps;
+  if (!touched.is_null()) json["touched"] = touched;
   return json;
 }
 

@@ -66,18 +66,21 @@ class Running {
     while (time_s() < until) std::this_thread::yield();
   }
 
-  std::string port;
-
- private:
-  double time_s() const {
+  nlohmann::ordered_json answer(const std::string& request) const {
     const Descriptor control = connect_to(port + ".ctl");
     std::string line;
     char letter = 0;
-    if (::send(control.get(), "status\n", 7, MSG_NOSIGNAL) != 7) throw std::runtime_error("send");
+    if (::send(control.get(), (request + "\n").data(), request.size() + 1, MSG_NOSIGNAL) < 0)
+      throw std::runtime_error("send");
     for (; letter != '\n'; line += letter)
       if (::recv(control.get(), &letter, 1, 0) != 1) throw std::runtime_error("recv");
-    return parse_json(line)["time_s"].get<double>();
+    return parse_json(line);
   }
+
+  std::string port;
+
+ private:
+  double time_s() const { return answer("status")["time_s"].get<double>(); }
 
   std::unique_ptr<Simulation> simulation_ = test_simulation();
   std::unique_ptr<RealTimeServer> server_;
@@ -128,6 +131,17 @@ TEST(RealTimeServer, HostTalksThroughThePty) {
   const auto reply = identify(host.get());
   ASSERT_GT(reply.size(), 3u);
   EXPECT_EQ(reply[1], KZ_TYPE_identify_reply);
+}
+
+// Of a world without a trunk and without contacts.
+TEST(RealTimeServer, StatusHasTouchesOnlyIfAskedFor) {
+  const TestFolder folder;
+  const Running server(folder);
+  auto status = server.answer("status");
+  EXPECT_TRUE(status["trunk"].is_null());
+  EXPECT_FALSE(status.contains("touched"));
+  EXPECT_TRUE(server.answer("touches")["ok"]);
+  EXPECT_EQ(server.answer("status")["touched"], nlohmann::ordered_json::array());
 }
 
 // What docs/reference/protocol.md and simulator.md state: a pty's rate counts as that of a wire.

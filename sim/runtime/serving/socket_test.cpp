@@ -187,7 +187,7 @@ TEST(CameraServer, ReaderThatHangsUpIsForgotten) {
 
 struct Board {
   std::string faults;
-  int resets = 0;
+  int resets = 0, touches = 0;
   std::string power;
   ControlCommands commands{{
       .reset = [this] { ++resets; },
@@ -204,6 +204,7 @@ struct Board {
           [] {
             return nlohmann::ordered_json{{"time_s", 1.5}};
           },
+      .watch_touches = [this] { ++touches; },
       .fault = [this](const faults::Fault& fault) { faults += faults::text_of(fault) + ";"; },
       .clear_faults = [this] { faults += "none;"; },
       .now = [] { return std::chrono::milliseconds(1500); },
@@ -223,6 +224,9 @@ TEST(ControlCommands, TakeWordsAndJson) {
   EXPECT_TRUE(board.commands.answer("plug in")["ok"]);
   EXPECT_EQ(board.power, "-+broi");
   EXPECT_EQ(board.commands.answer("status")["time_s"], 1.5);
+  EXPECT_TRUE(board.commands.answer("touches")["ok"]);
+  EXPECT_FALSE(board.commands.answer("touches all")["ok"]);
+  EXPECT_EQ(board.touches, 1);
   EXPECT_TRUE(board.commands.answer("help")["commands"].contains("reset"));
 }
 
