@@ -73,18 +73,25 @@ Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& e
   return episode;
 }
 
-// Obstacles and, unless one is set, their goal: that of `navigate`.
+// A world to walk in and, unless one is set, its goal: that of `navigate`.
 Result<void> add_goal(const Variation& variation, Scenario& scenario,
                       std::map<std::string, std::string>& settings) {
   const auto set = settings.find("goal");
-  KAZ_TRY(scenario.add_obstacles(variation, set != settings.end() && set->second == "ball"));
-  if (set != settings.end()) return {};
+  const bool none_set = set == settings.end();
+  const bool ball = none_set ? scenario.kind == WorldKind::two_balls : set->second == "ball";
+  KAZ_TRY(scenario.add_layout(variation, ball));
+  if (!none_set) return {};
+  if (ball) {
+    settings["goal"] = "ball";
+    return {};
+  }
+  const Layout& layout = scenario.layout;
   char goal[80];
   const int length =
-      std::snprintf(goal, sizeof goal, "%.3f,%.3f", scenario.goal_x_m, scenario.goal_y_m);
-  if (scenario.goal_has_heading)
+      std::snprintf(goal, sizeof goal, "%.3f,%.3f", layout.goal.x(), layout.goal.y());
+  if (layout.goal_heading_rad)
     std::snprintf(goal + length, sizeof goal - static_cast<std::size_t>(length), ",%.1f",
-                  scenario.goal_heading_rad * 180 / std::numbers::pi);
+                  *layout.goal_heading_rad * 180 / std::numbers::pi);
   settings["goal"] = goal;
   return {};
 }
@@ -104,6 +111,8 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const auto color = KAZ_TRY(ball_color(scenario.ball_color));
 
   Judge judge(scenario.ball_radius_m, navigates);
+  if (const Obstacle* moving = scenario.moving())
+    judge.watch_way(*moving, scenario.name_of(*moving), scenario.world_from_start());
   Ended ended;
   SessionOptions session;
   session.backend = options.backend;
