@@ -167,7 +167,7 @@ void add_evaluate(CLI::App& program, Action& action) {
   add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m, {0.05, 20},
                "distance of the ball from the feet, m, drawn from this range");
   verb->add_option("--bearing", c.variation.bearing_deg,
-                   "largest angle between the ball and straight ahead, degrees")
+                   "largest angle between the ball, or a goal, and straight ahead, degrees")
       ->check(between(0.0, 180.0))
       ->capture_default_str()
       ->type_name("DEGREES");

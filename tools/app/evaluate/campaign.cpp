@@ -135,15 +135,16 @@ Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
 }
 
 // What there is of an episode whose process has crashed.
-Json broken(const CampaignOptions& options, std::uint64_t number, int status) {
+Result<Json> broken(const CampaignOptions& options, std::uint64_t number, int status) {
   const std::string how = "ended by signal " + std::to_string(WTERMSIG(status));
-  return {{"episode", number},
-          {"scenario", scenario_json(Scenario::draw(options.variation, options.seed, number))},
-          {"success", false},
-          {"cause", "crashed"},
-          {"sentence", "its process " + how},
-          {"measurements", Json::object()},
-          {"truth", Json::object()}};
+  const auto drawn = KAZ_TRY(draw_episode(options, number));
+  return Json{{"episode", number},
+              {"scenario", scenario_json(drawn.scenario)},
+              {"success", false},
+              {"cause", "crashed"},
+              {"sentence", "its process " + how},
+              {"measurements", Json::object()},
+              {"truth", Json::object()}};
 }
 
 class Runner {
@@ -245,7 +246,8 @@ class Runner {
         lose(number, signal);
         return {};
       }
-      KAZ_TRY(write_json(path, broken(options_, number, status)));
+      const auto crashed = KAZ_TRY(broken(options_, number, status));
+      KAZ_TRY(write_json(path, crashed));
     }
     auto episode = KAZ_TRY(read_json(path, parse_episode));
     episodes_[number] = std::move(episode);

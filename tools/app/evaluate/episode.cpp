@@ -98,19 +98,25 @@ Result<void> add_goal(const Variation& variation, Scenario& scenario,
 
 }  // namespace
 
+Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t number) {
+  DrawnEpisode drawn{Scenario::draw(options.variation, options.seed, number), options.settings};
+  if (options.behavior == "navigate")
+    KAZ_TRY(add_goal(options.variation, drawn.scenario, drawn.settings));
+  return drawn;
+}
+
 Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
                          const std::string& failures, const KeepEpisode& keep) {
   const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
-  Scenario scenario = Scenario::draw(options.variation, options.seed, number);
-  std::map<std::string, std::string> settings = options.settings;
-  const bool navigates = known.name == "navigate";
-  if (navigates) KAZ_TRY(add_goal(options.variation, scenario, settings));
+  const auto drawn = KAZ_TRY(draw_episode(options, number));
+  const Scenario& scenario = drawn.scenario;
+  const std::map<std::string, std::string>& settings = drawn.settings;
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, settings));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   const auto color = KAZ_TRY(ball_color(scenario.ball_color));
 
-  Judge judge(scenario.ball_radius_m, navigates);
+  Judge judge(scenario.ball_radius_m, options.behavior == "navigate");
   if (const Obstacle* moving = scenario.moving())
     judge.watch_way(*moving, scenario.name_of(*moving), scenario.world_from_start());
   Ended ended;
