@@ -42,6 +42,17 @@ std::string page_head(const std::string& title, const std::string& more_style) {
          xml_text(title) + "</title>\n<style>" + kStyle + more_style + "</style></head><body>\n";
 }
 
+std::string table_cells(const std::vector<std::string>& texts, const char* cell) {
+  std::string cells;
+  for (const std::string& text : texts)
+    cells += std::string("<") + cell + ">" + xml_text(text) + "</" + cell + ">";
+  return cells;
+}
+
+std::string table_row(const std::vector<std::string>& texts, const char* cell) {
+  return "<tr>" + table_cells(texts, cell) + "</tr>\n";
+}
+
 const char* verdict_class(Verdict verdict) {
   switch (verdict) {
     case Verdict::passed:

@@ -17,6 +17,10 @@ std::string joined(const std::vector<std::string>& lines, const char* between);
 std::string page_head(const std::string& title, const std::string& more_style = {});
 inline constexpr const char* kPageEnd = "</body></html>\n";
 
+// Cells of a table's row, and a row of them alone; their text is escaped. `cell`: "td" or "th".
+std::string table_cells(const std::vector<std::string>& texts, const char* cell = "td");
+std::string table_row(const std::vector<std::string>& texts, const char* cell = "td");
+
 // "passed", "failed", "out": class of what stands in the verdict's colour.
 const char* verdict_class(Verdict verdict);
 // A table's cell with the verdict in words.

@@ -15,7 +15,8 @@ struct Arguments {
   CampaignOptions campaign;
   std::vector<std::string> settings;
   std::string shard = "1/1";
-  std::vector<double> friction, supply, distance, lamp, shade, goal_distance;
+  std::vector<double> friction, supply, distance, lamp, shade, goal_distance, density;
+  std::vector<std::string> worlds{to_string(WorldKind::clutter)};
 };
 
 constexpr const char* kExitStatus =
@@ -73,7 +74,8 @@ Result<Outcome> start(Arguments a) {
                    {"--ball-distance", a.distance, c.variation.ball_distance_m},
                    {"--lamp", a.lamp, c.variation.lamp},
                    {"--shade", a.shade, c.variation.shade},
-                   {"--goal-distance", a.goal_distance, c.variation.goal_distance_m}};
+                   {"--goal-distance", a.goal_distance, c.variation.goal_distance_m},
+                   {"--density", a.density, c.variation.density}};
   for (const auto& [option, given, to] : intervals) {
     const auto interval = KAZ_TRY(parse_interval(option, given, to));
     to = interval;
@@ -81,6 +83,8 @@ Result<Outcome> start(Arguments a) {
   for (const std::string& color : c.variation.colors) {
     KAZ_TRY(ball_color(color));
   }
+  c.variation.worlds = KAZ_TRY(parse_world_kinds(a.worlds));
+  KAZ_TRY(no_repetition("--worlds", c.variation.worlds));
   KAZ_TRY(no_repetition("--colors", c.variation.colors));
   KAZ_TRY(no_repetition("--radii", c.variation.radii_m));
   const auto succeeded = KAZ_TRY(run_campaign(c));
@@ -163,7 +167,7 @@ void add_evaluate(CLI::App& program, Action& action) {
   add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m, {0.05, 20},
                "distance of the ball from the feet, m, drawn from this range");
   verb->add_option("--bearing", c.variation.bearing_deg,
-                   "largest angle between the ball and straight ahead, degrees")
+                   "largest angle between the ball, or a goal, and straight ahead, degrees")
       ->check(between(0.0, 180.0))
       ->capture_default_str()
       ->type_name("DEGREES");
@@ -176,8 +180,21 @@ void add_evaluate(CLI::App& program, Action& action) {
                "around, 35 to 80 degrees up");
   add_interval(*verb, "--shade", arguments->shade, v.shade, {0.01, 100},
                "factor on the light where the lamp does not reach, drawn from this range");
-  verb->add_option("--obstacles", c.variation.max_obstacles,
-                   "of navigate: up to so many boxes and cans stand about, at least half as many")
+  std::string kinds;
+  for (const WorldKindInfo& info : world_kinds())
+    kinds += (kinds.empty() ? "" : ", ") + std::string(info.name);
+  add_list(
+      *verb, "--worlds", arguments->worlds,
+      "of navigate: kinds of worlds, with commas between, which the episodes have in turn: all, "
+      "or of " +
+          kinds);
+  add_interval(*verb, "--density", arguments->density, v.density, {0, 1},
+               "of navigate: how hard the worlds are, drawn from this range: more or narrower, "
+               "0 to 1");
+  verb->add_option(
+          "--obstacles", c.variation.max_obstacles,
+          "of navigate: up to so many boxes and cans stand about in clutter, at least half "
+          "as many")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();
@@ -202,6 +219,12 @@ void add_evaluate(CLI::App& program, Action& action) {
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
       "  kaz evaluate ./wave.so --episodes 4 --out waved\n"
       "  kaz evaluate catch-ball --realtime --episodes 10 --out live\n"
+      "  kaz evaluate navigate --episodes 20 --seed 3 --jobs 2 --out walked\n"
+      "  kaz evaluate navigate --worlds all --episodes 120 --mcu native --out kinds\n"
+      "  kaz evaluate navigate --worlds corridor,u-trap --density 0.7 1 --episodes 10 --out "
+      "narrow\n"
+      "  kaz evaluate navigate --worlds moving-box --episodes 400 --mcu native --out moving\n"
+      "  kaz evaluate navigate --set goal=ball --obstacles 4 --episodes 10 --out caught\n"
       "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
   verb->callback([&action, arguments, verb] {
     if (!verb->get_subcommands().empty()) return;

@@ -93,5 +93,47 @@ TEST(Navigate, ReachesAGoalInTruth) {
   EXPECT_LE(off, 0.05);
 }
 
+// A box comes to rest on the path that is being walked, some 40 cm ahead: the robot plans around it.
+TEST(Navigate, NoticesABoxThatSlidesIntoItsWay) {
+  const TemporaryFolder folder;
+  const Finished finished = run(kaz({"evaluate",   "navigate", "--worlds",  "moving-box",
+                                     "--episodes", "1",        "--seed",    "5",
+                                     "--mcu",      "native",   "--bearing", "5",
+                                     "--density",  "0",        "0",         "--goal-distance",
+                                     "1.1",        "1.1",      "--out",     folder / "moving",
+                                     "--json"}));
+  ASSERT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+  const json result = parse_json(finished.out);
+  EXPECT_EQ(result["by"]["world"]["moving-box"]["successes"], 1);
+  EXPECT_EQ(result["by"]["moving"], json({{"in_the_way", 1}, {"noticed", 1}, {"touched", 0}}));
+  const json episode = parse_json(read_file(folder / "moving/episodes/000000.json"));
+  const json& moving = episode["truth"]["moving"];
+  EXPECT_GT(moving["arrived_s"].get<double>(),
+            episode["scenario"]["moving"]["at_s"].get<double>() + 0.5);
+  EXPECT_GT(moving["away_m"].get<double>(), 0.25);
+  EXPECT_GT(moving["nearest_m"].get<double>(), 0.12);
+  EXPECT_TRUE(fs::exists(folder / "moving/report.html"));
+}
+
+TEST(Navigate, RefusesWorldsThatAreNone) {
+  const TemporaryFolder folder;
+  const struct {
+    std::vector<std::string> words;
+    const char* sentence;
+  } cases[] = {
+      {{"navigate", "--worlds", "clutter,maze"}, "'maze' is no kind of world: there are all, "},
+      {{"navigate", "--worlds", "all,dark"}, "--worlds: a value stands in the list twice"},
+      {{"navigate", "--density", "0.5", "1.5"}, "--density"},
+      {{"stand", "--worlds", "dark"}, "--worlds are those of navigate"}};
+  for (const auto& [words, sentence] : cases) {
+    std::vector<std::string> all{"evaluate"};
+    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), {"--out", folder / "none"});
+    const Finished finished = run(kaz(all));
+    EXPECT_EQ(finished.exit_code, 2) << sentence;
+    EXPECT_NE(finished.err.find(sentence), std::string::npos) << finished.err;
+  }
+}
+
 }  // namespace
 }  // namespace kaz::test

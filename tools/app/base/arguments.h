@@ -19,7 +19,7 @@ namespace kaz::tools {
 Result<std::pair<std::string, int>> parse_port(const std::string& text);
 // --set NAME=VALUE, each; a name only once.
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
-// Two numbers above 0, the smaller one first; `otherwise` if none are given.
+// Two numbers, none below 0, the smaller one first; `otherwise` if none are given.
 Result<trials::Interval> parse_interval(const std::string& option, const std::vector<double>& given,
                                         trials::Interval otherwise);
 

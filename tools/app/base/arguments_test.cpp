@@ -47,12 +47,13 @@ TEST(Settings, RefuseATextWithoutName) {
   }
 }
 
-TEST(Interval, IsTwoOrderedNumbersAboveZero) {
+TEST(Interval, IsTwoOrderedNumbersFromZero) {
   const auto given = parse_interval("--friction", {0.6, 0.8}, {1, 2});
   ASSERT_TRUE(given);
   EXPECT_EQ(given->min, 0.6);
   EXPECT_EQ(given->max, 0.8);
   EXPECT_TRUE(parse_interval("--friction", {0.7, 0.7}, {}));
+  EXPECT_TRUE(parse_interval("--density", {0, 1}, {}));
   const auto otherwise = parse_interval("--friction", {}, {1, 2});
   ASSERT_TRUE(otherwise);
   EXPECT_EQ(otherwise->min, 1);
@@ -61,7 +62,7 @@ TEST(Interval, IsTwoOrderedNumbersAboveZero) {
 
 TEST(Interval, NamesItsOptionInTheError) {
   for (const std::vector<double>& given :
-       {std::vector<double>{0.8, 0.6}, {0, 1}, {-1, 1}, {1}, {1, 2, 3}}) {
+       {std::vector<double>{0.8, 0.6}, {-1, 1}, {1}, {1, 2, 3}}) {
     const auto interval = parse_interval("--lamp", given, {});
     ASSERT_FALSE(interval);
     EXPECT_NE(interval.error().message.find("--lamp"), std::string::npos);

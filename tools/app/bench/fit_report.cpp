@@ -32,12 +32,6 @@ std::string change(double from, double to) {
   return text;
 }
 
-std::string row(std::initializer_list<std::string> cells) {
-  std::string text = "<tr>";
-  for (const std::string& cell : cells) text += "<td>" + xml_text(cell) + "</td>";
-  return text + "</tr>\n";
-}
-
 const char* const kStyle = R"(
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(30em, 1fr)); gap: 1em }
 figure { margin: 0; border: 1px solid #e4e6e9; border-radius: 4px; padding: .4em }
@@ -101,16 +95,16 @@ std::string fit_html(const MotorFit& fit, const std::string& report, const hil::
           "</p>\n<h2>Parameters</h2>\n<table><tr><th>parameter</th>"
           "<th>unit</th><th>before</th><th>after</th><th>change</th></tr>\n";
   for (const FittedParam& one : fit.params) {
-    text += row({one.name, one.unit, short_number(one.before), short_number(one.after),
-                 one.measured ? change(one.before, one.after) : "not measured, stays"});
+    text += hil::table_row({one.name, one.unit, short_number(one.before), short_number(one.after),
+                            one.measured ? change(one.before, one.after) : "not measured, stays"});
   }
   text +=
       "</table>\n<h2>Gap between motor and model</h2>\n<p>The same bench, run on the model. Of a "
       "curve: root mean square of the difference.</p>\n<table><tr><th>measurement</th><th>unit</th>"
       "<th>measured</th><th>model before</th><th>model after</th></tr>\n";
   for (const Gap& one : fit.gaps) {
-    text += row({one.name, one.unit, short_number(one.measured), short_number(one.before),
-                 short_number(one.after)});
+    text += hil::table_row({one.name, one.unit, short_number(one.measured),
+                            short_number(one.before), short_number(one.after)});
   }
   text += "</table>\n<div class=\"plots\">\n";
   for (const hil::Plot& plot : fit.plots)

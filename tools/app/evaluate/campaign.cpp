@@ -54,7 +54,8 @@ Result<void> write_json(const std::string& path, const Json& json) {
 
 const OutputKind& campaign_output() {
   static const OutputKind kind{
-      "evaluate", {"campaign.json", "result.json", "episodes.csv", "episodes", "failures"}};
+      "evaluate",
+      {"campaign.json", "result.json", "report.html", "episodes.csv", "episodes", "failures"}};
   return kind;
 }
 
@@ -134,15 +135,16 @@ Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
 }
 
 // What there is of an episode whose process has crashed.
-Json broken(const CampaignOptions& options, std::uint64_t number, int status) {
+Result<Json> broken(const CampaignOptions& options, std::uint64_t number, int status) {
   const std::string how = "ended by signal " + std::to_string(WTERMSIG(status));
-  return {{"episode", number},
-          {"scenario", scenario_json(Scenario::draw(options.variation, options.seed, number))},
-          {"success", false},
-          {"cause", "crashed"},
-          {"sentence", "its process " + how},
-          {"measurements", Json::object()},
-          {"truth", Json::object()}};
+  const auto drawn = KAZ_TRY(draw_episode(options, number));
+  return Json{{"episode", number},
+              {"scenario", scenario_json(drawn.scenario)},
+              {"success", false},
+              {"cause", "crashed"},
+              {"sentence", "its process " + how},
+              {"measurements", Json::object()},
+              {"truth", Json::object()}};
 }
 
 class Runner {
@@ -244,7 +246,8 @@ class Runner {
         lose(number, signal);
         return {};
       }
-      KAZ_TRY(write_json(path, broken(options_, number, status)));
+      const auto crashed = KAZ_TRY(broken(options_, number, status));
+      KAZ_TRY(write_json(path, crashed));
     }
     auto episode = KAZ_TRY(read_json(path, parse_episode));
     episodes_[number] = std::move(episode);
@@ -335,7 +338,7 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
 
 // The summary will be a new one.
 Result<void> remove_summary(const OutputFolder& folder) {
-  KAZ_TRY(folder.remove("result.json"));
+  for (const char* name : {"result.json", "report.html"}) KAZ_TRY(folder.remove(name));
   return folder.remove("episodes.csv");
 }
 
@@ -361,6 +364,8 @@ Result<void> refuse_more(const CampaignOptions& options, const OutputFolder& fol
 
 Json campaign_json(const CampaignOptions& o) {
   const auto pair = [](const Interval& i) { return Json{i.min, i.max}; };
+  Json worlds = Json::array();
+  for (const WorldKind kind : o.variation.worlds) worlds.push_back(to_string(kind));
   return {{"behavior", o.behavior},
           {"settings", o.settings},
           {"realtime", o.realtime},
@@ -384,6 +389,8 @@ Json campaign_json(const CampaignOptions& o) {
           {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
           {"lamp", pair(o.variation.lamp)},
           {"shade", pair(o.variation.shade)},
+          {"worlds", worlds},
+          {"density", pair(o.variation.density)},
           {"max_obstacles", o.variation.max_obstacles},
           {"goal_distance_m", pair(o.variation.goal_distance_m)}};
 }
@@ -397,6 +404,8 @@ Result<bool> run_campaign(const CampaignOptions& options) {
     return fail(Fault::usage, options.behavior +
                                   " is judged by where the robot truly is, which a robot in "
                                   "another process does not tell: leave --realtime out");
+  if (known.name != "navigate" && options.variation.worlds != Variation().worlds)
+    return fail(Fault::usage, "--worlds are those of navigate: leave it out, or evaluate navigate");
   if (options.shard > options.episodes)
     return fail(Fault::usage, "--shard " + std::to_string(options.shard) + "/" +
                                   std::to_string(options.shards) + " has none of the " +

@@ -73,37 +73,52 @@ Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& e
   return episode;
 }
 
-// Obstacles and, unless one is set, their goal: that of `navigate`.
+// A world to walk in and, unless one is set, its goal: that of `navigate`.
 Result<void> add_goal(const Variation& variation, Scenario& scenario,
                       std::map<std::string, std::string>& settings) {
   const auto set = settings.find("goal");
-  KAZ_TRY(scenario.add_obstacles(variation, set != settings.end() && set->second == "ball"));
-  if (set != settings.end()) return {};
+  const bool none_set = set == settings.end();
+  const bool ball = none_set ? scenario.kind == WorldKind::two_balls : set->second == "ball";
+  KAZ_TRY(scenario.add_layout(variation, ball));
+  if (!none_set) return {};
+  if (ball) {
+    settings["goal"] = "ball";
+    return {};
+  }
+  const Layout& layout = scenario.layout;
   char goal[80];
   const int length =
-      std::snprintf(goal, sizeof goal, "%.3f,%.3f", scenario.goal_x_m, scenario.goal_y_m);
-  if (scenario.goal_has_heading)
+      std::snprintf(goal, sizeof goal, "%.3f,%.3f", layout.goal.x(), layout.goal.y());
+  if (layout.goal_heading_rad)
     std::snprintf(goal + length, sizeof goal - static_cast<std::size_t>(length), ",%.1f",
-                  scenario.goal_heading_rad * 180 / std::numbers::pi);
+                  *layout.goal_heading_rad * 180 / std::numbers::pi);
   settings["goal"] = goal;
   return {};
 }
 
 }  // namespace
 
+Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t number) {
+  DrawnEpisode drawn{Scenario::draw(options.variation, options.seed, number), options.settings};
+  if (options.behavior == "navigate")
+    KAZ_TRY(add_goal(options.variation, drawn.scenario, drawn.settings));
+  return drawn;
+}
+
 Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
                          const std::string& failures, const KeepEpisode& keep) {
   const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
-  Scenario scenario = Scenario::draw(options.variation, options.seed, number);
-  std::map<std::string, std::string> settings = options.settings;
-  const bool navigates = known.name == "navigate";
-  if (navigates) KAZ_TRY(add_goal(options.variation, scenario, settings));
+  const auto drawn = KAZ_TRY(draw_episode(options, number));
+  const Scenario& scenario = drawn.scenario;
+  const std::map<std::string, std::string>& settings = drawn.settings;
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, settings));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   const auto color = KAZ_TRY(ball_color(scenario.ball_color));
 
-  Judge judge(scenario.ball_radius_m, navigates);
+  Judge judge(scenario.ball_radius_m, options.behavior == "navigate");
+  if (const Obstacle* moving = scenario.moving())
+    judge.watch_way(*moving, scenario.name_of(*moving), scenario.world_from_start());
   Ended ended;
   SessionOptions session;
   session.backend = options.backend;

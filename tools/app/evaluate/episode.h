@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -11,6 +12,14 @@
 #include "tools/app/evaluate/campaign.h"
 
 namespace kaz::tools {
+
+// Scenario and options of the behaviour; of `navigate` with a world to walk in and its goal.
+struct DrawnEpisode {
+  Scenario scenario;
+  std::map<std::string, std::string> settings;
+};
+// Errors (usage): there is no such world.
+Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t number);
 
 // Runs it in this process. A failure leaves its recording in `failures`/NUMBER; a success leaves
 // nothing there. The answer is what the campaign keeps of it. Errors: it could not be begun (usage), or

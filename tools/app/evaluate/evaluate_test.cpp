@@ -182,8 +182,9 @@ class Summary : public testing::Test {
  protected:
   Summary()
       : path_(make_temporary_folder("kaz-summary-").value()),
-        folder_(OutputFolder::begin(path_, {"evaluate", {"result.json", "episodes.csv"}}).value()) {
-  }
+        folder_(
+            OutputFolder::begin(path_, {"evaluate", {"result.json", "report.html", "episodes.csv"}})
+                .value()) {}
   ~Summary() override {
     std::error_code error;
     std::filesystem::remove_all(path_, error);
@@ -261,6 +262,47 @@ TEST_F(Summary, NamesLostEpisodesBesideTheRate) {
   EXPECT_EQ(result["environment"][0]["episode"], 1);
   EXPECT_EQ(result["environment"][1]["sentence"], "disk full");
   EXPECT_EQ(result["failures"].size(), 1u);
+}
+
+// By kind of world, density and floor; a behaviour that does not walk in such worlds has no such tables.
+TEST_F(Summary, BreaksWalksDownByWorldDensityAndFloor) {
+  Episodes episodes{{0, episode(0, true, 10)},
+                    {1, episode(1, false, 20, "touched")},
+                    {2, episode(2, false, 30, "no path")}};
+  const auto world = [&](std::uint64_t number, const char* kind, double density) {
+    episodes[number]["scenario"].update(Json{{"world", kind},
+                                             {"density", density},
+                                             {"floor", "wood"},
+                                             {"goal_m", {1.0, 0.0}},
+                                             {"least_s", 20.0}});
+  };
+  world(0, "slalom", 0.1);
+  world(1, "moving-box", 0.5);
+  world(2, "slalom", 0.9);
+  episodes[0]["measurements"]["moving_s"] = 30.0;
+  episodes[0]["truth"].update(Json{{"forward_m", 1.03}, {"aside_m", 0.04}});
+  episodes[1]["truth"].update(
+      Json{{"moving", {{"in_the_way", true}, {"noticed_s", 1.5}}}, {"touched", Json::object()}});
+  ASSERT_TRUE(summarize({{"behavior", "navigate"}}, episodes, {}, folder_, false));
+  const Json by = Json::parse(read("result.json"))["by"];
+  EXPECT_EQ(by["world"]["slalom"]["episodes"], 2);
+  EXPECT_EQ(by["world"]["slalom"]["successes"], 1);
+  EXPECT_EQ(by["world"]["slalom"]["failures"], Json({{"no path", {2}}}));
+  EXPECT_EQ(by["world"]["slalom"]["over_least"]["median"], 1.5);
+  EXPECT_NEAR(by["world"]["slalom"]["off_goal_m"]["max"].get<double>(), 0.05, 1e-9);
+  EXPECT_EQ(by["world"]["moving-box"]["successes"], 0);
+  EXPECT_EQ(by["density"]["sparse"]["successes"], 1);
+  EXPECT_EQ(by["density"]["medium"]["failures"], Json({{"touched", {1}}}));
+  EXPECT_EQ(by["density"]["dense"]["episodes"], 1);
+  EXPECT_EQ(by["floor"]["wood"]["episodes"], 3);
+  EXPECT_EQ(by["moving"], Json({{"in_the_way", 1}, {"noticed", 1}, {"touched", 1}}));
+  const std::string page = read("report.html");
+  for (const char* words : {"<td>slalom</td><td>1 of 2</td>", "<td>1 no path</td>",
+                            "href=\"failures/000001\"", "noticed in 1"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+
+  ASSERT_TRUE(summarize({{"behavior", "stand"}}, {{0, episode(0, true, 10)}}, {}, folder_, true));
+  EXPECT_FALSE(Json::parse(read("result.json")).contains("by"));
 }
 
 TEST_F(Summary, StatesWhatWasPlannedAndWhatIsMissing) {

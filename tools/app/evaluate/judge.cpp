@@ -8,6 +8,7 @@
 
 #include "host/behavior/navigation_goal.h"
 #include "shared/base/angle.hpp"
+#include "tools/app/evaluate/scenario.h"
 
 namespace kaz::tools {
 namespace {
@@ -38,10 +39,20 @@ Judge::Touch Judge::touch_now(const sim::World& world) {
   for (const sim::ContactPoint& contact : world.contacts()) {
     for (const auto& [thing, by] : {std::pair{contact.a, contact.b}, {contact.b, contact.a}}) {
       const bool robot = std::ranges::find(links, by) != links.end();
-      if (robot && thing.starts_with("thing")) return {thing, by, 0};
+      if (robot && thing.starts_with(kObstacleName)) return {thing, by, 0};
     }
   }
   return {};
+}
+
+void Judge::watch_way(const Obstacle& thing, const std::string& name,
+                      const Eigen::Isometry2d& world_from_start) {
+  way_.emplace(thing, name);
+  start_from_world_ = world_from_start.inverse();
+}
+
+void Judge::map(const behavior::MapReport& report) {
+  if (way_) way_->plan(report.time, report.path);
 }
 
 void Judge::look(sim::Simulation& simulation) {
@@ -57,6 +68,13 @@ void Judge::look(sim::Simulation& simulation) {
   if (watches_touch_ && touch_.thing.empty()) {
     touch_ = touch_now(world);
     touch_.at_s = seconds(now_);
+    was_hit_ = way_ && touch_.thing == way_->name() && !way_->arrived();
+  }
+  if (way_) {
+    const auto thing = world.object_position(way_->name());
+    if (thing)
+      way_->look(now_, start_from_world_ * Eigen::Vector2d(thing->head<2>()),
+                 start_from_world_ * Eigen::Vector2d(last_.translation().head<2>()));
   }
   heading_ += std::remainder(yaw_of(last_) - last_yaw_, 2 * std::numbers::pi);
   last_yaw_ = yaw_of(last_);
@@ -90,6 +108,7 @@ nlohmann::ordered_json Judge::json() const {
                               {"heading_deg", heading_ / kDegree}};
   if (!touched().empty())
     json["touched"] = {{"thing", touch_.thing}, {"by", touch_.by}, {"at_s", touch_.at_s}};
+  if (way_) json["moving"] = way_->json();
   if (unconverged_steps_) json["unconverged_steps"] = *unconverged_steps_;
   if (!has_ball_) return json;
   json["held_s"] = held_s();
@@ -100,7 +119,8 @@ nlohmann::ordered_json Judge::json() const {
 std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& options,
                              const Result<behavior::Outcome>& outcome, const Judge& judge) {
   if (judge.fell()) return "fell";
-  if (behavior == "navigate" && !judge.touched().empty()) return "touched";
+  if (behavior == "navigate" && !judge.touched().empty())
+    return judge.was_hit() ? "hit by a moving box" : "touched";
   if (!outcome) return "error";
   if (!outcome->success) return outcome->cause.empty() ? "gave up" : outcome->cause;
   if (behavior == "catch-ball" && judge.held_s() < 3) return "not held";

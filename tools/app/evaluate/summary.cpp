@@ -10,6 +10,7 @@
 
 #include "shared/base/one_line.hpp"
 #include "tools/app/base/provenance.h"
+#include "tools/app/evaluate/breakdown.h"
 #include "tools/app/evaluate/campaign.h"
 #include "tools/figure/figure.h"
 #include "tools/trials/statistics.h"
@@ -72,13 +73,15 @@ void print(const Json& result, const OutputFolder& folder) {
       std::printf(" %llu", numbers[i].get<unsigned long long>());
     std::printf("%s\n", numbers.size() > 12 ? " ..." : "");
   }
+  if (const auto by = result.find("by"); by != result.end())
+    std::printf("%s", breakdown_text(*by).c_str());
   for (const Json& one : result["environment"])
     std::printf("  not decided, lost to the machine: episode %llu: %s\n",
                 one["episode"].get<unsigned long long>(),
                 one["sentence"].get<std::string>().c_str());
   if (!result["failures"].empty())
     std::printf("recordings of the failures are in %s\n", folder.path("failures").c_str());
-  std::printf("result.json and episodes.csv are in %s\n", folder.folder().c_str());
+  std::printf("result.json, report.html and episodes.csv are in %s\n", folder.folder().c_str());
 }
 
 // Marked as all interrupted results are (mark_interrupted()), but the signal may have been a part's.
@@ -134,11 +137,13 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   if (!speeds.empty()) result["rtf_median"] = quantile(speeds, 0.5);
   result["failures"] = failures;
   result["environment"] = environment;
+  if (Json by = breakdown_json(episodes); !by.empty()) result["by"] = std::move(by);
   result["measurements"] = measurements_json(episodes);
   result["campaign"] = campaign;
   result["provenance"] = provenance_json();
   add_extent(result, extent);
   KAZ_TRY(folder.write("episodes.csv", table(episodes)));
+  KAZ_TRY(folder.write("report.html", evaluation_page(result, episodes)));
   KAZ_TRY(folder.write_json("result.json", result));
   if (json) {
     print_json(result);

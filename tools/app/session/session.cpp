@@ -42,11 +42,12 @@ using Steady = std::chrono::steady_clock;
 class Listener final : public behavior::Sink {
  public:
   Listener(SessionBackend& backend, CallGate* gate, Snapshots& snapshots, Progress& progress,
-           Time start, double expected_s)
+           Onlooker* onlooker, Time start, double expected_s)
       : backend_(backend),
         gate_(gate),
         snapshots_(snapshots),
         progress_(progress),
+        onlooker_(onlooker),
         start_(start),
         moments_(expected_s) {
     if (backend.simulation() != nullptr) probe_.emplace(*backend.simulation());
@@ -83,6 +84,7 @@ class Listener final : public behavior::Sink {
     const CallGate::Call call(gate_);
     map_ = map_picture(report);
     backend_.record_map(recorded_map(report));
+    if (onlooker_ != nullptr) onlooker_->map(report);
   }
 
   const behavior::Recording& recording() const { return recording_; }
@@ -101,6 +103,7 @@ class Listener final : public behavior::Sink {
   CallGate* gate_;
   Snapshots& snapshots_;
   Progress& progress_;
+  Onlooker* onlooker_;
   Time start_;
   std::string phase_;
   Moments moments_;
@@ -394,7 +397,7 @@ Result<void> Session::begin() {
   remove_recording_->keep();
   progress_.emplace(options_.label, options_.json);
   start_ = backend_->clock().now();
-  listener_.emplace(*backend_, gate(), *snapshots_, *progress_, start_,
+  listener_.emplace(*backend_, gate(), *snapshots_, *progress_, options_.onlooker, start_,
                     expected_seconds(values_, behavior_.options));
   return {};
 }

@@ -15,11 +15,13 @@
 
 namespace kaz::tools {
 
-// Sees the simulated world as it is while a behaviour runs: for scores. No behaviour sees it.
+// Sees the simulated world as it is while a behaviour runs, and the behaviour's maps: for scores. No
+// behaviour sees it.
 class Onlooker {
  public:
   virtual ~Onlooker() = default;
   virtual void look(sim::Simulation& simulation) = 0;
+  virtual void map(const behavior::MapReport& /*report*/) {}
 };
 
 struct SessionOptions {
