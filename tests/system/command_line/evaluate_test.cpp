@@ -259,6 +259,9 @@ TEST(Evaluate, RunsInRealTimeToo) {
   const std::string cause = all[0]["cause"];
   EXPECT_TRUE(cause.empty() || cause == "not found") << all[0].dump(1);
   EXPECT_TRUE(all[0]["simulator"].contains("lost_s")) << all[0];
+  // The truth of the other process: it has stayed where it stood.
+  EXPECT_EQ(all[0]["truth"]["fell"], false) << all[0];
+  EXPECT_NEAR(all[0]["truth"]["forward_m"].get<double>(), 0, 0.05);
   EXPECT_GT(all[0]["seconds"].get<double>(), 0);
   EXPECT_EQ(fs::exists(folder / "live/failures/000000/run.txt"), !cause.empty());
 }
@@ -281,7 +284,6 @@ TEST(Evaluate, RefusesInOneSentence) {
   refused({"search-ball", "--episodes", "0", "--out", folder / "a"}, "--episodes");
   refused({"search-ball", "--supply", "11", "9", "--out", folder / "a"}, "smaller");
   refused({"search-ball", "--lamp", "2", "1", "--out", folder / "a"}, "smaller");
-  refused({"go-forward", "--realtime", "--out", folder / "a"}, "--realtime");
   refused({"search-ball", "--colors", "pink", "--out", folder / "a"}, "red");
   EXPECT_FALSE(fs::exists(folder / "a"));
 }

@@ -399,11 +399,6 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
   const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
-  if (options.realtime &&
-      (known.name == "go-forward" || known.name.starts_with("turn-") || known.name == "navigate"))
-    return fail(Fault::usage, options.behavior +
-                                  " is judged by where the robot truly is, which a robot in "
-                                  "another process does not tell: leave --realtime out");
   if (known.name != "navigate" && options.variation.worlds != Variation().worlds)
     return fail(Fault::usage, "--worlds are those of navigate: leave it out, or evaluate navigate");
   if (options.shard > options.episodes)

@@ -30,8 +30,8 @@ Result<nlohmann::ordered_json> run_episode(const CampaignOptions& options, std::
                                            const std::string& failures, const KeepEpisode& keep);
 
 // The same in real time, robot and behaviour in processes of their own, a pty between them: nothing
-// repeats to the bit. For behaviours whose success does not need the robot's true place. Errors
-// (environment) too: a process was killed, the simulator ended, or lagged so far that time ran out.
+// repeats to the bit. Judged by the same truth, which the simulator's control socket has ten times a second.
+// Errors (environment) too: a process was killed, the simulator ended, or lagged so far that time ran out.
 Result<nlohmann::ordered_json> run_realtime_episode(const CampaignOptions& options,
                                                     std::uint64_t number,
                                                     const std::string& failures,

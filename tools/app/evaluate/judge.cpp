@@ -30,11 +30,9 @@ std::string missed_goal(const behavior::NavigationGoal& goal, const Judge& judge
   return std::abs(off) > kGoalHeading ? "heading" : "";
 }
 
-}  // namespace
-
 // Names of a world's links have "::" or, where a model has one link, its name; those of the robot are of its
 // URDF.
-Judge::Touch Judge::touch_now(const sim::World& world) {
+Truth::Touch touch_now(const sim::World& world) {
   const auto links = world.link_order();
   for (const sim::ContactPoint& contact : world.contacts()) {
     for (const auto& [thing, by] : {std::pair{contact.a, contact.b}, {contact.b, contact.a}}) {
@@ -44,6 +42,8 @@ Judge::Touch Judge::touch_now(const sim::World& world) {
   }
   return {};
 }
+
+}  // namespace
 
 void Judge::watch_way(const Obstacle& thing, const std::string& name,
                       const Eigen::Isometry2d& world_from_start) {
@@ -56,38 +56,47 @@ void Judge::map(const behavior::MapReport& report) {
 }
 
 void Judge::look(sim::Simulation& simulation) {
-  const sim::World& world = simulation.world();
-  now_ = simulation.time();
-  last_ = world.link_pose("trunk");
-  if (world.measures_convergence()) unconverged_steps_ = world.diagnostics().unconverged_steps;
+  sim::World& world = simulation.world();
+  if (watches_touch_ && !start_) world.watch_contacts(true);
+  Truth truth{.time = simulation.time(), .trunk = world.link_pose("trunk")};
+  if (world.measures_convergence()) truth.unconverged_steps = world.diagnostics().unconverged_steps;
+  if (watches_touch_ && touch_.thing.empty()) truth.touch = touch_now(world);
+  truth.touch.at_s = seconds(truth.time);
+  if (way_) {
+    if (const auto thing = world.object_position(way_->name()); thing)
+      truth.moving = thing->head<2>();
+  }
+  if (const auto ball = world.object_position("ball"); ball) truth.ball = *ball;
+  look(truth);
+}
+
+void Judge::look(const Truth& truth) {
+  now_ = truth.time;
+  last_ = truth.trunk;
+  unconverged_steps_ = truth.unconverged_steps;
   if (!start_) {
     start_ = last_;
     last_yaw_ = yaw_of(last_);
-    if (watches_touch_) simulation.world().watch_contacts(true);
   }
-  if (watches_touch_ && touch_.thing.empty()) {
-    touch_ = touch_now(world);
-    touch_.at_s = seconds(now_);
+  if (touch_.thing.empty() && !truth.touch.thing.empty()) {
+    touch_ = truth.touch;
     was_hit_ = way_ && touch_.thing == way_->name() && !way_->arrived();
   }
-  if (way_) {
-    const auto thing = world.object_position(way_->name());
-    if (thing)
-      way_->look(now_, start_from_world_ * Eigen::Vector2d(thing->head<2>()),
-                 start_from_world_ * Eigen::Vector2d(last_.translation().head<2>()));
-  }
+  if (way_ && truth.moving)
+    way_->look(now_, start_from_world_ * *truth.moving,
+               start_from_world_ * Eigen::Vector2d(last_.translation().head<2>()));
   heading_ += std::remainder(yaw_of(last_) - last_yaw_, 2 * std::numbers::pi);
   last_yaw_ = yaw_of(last_);
   if (last_.linear()(2, 2) < std::cos(60 * kDegree)) fell_ = true;
-  const auto ball = world.object_position("ball");
-  has_ball_ = ball.has_value();
-  if (!ball) return;
-  ball_ = *ball;
+  has_ball_ = truth.ball.has_value();
+  if (!truth.ball) return;
+  ball_ = *truth.ball;
   if (ball_.z() < ball_radius_m_ + kClearOfFloor_m) {
     lifted_.reset();
   } else if (!lifted_) {
     lifted_ = now_;
   }
+  if (lifted_) longest_held_s_ = std::max(longest_held_s_, seconds(now_ - *lifted_));
 }
 
 double Judge::forward_m() const {
@@ -97,6 +106,7 @@ double Judge::aside_m() const {
   return start_ ? (start_->inverse() * last_.translation()).y() : 0;
 }
 double Judge::held_s() const {
+  if (!sees_end_) return longest_held_s_;
   return lifted_ ? seconds(now_ - *lifted_) : 0;
 }
 

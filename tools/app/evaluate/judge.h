@@ -16,15 +16,32 @@ namespace kaz::tools {
 
 constexpr double kClearOfFloor_m = 0.02;  // under a ball that is lifted
 
+// What the simulator knows at one time. World frame; m.
+struct Truth {
+  Time time{};
+  Eigen::Isometry3d trunk = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Vector3d> ball = {};
+  struct Touch {
+    std::string thing, by;  // model, "" where nothing is touched; link of the robot
+    double at_s = 0;
+  };
+  Touch touch = {};                            // of something that stands on the floor
+  std::optional<Eigen::Vector2d> moving = {};  // of the thing of watch_way()
+  std::optional<std::int64_t> unconverged_steps = {};
+};
+
 class Judge final : public Onlooker {
  public:
   // `watches_touch`: whether touched() is to be known, which costs time.
-  explicit Judge(double ball_radius_m, bool watches_touch = false)
-      : ball_radius_m_(ball_radius_m), watches_touch_(watches_touch) {}
+  // `sees_end`: the last look is at the behaviour's end; in another process it lies somewhere after it.
+  explicit Judge(double ball_radius_m, bool watches_touch = false, bool sees_end = true)
+      : ball_radius_m_(ball_radius_m), watches_touch_(watches_touch), sees_end_(sees_end) {}
   // `name`: model of `thing`, which slides into the way; `world_from_start`: the frame of its place.
   void watch_way(const Obstacle& thing, const std::string& name,
                  const Eigen::Isometry2d& world_from_start);
   void look(sim::Simulation& simulation) override;
+  // The same of a simulator in another process.
+  void look(const Truth& truth);
   void map(const behavior::MapReport& report) override;
 
   // The trunk lay farther than 60 degrees from upright, at whatever time.
@@ -37,20 +54,16 @@ class Judge final : public Onlooker {
   const std::string& touched() const { return touch_.thing; }
   // What was touched first was still sliding into the way: it hit the robot, not the robot it.
   bool was_hit() const { return was_hit_; }
-  // For how long, up to the last look, the ball was lifted clear of the floor without a break, s.
+  // For how long, up to the last look, the ball was lifted clear of the floor without a break, s; where the
+  // end is not seen, for how long at most.
   double held_s() const;
   nlohmann::ordered_json json() const;
 
  private:
   double ball_radius_m_;
-  bool watches_touch_;
+  bool watches_touch_, sees_end_;
   bool fell_ = false;
-  struct Touch {
-    std::string thing, by;  // model; link of the robot
-    double at_s = 0;
-  };
-  static Touch touch_now(const sim::World& world);
-  Touch touch_;
+  Truth::Touch touch_;
   bool was_hit_ = false;
   std::optional<WayWatch> way_;
   Eigen::Isometry2d start_from_world_ = Eigen::Isometry2d::Identity();
@@ -61,6 +74,7 @@ class Judge final : public Onlooker {
   std::optional<std::int64_t> unconverged_steps_;  // of the dynamics, where they are counted
   Time now_{};
   std::optional<Time> lifted_;
+  double longest_held_s_ = 0;
   Eigen::Vector3d ball_ = Eigen::Vector3d::Zero();
 };
 

@@ -18,6 +18,7 @@
 #include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/judge.h"
+#include "tools/app/session/plugin_guard.h"
 #include "tools/app/vision/color_file.h"
 
 namespace kaz::tools {
@@ -27,7 +28,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using std::chrono::seconds;
 
-constexpr seconds kReady{60}, kMost{400}, kEnd{30};
+constexpr seconds kReady{60}, kEnd{30};
+// More than the longest behaviour gives itself by default.
+constexpr seconds kMost{700};
 
 std::string text_of(const std::string& path) {
   std::ifstream in(path);
@@ -69,40 +72,49 @@ class Control {
 
   // Nothing where it has ended.
   std::optional<Json> status() {
-    if (::send(socket_, "status\n", 7, MSG_NOSIGNAL) != 7) return std::nullopt;
-    std::string line;
-    for (char c = 0; c != '\n'; line += c)
-      if (::recv(socket_, &c, 1, 0) != 1) return std::nullopt;
-    Json status = Json::parse(line, nullptr, false);
-    if (!status.is_object() || !status.contains("time_s")) return std::nullopt;
+    auto status = answer("status\n");
+    if (!status || !status->contains("time_s")) return std::nullopt;
     return status;
   }
+  void watch_touches() { answer("touches\n"); }
 
  private:
   explicit Control(int socket) : socket_(socket) {}
+  std::optional<Json> answer(std::string_view request) {
+    const auto size = static_cast<ssize_t>(request.size());
+    if (::send(socket_, request.data(), request.size(), MSG_NOSIGNAL) != size) return std::nullopt;
+    std::string line;
+    for (char c = 0; c != '\n'; line += c)
+      if (::recv(socket_, &c, 1, 0) != 1) return std::nullopt;
+    Json reply = Json::parse(line, nullptr, false);
+    if (!reply.is_object()) return std::nullopt;
+    return reply;
+  }
   int socket_;
 };
 
-// For how long at most the ball was clear of the floor without a break, in the simulator's time.
-class Held {
- public:
-  explicit Held(double radius_m) : clear_m_(radius_m + kClearOfFloor_m) {}
-  void see(const Json& status) {
-    const double now = status["time_s"].get<double>();
-    const Json& ball = status["ball_m"];
-    if (ball.is_null() || ball[2].get<double>() < clear_m_) {
-      lifted_s_ = -1;
-      return;
-    }
-    if (lifted_s_ < 0) lifted_s_ = now;
-    longest_ = std::max(longest_, now - lifted_s_);
+// Of a `status` after `touches`.
+Truth truth_of(const Json& status) {
+  Truth truth{.time = from_seconds(status["time_s"].get<double>())};
+  const auto three = [](const Json& list) {
+    return Eigen::Vector3d(list[0].get<double>(), list[1].get<double>(), list[2].get<double>());
+  };
+  const Eigen::Vector3d angles = three(status["trunk"]["roll_pitch_yaw_rad"]);
+  truth.trunk = Eigen::Translation3d(three(status["trunk"]["position_m"])) *
+                Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
+                Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+                Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+  if (!status["ball_m"].is_null()) truth.ball = three(status["ball_m"]);
+  for (const Json& one : status.value("touched", Json::array())) {
+    const auto thing = one["thing"].get<std::string>();
+    if (!thing.starts_with(kObstacleName)) continue;
+    truth.touch = {thing, one["by"].get<std::string>(), one["at_s"].get<double>()};
+    break;
   }
-  double longest() const { return longest_; }
-
- private:
-  double clear_m_, longest_ = 0;
-  double lifted_s_ = -1;  // since when; negative: it is not
-};
+  if (status.contains("unconverged_steps"))
+    truth.unconverged_steps = status["unconverged_steps"].get<std::int64_t>();
+  return truth;
+}
 
 std::string board_of(const trials::RobotFolder& files) {
   return fs::path(files.robot()).replace_filename("board").string();
@@ -112,8 +124,9 @@ std::string board_of(const trials::RobotFolder& files) {
 struct Commands {
   std::vector<std::string> simulator, behaviour;
 };
-Result<Commands> commands(const CampaignOptions& options, const Scenario& scenario,
+Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& drawn,
                           const trials::RobotFolder& files, const std::string& folder) {
+  const Scenario& scenario = drawn.scenario;
   const auto color = KAZ_TRY(ball_color(scenario.ball_color));
   const std::string color_file = folder + "/color.json";
   KAZ_TRY(write_whole_file(color_file, color_json(color.range).dump(1) + "\n"));
@@ -146,7 +159,7 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
                 {"run", options.behavior, "--robot", "serial:" + board, "--camera", eyes, "--color",
                  color_file, "--radius", std::to_string(scenario.ball_radius_m), "--json"}};
   if (backend.imu) both.simulator.push_back("--imu");
-  for (const auto& [name, value] : options.settings) {
+  for (const auto& [name, value] : drawn.settings) {
     both.behaviour.push_back("--set");
     both.behaviour.push_back(name + "=" + value);
   }
@@ -198,7 +211,10 @@ std::string machine_trouble(std::optional<int> behaviour, bool ended_early, int 
 
 Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t number,
                                   const std::string& failures, const KeepEpisode&) {
-  const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
+  const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
+  const auto drawn = KAZ_TRY(draw_episode(options, number));
+  const Scenario& scenario = drawn.scenario;
+  const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, drawn.settings));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   char name[32];
@@ -208,7 +224,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   remove_files(kept);
   fs::create_directories(kept, wrong);
   if (wrong) return fail(Fault::environment, kept + ": cannot be made: " + wrong.message());
-  const auto both = KAZ_TRY(commands(options, scenario, files, kept));
+  const auto both = KAZ_TRY(commands(options, drawn, files, kept));
   // Both programs end with this process's objects.
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
@@ -227,14 +243,19 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   }
   if (text_of(sim_log).find("ready") == std::string::npos)
     return fail(Fault::environment, "kaz sim did not begin: " + last_line(text_of(sim_log)));
-  auto behaviour = KAZ_TRY(Child::begin(both.behaviour, run_log));
   auto control = KAZ_TRY(Control::open(board_of(files) + ".ctl"));
-  Held held(scenario.ball_radius_m);
+  control.watch_touches();
+  Judge judge(scenario.ball_radius_m, false, false);
   Json last = Json::object();
+  const auto look = [&] {
+    if (const auto status = control.status()) judge.look(truth_of(last = *status));
+  };
+  look();  // where it starts
+  auto behaviour = KAZ_TRY(Child::begin(both.behaviour, run_log));
   const auto run_begun = std::chrono::steady_clock::now();
   while (!behaviour.ended() && std::chrono::steady_clock::now() - run_begun < kMost) {
     if (interrupt.requested()) return interrupted();
-    if (const auto status = control.status()) held.see(last = *status);
+    look();
     ::usleep(100'000);
   }
   const auto status = behaviour.ended();
@@ -252,27 +273,29 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
       !why.empty())
     return fail(Fault::environment, why + "; logs are in " + kept);
 
-  std::string cause = result.value("cause", std::string());
   // Above 128: a signal, none of the machine's.
-  if (cause.empty()) cause = !status ? "time" : *status > 128 ? "crashed" : "error";
-  if (result.value("outcome", "") == "done")
-    cause = options.behavior == "catch-ball" && held.longest() < 3 ? "not held" : "";
-  Json results = Json::object();
-  for (const char* key : {"found_s", "catch_s", "held_s", "hand_load", "hand_gap_deg"})
-    if (result.contains(key) && result[key].is_number()) results[key] = result[key];
+  const std::string broken_off = !status ? "time" : *status > 128 ? "crashed" : "";
   const std::string log_line = last_line(text_of(run_log));
+  const std::string sentence = result.value("sentence", log_line);
+  Result<behavior::Outcome> outcome = fail(Fault::failed, sentence);
+  if (result.contains("outcome"))
+    outcome = behavior::Outcome{
+        result["outcome"] == "done", sentence, {}, result.value("cause", std::string())};
+  std::string cause = cause_of_failure(options.behavior, values, outcome, judge);
+  if (!broken_off.empty() && cause != "fell" && cause != "touched") cause = broken_off;
+  Json results = Json::object();
+  for (const char* key :
+       {"found_s", "catch_s", "held_s", "hand_load", "hand_gap_deg", "navigate_s", "walked_m",
+        "moving_s", "turns", "looks", "plans", "corrections", "missed_m", "missed_deg"})
+    if (result.contains(key) && result[key].is_number()) results[key] = result[key];
   Json simulator_json = Json::object();
   for (const char* key : {"overruns", "lost_s", "pairs_dropped", "unconverged_steps"})
     if (last.contains(key)) simulator_json[key] = last[key];
   if (cause.empty()) remove_files(kept);
-  Json episode{{"episode", number},
-               {"scenario", scenario_json(scenario)},
-               {"success", cause.empty()},
-               {"cause", cause},
-               {"sentence", result.value("sentence", log_line)},
-               {"measurements", results},
-               {"truth", {{"fell", cause == "fell"}, {"longest_held_s", held.longest()}}},
-               {"simulator", simulator_json}};
+  Json episode{{"episode", number},        {"scenario", scenario_json(scenario)},
+               {"success", cause.empty()}, {"cause", cause},
+               {"sentence", sentence},     {"measurements", results},
+               {"truth", judge.json()},    {"simulator", simulator_json}};
   if (result.contains("duration_s")) episode["seconds"] = result["duration_s"];
   if (result.contains("rtf")) episode["rtf"] = result["rtf"];
   return episode;
