@@ -38,8 +38,10 @@ constexpr Option kOptions[] = {
 constexpr host::Gaze kAhead{0, 35 * kDegree};
 // Farther aside the eyes see the robot's arms.
 constexpr double kSweep = 60 * kDegree, kSweepSpeed = 60 * kDegree;
+constexpr double kLargestTurn = 60 * kDegree;    // before the floor is compared
 constexpr double kRememberEvery = 25 * kDegree;  // of the sweep, the floor's pattern
 constexpr int kPictures = 4;                     // before a straight piece
+constexpr int kLooks = 3;                        // for a pattern that was seen before
 // After a move: the gyro's zero is measured after 0.6 s (motion.cpp).
 constexpr Time kGyroStill = std::chrono::milliseconds(1200);
 constexpr Time kHeadSettles = std::chrono::milliseconds(250);
@@ -59,7 +61,8 @@ constexpr int kSides = 12;
 constexpr double kOwnBody = 0.22;  // m, from a foot's middle to the other side's hand
 constexpr double kUnseen = 0.26;   // m, from the middle: below and just before the robot
 // Fewer obstacle cells together are strays of depth; near by all count.
-// Where no path is left, also more of them are doubted from afar: each piece is looked at before it is walked.
+// Where no path is left, also more of them are doubted from afar: each piece is looked at before it is
+// walked.
 constexpr int kSpeck = 8, kDoubtful = 60;
 constexpr double kSpecksBeyond = 0.3;  // m
 constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
@@ -148,18 +151,26 @@ class Navigation {
     return {};
   }
 
-  // After a move first to where the floor was seen longest ago: its pattern says where the robot is.
+  // After a move first to where the floor was seen longest ago, and where that shows nothing, elsewhere: its
+  // pattern says where the robot is.
   Result<void> look(const host::Gaze& to) {
-    const auto oldest = map_.direction_of_oldest(place());
-    if (!looked_since_move_ && oldest && std::abs(*oldest - to.pan_rad) > kRememberEvery / 2) {
-      KAZ_TRY(gaze({*oldest, to.tilt_rad}));
+    double pan = to.pan_rad + 1;  // where it looks
+    if (!looked_since_move_) {
+      int looks = 0;
+      for (const double direction : map_.directions_of_patterns(place())) {
+        if (looks++ == kLooks || body_.fallen()) break;
+        const bool ahead = std::abs(direction - to.pan_rad) <= kRememberEvery / 2;
+        pan = ahead ? to.pan_rad : direction;
+        KAZ_TRY(gaze({pan, to.tilt_rad}));
+        if (newest_picture_ && map_.align(*newest_picture_, body_.places())) break;
+      }
+    }
+    if (pan != to.pan_rad) {
+      KAZ_TRY(gaze(to));
       if (newest_picture_) map_.align(*newest_picture_, body_.places());
     }
-    KAZ_TRY(gaze(to));
     looked_since_move_ = true;
-    if (!newest_picture_) return {};
-    map_.align(*newest_picture_, body_.places());
-    map_.remember(*newest_picture_, body_.places());
+    if (newest_picture_) map_.remember(*newest_picture_, body_.places());
     return {};
   }
 
@@ -296,7 +307,23 @@ class Navigation {
 
   // ---- Moves
 
+  // In parts, so that after each the eyes see floor that they saw before it: its pattern says by how much the
+  // gyro has erred.
   Result<void> turn(double angle) {
+    const int parts = 1 + static_cast<int>(std::abs(angle) / kLargestTurn);
+    for (int part = 1; part <= parts && !body_.fallen(); ++part) {
+      if (std::abs(angle) / parts > kRememberEvery) {
+        body_.phase("look aside");
+        KAZ_TRY(gaze({std::clamp(angle / parts, -kSweep, kSweep), kAhead.tilt_rad}));
+        if (newest_picture_) map_.remember(*newest_picture_, body_.places());
+      }
+      KAZ_TRY(turn_once(angle / parts));
+      if (part < parts) KAZ_TRY(look(kAhead));
+    }
+    return {};
+  }
+
+  Result<void> turn_once(double angle) {
     body_.phase("turn");
     body_.set_gaze(kAhead);
     ++turns_;

@@ -19,8 +19,10 @@ using Eigen::Vector2d, Eigen::Vector3d;
 // Odometry errs by 1.5 % of the way and a degree of a turn: after 2 m, or a full turn, what was not
 // seen again has a seventh of its evidence left.
 constexpr double kFadeEvery_m = 0.1, kFadeEvery_rad = 18 * kDegree, kFade = 0.9;
-constexpr std::size_t kRemembered = 64;  // pictures
-constexpr std::size_t kViews = 60;       // of the floor's pattern
+constexpr std::size_t kRemembered = 64;    // pictures
+constexpr std::size_t kViews = 60;         // of the floor's pattern
+constexpr int kMinPattern = 2500;          // of its cells known: 0.16 m^2
+constexpr double kAnother = 25 * kDegree;  // of directions
 constexpr double kViewNear = 0.25, kViewFar = 0.8, kViewAside = 60 * kDegree;
 
 // The strip that is looked at: half of its width, and how far the robot's front is from its middle.
@@ -104,17 +106,22 @@ bool WalkingMap::align(const FloorPicture& picture, const PlaceHistory& places) 
   return false;
 }
 
-std::optional<double> WalkingMap::direction_of_oldest(const motion::Place& place) const {
+std::vector<double> WalkingMap::directions_of_patterns(const motion::Place& place) const {
+  std::vector<double> directions;
   for (const map::FloorView& view : remembered_) {
+    if (view.count < kMinPattern) continue;
     const Vector2d middle =
         map::FloorView::kCell * (view.corner.cast<double>().array() + map::FloorView::kCells / 2);
     const Vector2d there = middle - Vector2d(place.x, place.y);
     const double direction =
         std::remainder(std::atan2(there.y(), there.x()) - place.heading, 2 * std::numbers::pi);
-    if (there.norm() > kViewNear && there.norm() < kViewFar && std::abs(direction) < kViewAside)
-      return direction;
+    const bool another = std::ranges::all_of(
+        directions, [&](double one) { return std::abs(one - direction) > kAnother; });
+    if (another && there.norm() > kViewNear && there.norm() < kViewFar &&
+        std::abs(direction) < kViewAside)
+      directions.push_back(direction);
   }
-  return std::nullopt;
+  return directions;
 }
 
 void WalkingMap::remember(const FloorPicture& picture, const PlaceHistory& places) {

@@ -29,9 +29,9 @@ class WalkingMap {
   bool align(const FloorPicture& picture, const PlaceHistory& places);
   // Remembers the pattern, to be compared with later.
   void remember(const FloorPicture& picture, const PlaceHistory& places);
-  // Where the oldest pattern lies that is in front of a robot at `place`: direction, rad, + to its left;
-  // nothing where none is within reach of eyes and neck.
-  std::optional<double> direction_of_oldest(const motion::Place& place) const;
+  // Where patterns lie that a robot at `place` can look at, the oldest first: directions, rad, + to its left,
+  // each more than 25 degrees from those before.
+  std::vector<double> directions_of_patterns(const motion::Place& place) const;
   int corrections() const { return corrections_; }
 
   const map::LocalMap& map() const { return map_; }

@@ -24,10 +24,10 @@ constexpr int kShift = 8;                          // cells: 6.4 cm
 constexpr int kTurns = 6;                          // degrees, to each side
 constexpr double kFineTurn = 0.25 * kDegree;
 constexpr double kMinOverlap = 0.12, kMinCorrelation = 0.4;
-// On a floor of planks, which look alike along the grain, what is fixed to the picture (blur, light, the rim)
-// draws two views together as if the robot had not moved. m, of a test along the grain, and by how much the
-// correlation must fall there to be believed: 0.09 to 0.4 where the shift was right, 0.04 to 0.06 where it was
-// 6 cm off.
+// On a floor of planks, which look alike along the grain, what is fixed to the picture (blur, light, the
+// rim) draws two views together as if the robot had not moved. m, of a test along the grain, and by how much
+// the correlation must fall there to be believed: 0.09 to 0.4 where the shift was right, 0.04 to 0.06 where
+// it was 6 cm off.
 constexpr double kGrainStep = 0.016, kMinDrop = 0.08;
 // Of the correlation, at a shift of 2 cm or a turn of 6 degrees: on a floor of planks, which look alike along
 // the grain, the smallest shift is the likeliest.

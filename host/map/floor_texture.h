@@ -46,8 +46,8 @@ struct FloorShift {
   double overlap_m2 = 0;
 };
 // Within 6 cm and 6 degrees. Along the grain of a floor of planks there is no shift where the correlation
-// hardly falls in that direction. Nothing: less than 0.12 m^2 in common, or no clear match (a correlation under
-// 0.4, or the best at the rim of the range, or of what is in common).
+// hardly falls in that direction. Nothing: less than 0.12 m^2 in common, or no clear match (a correlation
+// under 0.4, or the best at the rim of the range, or of what is in common).
 std::optional<FloorShift> match_floor(const FloorView& before, const FloorPictureView& picture,
                                       const Eigen::Vector2d& pivot);
 

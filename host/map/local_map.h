@@ -80,10 +80,10 @@ class LocalMap {
   static Result<LocalMap> make(const LocalMapOptions& options = {});
 
   // Enters one pair's floor and depth. `info` (as a rule planes.info) holds camera and posture;
-  // `map_from_foot` is the pose of the foot at the exposure, its sole on z = 0. Pixels that show `own`, or lie
-  // within 10 px (of 320) of its outline, are no obstacles. After an error only counts() is changed. Errors: the posture at the exposure is not known; the exposure is not later than
-  // that of the last update; planes and depth of different exposures or sizes, no camera model,
-  // numbers that are not finite.
+  // `map_from_foot` is the pose of the foot at the exposure, its sole on z = 0. Pixels that show `own`, or
+  // lie within 10 px (of 320) of its outline, are no obstacles. After an error only counts() is changed.
+  // Errors: the posture at the exposure is not known; the exposure is not later than that of the last
+  // update; planes and depth of different exposures or sizes, no camera model, numbers that are not finite.
   Result<void> update(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
                       const vision::FrameInfo& info,
                       const Eigen::Isometry3d& map_from_foot = Eigen::Isometry3d::Identity(),

@@ -129,7 +129,7 @@ TEST(LocalMap, IgnoresWhatIsLowHighOrTheRobotsOwn) {
 }
 
 // A step of 2 cm agrees with the sole within what vision allows, and its top is called floor.
-// An arm at the place of the box: its pixels are no obstacle; the second box, farther aside, is one as before.
+// An arm at the place of the box: its pixels are no obstacle; the other box, farther aside, is one.
 TEST(LocalMap, DoesNotTakeTheRobotsLimbsForObstacles) {
   TestYard yard = kBoxAhead;
   yard.boxes.push_back({{0.60, -0.30, 0.05}, {0.10, 0.10, 0.10}});

@@ -102,8 +102,8 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
   }
 }
 
-// Discs along the capsule's line, each as large as a sphere of its radius there appears: radius fx / z. At its
-// outline block matching mixes its disparity with that of what is behind, within half a block and beside it.
+// Discs along the capsule's line, each as large as a sphere of its radius appears there: radius fx / z. At
+// its outline block matching mixes its disparity with that of what is behind, within half a block and beside.
 void LocalMap::mask(const OwnPart& part, const vision::FrameInfo& info) {
   constexpr double kStep_m = 0.004, kMargin = 10.0 / 320;  // of the picture's width
   const vision::CameraModel& c = info.camera;

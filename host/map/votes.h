@@ -13,7 +13,7 @@ inline constexpr double kStep = 0.01;
 inline constexpr double kFloorVote =
     0.6;  // log-odds of p = 0.65: a pixel of the floor segment is floor
 inline constexpr double kObstacleVote =
-    1.2;                                // log-odds of p = 0.77: missing an obstacle costs more
+    1.2;  // log-odds of p = 0.77: missing an obstacle costs more
 // Of disparity, between a point of an obstacle and those above and below it: block matching scatters single
 // points behind the rim of what stands before the floor.
 inline constexpr float kSmooth_px = 1;

@@ -134,7 +134,7 @@ TEST(RealTimeServer, HostTalksThroughThePty) {
 }
 
 // Of a world without a trunk and without contacts.
-TEST(RealTimeServer, StatusHasTouchesOnlyIfAskedFor) {
+TEST(RealTimeServer, StatusHasTouchesOnRequest) {
   const TestFolder folder;
   const Running server(folder);
   auto status = server.answer("status");
