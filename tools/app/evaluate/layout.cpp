@@ -40,7 +40,7 @@ constexpr WorldKindInfo kKinds[] = {
      "a box that slides into the way while the robot walks; density: what else stands about", 1.1},
     {WorldKind::dark, "dark", "clutter in little light; density: how many", 0},
     {WorldKind::two_balls, "two-balls",
-     "the ball to catch, another of another colour, and clutter; density: how many", 0.7},
+     "the ball to catch, another of another colour, and clutter; density: how many", 0},
 };
 
 // None of a ball's colour: red and green balls are looked for.
@@ -188,9 +188,10 @@ double walked_at_s(double bearing_rad, double distance_m) {
   return kBegins + turn + distance_m * speeds.go_s_per_m + kLook * std::floor(distance_m / kPiece);
 }
 
-// The line to the goal is free until a box slides onto it from the side, at least 45 cm before the robot.
+// The line to the goal is free until a box slides onto it from the side, 45 to 75 cm before the robot.
 void moving_box(Draft& d) {
-  const double stops = d.dice(0.50, d.distance - 0.36), robot = d.dice(0, stops - 0.45);
+  const double stops = d.dice(0.50, d.distance - 0.36);
+  const double robot = std::max(0.0, stops - d.dice(0.45, 0.75));
   const double side = d.dice.side(), from = side * d.dice(0.45, 0.75), to = d.dice(-0.05, 0.05);
   const double length = d.dice(0.08, 0.18), width = d.dice(0.08, 0.18);
   Obstacle& mover =
@@ -274,7 +275,13 @@ Layout draw_layout(WorldKind kind, const LayoutRange& range, std::uint64_t seed,
   const bool has_heading = aim(0, 1) < 0.5 && !ball_is_goal;
   const double heading = aim(-kPi, kPi);
   Draft d{Dice(seed, Draw::obstacles), bearing, distance, range.max_obstacles, {}};
-  d.layout.goal = ball_is_goal && kind == WorldKind::clutter ? ball : d.at(distance, 0);
+  if (ball_is_goal && (kind == WorldKind::clutter || kind == WorldKind::two_balls)) {
+    d.line_rad = std::atan2(ball.y(), ball.x());
+    d.distance = ball.norm();
+    d.layout.goal = ball;
+  } else {
+    d.layout.goal = d.at(distance, 0);
+  }
   if (has_heading) d.layout.goal_heading_rad = heading;
   d.layout.density = d.dice(range.density.min, range.density.max);
   switch (kind) {

@@ -72,8 +72,8 @@ struct LayoutRange {
   int max_obstacles = 8;  // of kinds with clutter: half of it to all
 };
 
-// One that may be of no use. `ball`: where the ball of `clutter` lies, which then is the goal; of the other
-// kinds the goal is drawn anyway. `ball_is_goal`: without a heading.
+// One that may be of no use. `ball_is_goal`: the goal has no heading, and is at `ball` in clutter and
+// two-balls; in the other kinds, which need room for what they are, it is drawn anyway.
 Layout draw_layout(WorldKind kind, const LayoutRange& range, std::uint64_t seed, bool ball_is_goal,
                    const Eigen::Vector2d& ball);
 

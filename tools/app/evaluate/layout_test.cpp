@@ -119,6 +119,19 @@ TEST(Kinds, AreWhatTheyAreNamedFor) {
   }
 }
 
+// Results are published by their seed (docs/results/navigation.md): clutter of a seed stays what it was.
+TEST(Kinds, ClutterIsThatOfThePublishedResults) {
+  const Variation variation;
+  Scenario scenario = Scenario::draw(variation, 17, 0);
+  ASSERT_EQ(scenario.kind, WorldKind::clutter);
+  ASSERT_TRUE(scenario.add_layout(variation, false));
+  EXPECT_EQ(scenario.layout.obstacles.size(), 6u);
+  EXPECT_NEAR(scenario.layout.goal.x(), 0.5339518511319776, 1e-9);
+  EXPECT_NEAR(scenario.layout.goal.y(), -1.3888095851540785, 1e-9);
+  EXPECT_NEAR(scenario.least_s, 39.87392020190607, 1e-6);
+  EXPECT_EQ(scenario.floor, "checker");
+}
+
 // Walls are on both sides of the line to the goal.
 TEST(Kinds, ACorridorIsNarrowerTheDenserItIs) {
   const auto room = [](double density) {
