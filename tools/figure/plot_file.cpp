@@ -70,19 +70,27 @@ class CairoPainter final : public plot::Painter {
   cairo_t* c_;
 };
 
-}  // namespace
-
-Result<void> write_plot_png(const std::string& path, const PlotPage& page) {
+Surface draw(const PlotPage& page) {
   constexpr int kScale = 2;  // sharp on dense screens
   const plot::Layout layout(page);
   const Point size = layout.size();
-  const Surface surface =
+  Surface surface =
       blank_surface(kScale * static_cast<int>(size.x), kScale * static_cast<int>(size.y), kWhite);
   const Context c(cairo_create(surface.get()));
   cairo_scale(c.get(), kScale, kScale);
   CairoPainter painter(c.get());
   layout.paint(painter);
-  return write_surface_png(path, surface.get());
+  return surface;
+}
+
+}  // namespace
+
+Image plot_picture(const PlotPage& page) {
+  return image_from(draw(page).get());
+}
+
+Result<void> write_plot_png(const std::string& path, const PlotPage& page) {
+  return write_surface_png(path, draw(page).get());
 }
 
 Result<void> write_plot_svg(const std::string& path, const PlotPage& page) {

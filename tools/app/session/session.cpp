@@ -41,10 +41,11 @@ using Steady = std::chrono::steady_clock;
 // record.
 class Listener final : public behavior::Sink {
  public:
-  Listener(SessionBackend& backend, CallGate* gate, Snapshots& snapshots, Progress& progress,
-           Time start, double expected_s)
+  Listener(SessionBackend& backend, CallGate* gate, behavior::Sink* other, Snapshots& snapshots,
+           Progress& progress, Time start, double expected_s)
       : backend_(backend),
         gate_(gate),
+        other_(other),
         snapshots_(snapshots),
         progress_(progress),
         start_(start),
@@ -55,6 +56,7 @@ class Listener final : public behavior::Sink {
   void phase(Time time, std::string_view behavior, std::string_view phase) override {
     const CallGate::Call call(gate_);
     recording_.phase(time, behavior, phase);
+    if (other_ != nullptr) other_->phase(time, behavior, phase);
     phase_ = phase;
     record({{"behavior", behavior}, {"phase", phase}});
     progress_.announce(seconds(time - start_), phase_);
@@ -65,6 +67,7 @@ class Listener final : public behavior::Sink {
   void cycle(const behavior::CycleRow& row) override {
     const CallGate::Call call(gate_);
     recording_.cycle(row);
+    if (other_ != nullptr) other_->cycle(row);
     if (probe_) probe_->sample();
     record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
     const double elapsed = seconds(row.time - start_);
@@ -76,12 +79,14 @@ class Listener final : public behavior::Sink {
   void picture(const behavior::PictureRow& row) override {
     const CallGate::Call call(gate_);
     recording_.picture(row);
+    if (other_ != nullptr) other_->picture(row);
     record({{"exposure_ns", row.exposure.count()}, {"found", row.found}, {"error", row.error_rad}});
   }
 
   void map(const behavior::MapReport& report) override {
     const CallGate::Call call(gate_);
     map_ = map_picture(report);
+    if (other_ != nullptr) other_->map(report);
     backend_.record_map(recorded_map(report));
   }
 
@@ -99,6 +104,7 @@ class Listener final : public behavior::Sink {
 
   SessionBackend& backend_;
   CallGate* gate_;
+  behavior::Sink* other_;
   Snapshots& snapshots_;
   Progress& progress_;
   Time start_;
@@ -228,6 +234,7 @@ class Session {
   Result<void> begin();
   void perform();
   Result<bool> end_in_time();
+  Result<void> show_moments();
   void settle();
   void excuse_failure();
   Result<void> check_end();
@@ -394,7 +401,7 @@ Result<void> Session::begin() {
   remove_recording_->keep();
   progress_.emplace(options_.label, options_.json);
   start_ = backend_->clock().now();
-  listener_.emplace(*backend_, gate(), *snapshots_, *progress_, start_,
+  listener_.emplace(*backend_, gate(), options_.listener, *snapshots_, *progress_, start_,
                     expected_seconds(values_, behavior_.options));
   return {};
 }
@@ -535,7 +542,15 @@ Result<bool> Session::end_in_time() {
   pipeline_->finish();
   if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
   KAZ_TRY(backend_->simulation()->finish_recording());
+  KAZ_TRY(show_moments());
   return false;
+}
+
+Result<void> Session::show_moments() {
+  if (!options_.on_moments) return {};
+  const auto moments = KAZ_TRY(snapshots_->draw());
+  options_.on_moments(moments);
+  return {};
 }
 
 // Motors off, and the board as it was found; everything that goes on meanwhile ends.
@@ -638,6 +653,7 @@ Result<bool> Session::report() {
   const auto written =
       write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
   if (!written) return tl::unexpected(lost(written.error()));
+  if (!interrupted()) KAZ_TRY(show_moments());
   if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
   if (machine_failed_) {
     Error error{Fault::environment, outcome_->sentence};
