@@ -72,8 +72,9 @@ Image stack(std::span<const Image> images);
 
 using plot::HorizontalLine, plot::LinePlot, plot::PlotPage, plot::Series, plot::Span;
 
-// Two pixels for each px of the page.
-Image plot_picture(const PlotPage& page);
+// `scale` pixels for each px of the page.
+Image plot_picture(const PlotPage& page, int scale);
+// Two pixels for each px: sharp on dense screens.
 Result<void> write_plot_png(const std::string& path, const PlotPage& page);
 Result<void> write_plot_svg(const std::string& path, const PlotPage& page);
 

@@ -27,7 +27,7 @@ std::string text(const char* format, Values... values) {
 }
 
 double rounded(double value, double unit) {
-  return std::round(value / unit) / std::round(1 / unit);
+  return std::round(value / unit) / std::round(1 / unit) + 0.0;  // no negative zero
 }
 
 // A white frame of two pixels, so that a picture in a picture is seen as one.
@@ -78,23 +78,27 @@ Result<DrawnFigure> draw_scene(const RunCollector& run) {
                 "figure 3: no picture of the run has the ball, depth and optical flow at once");
   const SceneView& scene = *run.scene();
   const vision::Image& left = scene.images->left;
+  // Beside each other in the upper right corner: the ball is before the robot, towards the onlooker.
   figure::Image outside = scene.outside;
-  const figure::Image left_eye = framed(left), right_eye = framed(scene.images->right);
-  figure::paste(outside, left_eye, 12, outside.height - left_eye.height - 12);
-  figure::paste(outside, right_eye, outside.width - right_eye.width - 12,
-                outside.height - right_eye.height - 12);
+  constexpr int kMargin_px = 12;
+  int column = outside.width;
+  for (const vision::Image* eye : {&scene.images->right, &left}) {
+    const figure::Image shown = framed(*eye);
+    column -= shown.width + kMargin_px;
+    figure::paste(outside, shown, column, kMargin_px);
+  }
   vision::Mask mask;
   vision::ColorExtractor(vision::BallOptions().color).extract(left, mask);
   const double age_s = scene.flow.seconds_between();
   const figure::Panel panels[] = {
-      {outside,
-       text("(A) robot and view simulator, %.2f s; both eyes", seconds(scene.ball.info.exposure))},
+      {outside, text("(A) robot and view simulator, %.2f s; both eyes' pictures",
+                     seconds(scene.ball.info.exposure))},
       {figure::enlarge(figure::mask_picture(mask, left), 2),
        text("(B) colour extraction: the ball, %.2f m away by its size", scene.ball.distance_m)},
       {figure::enlarge(figure::depth_picture(scene.depth), 2),
        "(C) depth: red 0.2 m, green 0.7 m, blue 3 m, black none"},
       {figure::flow_arrows(left, scene.flow, 2, kArrowEvery_px, kStretch),
-       text("(D) optical flow of %.0f ms, arrows %.0f times as long", 1e3 * age_s, kStretch)}};
+       text("(D) optical flow of %.0f ms, arrows twice as long", 1e3 * age_s)}};
   const auto pixels = std::ranges::count_if(mask.pixels, [](std::uint8_t m) { return m != 0; });
   return DrawnFigure{figure::compose(panels, 2, kHeight_px),
                      {{"exposure_s", seconds(scene.ball.info.exposure)},
@@ -129,7 +133,8 @@ Result<DrawnFigure> draw_setup(const RunCollector& run) {
 
 // (A) planes, and (B) below each the floor that it shows; (C) the merged map, (D) the path.
 Result<DrawnFigure> draw_map_and_path(const RunCollector& run) {
-  constexpr int kSmall_px = 156, kLarge_px = 430;
+  constexpr int kSmall_px = 183, kMaxLarge_px = 520;
+  constexpr double kRow_px = 5 * 244 + 4 * 14;  // five pictures of 4 : 3 and the gaps between them
   constexpr double kAhead = 1.2, kAside = 0.8, kGrid = 0.1;  // m
   if (run.look_around().empty())
     return fail(Fault::failed, "figure 6: the run shows no picture of the looking-around");
@@ -141,14 +146,14 @@ Result<DrawnFigure> draw_map_and_path(const RunCollector& run) {
     auto map = KAZ_TRY(map::LocalMap::make(plan.map.options()));
     KAZ_TRY(map.update(view.planes, view.depth, view.planes.info));
     const MapWindow window{{0, -kAside}, {kAhead, kAside}, 2 / map.options().cell_m};
-    const double pan_deg = view.pan_rad / kDegree;
-    views.push_back(
-        {figure::plane_picture(view.images->left, view.planes, figure::kRed),
-         text("(A) %.2f s, head %+.0f\u00b0", seconds(view.planes.info.exposure), pan_deg)});
-    floors.push_back({map_cells(map, window, MapColors::paper),
+    const double pan_deg = rounded(view.pan_rad / kDegree, 0.01);
+    views.push_back({figure::plane_picture(view.images->left, view.planes, figure::kRed),
+                     text("(A) %.2f s, head %+d\u00b0", seconds(view.planes.info.exposure),
+                          static_cast<int>(std::lround(pan_deg)))});
+    floors.push_back({map_cells(map, window, MapColors::states),
                       text("(B) floor: %.2f m\u00b2", counts_json(map)["floor_m2"].get<double>())});
     Json frame{{"exposure_s", seconds(view.planes.info.exposure)},
-               {"pan_deg", rounded(pan_deg, 0.01)},
+               {"pan_deg", pan_deg},
                {"planes", view.planes.segments.size()},
                {"floor_found", view.planes.floor_found()}};
     frame.update(counts_json(map));
@@ -173,14 +178,17 @@ Result<DrawnFigure> draw_map_and_path(const RunCollector& run) {
     length += (plan.path[i] - plan.path[i - 1]).norm();
   const figure::Panel maps[] = {
       {merged, "(C) merged map: floor white, brighter if sure, obstacles black, unseen grey"},
-      {path,
-       text("(D) path (red) of %.2f m to the goal (blue); grid of %.0f cm", length, 100 * kGrid)}};
+      {path, text("(D) path (red), %.2f m, towards the goal (blue); grid of %.0f cm", length,
+                  100 * kGrid)}};
   Json corners = Json::array();
   for (const Vector2d& corner : plan.path) corners.push_back(point_json(corner));
   const auto row = static_cast<int>(views.size());
+  // Both maps together as wide as the rows above.
+  const int large_px =
+      std::min(kMaxLarge_px, static_cast<int>((kRow_px - 14) / 2 * merged.height / merged.width));
   const figure::Image rows[] = {figure::compose(views, row, kSmall_px),
                                 figure::compose(floors, row, kSmall_px),
-                                figure::compose(maps, 2, kLarge_px)};
+                                figure::compose(maps, 2, large_px)};
   return DrawnFigure{figure::stack(rows),
                      {{"frames", std::move(frames)},
                       {"map", counts_json(plan.map)},
@@ -201,15 +209,20 @@ DrawnFigure draw_frame_information(const figure7::Sweep& sweep, const figure7::O
     json.update(counts_json(map));
     return json;
   };
+  const auto [least, most] =
+      std::ranges::minmax_element(sweep.swept, {}, &figure7::SweptPicture::floor_share);
   const figure::Image rows[] = {figure7::panels(sweep),
-                                figure::plot_picture(figure7::plots(sweep))};
-  return {figure::stack(rows),
-          {{"pictures", sweep.pictures},
-           {"without_floor", sweep.without_floor},
-           {"delay_s", seconds(options.delay)},
-           {"fastest_deg_per_s", rounded(sweep.fastest_rad_per_s / kDegree, 0.1)},
-           {"edge_errors",
-            {{"with_frame_information", score(sweep.with)}, {"without", score(sweep.without)}}}}};
+                                figure::plot_picture(figure7::plots(sweep), 1)};
+  return {
+      figure::stack(rows),
+      {{"pictures", sweep.pictures},
+       {"without_floor", sweep.without_floor},
+       {"floor_share",
+        {{"min", rounded(least->floor_share, 1e-4)}, {"max", rounded(most->floor_share, 1e-4)}}},
+       {"delay_s", seconds(options.delay)},
+       {"fastest_deg_per_s", rounded(sweep.fastest_rad_per_s / kDegree, 0.1)},
+       {"edge_errors",
+        {{"with_frame_information", score(sweep.with)}, {"without", score(sweep.without)}}}}};
 }
 
 // Above what an onlooker sees, below the left eye.
@@ -224,7 +237,7 @@ Result<DrawnFigure> draw_catch(const RunCollector& run) {
         {moment.outside, text("%s, %.1f s", moment.shown.c_str(), seconds(moment.time))});
     below.push_back({moment.left, moment.found
                                       ? text("left eye: ball %.2f m away", moment.distance_m)
-                                      : std::string("left eye: no ball")});
+                                      : std::string("left eye: ball not found")});
     Json one{{"shown", moment.shown}, {"time_s", seconds(moment.time)}, {"found", moment.found}};
     if (moment.found) one["distance_m"] = rounded(moment.distance_m, 1e-4);
     shown.push_back(std::move(one));

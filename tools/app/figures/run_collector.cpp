@@ -108,8 +108,8 @@ void RunCollector::draw_setup(sim::Simulation& simulation) {
   SetupView setup;
   const Vector3d aside = turned * Vector3d(-0.35, -1, 0.75).normalized(),
                  behind = turned * Vector3d(-0.02, 0, 1);
-  const sim::View side = view_from(middle + (0.75 + 1.15 * extent) * aside, middle, kSideView);
-  const sim::View above = view_from(middle + (0.9 + 1.1 * extent) * behind, middle, kView);
+  const sim::View side = view_from(middle + (1.0 + 1.3 * extent) * aside, middle, kSideView);
+  const sim::View above = view_from(middle + (1.1 + 1.3 * extent) * behind, middle, kView);
   setup.from_side = drawn(simulation, side, now.scene);
   setup.from_above = drawn(simulation, above, now.scene);
   setup.robot_px = pixel_of(above, start);
@@ -203,7 +203,10 @@ void RunCollector::end(const vision::Pipeline& /*pipeline*/) {
     middle = 0.5 * (scene_pose_->trunk + *scene_pose_->ball);
     extent = (scene_pose_->trunk - *scene_pose_->ball).norm();
   }
-  scene_->outside = drawn(*simulation_, onlooker_view(middle, extent), scene_pose_->scene);
+  // Large, so that the eyes' pictures in it take little of it.
+  constexpr int kWidth_px = 1280;
+  scene_->outside =
+      drawn(*simulation_, onlooker_view(middle, extent, kWidth_px), scene_pose_->scene);
   simulation_ = nullptr;
 }
 

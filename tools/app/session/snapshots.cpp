@@ -11,8 +11,6 @@
 namespace kaz::tools {
 namespace {
 
-constexpr int kOutsideWidth = 960, kOutsideHeight = 720;
-
 // Where an onlooker stands, in front of the robot and to its right, looking at its chest and the
 // floor before it. World frame, m.
 const Eigen::Vector3d kEye(1.62, -0.62, 0.88), kTarget(0.26, 0.02, 0.07);
@@ -38,12 +36,12 @@ MomentPictures look(const vision::Image& left, const vision::FrameInfo& info,
 
 }  // namespace
 
-sim::View onlooker_view(const std::optional<Eigen::Vector3d>& middle, double extent_m) {
+sim::View onlooker_view(const std::optional<Eigen::Vector3d>& middle, double extent_m, int width) {
   const Eigen::Vector3d target = middle.value_or(kTarget);
   const Eigen::Vector3d eye =
       middle ? target + (0.55 + 1.1 * extent_m) * (kEye - kTarget).normalized() : kEye;
   sim::View view;
-  view.camera = sim::Pinhole::from_horizontal_view(kOutsideWidth, kOutsideHeight, 0.78);
+  view.camera = sim::Pinhole::from_horizontal_view(width, 3 * width / 4, 0.78);
   view.samples_per_axis = 2;
   view.world_from_optical = sim::look_at(eye, target);
   return view;

@@ -33,7 +33,9 @@ class RememberingCamera final : public vision::Camera {
 
 // Robot and ball from the robot's front right, so near that what is around `middle`, `extent_m` across, is
 // shown; without a middle the floor before a robot at its start. World frame, m.
-sim::View onlooker_view(const std::optional<Eigen::Vector3d>& middle, double extent_m);
+// Pictures are 4 : 3, `width` px wide.
+sim::View onlooker_view(const std::optional<Eigen::Vector3d>& middle, double extent_m,
+                        int width = 960);
 
 // One of a run's moments, drawn.
 struct MomentPictures {

@@ -17,7 +17,7 @@ vision::Image part_of(const map::LocalMap& map, const std::vector<EdgePoint>& ed
   for (const EdgePoint& edge : edges) {
     if (edge.seen < kSeenOften) continue;
     const auto [u, v] = window.pixel(edge.place);
-    figure::draw_circle(image, u, v, 1, figure::kBlack, 1);
+    figure::draw_circle(image, u, v, 1, figure::kBlack, 3);
   }
   return image;
 }
@@ -26,10 +26,10 @@ vision::Image part_of(const map::LocalMap& map, const std::vector<EdgePoint>& ed
 
 vision::Image panels(const Sweep& sweep) {
   const figure::Panel shown[] = {
-      {sweep.eye, "left eye, rectified; the head turns at 60 degrees/s"},
+      {sweep.eye, "left eye, rectified; the head turns at 60\u00b0/s"},
       {part_of(sweep.with, sweep.edges), "posture of the exposure: floor green, obstacles red"},
       {part_of(sweep.without, sweep.edges), "posture when the result comes, 0.3 s later"}};
-  return figure::compose(shown, 3, 420);
+  return figure::compose(shown, 3, 250);
 }
 
 plot::PlotPage plots(const Sweep& sweep) {
@@ -58,7 +58,7 @@ plot::PlotPage plots(const Sweep& sweep) {
   page.x_label = "exposure of the picture, s";
   page.width_px = kWidth_px;
   page.plot_height_px = kHeight_px;
-  page.plots = {{"Pan of the head", "degrees", {then, now}, {}, {}, {}, {}, {}},
+  page.plots = {{"Pan of the head", "degrees", {then, now}, {}, {}, -60, 60, {}},
                 {"Floor found in the left picture", "% of its pixels", {share}, {}, {}, 0, {}, {}},
                 {"Floor in the map", "m\u00b2", {with, without}, {}, {}, 0, {}, {}}};
   return page;

@@ -52,6 +52,7 @@ class Run {
     auto done = start();
     if (done) done = look_around();
     if (!done) return tl::unexpected(done.error());
+    if (out_->swept.empty()) return fail(Fault::failed, "no picture came with a known posture");
     return std::move(*out_);
   }
 
