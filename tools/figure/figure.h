@@ -46,11 +46,17 @@ void draw_crosshair(Image& image, double u, double v, double size_px, Color colo
 // Corners as u, v.
 void draw_line(Image& image, std::span<const std::pair<double, double>> corners, Color color,
                double width_px = 2);
+// Several lines, one after the other, each with its own corners.
+void draw_lines(Image& image, std::span<const std::vector<std::pair<double, double>>> lines,
+                Color color, double width_px = 2);
 void draw_text(Image& image, double u, double v, const std::string& text, double size_px,
                Color color);
 
 // Whole multiples, nearest neighbour: small camera pictures beside large ones.
 Image enlarge(const Image& image, int factor);
+
+// `part` over `image`, its upper left corner at column `left` of row `top`; what is outside is cut off.
+void paste(Image& image, const Image& part, int left, int top);
 
 struct Panel {
   Image image;
@@ -58,13 +64,17 @@ struct Panel {
 };
 // Side by side in rows of `columns`, each scaled to `height_px`, captions beneath.
 Image compose(std::span<const Panel> panels, int columns, int height_px);
+// One below the other on white, from the left, without a gap: compose() leaves a margin around its panels.
+Image stack(std::span<const Image> images);
 
 // --- plots
 // -------------------------------------------------------------------------------------------
 
 using plot::HorizontalLine, plot::LinePlot, plot::PlotPage, plot::Series, plot::Span;
 
-// Two pixels for each px of the page.
+// `scale` pixels for each px of the page.
+Image plot_picture(const PlotPage& page, int scale);
+// Two pixels for each px: sharp on dense screens.
 Result<void> write_plot_png(const std::string& path, const PlotPage& page);
 Result<void> write_plot_svg(const std::string& path, const PlotPage& page);
 

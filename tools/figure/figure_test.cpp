@@ -195,6 +195,30 @@ TEST(Pictures, EnlargeRepeatsPixels) {
                                                   1, 2, 3, 1, 2, 3, 4, 5, 6, 4, 5, 6}));
 }
 
+TEST(Pictures, APartIsPastedAsFarAsThereIsRoom) {
+  const Image part{2, 2, {1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4}};
+  const auto pasted = [&](int left, int top) {
+    Image image{3, 2, std::vector<std::uint8_t>(18, 0)};
+    paste(image, part, left, top);
+    std::vector<int> reds;
+    for (std::size_t i = 0; i < 18; i += 3) reds.push_back(image.rgb[i]);
+    return reds;
+  };
+  EXPECT_EQ(pasted(0, 0), (std::vector<int>{1, 2, 0, 3, 4, 0}));
+  EXPECT_EQ(pasted(2, 1), (std::vector<int>{0, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(pasted(-1, -1), (std::vector<int>{4, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(pasted(3, 0), (std::vector<int>(6, 0)));
+  EXPECT_EQ(pasted(0, -2), (std::vector<int>(6, 0)));
+}
+
+TEST(Pictures, StackedTheyStandOnWhite) {
+  const Image images[] = {{1, 1, {9, 9, 9}}, {2, 1, {1, 1, 1, 2, 2, 2}}};
+  const Image all = stack(images);
+  EXPECT_EQ(all.width, 2);
+  EXPECT_EQ(all.height, 2);
+  EXPECT_EQ(all.rgb, (std::vector<std::uint8_t>{9, 9, 9, 255, 255, 255, 1, 1, 1, 2, 2, 2}));
+}
+
 TEST(Pictures, PanelsStandSideBySide) {
   const std::vector<Panel> panels{{checker(64, 48), "left"},
                                   {checker(32, 48), "right"},

@@ -76,11 +76,19 @@ void draw_crosshair(Image& image, double u, double v, double size_px, Color colo
 
 void draw_line(Image& image, std::span<const std::pair<double, double>> corners, Color color,
                double width_px) {
-  if (corners.empty()) return;
+  const std::vector<std::pair<double, double>> line(corners.begin(), corners.end());
+  draw_lines(image, std::span(&line, 1), color, width_px);
+}
+
+void draw_lines(Image& image, std::span<const std::vector<std::pair<double, double>>> lines,
+                Color color, double width_px) {
   draw_into(image, [&](cairo_t* c) {
-    for (const auto& [u, v] : corners) cairo_line_to(c, u, v);
     cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
-    stroke_with_edge(c, color, width_px);
+    for (const auto& corners : lines) {
+      if (corners.empty()) continue;
+      for (const auto& [u, v] : corners) cairo_line_to(c, u, v);
+      stroke_with_edge(c, color, width_px);
+    }
   });
 }
 
@@ -109,6 +117,33 @@ Image enlarge(const Image& image, int factor) {
     }
   }
   return large;
+}
+
+void paste(Image& image, const Image& part, int left, int top) {
+  const int begin = std::max(0, -left), end = std::min(part.width, image.width - left);
+  if (begin >= end) return;
+  for (int y = std::max(0, -top); y < part.height && top + y < image.height; ++y) {
+    const auto from = part.rgb.begin() + std::ptrdiff_t{3} * (y * part.width + begin);
+    std::copy_n(from, 3 * (end - begin),
+                image.rgb.begin() + std::ptrdiff_t{3} * ((top + y) * image.width + left + begin));
+  }
+}
+
+Image stack(std::span<const Image> images) {
+  Image all;
+  for (const Image& one : images) {
+    all.width = std::max(all.width, one.width);
+    all.height += one.height;
+  }
+  all.rgb.assign(
+      std::size_t{3} * static_cast<std::size_t>(all.width) * static_cast<std::size_t>(all.height),
+      255);
+  int top = 0;
+  for (const Image& one : images) {
+    paste(all, one, 0, top);
+    top += one.height;
+  }
+  return all;
 }
 
 Image compose(std::span<const Panel> panels, int columns, int height_px) {

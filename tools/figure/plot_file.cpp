@@ -70,19 +70,26 @@ class CairoPainter final : public plot::Painter {
   cairo_t* c_;
 };
 
-}  // namespace
-
-Result<void> write_plot_png(const std::string& path, const PlotPage& page) {
-  constexpr int kScale = 2;  // sharp on dense screens
+Surface draw(const PlotPage& page, int scale) {
   const plot::Layout layout(page);
   const Point size = layout.size();
-  const Surface surface =
-      blank_surface(kScale * static_cast<int>(size.x), kScale * static_cast<int>(size.y), kWhite);
+  Surface surface =
+      blank_surface(scale * static_cast<int>(size.x), scale * static_cast<int>(size.y), kWhite);
   const Context c(cairo_create(surface.get()));
-  cairo_scale(c.get(), kScale, kScale);
+  cairo_scale(c.get(), scale, scale);
   CairoPainter painter(c.get());
   layout.paint(painter);
-  return write_surface_png(path, surface.get());
+  return surface;
+}
+
+}  // namespace
+
+Image plot_picture(const PlotPage& page, int scale) {
+  return image_from(draw(page, scale).get());
+}
+
+Result<void> write_plot_png(const std::string& path, const PlotPage& page) {
+  return write_surface_png(path, draw(page, 2).get());
 }
 
 Result<void> write_plot_svg(const std::string& path, const PlotPage& page) {

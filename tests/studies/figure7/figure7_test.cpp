@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "tests/studies/figure7/panels.h"
+#include "tools/app/figures/frame_information/panels.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::figure7 {
@@ -23,7 +23,8 @@ EdgeScore shown(const char* name, const map::LocalMap& map, const Sweep& sweep) 
 // a cell for 95 of 100 of them, and within two for all. A cell is floor or it is not, which alone
 // moves an edge by up to 0.7 of one.
 TEST(Figure7, EdgesOfTheFloorAreWithinACellWithFrameInformationOnly) {
-  const Options options{KAZ_YARD, KAZ_ROBOT, KAZ_FIRMWARE_IMAGE};
+  const Options options{
+      .world = KAZ_YARD, .robot_folder = KAZ_ROBOT, .image_path = KAZ_FIRMWARE_IMAGE};
   const auto run = sweep(options);
   ASSERT_TRUE(run) << run.error().message;
   const auto written = figure::write_png(KAZ_FIGURE7_OUT "/figure7.png", panels(*run));

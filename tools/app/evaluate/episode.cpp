@@ -134,6 +134,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   session.json = true;  // no progress
   session.keep_interrupted = false;
   session.onlooker = &judge;
+  session.listener = &judge;
   std::optional<Error> lost;
   session.on_loss = [&](const Error& error) { lost = error; };
   session.on_end = [&](const Result<behavior::Outcome>& outcome, double seconds, double speed) {

@@ -30,7 +30,7 @@ struct Truth {
   std::optional<std::int64_t> unconverged_steps = {};
 };
 
-class Judge final : public Onlooker {
+class Judge final : public Onlooker, public behavior::Sink {
  public:
   // `watches_touch`: whether touched() is to be known, which costs time.
   // `sees_end`: the last look is at the behaviour's end; in another process it lies somewhere after it.

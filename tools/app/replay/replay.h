@@ -15,6 +15,8 @@
 
 namespace kaz::tools {
 
+struct SessionOptions;
+
 // What runs again: the host on what is recorded, or host and simulation from the seed. By itself: the
 // host where the recording allows it.
 enum class ReplayMode { by_itself, host, whole };
@@ -30,6 +32,8 @@ struct ReplayOptions {
   std::string label = "kaz replay";  // in front of its progress
   VisionOptions vision;
   VisionWatcher* watcher = nullptr;
+  // Before it begins: further listeners to the run.
+  std::function<void(SessionOptions&)> on_session;
   // Of the host alone. The recording ends once the watcher has heard of so many pairs; 0: at its end.
   std::uint64_t max_pairs = 0;
   // Of the host alone, before it runs: the recording's eyes. An error is that of the replay.

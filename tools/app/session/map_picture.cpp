@@ -3,6 +3,7 @@
 #include "tools/app/session/map_picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -18,18 +19,44 @@ using Eigen::Vector2d;
 constexpr int kCell_px = 3;
 constexpr double kMargin = 0.15, kGridline = 0.5;  // m
 
-// The part of the map that is shown.
-struct Window {
-  Vector2d min, max;  // m
-  double px_per_m;
-  int width() const { return static_cast<int>(std::lround((max.y() - min.y()) * px_per_m)); }
-  int height() const { return static_cast<int>(std::lround((max.x() - min.x()) * px_per_m)); }
-  std::pair<double, double> pixel(const Vector2d& at) const {
-    return {(max.y() - at.y()) * px_per_m - 0.5, (max.x() - at.x()) * px_per_m - 0.5};
-  }
-};
+using Rgb = std::array<std::uint8_t, 3>;
 
-Window window_of(const behavior::MapReport& report) {
+constexpr Rgb kOutside{150, 150, 150};
+
+Rgb grey(double code) {
+  const auto byte = static_cast<std::uint8_t>(std::lround(code));
+  return {byte, byte, byte};
+}
+
+Rgb paper_color(const map::Cell& cell, MapColors colors) {
+  constexpr double kUnknown = 128, kDoubtfulFloor = 165, kDoubtfulObstacle = 70;
+  const double sure = colors == MapColors::states ? 1 : cell.confidence;
+  switch (cell.state) {
+    case map::CellState::floor:
+      return grey(kDoubtfulFloor + (255 - kDoubtfulFloor) * sure);
+    case map::CellState::obstacle:
+      return grey(kDoubtfulObstacle * (1 - sure));
+    case map::CellState::unknown:
+      break;
+  }
+  return grey(kUnknown);
+}
+
+}  // namespace
+
+int MapWindow::width() const {
+  return static_cast<int>(std::lround((max.y() - min.y()) * px_per_m));
+}
+
+int MapWindow::height() const {
+  return static_cast<int>(std::lround((max.x() - min.x()) * px_per_m));
+}
+
+std::pair<double, double> MapWindow::pixel(const Vector2d& at) const {
+  return {(max.y() - at.y()) * px_per_m - 0.5, (max.x() - at.x()) * px_per_m - 0.5};
+}
+
+MapWindow window_of(const behavior::MapReport& report) {
   const map::LocalMap& map = report.map;
   Vector2d min = report.robot, max = report.robot;
   const auto show = [&](const Vector2d& at) {
@@ -51,62 +78,69 @@ Window window_of(const behavior::MapReport& report) {
           kCell_px / cell};
 }
 
-figure::Image cells_of(const map::LocalMap& map, const Window& window) {
-  const figure::Image all = map.picture();
+figure::Image map_cells(const map::LocalMap& map, const MapWindow& window, MapColors colors) {
+  const figure::Image all = colors == MapColors::green_red ? map.picture() : figure::Image{};
+  const auto color_of = [&](int x, int y) -> Rgb {
+    if (x < 0 || y < 0 || x >= map.cells() || y >= map.cells())
+      return colors == MapColors::green_red ? kOutside : paper_color({}, colors);
+    if (colors != MapColors::green_red) return paper_color(map.cell(x, y), colors);
+    const auto row = static_cast<std::size_t>(map.cells() - 1 - x),
+               column = static_cast<std::size_t>(map.cells() - 1 - y);
+    const auto from = &all.rgb[3 * (row * static_cast<std::size_t>(all.width) + column)];
+    return {from[0], from[1], from[2]};
+  };
   figure::Image image{window.width(), window.height(), {}};
   image.rgb.reserve(3 * static_cast<std::size_t>(image.width) *
                     static_cast<std::size_t>(image.height));
   for (int v = 0; v < image.height; ++v) {
     const int x = map.number(window.max.x() - (v + 0.5) / window.px_per_m);
     for (int u = 0; u < image.width; ++u) {
-      const int y = map.number(window.max.y() - (u + 0.5) / window.px_per_m);
-      const bool inside = x >= 0 && y >= 0 && x < map.cells() && y < map.cells();
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto row = static_cast<std::size_t>(map.cells() - 1 - x),
-                   column = static_cast<std::size_t>(map.cells() - 1 - y);
-        image.rgb.push_back(
-            inside ? all.rgb[3 * (row * static_cast<std::size_t>(all.width) + column) + k] : 150);
-      }
+      const Rgb color = color_of(x, map.number(window.max.y() - (u + 0.5) / window.px_per_m));
+      image.rgb.insert(image.rgb.end(), color.begin(), color.end());
     }
   }
   return image;
 }
 
-void draw_grid(figure::Image& image, const Window& window) {
-  const auto lines = [&](int axis) {
-    for (double at = kGridline * std::ceil(window.min[axis] / kGridline); at < window.max[axis];
-         at += kGridline) {
+void draw_map_grid(figure::Image& image, const MapWindow& window, double every_m,
+                   figure::Color color) {
+  std::vector<std::vector<std::pair<double, double>>> lines;
+  for (const int axis : {0, 1}) {
+    for (double at = every_m * std::ceil(window.min[axis] / every_m); at < window.max[axis];
+         at += every_m) {
       Vector2d from = window.min, to = window.max;
       from[axis] = to[axis] = at;
-      const std::pair<double, double> corners[] = {window.pixel(from), window.pixel(to)};
-      figure::draw_line(image, corners, figure::kWhite, 0.4);
+      lines.push_back({window.pixel(from), window.pixel(to)});
     }
-  };
-  lines(0);
-  lines(1);
+  }
+  figure::draw_lines(image, lines, color, 0.4);
 }
 
-}  // namespace
+void draw_map_line(figure::Image& image, const MapWindow& window,
+                   const std::vector<Vector2d>& corners, figure::Color color, double width_px) {
+  std::vector<std::pair<double, double>> pixels;
+  for (const Vector2d& at : corners) pixels.push_back(window.pixel(at));
+  figure::draw_line(image, pixels, color, width_px);
+}
+
+void draw_map_robot(figure::Image& image, const MapWindow& window, const Vector2d& at,
+                    double heading_rad) {
+  const Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad)), left(-ahead.y(), ahead.x());
+  draw_map_line(image, window,
+                {at - 0.04 * ahead + 0.04 * left, at + 0.07 * ahead,
+                 at - 0.04 * ahead - 0.04 * left, at - 0.04 * ahead + 0.04 * left},
+                figure::kBlack, 2.5);
+}
 
 figure::Image map_picture(const behavior::MapReport& report) {
-  const Window window = window_of(report);
-  figure::Image image = cells_of(report.map, window);
-  draw_grid(image, window);
-  const auto draw = [&](const std::vector<Vector2d>& corners, figure::Color color,
-                        double width_px) {
-    std::vector<std::pair<double, double>> pixels;
-    for (const Vector2d& at : corners) pixels.push_back(window.pixel(at));
-    figure::draw_line(image, pixels, color, width_px);
-  };
-  draw(report.trail, figure::kBlue, 3);
-  draw(report.path, figure::kWhite, 2);
+  const MapWindow window = window_of(report);
+  figure::Image image = map_cells(report.map, window, MapColors::green_red);
+  draw_map_grid(image, window, kGridline, figure::kWhite);
+  draw_map_line(image, window, report.trail, figure::kBlue, 3);
+  draw_map_line(image, window, report.path, figure::kWhite, 2);
   const auto [u, v] = window.pixel(report.goal);
   figure::draw_crosshair(image, u, v, 12, figure::kYellow, 3);
-  const Vector2d ahead(std::cos(report.heading_rad), std::sin(report.heading_rad)),
-      left(-ahead.y(), ahead.x());
-  draw({report.robot - 0.04 * ahead + 0.04 * left, report.robot + 0.07 * ahead,
-        report.robot - 0.04 * ahead - 0.04 * left, report.robot - 0.04 * ahead + 0.04 * left},
-       figure::kBlack, 2.5);
+  draw_map_robot(image, window, report.robot, report.heading_rad);
   const char* const legend[] = {"green: floor, red: obstacle, grey: not seen; paler: less sure",
                                 "blue: walked, white: path, yellow: goal; lines every 0.5 m"};
   for (int line = 0; line < 2; ++line)

@@ -41,13 +41,13 @@ using Steady = std::chrono::steady_clock;
 // record.
 class Listener final : public behavior::Sink {
  public:
-  Listener(SessionBackend& backend, CallGate* gate, Snapshots& snapshots, Progress& progress,
-           Onlooker* onlooker, Time start, double expected_s)
+  Listener(SessionBackend& backend, CallGate* gate, behavior::Sink* other, Snapshots& snapshots,
+           Progress& progress, Time start, double expected_s)
       : backend_(backend),
         gate_(gate),
+        other_(other),
         snapshots_(snapshots),
         progress_(progress),
-        onlooker_(onlooker),
         start_(start),
         moments_(expected_s) {
     if (backend.simulation() != nullptr) probe_.emplace(*backend.simulation());
@@ -56,6 +56,7 @@ class Listener final : public behavior::Sink {
   void phase(Time time, std::string_view behavior, std::string_view phase) override {
     const CallGate::Call call(gate_);
     recording_.phase(time, behavior, phase);
+    if (other_ != nullptr) other_->phase(time, behavior, phase);
     phase_ = phase;
     record({{"behavior", behavior}, {"phase", phase}});
     progress_.announce(seconds(time - start_), phase_);
@@ -66,6 +67,7 @@ class Listener final : public behavior::Sink {
   void cycle(const behavior::CycleRow& row) override {
     const CallGate::Call call(gate_);
     recording_.cycle(row);
+    if (other_ != nullptr) other_->cycle(row);
     if (probe_) probe_->sample();
     record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
     const double elapsed = seconds(row.time - start_);
@@ -77,14 +79,15 @@ class Listener final : public behavior::Sink {
   void picture(const behavior::PictureRow& row) override {
     const CallGate::Call call(gate_);
     recording_.picture(row);
+    if (other_ != nullptr) other_->picture(row);
     record({{"exposure_ns", row.exposure.count()}, {"found", row.found}, {"error", row.error_rad}});
   }
 
   void map(const behavior::MapReport& report) override {
     const CallGate::Call call(gate_);
     map_ = map_picture(report);
+    if (other_ != nullptr) other_->map(report);
     backend_.record_map(recorded_map(report));
-    if (onlooker_ != nullptr) onlooker_->map(report);
   }
 
   const behavior::Recording& recording() const { return recording_; }
@@ -101,9 +104,9 @@ class Listener final : public behavior::Sink {
 
   SessionBackend& backend_;
   CallGate* gate_;
+  behavior::Sink* other_;
   Snapshots& snapshots_;
   Progress& progress_;
-  Onlooker* onlooker_;
   Time start_;
   std::string phase_;
   Moments moments_;
@@ -231,6 +234,7 @@ class Session {
   Result<void> begin();
   void perform();
   Result<bool> end_in_time();
+  Result<void> show_moments();
   void settle();
   void excuse_failure();
   Result<void> check_end();
@@ -397,7 +401,7 @@ Result<void> Session::begin() {
   remove_recording_->keep();
   progress_.emplace(options_.label, options_.json);
   start_ = backend_->clock().now();
-  listener_.emplace(*backend_, gate(), *snapshots_, *progress_, options_.onlooker, start_,
+  listener_.emplace(*backend_, gate(), options_.listener, *snapshots_, *progress_, start_,
                     expected_seconds(values_, behavior_.options));
   return {};
 }
@@ -538,7 +542,15 @@ Result<bool> Session::end_in_time() {
   pipeline_->finish();
   if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
   KAZ_TRY(backend_->simulation()->finish_recording());
+  KAZ_TRY(show_moments());
   return false;
+}
+
+Result<void> Session::show_moments() {
+  if (!options_.on_moments) return {};
+  const auto moments = KAZ_TRY(snapshots_->draw());
+  options_.on_moments(moments);
+  return {};
 }
 
 // Motors off, and the board as it was found; everything that goes on meanwhile ends.
@@ -641,6 +653,7 @@ Result<bool> Session::report() {
   const auto written =
       write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
   if (!written) return tl::unexpected(lost(written.error()));
+  if (!interrupted()) KAZ_TRY(show_moments());
   if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
   if (machine_failed_) {
     Error error{Fault::environment, outcome_->sentence};

@@ -7,21 +7,21 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/behavior/behavior.h"
 #include "shared/base/result.hpp"
 #include "tools/app/session/backend.h"
+#include "tools/app/session/snapshots.h"
 #include "tools/app/vision/modules.h"
 
 namespace kaz::tools {
 
-// Sees the simulated world as it is while a behaviour runs, and the behaviour's maps: for scores. No
-// behaviour sees it.
+// Sees the simulated world as it is while a behaviour runs: for scores. No behaviour sees it.
 class Onlooker {
  public:
   virtual ~Onlooker() = default;
   virtual void look(sim::Simulation& simulation) = 0;
-  virtual void map(const behavior::MapReport& /*report*/) {}
 };
 
 struct SessionOptions {
@@ -37,10 +37,13 @@ struct SessionOptions {
   bool profile = false;                         // measures where the time goes
   bool keep_interrupted = true;                 // writes what there is of an interrupted run
   Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
+  behavior::Sink* listener = nullptr;  // hears what the behaviour reports; must outlive the session
   // Of a simulated robot: the run ends there as by Ctrl-C, which is no error; its result is false.
   std::optional<Time> until;
   // How the behaviour ended, how long it took (s of the robot), and that over wall time.
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
+  // The pictures of the run's moments, drawn for this alone; not of an interrupted run.
+  std::function<void(const std::vector<MomentPictures>&)> on_moments;
   // The machine, not the robot, ended the session: files, disk, display, port. Before on_end or after.
   std::function<void(const Error&)> on_loss;
   // The behaviour's program is in error. False: it threw. True: it is a plug-in that crashed, ended the

@@ -31,6 +31,23 @@ class RememberingCamera final : public vision::Camera {
   std::optional<vision::StereoPair> newest_;
 };
 
+// Robot and ball from the robot's front right, so near that what is around `middle`, `extent_m` across, is
+// shown; without a middle the floor before a robot at its start. World frame, m.
+// Pictures are 4 : 3, `width` px wide.
+sim::View onlooker_view(const std::optional<Eigen::Vector3d>& middle, double extent_m,
+                        int width = 960);
+
+// One of a run's moments, drawn.
+struct MomentPictures {
+  Time time{};
+  std::string shown;         // what there is to see: "approach"
+  vision::Image outside;     // an onlooker's view; empty without a simulation
+  vision::Image left;        // the left eye, twice as large, its axis and the ball marked
+  vision::Image extraction;  // the same as colour extraction has it
+  bool found = false;        // the ball, in the left eye
+  double distance_m = 0;     // of the ball by its size, if found
+};
+
 class Snapshots {
  public:
   // `simulation` may be null: then there is no onlooker.
@@ -42,6 +59,9 @@ class Snapshots {
   // Keeps the present pictures and poses under the name `shown`; nothing without pictures. The
   // onlooker's view is drawn only by write().
   void take(Time now, const std::string& shown);
+
+  // In order of time; without those whose pixels are not there.
+  Result<std::vector<MomentPictures>> draw() const;
 
   // left_eye.png, color_extraction.png, outside.png of the latest snapshot with the ball in view, and
   // moments.png with all of them, and the same as moments.jpg, a tenth as large. Returns the names written.

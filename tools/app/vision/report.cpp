@@ -15,22 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json depth_json(const vision::DepthImage& depth) {
-  std::vector<double> known;
-  for (int v = 0; v < depth.height; ++v) {
-    for (int u = 0; u < depth.width; ++u) {
-      if (depth.known(u, v)) known.push_back(depth.depth_m(u, v));
-    }
-  }
-  Json json{{"known",
-             static_cast<double>(known.size()) / static_cast<double>(depth.disparity_px.size())}};
-  if (known.empty()) return json;
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  json["median_m"] = *middle;
-  return json;
-}
-
 struct FlowSummary {
   double known = 0, median_px = 0, p95_px = 0;  // lengths
 };
@@ -47,14 +31,6 @@ FlowSummary summarize(const vision::FlowImage& flow) {
   summary.median_px = static_cast<double>(lengths[lengths.size() / 2]);
   summary.p95_px = static_cast<double>(lengths[(lengths.size() - 1) * 95 / 100]);
   return summary;
-}
-
-Json flow_json(const FlowSummary& summary) {
-  Json json{{"known", summary.known}};
-  if (summary.known == 0) return json;
-  json["median_px"] = summary.median_px;
-  json["p95_px"] = summary.p95_px;
-  return json;
 }
 
 Json moving_json(const vision::MovingRegions& moving) {
@@ -120,6 +96,31 @@ std::string csv_text(const Json& value) {
 }
 
 }  // namespace
+
+Json depth_json(const vision::DepthImage& depth) {
+  std::vector<double> known;
+  for (int v = 0; v < depth.height; ++v) {
+    for (int u = 0; u < depth.width; ++u) {
+      if (depth.known(u, v)) known.push_back(depth.depth_m(u, v));
+    }
+  }
+  Json json{{"known",
+             static_cast<double>(known.size()) / static_cast<double>(depth.disparity_px.size())}};
+  if (known.empty()) return json;
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  json["median_m"] = *middle;
+  return json;
+}
+
+Json flow_json(const vision::FlowImage& flow) {
+  const FlowSummary summary = summarize(flow);
+  Json json{{"known", summary.known}};
+  if (summary.known == 0) return json;
+  json["median_px"] = summary.median_px;
+  json["p95_px"] = summary.p95_px;
+  return json;
+}
 
 Json ball_json(const vision::BallObservation& b) {
   Json json{{"found", b.found}};
@@ -209,10 +210,9 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
       pipeline, "flow", [this](const vision::Frame& frame, const auto* flow, const Error* error) {
         if (flow != nullptr && flow->width > 0) {
           Entry& e = entry(frame);
-          const FlowSummary summary = summarize(*flow);
-          e.json["flow"] = flow_json(summary);
+          e.json["flow"] = flow_json(*flow);
           if (folder_ != nullptr) {
-            const double longest = std::max(2.0, summary.p95_px);
+            const double longest = std::max(2.0, e.json["flow"].value("p95_px", 0.0));
             char caption[64];
             std::snprintf(caption, sizeof caption, "flow: colour is direction, full at %.0f px",
                           longest);

@@ -16,8 +16,10 @@
 
 namespace kaz::tools {
 
-// A ball in result.json.
+// A ball, depth, flow in result.json.
 nlohmann::ordered_json ball_json(const vision::BallObservation& ball);
+nlohmann::ordered_json depth_json(const vision::DepthImage& depth);
+nlohmann::ordered_json flow_json(const vision::FlowImage& flow);
 
 // Of a pipeline's modules: what they found, how long it took, how old it was. Times are of the wall
 // clock where they are "computing", of the robot where they are "age".

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "host/map/local_map.h"
-#include "shared/base/result.hpp"
+#include "sim/body/description/scene.h"
 #include "vision/image/frame.h"
 
 namespace kaz::figure7 {
@@ -18,8 +17,8 @@ struct Box {
   Eigen::Vector3d size;
 };
 
-// The boxes of a world file, in its frame. Errors: no such file, none in it.
-Result<std::vector<Box>> boxes_of(const std::string& sdf);
+// Those of a world that cannot move, in its frame: the robot's visuals have frames of their own.
+std::vector<Box> boxes_of(const sim::Scene& scene);
 
 // A place on the lower edge of a box, where floor ends.
 struct EdgePoint {

@@ -1,19 +1,15 @@
 // True edges of the floor, and the errors of a map's edges.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/studies/figure7/yard.h"
-
-#include <tinyxml2.h>
+#include "tools/app/figures/frame_information/yard.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "tools/trials/statistics.h"
 
 namespace kaz::figure7 {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -41,28 +37,12 @@ bool hidden(const Box& box, const Vector3d& from, const Vector3d& to) {
 
 }  // namespace
 
-Result<std::vector<Box>> boxes_of(const std::string& sdf) {
-  tinyxml2::XMLDocument file;
-  const auto* root =
-      file.LoadFile(sdf.c_str()) == tinyxml2::XML_SUCCESS ? file.FirstChildElement("sdf") : nullptr;
-  const auto* world = root != nullptr ? root->FirstChildElement("world") : nullptr;
-  if (world == nullptr) return fail(Fault::usage, sdf + ": no world can be read from it");
+std::vector<Box> boxes_of(const sim::Scene& scene) {
   std::vector<Box> boxes;
-  for (const auto* model = world->FirstChildElement("model"); model != nullptr;
-       model = model->NextSiblingElement("model")) {
-    const auto* pose = model->FirstChildElement("pose");
-    const tinyxml2::XMLElement* at = model->FirstChildElement("link");
-    for (const char* name : {"visual", "geometry", "box", "size"})
-      at = at != nullptr ? at->FirstChildElement(name) : nullptr;
-    if (pose == nullptr || at == nullptr) continue;
-    double x = 0, y = 0, z = 0, roll = 0, pitch = 0, yaw = 0;
-    std::istringstream(pose->GetText()) >> x >> y >> z >> roll >> pitch >> yaw;
-    Box box;
-    box.pose = Eigen::Translation3d(x, y, z) * AngleAxisd(yaw, Vector3d::UnitZ());
-    std::istringstream(at->GetText()) >> box.size.x() >> box.size.y() >> box.size.z();
-    boxes.push_back(box);
+  for (const sim::Visual& visual : scene.visuals) {
+    if (visual.frame == 0 && visual.shape.kind == sim::Shape::Kind::box)
+      boxes.push_back({visual.in_frame, visual.shape.size});
   }
-  if (boxes.empty()) return fail(Fault::usage, sdf + ": has no box");
   return boxes;
 }
 

@@ -1,6 +1,6 @@
 // The virtual robot in its crouch looks around, and slow vision makes a map of it, twice.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/studies/figure7/sweep.h"
+#include "tools/app/figures/frame_information/sweep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/camera/capture.h"
+#include "host/link/interruptible.h"
 #include "host/motion/gait.h"
 #include "host/robot/kinematics.h"
 #include "host/robot/robot.h"
@@ -24,6 +25,24 @@ using Eigen::Vector3d;
 using host::JointAngles;
 
 constexpr Time kControlCycle = std::chrono::milliseconds(10);
+// Into the crouch, and until it rests there; the eyes to another tilt, and until they rest; after the sweeps.
+constexpr double kStand_s = 2.0, kStood_s = 2.6, kTilted_s = 0.4, kTilt_s = 0.5, kRest_s = 0.1;
+
+int floor_cells(const map::LocalMap& map) {
+  int count = 0;
+  for (int x = 0; x < map.cells(); ++x) {
+    for (int y = 0; y < map.cells(); ++y)
+      count += map.cell(x, y).state == map::CellState::floor ? 1 : 0;
+  }
+  return count;
+}
+
+double floor_share(const vision::PlaneSegments& planes) {
+  const auto floor = std::ranges::count_if(planes.label, [&](std::uint8_t label) {
+    return label != 0 && planes.segments[label - 1U].floor;
+  });
+  return static_cast<double>(floor) / static_cast<double>(planes.label.size());
+}
 
 class Run {
  public:
@@ -33,17 +52,16 @@ class Run {
     auto done = start();
     if (done) done = look_around();
     if (!done) return tl::unexpected(done.error());
+    if (out_->swept.empty()) return fail(Fault::failed, "no picture came with a known posture");
     return std::move(*out_);
   }
 
  private:
   Result<void> start() {
-    auto boxes = KAZ_TRY(boxes_of(options_.world));
     auto with = map::LocalMap::make(options_.map), without = map::LocalMap::make(options_.map);
     if (!with) return tl::unexpected(with.error());
-    out_.emplace(Sweep{std::move(*with), std::move(*without), {}, std::move(boxes), 0, 0, 0, {}});
     sim::SimulationOptions sim;
-    sim.mcu = sim::McuKind::h8;
+    sim.mcu = options_.mcu;
     sim.image_path = options_.image_path;
     sim.world_path = options_.world;
     sim.robot_path = options_.robot_folder + "/kaz.urdf";
@@ -53,8 +71,16 @@ class Run {
     sim.seed = options_.seed;
     auto made = KAZ_TRY(sim::Simulation::create(sim));
     simulation_ = std::move(made);
-    clock_.emplace(*simulation_);
-    link_.emplace(*simulation_);
+    auto boxes = boxes_of(simulation_->world().scene());
+    if (boxes.empty())
+      return fail(Fault::usage,
+                  options_.world + ": has no box that stands still; give a world like yard");
+    out_.emplace(
+        Sweep{std::move(*with), std::move(*without), {}, std::move(boxes), {}, 0, 0, 0, {}});
+    raw_clock_.emplace(*simulation_);
+    raw_link_.emplace(*simulation_);
+    clock_.emplace(*raw_clock_, options_.interrupt);
+    link_.emplace(*raw_link_, *raw_clock_, options_.interrupt);
     auto robot = KAZ_TRY(host::Robot::connect(*link_, *clock_));
     robot_.emplace(std::move(robot));
     // Those of the behaviours. With the body's gain the light head hunts across the gear's gap, by a degree.
@@ -69,9 +95,16 @@ class Run {
     goal_ = motion::home();
     goal_[host::neck_pan] = options_.pan_deg * kDegree;
     if (!options_.tilts_deg.empty()) goal_[host::neck_tilt] = options_.tilts_deg[0] * kDegree;
-    if (done) done = send(2.0);
-    if (done) done = robot_->clock().sleep_until(clock_->now() + from_seconds(2.6));
+    if (done) done = send(kStand_s);
+    if (done) done = robot_->clock().sleep_until(clock_->now() + from_seconds(kStood_s));
     return done;
+  }
+
+  // From the robot's start to the last result.
+  Time whole() const {
+    const double one = kTilt_s + 2 * options_.pan_deg / options_.speed_deg_per_s;
+    return from_seconds(kStood_s + static_cast<double>(options_.tilts_deg.size()) * one + kRest_s) +
+           options_.delay;
   }
 
   Result<void> send(double duration_s) {
@@ -96,13 +129,13 @@ class Run {
     double side = 1;
     for (std::size_t k = 0; k < options_.tilts_deg.size(); ++k) {
       goal_[host::neck_tilt] = options_.tilts_deg[k] * kDegree;
-      if (auto set = go(0.4, 0.5); !set) return set;
+      if (auto set = go(kTilted_s, kTilt_s); !set) return set;
       side = -side;
       goal_[host::neck_pan] = side * options_.pan_deg * kDegree;
       const double lasts = 2 * options_.pan_deg / options_.speed_deg_per_s;
       if (auto swept = go(lasts, lasts); !swept) return swept;
     }
-    return go(0.1, 0.1 + seconds(options_.delay));  // for results still in progress
+    return go(kRest_s, kRest_s + seconds(options_.delay));  // for results still in progress
   }
 
   // Depth, planes and the floor's edges, done `delay` after the pair has come.
@@ -137,6 +170,7 @@ class Run {
         pipeline_->submit(std::move(*next));
       }
       pipeline_->poll(robot_->clock().now());
+      if (options_.on_time) options_.on_time(robot_->clock().now(), whole());
       if (failed_) return tl::unexpected(*failed_);
     }
     return {};
@@ -155,6 +189,9 @@ class Run {
     ++out_->pictures;
     out_->without_floor += planes.floor_found() ? 0 : 1;
     look(then.camera, then.foot_from_eye, out_->boxes, out_->edges);
+    out_->swept.push_back({then.exposure, robot_->clock().now(), then.joint_rad[host::neck_pan],
+                           newest_[host::neck_pan], floor_share(planes), floor_cells(out_->with),
+                           floor_cells(out_->without)});
     const double pan = then.joint_rad[host::neck_pan], passed = seconds(then.exposure - before_);
     if (out_->pictures > 1)
       out_->fastest_rad_per_s = std::max(out_->fastest_rad_per_s, std::abs(pan - pan_) / passed);
@@ -167,8 +204,10 @@ class Run {
   const Options& options_;
   std::optional<Sweep> out_;
   std::unique_ptr<sim::Simulation> simulation_;
-  std::optional<lockstep::LockstepClock> clock_;
-  std::optional<lockstep::LockstepLink> link_;
+  std::optional<lockstep::LockstepClock> raw_clock_;
+  std::optional<lockstep::LockstepLink> raw_link_;
+  std::optional<host::InterruptibleClock> clock_;
+  std::optional<host::InterruptibleLink> link_;
   std::optional<host::Robot> robot_;
   std::optional<lockstep::LockstepCamera> camera_;
   std::optional<host::Capture> capture_;

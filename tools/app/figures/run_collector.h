@@ -1,0 +1,122 @@
+// What the paper's figures need of a run, collected while it goes on.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/behavior/sink.h"
+#include "host/map/local_map.h"
+#include "shared/base/result.hpp"
+#include "sim/runtime/simulation/simulation.h"
+#include "tools/app/session/session.h"
+#include "vision/color/ball.h"
+#include "vision/depth/depth.h"
+#include "vision/flow/flow.h"
+#include "vision/planes/plane_segments.h"
+
+namespace kaz::tools {
+
+// Figure 3: one frame with the ball in view, what vision made of it, and the world from outside at its
+// exposure.
+struct SceneView {
+  std::shared_ptr<const vision::StereoImages> images;
+  vision::BallObservation ball;  // ball.info is the frame information
+  vision::DepthImage depth;
+  vision::FlowImage flow;      // since the frame before
+  double ball_moved_px = 0;    // since the frame before
+  vision::Image outside = {};  // an onlooker's view
+};
+
+// Figure 5: the world before the robot moves.
+struct SetupView {
+  vision::Image from_side, from_above;
+  // In the view from above, px; nothing where there is no ball.
+  std::pair<double, double> robot_px{0, 0};
+  std::optional<std::pair<double, double>> ball_px;
+  std::optional<Eigen::Vector2d> ball_m;  // ahead of and left of the robot's start
+};
+
+// Figure 6: a frame of the looking-around.
+struct PlaneView {
+  double wanted_pan_rad = 0, pan_rad = 0;  // of the head; positive to the left
+  std::shared_ptr<const vision::StereoImages> images;
+  vision::PlaneSegments planes;  // planes.info is the frame information
+  vision::DepthImage depth;
+};
+
+// Figure 6: the map and the path as they were when the robot began to walk.
+struct PlanView {
+  Time time{};
+  map::LocalMap map;
+  Eigen::Vector2d robot{0, 0}, goal{0, 0};
+  double heading_rad = 0;
+  std::vector<Eigen::Vector2d> path;  // corners, from the robot to the place that it walks to
+};
+
+// Listens to one session. Only what a behaviour reports, the pictures that it sees and views of an onlooker
+// are collected: truth is used to point the onlooker's camera alone.
+class RunCollector final : public Onlooker, public VisionWatcher, public behavior::Sink {
+ public:
+  struct Wanted {
+    bool scene = false, setup = false, plan = false, moments = false;
+  };
+  explicit RunCollector(Wanted wanted) : wanted_(wanted) {}
+  // Adds itself, and the modules of vision that it needs, to the session that is about to run.
+  void listen(SessionOptions& options);
+
+  const std::optional<SceneView>& scene() const { return scene_; }
+  const std::optional<SetupView>& setup() const { return setup_; }
+  const std::vector<PlaneView>& look_around() const { return look_around_; }
+  const std::optional<PlanView>& plan() const { return plan_; }
+  const std::vector<MomentPictures>& moments() const { return moments_; }
+  // A view could not be drawn.
+  const std::optional<Error>& error() const { return error_; }
+
+  void look(sim::Simulation& simulation) override;
+  void begin(vision::Pipeline& pipeline) override;
+  void end(const vision::Pipeline& pipeline) override;
+  void phase(Time time, std::string_view behavior, std::string_view phase) override;
+  void map(const behavior::MapReport& report) override;
+
+ private:
+  // The world at one time, for views of it.
+  struct Pose {
+    Time time{};
+    sim::ScenePose scene;
+    Eigen::Vector3d trunk{0, 0, 0};
+    std::optional<Eigen::Vector3d> ball;
+  };
+  struct Seen {
+    std::uint64_t sequence = 0;
+    std::optional<vision::BallObservation> ball;
+    std::optional<vision::FlowImage> flow;
+  };
+  Seen& seen(std::uint64_t sequence);
+  void consider(const vision::Frame& frame, const vision::DepthImage& depth);
+  void consider(const vision::Frame& frame, const vision::PlaneSegments& planes);
+  Pose pose_of(const sim::Simulation& simulation) const;
+  void draw_setup(sim::Simulation& simulation);
+  vision::Image drawn(sim::Simulation& simulation, const sim::View& view,
+                      const sim::ScenePose& pose);
+
+  Wanted wanted_;
+  sim::Simulation* simulation_ = nullptr;
+  std::deque<Pose> poses_;  // the newest
+  std::deque<Seen> seen_;   // of the newest frames
+  std::optional<vision::BallObservation> ball_before_;
+  std::optional<Pose> scene_pose_;
+  double scene_score_ = 0;
+  bool looks_around_ = false;
+  std::optional<SceneView> scene_;
+  std::optional<SetupView> setup_;
+  std::vector<PlaneView> look_around_;
+  std::optional<PlanView> plan_;
+  std::vector<MomentPictures> moments_;
+  std::optional<Error> error_;
+};
+
+}  // namespace kaz::tools

@@ -1,0 +1,80 @@
+// `kaz figures`: the paper's figures, each of one run of the virtual robot.
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/app/figures/figures.h"
+#include "tools/kaz/options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+namespace {
+
+// What has no effect on figures of a recording, which has its own.
+constexpr const char* kOfRuns[] = {"--world", "--goal",      "--yard",     "--mcu",
+                                   "--image", "--sensors",   "--imu",      "--no-imu",
+                                   "--eyes",  "--eye-width", "--renderer", "--seed"};
+
+}  // namespace
+
+void add_figures(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand("figures", "draw the paper's figures, each of one run");
+  auto options = std::make_shared<FiguresOptions>();
+  auto only = std::make_shared<std::vector<int>>();
+  options->backend.world = "boxes";
+  options->backend.eyes = sim::EyeKind::real;
+  options->backend.imu = true;
+  verb->add_option("--out", options->out,
+                   "folder for the figures, figures.html, result.json and the runs")
+      ->type_name("DIR")
+      ->capture_default_str();
+  verb->add_option("--only", *only, "these figures alone, with commas between")
+      ->delimiter(',')
+      ->check(CLI::IsMember(figure_numbers()))
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->take_all();
+  verb->add_option("--recording", options->recording,
+                   "recording.mcap of a run of your own: its figures in place of those of other "
+                   "runs; it runs "
+                   "again from its seed")
+      ->type_name("FILE");
+  verb->add_option("--goal", options->goal, "of figures 5 and 6, as kaz run navigate takes it")
+      ->type_name("X,Y[,DEGREES]|ball")
+      ->capture_default_str();
+  verb->add_option("--yard", options->yard, "world of figure 7: boxes on a floor")
+      ->type_name("NAME|FILE")
+      ->capture_default_str();
+  add_sim_options(*verb, options->backend);
+  for (const char* useless :
+       {"--robot-file", "--faults", "--supply", "--dynamics", "--physics-step"})
+    verb->remove_option(verb->get_option(useless));
+  verb->get_option("--world")->description("world of figures 5 and 6: a ball behind obstacles");
+  verb->add_flag("--json", options->json, "print result.json on standard output, no progress");
+  verb->footer(
+      "Figure 3 is of track-ball, 5 and 6 of navigate, 8 of catch-ball, 7 of a sweep of the head; "
+      "figures 1, 2 and 4 show no run. All of them take some minutes. Each run is left in a "
+      "folder of its own, DIR/navigate and so on, with its recording (some 1.3 MB a second).\n"
+      "Exit status: 1 a run did not succeed, or shows not what a figure needs; the others are "
+      "drawn.\n"
+      "Examples:\n"
+      "  kaz figures\n"
+      "  kaz figures --only 3,6 --seed 7 --out seven\n"
+      "  kaz figures --only 7 --mcu native --json\n"
+      "  kaz run navigate --goal 0.6,-0.15 --world boxes --eyes real --imu --out there\n"
+      "  kaz figures --recording there/recording.mcap --out drawn");
+  verb->callback([&action, options, only, verb] {
+    action = [options, only, verb]() -> Result<Outcome> {
+      options->only = {only->begin(), only->end()};
+      for (const char* option : kOfRuns) {
+        if (!options->recording.empty() && verb->count(option) > 0)
+          return fail(Fault::usage, std::string(option) +
+                                        " is that of the recording; leave it out with --recording");
+      }
+      return make_figures(*options);
+    };
+  });
+}
+
+}  // namespace kaz::tools
