@@ -34,8 +34,7 @@ namespace og = ompl::geometric;
 using SE2 = ob::SE2StateSpace;
 
 constexpr double kPi = std::numbers::pi;
-// Of ABIT*'s number of neighbours, the least for which its paths become the fastest with more poses; edges are not
-// symmetric, so that more of them are of no use.
+// Times the least number of neighbours with which ABIT*'s paths become the fastest, as poses become more.
 constexpr double kRewire = 1.5;
 // ABIT* ends by itself (OMPL's issues report loops for other problems); a guard for plan() to end, too.
 constexpr std::int64_t kMaxSteps = 2'000'000;
@@ -126,8 +125,8 @@ class Steering {
   mutable double weighted_m_ = 0;
 };
 
-// Neighbours of a pose are those that it reaches first, which is not symmetric: OMPL then compares all poses, and
-// needs no random numbers for it. Nothing interpolates in this space.
+// Neighbours of a pose are those that it reaches first, which is not symmetric: OMPL then compares all poses,
+// and needs no random numbers for it. Nothing interpolates in this space.
 class Space final : public SE2 {
  public:
   Space(const Grid& grid, const Steering& steering) : steering_(steering) {

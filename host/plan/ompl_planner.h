@@ -7,8 +7,8 @@
 // straight line and a turn to the other's heading; its cost is time, in one direction only. Whether it is
 // free is checked every half cell. The path found is straightened as the grid planner's.
 //
-// It ends after a number of batches, or with a path that no other can be faster than. No clock is read: the same
-// seed gives the same path.
+// It ends after a number of batches, or with a path that no other can be faster than. No clock is read: the
+// same seed gives the same path.
 #pragma once
 
 #include <cstdint>

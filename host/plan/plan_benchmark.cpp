@@ -1,4 +1,4 @@
-// plan_benchmark [MAPS]: both planners on the same random maps: CPU time, and paths beside the grid's fastest.
+// plan_benchmark [MAPS]: both planners on the same random maps: CPU time, and paths beside the fastest.
 // plan_benchmark --json [MAPS]: the same as JSON, with the default disc only.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>

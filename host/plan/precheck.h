@@ -10,8 +10,8 @@ namespace kaz::plan {
 Result<void> check(const Grid& grid, const Pose& start, const Goal& goal,
                    const PlanOptions& options);
 
-// Why no planner finds a path from start to goal. Nothing: there is one, at least from cell to cell, corners of
-// cells included.
+// Why no planner finds a path from start to goal. Nothing: there is one, at least from cell to cell, across
+// corners of cells, too.
 std::optional<NoPath> no_path(const Clearance& clearance, const Pose& start, const Goal& goal);
 
 }  // namespace kaz::plan
