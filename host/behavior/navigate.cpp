@@ -16,6 +16,7 @@
 #include "host/behavior/navigation_goal.h"
 #include "host/behavior/walking_map.h"
 #include "host/plan/grid_planner.h"
+#include "host/plan/ompl_planner.h"
 #include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
@@ -32,6 +33,8 @@ constexpr Option kOptions[] = {
     {"turns", "steered", "steered|paper", 0, 0, "paper: turns are multiples of 45 degrees"},
     {"unknown", "costly", "costly|closed", 0, 0,
      "floor not seen yet: costs twice the time, or no way"},
+    {"planner", "grid", "grid|ompl", 0, 0,
+     "searches cells and headings, or random poses (OMPL's ABIT*); paper's turns: grid only"},
     {"seconds", "600", "", 10, 3600, "gives up after this time, s"},
 };
 
@@ -77,8 +80,13 @@ double wrapped(double angle) {
 
 class Navigation {
  public:
-  Navigation(BodyControl& body, FloorDetector& floor, NavigationGoal goal, map::LocalMap map)
-      : body_(body), floor_(floor), goal_(std::move(goal)), map_(std::move(map)) {}
+  Navigation(BodyControl& body, FloorDetector& floor, NavigationGoal goal, map::LocalMap map,
+             std::unique_ptr<plan::Planner> planner)
+      : body_(body),
+        floor_(floor),
+        goal_(std::move(goal)),
+        map_(std::move(map)),
+        planner_(std::move(planner)) {}
 
   void set_options(bool any_heading, bool unknown_closed) {
     options_.any_heading = any_heading;
@@ -514,7 +522,7 @@ class Navigation {
   NavigationGoal goal_;
   WalkingMap map_;
   plan::PlanOptions options_;
-  std::unique_ptr<plan::Planner> planner_ = plan::make_grid_planner();
+  std::unique_ptr<plan::Planner> planner_;
   // On slipping soles, which roll, the place of the eyes over the floor is not well known: such pictures
   // smear what stands about.
   Time turned_until_{};
@@ -530,16 +538,25 @@ class Navigation {
   bool explores_ = false;  // goes to where it can see the goal, which seems not free from afar
 };
 
+Result<std::unique_ptr<plan::Planner>> planner_of(const Context& context) {
+  if (context.options.choice("planner") == "grid") return plan::make_grid_planner();
+  if (context.options.choice("turns") == "paper")
+    return fail(Fault::usage,
+                "navigate: turns=paper is for planner=grid only; leave one of the two options out");
+  return plan::make_ompl_planner({.seed = context.seed});
+}
+
 Result<Outcome> navigate(Context& context) {
   if (context.floor == nullptr)
     return fail(Fault::usage, "navigate needs a camera: give one with --camera");
+  auto planner = KAZ_TRY(planner_of(context));
   const NavigationGoal goal = *navigation_goal(context.options.choice("goal"));
   map::LocalMapOptions options;
   options.own_m = kOwnBody;
   options.size_m = std::max(4.0, 2 * (goal.position.cwiseAbs().maxCoeff() + 1));
   auto map = KAZ_TRY(map::LocalMap::make(options));
   auto body = KAZ_TRY(BodyControl::begin(context, kNavigate.name));
-  Navigation navigation(body, *context.floor, goal, std::move(map));
+  Navigation navigation(body, *context.floor, goal, std::move(map), std::move(planner));
   navigation.set_options(context.options.choice("turns") != "paper",
                          context.options.choice("unknown") == "closed");
   auto outcome = KAZ_TRY(navigation.run());

@@ -55,6 +55,14 @@ double Clearance::weighted_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b)
   return length * sum / steps;
 }
 
+bool Clearance::connected(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const {
+  // OpenCV only reads it.
+  const cv::Mat free(grid_.cells_x, grid_.cells_y, CV_8U, const_cast<std::uint8_t*>(free_.data()));
+  cv::Mat part;
+  cv::connectedComponents(free, part, 8, CV_32S);
+  return part.at<int>(from.x(), from.y()) == part.at<int>(to.x(), to.y());
+}
+
 Eigen::Vector2d Clearance::obstacle_near(const Eigen::Vector2i& cell) const {
   const bool closed = std::isinf(unknown_factor_);
   double best = std::numeric_limits<double>::infinity();

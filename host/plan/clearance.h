@@ -22,6 +22,8 @@ class Clearance {
   }
   // Length of the line from `a` to `b`, weighted by factor(); infinite if it meets a cell that is not free.
   double weighted_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const;
+  // Whether free cells that touch, at a side or a corner, lead from one free cell to the other.
+  bool connected(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
   // The narrowest place of the widest way between two cells.
   NoPath narrowest(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
   const Grid& grid() const { return grid_; }

@@ -10,6 +10,7 @@
 #include <queue>
 
 #include "host/plan/clearance.h"
+#include "host/plan/precheck.h"
 #include "host/plan/straighten.h"
 
 namespace kaz::plan {
@@ -83,26 +84,6 @@ class GridPlanner final : public Planner {
   }
 
  private:
-  static Result<void> check(const Grid& grid, const Pose& start, const Goal& goal,
-                            const PlanOptions& o) {
-    const auto wrong = [](const std::string& what) { return fail(Fault::usage, "plan: " + what); };
-    if (grid.cells_x < 1 || grid.cells_y < 1 || !(grid.cell_m > 0) ||
-        grid.state.size() !=
-            static_cast<std::size_t>(grid.cells_x) * static_cast<std::size_t>(grid.cells_y))
-      return wrong("the grid has no cells, or not as many as its sides say");
-    if (grid.state.size() > std::numeric_limits<std::uint32_t>::max() / kHeadings)
-      return wrong("the grid has too many cells");
-    if (!start.position.allFinite() || !goal.position.allFinite() ||
-        !std::isfinite(start.heading_rad) ||
-        (goal.heading_rad && !std::isfinite(*goal.heading_rad)) || !grid.corner.allFinite())
-      return wrong("a position or heading is not finite");
-    if (!(o.turn_s_per_rad > 0) || !(o.go_s_per_m > 0) || !std::isfinite(o.turn_s_per_rad) ||
-        !std::isfinite(o.go_s_per_m) || !(o.radius_m >= 0) || !(o.unknown_factor >= 1))
-      return wrong(
-          "times must be above 0, the radius at least 0, the factor of unknown at least 1");
-    return {};
-  }
-
   // The same floor by cells whose x is the robot's heading; what was outside is unknown.
   static Grid turned_with(const Grid& grid, const Pose& start) {
     const double half = std::hypot(grid.cells_x, grid.cells_y) * grid.cell_m;
@@ -125,14 +106,9 @@ class GridPlanner final : public Planner {
 
   Planned plan_here(const Grid& grid, const Pose& start, const Goal& goal,
                     const PlanOptions& options) {
-    const Vector2i from = grid.cell(start.position), to = grid.cell(goal.position);
-    if (!grid.inside(from.x(), from.y()))
-      return NoPath{NoPath::Why::start_outside, start.position, 0};
-    if (!grid.inside(to.x(), to.y())) return NoPath{NoPath::Why::goal_outside, goal.position, 0};
     const Clearance clearance(grid, options);
-    if (!clearance.free(from.x(), from.y()))
-      return blocked(clearance, from, NoPath::Why::start_blocked);
-    if (!clearance.free(to.x(), to.y())) return blocked(clearance, to, NoPath::Why::goal_blocked);
+    if (auto none = no_path(clearance, start, goal)) return *none;
+    const Vector2i from = grid.cell(start.position), to = grid.cell(goal.position);
     begin(grid, to, goal, options);
     const auto last = search(clearance, start, from);
     if (!last) return clearance.narrowest(from, to);
@@ -140,12 +116,6 @@ class GridPlanner final : public Planner {
     path.expanded = expanded_;
     path.searched_seconds = cost_[*last] + end_turn_s_[*last % kHeadings];
     return path;
-  }
-
-  static NoPath blocked(const Clearance& clearance, const Vector2i& cell, NoPath::Why why) {
-    NoPath none = clearance.narrowest(cell, cell);
-    none.why = why;
-    return none;
   }
 
   void begin(const Grid& grid, const Vector2i& to, const Goal& goal, const PlanOptions& options) {

@@ -64,6 +64,10 @@ std::string text(const NoPath& none, const PlanOptions& options) {
       return place("the robot is %.2f m from an obstacle at (%.3f, %.3f); it needs %.2f m to turn");
     case NoPath::Why::goal_blocked:
       return place("the goal is %.2f m from an obstacle at (%.3f, %.3f); the robot needs %.2f m");
+    case NoPath::Why::not_found:
+      return place(
+          "none was found in the samples allowed; the widest way has %.2f m to each side at (%.3f, "
+          "%.3f)");
     case NoPath::Why::enclosed:
       break;
   }

@@ -85,15 +85,17 @@ struct Path {
   std::vector<Leg> legs;                 // none of zero length
   std::vector<Eigen::Vector2d> corners;  // start, where it turns, goal
   double seconds = 0;                    // of walking; in unknown cells without the factor
-  // Of the way on the planner's graph, from cell to cell, with the factor. `seconds` is more by at most what
-  // start and goal lie beside the middles of their cells.
+  // Of the way on the planner's graph, before straight lines replace parts of it, with the factor. The grid
+  // planner's is from cell to cell: `seconds` is more by at most what start and goal lie beside the middles
+  // of their cells.
   double searched_seconds = 0;
   std::size_t expanded = 0;  // states of the search
 };
 
 // Why there is none.
 struct NoPath {
-  enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed };
+  // not_found: there is one, but a planner that draws samples did not find it.
+  enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed, not_found };
   Why why = Why::enclosed;
   // The obstacle in the way; of the widest way to the goal, that at its narrowest place.
   Eigen::Vector2d where{0, 0};

@@ -14,6 +14,8 @@ using Eigen::Vector2d;
 
 constexpr double kSpacing = 0.1;  // m, at most between two candidates for a corner
 constexpr double kShort = 1e-9;   // m or rad, no leg
+// Of ways that take the same but for rounding the one with the longest lines is taken, which comes first.
+constexpr double kSame = 1e-9;  // s
 
 double angle_of(const Vector2d& along) {
   return std::atan2(along.y(), along.x());
@@ -73,7 +75,7 @@ std::vector<Vector2d> fastest(const Clearance& clearance, const Pose& start, con
       for (std::size_t k = 0; k < i; ++k) {
         if (std::isinf(along(k, i).seconds)) continue;
         const double s = along(k, i).seconds + turn_s(heading[k * n + i]) + o.go_s_per_m * m;
-        if (s >= to.seconds) continue;
+        if (s >= to.seconds - kSame) continue;
         to = {s, k};
         if (still) heading[i * n + j] = heading[k * n + i];
       }
@@ -85,7 +87,7 @@ std::vector<Vector2d> fastest(const Clearance& clearance, const Pose& start, con
     double s = along(k, j).seconds;
     if (goal.heading_rad)
       s += o.turn_s_per_rad * std::abs(turned(heading[k * n + j], *goal.heading_rad));
-    if (s >= least) continue;
+    if (s >= least - kSame) continue;
     least = s;
     i = k;
   }

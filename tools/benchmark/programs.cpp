@@ -175,6 +175,29 @@ Result<void> flashing(const Settings&, Results& results) {
   return {};
 }
 
+// Paths on random maps, by each planner.
+Result<void> planning(const Settings& settings, Results& results) {
+  const fs::path program = beside_this("plan_benchmark");
+  if (!fs::exists(program)) {
+    results.remark("plan_benchmark is not built: plan.* is left out");
+    return {};
+  }
+  const auto report =
+      KAZ_TRY(json_of(quoted(program.string()) + " --json " + (settings.quick ? "10" : "200")));
+  for (const std::string planner : {"grid", "ompl"}) {
+    if (!report.contains(planner)) {
+      results.remark("plan_benchmark was built without libompl-dev: plan.*." + planner +
+                     " is left out");
+      continue;
+    }
+    const nlohmann::json& of = report.at(planner);
+    results.put("plan.median_ms." + planner, of.value("median_ms", 0.0));
+    results.put("plan.p99_ms." + planner, of.value("p99_ms", 0.0));
+    results.put("plan.over." + planner, of.value("over_percent", 0.0));
+  }
+  return {};
+}
+
 // The main job in lockstep: servo firmware, physics, eyes and vision.
 Result<void> loop(const Settings& settings, Results& results) {
   const fs::path kaz = beside_this("kaz");
@@ -242,6 +265,9 @@ std::vector<Group> catches() {
 std::vector<Group> program_groups() {
   std::vector<Group> groups{{{"wire.rate_hz", "wire.share"}, wire},
                             {{"flash.efficiency"}, flashing},
+                            {{"plan.median_ms.grid", "plan.median_ms.ompl", "plan.p99_ms.grid",
+                              "plan.p99_ms.ompl", "plan.over.grid", "plan.over.ompl"},
+                             planning},
                             {{"loop.rtf"}, loop}};
   for (Group& group : catches()) groups.push_back(std::move(group));
   for (const Program& program : programs()) {

@@ -43,6 +43,22 @@ TEST(Navigate, WalksOnFloorAloneThatItHasSeen) {
   EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
 }
 
+TEST(Navigate, WalksAPathOfOmpl) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      navigate("0.6,-0.15", {"--set", "planner=ompl", "--out", folder / "there", "--json"});
+  if (finished.err.find("not in this build") != std::string::npos) GTEST_SKIP() << finished.err;
+  ASSERT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+  EXPECT_LE(parse_json(finished.out)["missed_m"].get<double>(), 0.03);
+}
+
+TEST(Navigate, RefusesThePapersTurnsWithOmpl) {
+  const Finished finished =
+      navigate("0.6,-0.15", {"--set", "planner=ompl", "--set", "turns=paper"});
+  EXPECT_EQ(finished.exit_code, 2) << finished.out << finished.err;
+  EXPECT_NE(finished.err.find("planner=grid"), std::string::npos) << finished.err;
+}
+
 // The map shows the edge before the robot is there; beyond it the floor is half a metre below.
 TEST(Navigate, StopsBeforeTheEdgeOfATable) {
   const Finished finished = run(kaz({"run", "navigate", "--goal", "1.3,0", "--world", "table",

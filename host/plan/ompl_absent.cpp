@@ -1,0 +1,13 @@
+// The planner of OMPL where OMPL is not installed.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/plan/ompl_planner.h"
+
+namespace kaz::plan {
+
+Result<std::unique_ptr<Planner>> make_ompl_planner(const OmplOptions&) {
+  return fail(Fault::environment,
+              "the planner ompl is not in this build, as OMPL was not found: install libompl-dev "
+              "and build again, or use the planner grid");
+}
+
+}  // namespace kaz::plan
