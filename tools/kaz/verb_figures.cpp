@@ -56,7 +56,7 @@ void add_figures(CLI::App& program, Action& action) {
       "Figure 3 is of track-ball, 5 and 6 of navigate, 8 of catch-ball, 7 of a sweep of the head; "
       "figures 1, 2 and 4 show no run. All of them take some minutes. Each run is left in a "
       "folder of its own, DIR/navigate and so on, with its recording (some 1.3 MB a second).\n"
-      "Exit status: 1 a run did not succeed, or shows not what a figure needs; the others are "
+      "Exit status: 1 a run did not succeed, or does not show what a figure needs; the others are "
       "drawn.\n"
       "Examples:\n"
       "  kaz figures\n"

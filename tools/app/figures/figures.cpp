@@ -212,6 +212,9 @@ class Figures {
     if (sweep.mcu == sim::McuKind::h8)
       sweep.image_path = KAZ_TRY(firmware_image(options_.backend.image));
     if (options_.backend.eye_width != 0) sweep.eye_width = options_.backend.eye_width;
+    sweep.eyes = options_.backend.eyes;
+    sweep.renderer = options_.backend.renderer;
+    sweep.sensors = options_.backend.sensors;
     sweep.seed = options_.backend.seed;
     sweep.interrupt = &interrupt_;
     Progress progress(kLabel, options_.json);

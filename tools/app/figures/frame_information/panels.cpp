@@ -33,8 +33,7 @@ vision::Image panels(const Sweep& sweep) {
 }
 
 plot::PlotPage plots(const Sweep& sweep) {
-  constexpr int kWidth_px = 898,
-                kHeight_px = 190;  // as wide as the panels, at two pixels for each px
+  constexpr int kWidth_px = 1093, kHeight_px = 190;  // as wide as the panels
   using plot::Series;
   const auto line = [](const char* label, plot::Color color) {
     return Series{label, color, {}, {}};

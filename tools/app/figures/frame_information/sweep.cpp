@@ -66,7 +66,9 @@ class Run {
     sim.world_path = options_.world;
     sim.robot_path = options_.robot_folder + "/kaz.urdf";
     sim.camera_path = options_.robot_folder + "/camera.json";
-    sim.eyes = sim::EyeKind::real;
+    sim.eyes = options_.eyes;
+    sim.renderer = sim::maker_of(options_.renderer);
+    sim.sensors = sim::sensor_switches(options_.sensors);
     sim.eye_width = options_.eye_width;
     sim.seed = options_.seed;
     auto made = KAZ_TRY(sim::Simulation::create(sim));

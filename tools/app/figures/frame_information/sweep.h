@@ -14,7 +14,10 @@
 #include "host/map/local_map.h"
 #include "shared/base/result.hpp"
 #include "shared/base/time.hpp"
+#include "sim/board/sensor_file.h"
 #include "sim/mcu/mcu_kind.h"
+#include "sim/runtime/eyes/eye_kind.h"
+#include "sim/view/renderer_kind.h"
 #include "tools/app/figures/frame_information/yard.h"
 
 namespace kaz::figure7 {
@@ -23,6 +26,9 @@ struct Options {
   std::string world, robot_folder,
       image_path;  // yard.sdf; of kaz.urdf; the board's firmware, for h8
   sim::McuKind mcu = sim::McuKind::h8;
+  sim::EyeKind eyes = sim::EyeKind::real;
+  sim::RendererKind renderer = sim::kDefaultRenderer;
+  sim::SensorSet sensors = sim::SensorSet::nominal;
   int eye_width = 320;
   std::uint64_t seed = 1;
   double pan_deg = 50;  // to each side
