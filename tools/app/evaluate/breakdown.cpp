@@ -114,6 +114,25 @@ Json moving_json(const Group& episodes) {
   return {{"in_the_way", in_the_way}, {"noticed", noticed}, {"touched", touched}};
 }
 
+// Over all maps of all episodes: how many points of outlines in view they have, and how much floor as obstacles.
+Json map_json(const Group& episodes) {
+  const char* const names[] = {"outline_points", "outline_found", "floor_cells", "floor_wrong"};
+  std::int64_t sums[4] = {0, 0, 0, 0};
+  for (const Json* episode : episodes) {
+    const Json& truth = (*episode)["truth"];
+    const auto map = truth.find("map");
+    if (map == truth.end() || !map->is_object()) continue;
+    for (std::size_t i = 0; i < 4; ++i)
+      if (const auto value = number_of(*map, names[i]))
+        sums[i] += static_cast<std::int64_t>(*value);
+  }
+  if (sums[0] == 0 || sums[2] == 0) return Json();
+  const auto share = [](std::int64_t part, std::int64_t of) {
+    return static_cast<double>(part) / static_cast<double>(of);
+  };
+  return {{"outline_found", share(sums[1], sums[0])}, {"floor_wrong", share(sums[3], sums[2])}};
+}
+
 std::string causes(const Json& failures) {
   std::vector<std::string> parts;
   for (const auto& [cause, numbers] : failures.items())
@@ -172,6 +191,7 @@ Json breakdown_json(const Episodes& episodes) {
   });
   json["floor"] = grouped(walks, {}, [](const Json& s) { return text_of(s, "floor"); });
   if (const Json moving = moving_json(walks); !moving.is_null()) json["moving"] = moving;
+  if (const Json map = map_json(walks); !map.is_null()) json["map"] = map;
   return json;
 }
 
@@ -195,6 +215,14 @@ std::string breakdown_text(const Json& breakdown) {
     std::snprintf(line, sizeof line, "  in the way %s, noticed %s, touched %s\n",
                   (*moving)["in_the_way"].dump().c_str(), (*moving)["noticed"].dump().c_str(),
                   (*moving)["touched"].dump().c_str());
+    text += line;
+  }
+  if (const auto map = breakdown.find("map"); map != breakdown.end()) {
+    std::snprintf(
+        line, sizeof line,
+        "  maps within 1 m: %.1f %% of outlines in view found, %.2f %% of floor taken for "
+        "obstacles\n",
+        100 * (*map)["outline_found"].get<double>(), 100 * (*map)["floor_wrong"].get<double>());
     text += line;
   }
   return text;
@@ -225,6 +253,14 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
     page += "<p>Something slid into the way in " + moving["in_the_way"].dump() +
             " episodes: noticed in " + moving["noticed"].dump() + ", something touched in " +
             moving["touched"].dump() + ".</p>\n";
+  }
+  if (breakdown.contains("map")) {
+    const Json& map = breakdown["map"];
+    page += "<p>Maps, within 1 m of the robot: " +
+            hil::fixed(100 * map["outline_found"].get<double>(), 1) +
+            " % of the outlines in view found, " +
+            hil::fixed(100 * map["floor_wrong"].get<double>(), 2) +
+            " % of the floor taken for obstacles.</p>\n";
   }
   if (result["failures"].empty()) return page + hil::kPageEnd;
   page += "<h2>Failures</h2>\n<table>" +

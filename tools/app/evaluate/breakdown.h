@@ -14,7 +14,8 @@ namespace kaz::tools {
 // `world`, `density` (sparse, medium, dense) and `floor`: of each name that occurs `episodes`, `successes`,
 // `success_rate`, `interval` (Wilson, 95 %), `failures` (episodes by cause); of the successes `off_goal_m` by
 // truth and `over_least`, the walking time over the least possible: `median`, `max`. `moving`, where a thing
-// slides into the way: `in_the_way` (episodes in which it did), and of these `noticed` and `touched`.
+// slides into the way: `in_the_way` (episodes in which it did), and of these `noticed` and `touched`. `map`
+// (map_truth.h): shares `outline_found` and `floor_wrong` over all maps.
 nlohmann::ordered_json breakdown_json(const Episodes& episodes);
 // Tables of it, for a terminal; empty without.
 std::string breakdown_text(const nlohmann::ordered_json& breakdown);

@@ -119,6 +119,9 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   Judge judge(scenario.ball_radius_m, options.behavior == "navigate");
   if (const Obstacle* moving = scenario.moving())
     judge.watch_way(*moving, scenario.name_of(*moving), scenario.world_from_start());
+  // Beyond the edge of a table there is no floor: what the map has there is not compared.
+  if (options.behavior == "navigate" && scenario.layout.table.empty())
+    judge.watch_map(scenario.layout.obstacles, scenario.world_from_start());
   Ended ended;
   SessionOptions session;
   session.backend = options.backend;

@@ -51,7 +51,16 @@ void Judge::watch_way(const Obstacle& thing, const std::string& name,
   start_from_world_ = world_from_start.inverse();
 }
 
+void Judge::watch_map(const std::vector<Obstacle>& obstacles,
+                      const Eigen::Isometry2d& world_from_start) {
+  map_.emplace(obstacles);
+  start_from_world_ = world_from_start.inverse();
+}
+
 void Judge::map(const behavior::MapReport& report) {
+  if (map_)
+    map_->compare(report,
+                  Eigen::Translation2d(forward_m(), aside_m()) * Eigen::Rotation2Dd(heading_));
   if (way_) way_->plan(report.time, report.path);
 }
 
@@ -67,6 +76,13 @@ void Judge::look(sim::Simulation& simulation) {
       truth.moving = thing->head<2>();
   }
   if (const auto ball = world.object_position("ball"); ball) truth.ball = *ball;
+  if (map_ && simulation.has_eyes()) {
+    Eigen::Isometry3d start_from_world = Eigen::Isometry3d::Identity();
+    start_from_world.linear().topLeftCorner<2, 2>() = start_from_world_.linear();
+    start_from_world.translation().head<2>() = start_from_world_.translation();
+    map_->look(truth.time, start_from_world * world.link_pose("left_eye"),
+               simulation.camera().model());
+  }
   look(truth);
 }
 
@@ -119,6 +135,7 @@ nlohmann::ordered_json Judge::json() const {
   if (!touched().empty())
     json["touched"] = {{"thing", touch_.thing}, {"by", touch_.by}, {"at_s", touch_.at_s}};
   if (way_) json["moving"] = way_->json();
+  if (map_) json["map"] = map_->json();
   if (unconverged_steps_) json["unconverged_steps"] = *unconverged_steps_;
   if (!has_ball_) return json;
   json["held_s"] = held_s();

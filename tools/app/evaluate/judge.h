@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "tools/app/evaluate/map_truth.h"
 #include "tools/app/evaluate/way_watch.h"
 #include "tools/app/session/session.h"
 
@@ -39,6 +41,8 @@ class Judge final : public Onlooker, public behavior::Sink {
   // `name`: model of `thing`, which slides into the way; `world_from_start`: the frame of its place.
   void watch_way(const Obstacle& thing, const std::string& name,
                  const Eigen::Isometry2d& world_from_start);
+  // Compares the behaviour's maps with what stands about.
+  void watch_map(const std::vector<Obstacle>& obstacles, const Eigen::Isometry2d& world_from_start);
   void look(sim::Simulation& simulation) override;
   // The same of a simulator in another process.
   void look(const Truth& truth);
@@ -66,6 +70,7 @@ class Judge final : public Onlooker, public behavior::Sink {
   Truth::Touch touch_;
   bool was_hit_ = false;
   std::optional<WayWatch> way_;
+  std::optional<MapTruth> map_;
   Eigen::Isometry2d start_from_world_ = Eigen::Isometry2d::Identity();
   std::optional<Eigen::Isometry3d> start_;
   Eigen::Isometry3d last_ = Eigen::Isometry3d::Identity();

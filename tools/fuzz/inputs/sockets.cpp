@@ -149,6 +149,7 @@ sim::ControlCommands::Handlers handlers_of(sim::Simulation& simulation) {
               [&] {
                 return Json{{"time_s", 1e-9 * static_cast<double>(simulation.time().count())}};
               },
+          .watch_touches = [&] { simulation.world().watch_contacts(true); },
           .fault = [&](const faults::Fault& fault) { simulation.add_fault(fault); },
           .clear_faults = [&] { simulation.clear_faults(); },
           .now = [&] { return simulation.time(); },

@@ -1,0 +1,94 @@
+// Maps that are right, shifted, empty or invent something, against a box.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/evaluate/map_truth.h"
+
+#include <gtest/gtest.h>
+
+#include "host/map/local_map.h"
+#include "host/map/view_testing.h"
+
+namespace kaz::tools {
+namespace {
+
+using Eigen::Isometry2d, Eigen::Vector2d;
+
+// A box 0.45 to 0.55 m ahead, 5 cm to the right to 15 cm to the left: as the yard, and as the truth.
+const map::TestYard kYard{{{{0.50, 0.05, 0.05}, {0.10, 0.20, 0.10}}}};
+Obstacle box() {
+  Obstacle o;
+  o.x_m = 0.50;
+  o.y_m = 0.05;
+  o.length_m = 0.10;
+  o.width_m = 0.20;
+  return o;
+}
+
+map::LocalMap map_of(const map::TestYard& yard) {
+  auto map = map::LocalMap::make({}).value();
+  for (std::uint64_t k = 1; k <= 3; ++k) {
+    const auto view = yard.seen(map::test_eye(0, 0.5), 0.1, k);
+    EXPECT_TRUE(map.update(view.planes, view.depth, view.depth.info));
+  }
+  return map;
+}
+
+struct Shares {
+  double found, wrong;
+};
+// The robot stands at `robot` and thinks that it is at `thought`.
+Shares compared(const map::LocalMap& map, const Isometry2d& robot = Isometry2d::Identity(),
+                const Vector2d& thought = {0, 0}, int looks = 10) {
+  MapTruth truth({box()});
+  Eigen::Isometry3d start_from_eye = map::test_eye(0, 0.5);
+  start_from_eye.translation().head<2>() += robot.translation();
+  for (int i = 0; i < looks; ++i)
+    truth.look(from_seconds(0.1 * i), start_from_eye, vision::test_camera(320, 240));
+  const std::vector<Vector2d> none;
+  truth.compare({Time{}, map, thought, 0, none, none, {1, 0}}, robot);
+  const auto json = truth.json();
+  const double points = json["outline_points"].get<double>(),
+               cells = json["floor_cells"].get<double>();
+  return {points > 0 ? json["outline_found"].get<double>() / points : -1,
+          cells > 0 ? json["floor_wrong"].get<double>() / cells : -1};
+}
+
+TEST(MapTruth, AMapOfTheWorldIsRight) {
+  const Shares shares = compared(map_of(kYard));
+  EXPECT_GT(shares.found, 0.97);
+  EXPECT_LT(shares.wrong, 0.005);
+  EXPECT_GE(shares.wrong, 0);
+}
+
+TEST(MapTruth, ABoxThatIsNotInTheMapIsMissed) {
+  EXPECT_EQ(compared(map_of({})).found, 0);
+}
+
+TEST(MapTruth, AnInventedBoxIsFloorTakenForAnObstacle) {
+  map::TestYard yard = kYard;
+  yard.boxes.push_back({{0.6, -0.3, 0.05}, {0.1, 0.1, 0.1}});
+  EXPECT_GT(compared(map_of(yard)).wrong, 0.005);
+}
+
+// The map's frame has drifted by 20 cm, and the robot stands where it thinks in it.
+TEST(MapTruth, DriftDoesNotCountButAPlaceThatIsWrongDoes) {
+  Isometry2d robot = Isometry2d::Identity();
+  EXPECT_LT(compared(map_of(kYard), robot, {0.1, 0}).found, 0.5);
+  MapTruth truth({box()});
+  map::TestYard drifted = kYard;
+  drifted.boxes[0].middle.x() += 0.2;
+  const auto map = map_of(drifted);
+  for (int i = 0; i < 10; ++i)
+    truth.look(from_seconds(0.1 * i), map::test_eye(0, 0.5), vision::test_camera(320, 240));
+  const std::vector<Vector2d> none;
+  truth.compare({Time{}, map, {0.2, 0}, 0, none, none, {1, 0}}, robot);
+  EXPECT_GT(
+      truth.json()["outline_found"].get<double>() / truth.json()["outline_points"].get<double>(),
+      0.9);
+}
+
+TEST(MapTruth, WhatWasNotInViewDoesNotCount) {
+  EXPECT_EQ(compared(map_of(kYard), Isometry2d::Identity(), {0, 0}, 1).found, -1);
+}
+
+}  // namespace
+}  // namespace kaz::tools
