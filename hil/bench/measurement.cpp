@@ -232,8 +232,9 @@ Result<void> BenchJudge::timed(const std::function<Result<void>()>& part, Time a
   return ran;
 }
 
-void BenchJudge::judge(Measurement measurement, double value, double error,
-                       const std::string& note) {
+void BenchJudge::enter(const std::string& subject, const std::string& name, double value,
+                       double error, const std::string& note) {
+  Measurement measurement = begin(subject, name);
   measurement.value = value;
   measurement.error = error;
   measurement.message = what_is_wrong(measurement);
@@ -242,19 +243,14 @@ void BenchJudge::judge(Measurement measurement, double value, double error,
   finish(std::move(measurement));
 }
 
-void BenchJudge::enter(const std::string& subject, const std::string& name, double value,
-                       double error, const std::string& note) {
-  judge(begin(subject, name), value, error, note);
-}
-
 void BenchJudge::enter_without_default_limits(const std::string& subject, const std::string& name,
                                               double value, double error, const std::string& note) {
+  if (limits_.contains(name)) return enter(subject, name, value, error, note);
   Measurement measurement = begin(subject, name);
-  if (!limits_.contains(name)) {
-    measurement.low = -std::numeric_limits<double>::infinity();
-    measurement.high = std::numeric_limits<double>::infinity();
-  }
-  judge(std::move(measurement), value, error, note);
+  measurement.value = value;
+  measurement.error = error;
+  measurement.message = note;
+  finish(std::move(measurement));
 }
 
 void BenchJudge::leave_out(const std::string& subject, const std::string& name,

@@ -98,7 +98,7 @@ class BenchJudge {
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
   // Where the default limits are for another condition, which `note` names: only limits that were given
-  // apply.
+  // apply; without them it is left out, with its value.
   void enter_without_default_limits(const std::string& subject, const std::string& name,
                                     double value, double error, const std::string& note);
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
@@ -115,7 +115,6 @@ class BenchJudge {
 
  private:
   Measurement begin(const std::string& subject, const std::string& name) const;
-  void judge(Measurement measurement, double value, double error, const std::string& note);
   void finish(Measurement measurement);
 
   BenchReport& report_;

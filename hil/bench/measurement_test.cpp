@@ -256,7 +256,8 @@ TEST(BenchJudge, DefaultLimitsOfAnotherConditionDoNotApply) {
     BenchJudge judge(report, limits);
     judge.enter_without_default_limits("neck", "start.time_constant", 40, 1, "another disc");
     ASSERT_EQ(report.measurements.size(), 1u);
-    EXPECT_EQ(report.measurements[0].verdict, given ? Verdict::failed : Verdict::passed);
+    EXPECT_EQ(report.measurements[0].verdict, given ? Verdict::failed : Verdict::left_out);
+    EXPECT_EQ(report.measurements[0].value, 40);
     EXPECT_NE(report.measurements[0].message.find("another disc"), std::string::npos);
   }
 }

@@ -63,13 +63,16 @@ inline Result<std::string> make_temporary_folder(const std::string& prefix) {
 
 // All bytes of the file at `path`, `max_bytes` of them at most: a file, a pipe (its writer is waited for), or
 // a device, of which /dev/zero has no end. `hint` ends the sentence of an error: which file is expected.
-// Errors (usage): not there, not readable, a folder, more bytes than that.
+// Errors (usage): not there, not readable, a folder, more bytes than that; (interrupted): a signal came while a
+// pipe was waited for.
 inline Result<std::string> read_whole_file(const std::string& path, std::size_t max_bytes,
                                            const std::string& hint = "check the path") {
   const auto cannot = [&](const std::string& what) {
     return fail(Fault::usage, path + ": " + what + "; " + hint);
   };
   const int fd = open(path.c_str(), O_RDONLY | O_NOCTTY | O_CLOEXEC);
+  const auto interrupted = [&] { return fail(Fault::interrupted, path + ": interrupted"); };
+  if (fd < 0 && errno == EINTR) return interrupted();
   if (fd < 0) return cannot(std::string("cannot be read (") + std::strerror(errno) + ")");
   struct Close {
     int fd;
@@ -83,7 +86,7 @@ inline Result<std::string> read_whole_file(const std::string& path, std::size_t 
   std::vector<char> block(1 << 16);
   for (;;) {
     const ssize_t n = ::read(fd, block.data(), block.size());
-    if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == EINTR) return interrupted();
     if (n < 0) return cannot(std::string("cannot be read (") + std::strerror(errno) + ")");
     if (n == 0) return bytes;
     bytes.append(block.data(), static_cast<std::size_t>(n));

@@ -149,7 +149,7 @@ void add_motor_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("NAME");
   verb.add_option("--disc", options.disc_kgm2,
                   "inertia of the disc on the shaft, real or virtual, kg m²")
-      ->check(between(1e-6, 1e-1))
+      ->check(between(1e-6, 2e-3))
       ->capture_default_str();
 }
 

@@ -29,7 +29,7 @@ const std::vector<std::string> kCurves = {"stall", "no_load", "start", "step", "
 Values values_of(const hil::BenchReport& report, const std::string& joint) {
   Values values;
   for (const hil::Measurement& one : report.measurements) {
-    if (one.subject == joint && one.verdict != hil::Verdict::left_out && std::isfinite(one.value))
+    if (one.subject == joint && std::isfinite(one.value))
       values[one.of->name] = one.value;
   }
   return values;

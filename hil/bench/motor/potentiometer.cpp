@@ -34,8 +34,15 @@ Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
 
 void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
   std::vector<double> codes;
-  for (const Sample& sample : motor.watch(2)) codes.push_back(sample.angle_rad / kCode);
-  const double noise = standard_deviation(codes);
+  for (const Sample& sample : motor.watch(2)) {
+    // The ends of the potentiometer's range are beyond the joint's.
+    check(sample.angle_rad > motor.lower_rad() - kMargin &&
+              sample.angle_rad < motor.upper_rad() + kMargin,
+          "the potentiometer reads an angle beyond the joint's limits: is it connected?");
+    codes.push_back(sample.angle_rad / kCode);
+  }
+  // Less than that is the rounding of sums.
+  const double noise = std::round(1e6 * standard_deviation(codes)) / 1e6;
   judge.enter(motor.name(), "pot.noise", noise,
               noise / std::sqrt(2.0 * static_cast<double>(codes.size())));
 }

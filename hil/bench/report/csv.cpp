@@ -39,7 +39,7 @@ std::string bench_csv(const BenchReport& report) {
       row({"subject", "name", "value", "error", "unit", "low", "high", "verdict", "message"});
   for (const Measurement& one : report.measurements) {
     // What was not measured has neither value nor error.
-    const bool measured = one.verdict != Verdict::left_out;
+    const bool measured = one.verdict != Verdict::left_out || std::isfinite(one.value);
     text += row({one.subject, one.of->name, measured ? exact_text(one.value) : "",
                  measured && one.error != 0 ? exact_text(one.error) : "", one.of->unit,
                  limit(one.low), limit(one.high), verdict_text(one.verdict), one.message});

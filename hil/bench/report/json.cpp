@@ -49,7 +49,7 @@ Json to_json(const Measurement& one) {
   json["unit"] = one.of->unit;
   json["verdict"] = verdict_text(one.verdict);
   // What was not measured has neither.
-  const bool measured = one.verdict != Verdict::left_out;
+  const bool measured = one.verdict != Verdict::left_out || std::isfinite(one.value);
   json["value"] = measured ? number(one.value) : Json(nullptr);
   json["error"] = measured && one.error != 0 ? number(one.error) : Json(nullptr);
   json["low"] = limit(one.low, -kInfinite);

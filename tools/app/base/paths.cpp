@@ -45,13 +45,14 @@ Result<std::string> data_file(const std::string& name) {
 
 Result<std::string> world_file(const std::string& name) {
   std::error_code error;
-  if (fs::is_regular_file(name, error)) return name;
   const bool plain_name =
       name.find('/') == std::string::npos && name.find('.') == std::string::npos;
+  // Before a file of that name, which somebody may have in the folder by chance.
   if (plain_name) {
     const fs::path path = data_folder() / "worlds" / (name + ".sdf");
     if (fs::exists(path, error)) return path.string();
   }
+  if (fs::is_regular_file(name, error)) return name;
   if (!plain_name)
     return fail(Fault::usage, "there is no file '" + name +
                                   "': give the path of an SDF file, or one of: " + known_worlds());

@@ -109,7 +109,7 @@ Result<hil::Limits> limits_of(const std::string& path) {
 void say(const hil::Measurement& one) {
   std::printf("%-9s %-11s %-24s", hil::verdict_text(one.verdict), one.subject.c_str(),
               one.of->name.c_str());
-  if (one.verdict == hil::Verdict::left_out) {
+  if (one.verdict == hil::Verdict::left_out && !std::isfinite(one.value)) {
     std::printf(" %s\n", one.message.c_str());
   } else if (std::isnan(one.value)) {
     std::printf(" %9s %-7s  %s\n", "-", "", one.message.c_str());

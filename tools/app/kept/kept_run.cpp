@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
@@ -38,6 +39,13 @@ std::string file_name_of(const std::string& port) {
   return "board" + name;
 }
 
+// Whether a run of kaz with this process number, or NUMBER-COUNT, is under way: its notes are in use.
+bool runs(const std::string& number) {
+  std::string name;
+  std::ifstream("/proc/" + number.substr(0, number.find('-')) + "/comm") >> name;
+  return name == "kaz";
+}
+
 }  // namespace
 
 std::string kept_folder() {
@@ -60,17 +68,23 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
     if (!name.starts_with(begin) || !name.ends_with(end)) continue;
     const std::string number =
         name.substr(begin.size(), name.size() - std::min(name.size(), begin.size() + end.size()));
-    if (!number.empty() && number.find_first_not_of("0123456789-") == std::string::npos)
-      paths.push_back(at->path());
+    if (number.empty() || number.find_first_not_of("0123456789-") != std::string::npos) continue;
+    if (!runs(number)) paths.push_back(at->path());
   }
-  std::ranges::sort(paths);
+  // The newest first: each describes the board as its run found it, altered by those before.
+  std::ranges::sort(paths, [](const std::string& a, const std::string& b) {
+    std::error_code gone;
+    const auto of_a = fs::last_write_time(a, gone), of_b = fs::last_write_time(b, gone);
+    return of_a != of_b ? of_a > of_b : a < b;
+  });
   for (const std::string& path : paths) {
     const auto kept = read_kept(path);
-    sentences.push_back(kept ? kept->verb + " on " + port +
+    const std::string then = sentences.empty() ? "" : "after that: ";
+    sentences.push_back(kept ? then + kept->verb + " on " + port +
                                    " was ended before it could put the board back: `kaz recover " +
                                    port + " --from " + path +
                                    "` does it, and removing these notes forgets it"
-                             : "notes of a run that could not put the board on " + port +
+                             : then + "notes of a run that could not put the board on " + port +
                                    " back: " + kept.error().message + ": `kaz recover " + port +
                                    "` does what is possible without them, then remove them");
   }
@@ -96,7 +110,13 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
   run->kept_.verb = o.verb;
   run->kept_.port = o.port;
   const auto board = host::read_board(link, clock, o.address);
-  if (!board) return tl::unexpected(with_earlier_notes(board.error(), o.port, o.folder));
+  // Also what fails because of a signal is its end.
+  const auto ended = [&](Error error) {
+    if (interrupt.requested() && error.fault == Fault::environment)
+      error = {Fault::interrupted, "interrupted; " + error.message};
+    return tl::unexpected(std::move(error));
+  };
+  if (!board) return ended(with_earlier_notes(board.error(), o.port, o.folder));
   run->kept_.board = *board;
   if (o.flash || o.alone) {
     auto others = KAZ_TRY(host::find_boards(link, clock));
@@ -119,7 +139,7 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
   // From here on the board is altered: by a reset.
   auto kept = host::read_flash(link, clock, run->kept_.board);
   if (kept && o.notes) kept = run->write_notes();
-  if (!kept) return tl::unexpected(together(std::move(kept), run->end()).error());
+  if (!kept) return ended(together(std::move(kept), run->end()).error());
   return run;
 }
 
