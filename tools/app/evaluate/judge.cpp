@@ -14,6 +14,7 @@ namespace kaz::tools {
 namespace {
 
 constexpr double kGoal_m = 0.05, kGoalHeading = 10 * kDegree;
+constexpr double kUpright = 30 * kDegree;  // of the trunk; in the crouch it leans less
 
 double yaw_of(const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d ahead = pose.linear().col(0);
@@ -65,7 +66,9 @@ void Judge::look(sim::Simulation& simulation) {
     last_yaw_ = yaw_of(last_);
     if (watches_touch_) simulation.world().watch_contacts(true);
   }
-  if (watches_touch_ && touch_.thing.empty()) {
+  // What a falling robot touches is not why it failed.
+  const bool upright = last_.linear()(2, 2) > std::cos(kUpright);
+  if (watches_touch_ && touch_.thing.empty() && upright) {
     touch_ = touch_now(world);
     touch_.at_s = seconds(now_);
     was_hit_ = way_ && touch_.thing == way_->name() && !way_->arrived();
@@ -118,9 +121,9 @@ nlohmann::ordered_json Judge::json() const {
 
 std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& options,
                              const Result<behavior::Outcome>& outcome, const Judge& judge) {
-  if (judge.fell()) return "fell";
   if (behavior == "navigate" && !judge.touched().empty())
     return judge.was_hit() ? "hit by a moving box" : "touched";
+  if (judge.fell()) return "fell";
   if (!outcome) return "error";
   if (!outcome->success) return outcome->cause.empty() ? "gave up" : outcome->cause;
   if (behavior == "catch-ball" && judge.held_s() < 3) return "not held";
