@@ -14,6 +14,7 @@ namespace kaz::tools {
 namespace {
 
 constexpr double kGoal_m = 0.05, kGoalHeading = 10 * kDegree;
+constexpr double kUpright = 30 * kDegree;  // of the trunk; in the crouch it leans less
 
 double yaw_of(const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d ahead = pose.linear().col(0);
@@ -94,7 +95,9 @@ void Judge::look(const Truth& truth) {
     start_ = last_;
     last_yaw_ = yaw_of(last_);
   }
-  if (touch_.thing.empty() && !truth.touch.thing.empty()) {
+  // What a falling robot touches is not why it failed.
+  const bool upright = last_.linear()(2, 2) > std::cos(kUpright);
+  if (touch_.thing.empty() && !truth.touch.thing.empty() && upright) {
     touch_ = truth.touch;
     was_hit_ = way_ && touch_.thing == way_->name() && !way_->arrived();
   }
@@ -145,9 +148,9 @@ nlohmann::ordered_json Judge::json() const {
 
 std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& options,
                              const Result<behavior::Outcome>& outcome, const Judge& judge) {
-  if (judge.fell()) return "fell";
   if (behavior == "navigate" && !judge.touched().empty())
     return judge.was_hit() ? "hit by a moving box" : "touched";
+  if (judge.fell()) return "fell";
   if (!outcome) return "error";
   if (!outcome->success) return outcome->cause.empty() ? "gave up" : outcome->cause;
   if (behavior == "catch-ball" && judge.held_s() < 3) return "not held";

@@ -54,7 +54,7 @@ class Judge final : public Onlooker, public behavior::Sink {
   double forward_m() const;
   double aside_m() const;
   double heading_rad() const { return heading_; }
-  // Something that stands on the floor was touched: the first one's name, "" if none.
+  // Something that stands on the floor was touched before any fall: the first one's name, "" if none.
   const std::string& touched() const { return touch_.thing; }
   // What was touched first was still sliding into the way: it hit the robot, not the robot it.
   bool was_hit() const { return was_hit_; }
