@@ -63,8 +63,8 @@ inline Result<std::string> make_temporary_folder(const std::string& prefix) {
 
 // All bytes of the file at `path`, `max_bytes` of them at most: a file, a pipe (its writer is waited for), or
 // a device, of which /dev/zero has no end. `hint` ends the sentence of an error: which file is expected.
-// Errors (usage): not there, not readable, a folder, more bytes than that; (interrupted): a signal came while a
-// pipe was waited for.
+// Errors (usage): not there, not readable, a folder, more bytes than that; (interrupted): a signal came while
+// a pipe was waited for.
 inline Result<std::string> read_whole_file(const std::string& path, std::size_t max_bytes,
                                            const std::string& hint = "check the path") {
   const auto cannot = [&](const std::string& what) {

@@ -208,7 +208,11 @@ Result<Schedule> Schedule::load(const std::string& path) {
   constexpr std::size_t max_bytes = 4 << 20;
   const auto text =
       KAZ_TRY(read_whole_file(path, max_bytes, "give a text file with one fault a line"));
-  return parse(text, path);
+  auto schedule = KAZ_TRY(parse(text, path));
+  // A run without the faults that were meant would succeed for the wrong reason.
+  if (schedule.faults().empty())
+    return fail(Fault::usage, path + ": holds no fault; give a text file with one fault a line");
+  return schedule;
 }
 
 }  // namespace kaz::faults

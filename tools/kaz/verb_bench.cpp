@@ -33,9 +33,13 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
       ->capture_default_str()
       ->type_name("N")
       ->excludes(port);
-  verb.add_option("--limits", arguments.limits,
-                  "JSON file with limits other than the default ones: an edited `kaz bench list "
-                  "--json`, or {\"stall.torque_10v\": {\"low\": 2.0, \"high\": 2.3}}")
+  verb.add_option(
+          "--limits", arguments.limits,
+          "JSON file with limits other than the default ones: an edited `kaz bench list "
+          "--json`, or " +
+              std::string(arguments.motor  ? "{\"stall.torque_10v\": {\"low\": 2.0, \"high\": 2.3}}"
+                          : arguments.link ? "{\"link.cycle_rate\": {\"low\": 110}}"
+                                           : "{\"tick.median\": {\"high\": 55}}"))
       ->type_name("FILE");
   verb.add_option(
           "--out", arguments.out,

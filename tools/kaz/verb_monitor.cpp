@@ -22,7 +22,7 @@ void add_monitor(CLI::App& program, Action& action) {
       "] by five, SPACE stops everything, c clears a shutdown, q quits and switches off what was "
       "switched on here. A board that goes away is sought until it is there again; at the start it "
       "has to be there.\n"
-      "Exit status: 0 left by q or Ctrl-C, 2 wrong usage or no terminal, 3 port error.\n"
+      "Exit status: 0 left by q, Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage or no terminal, 3 port error.\n"
       "Examples:\n"
       "  kaz monitor --port /dev/ttyUSB0\n"
       "  kaz sim --mcu native --serial board     # in another terminal, until it says ready\n"

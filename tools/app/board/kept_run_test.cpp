@@ -296,6 +296,17 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   EXPECT_NE(sentences[0].find("`kaz recover test-port --from " + path + "` does it"),
             std::string::npos)
       << sentences[0];
+  // The newest first, whatever its number.
+  const std::string older = path.substr(0, path.rfind('-')) + "-1.json";
+  ASSERT_TRUE(write_whole_file(older, text));
+  std::filesystem::last_write_time(older,
+                                   std::filesystem::last_write_time(path) - std::chrono::hours(1));
+  const auto both = earlier_notes("test-port", folder_);
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_EQ(both[0], sentences[0]);
+  EXPECT_TRUE(both[1].starts_with("after that: ")) << both[1];
+  EXPECT_NE(both[1].find("--from " + older), std::string::npos) << both[1];
+  std::filesystem::remove(older);
   const Error silent{Fault::environment, "no board answers"};
   EXPECT_EQ(with_earlier_notes(silent, "test-port", folder_).message,
             "no board answers; " + sentences[0]);

@@ -114,7 +114,8 @@ Json moving_json(const Group& episodes) {
   return {{"in_the_way", in_the_way}, {"noticed", noticed}, {"touched", touched}};
 }
 
-// Over all maps of all episodes: how many points of outlines in view they have, and how much floor as obstacles.
+// Over all maps of all episodes: how many points of outlines in view they have, and how much floor they have
+// as obstacles.
 Json map_json(const Group& episodes) {
   const char* const names[] = {"outline_points", "outline_found", "floor_cells", "floor_wrong"};
   std::int64_t sums[4] = {0, 0, 0, 0};

@@ -15,8 +15,8 @@
 
 namespace kaz::tools {
 
-// Frame: from between the feet of the start; x ahead, y left; m, rad. A map is compared where the robot truly
-// is, so that the drift of its odometry, which is judged by where it arrives, does not count here.
+// Frame: from between the feet of the start; x ahead, y left; m, rad. A map is compared where the robot is in
+// truth: the drift of its odometry, which is judged by where it arrives, does not count here.
 //
 // Obstacles: points of their outlines, 1 cm apart, that lay in the left eye's picture within 1 m, hidden by
 // nothing, for half a second or more; found are those with an obstacle's cell of the map within 2.5 cm. Floor:

@@ -224,7 +224,7 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
       std::fprintf(stderr, "%s\n", stop.report.substr(0, stop.report.find('\n')).c_str());
     else if (!stop.report.empty())
       std::fprintf(stderr, "%s\n", stop.report.c_str());
-    std::fprintf(stderr, "%s after %lld states: %.3f s of the chip in %.3f s, %.0f times real\n",
+    std::fprintf(stderr, "%s after %lld states: %.3f s of the chip in %.3f s, %.3g times real\n",
                  interrupted ? "interrupted" : name_of(stop.reason),
                  static_cast<long long>(chip.now()), chip_s, wall_s,
                  wall_s > 0 ? chip_s / wall_s : 0);
