@@ -211,7 +211,8 @@ Result<Schedule> Schedule::load(const std::string& path) {
   auto schedule = KAZ_TRY(parse(text, path));
   // A run without the faults that were meant would succeed for the wrong reason.
   if (schedule.faults().empty())
-    return fail(Fault::usage, path + ": holds no fault; give a text file with one fault a line");
+    return fail(kaz::Fault::usage,
+                path + ": holds no fault; give a text file with one fault a line");
   return schedule;
 }
 
