@@ -92,7 +92,7 @@ TEST(Cli, HelpSaysHowAnOptionIsTyped) {
   // Bounds beside the placeholder, in digits.
   EXPECT_NE(help({"demo"}).find("\n  --supply V  "), std::string::npos);
   EXPECT_NE(help({"demo"}).find("(1 to 20 V; default: 10)"), std::string::npos);
-  EXPECT_NE(help({"sim"}).find("(0.000001 to 0.1; default: 0.0004; needs --stand)"),
+  EXPECT_NE(help({"sim"}).find("(0.000001 to 0.002; default: 0.0004; needs --stand)"),
             std::string::npos);
   EXPECT_NE(help({"mcu", "run"}).find("\n  --at ADDRESS  "), std::string::npos);
   EXPECT_EQ(run(kaz({"help", "mcu", "run"})).out, help({"mcu", "run"}));

@@ -84,11 +84,6 @@ TEST(Navigate, RefusesGoalsThatAreNone) {
   const Finished two = navigate("1,0", {"--set", "goal=0.5,0"});
   EXPECT_EQ(two.exit_code, 2);
   EXPECT_NE(two.err.find("contradict each other"), std::string::npos) << two.err;
-  const TemporaryFolder folder;
-  const Finished realtime =
-      run(kaz({"evaluate", "navigate", "--realtime", "--out", folder / "live"}));
-  EXPECT_EQ(realtime.exit_code, 2);
-  EXPECT_NE(realtime.err.find("--realtime"), std::string::npos) << realtime.err;
 }
 
 // An episode with obstacles, judged by where the robot truly is.
