@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include "shared/base/angle.hpp"
 
 namespace kaz::map {
@@ -177,19 +175,22 @@ Best best_shift(const FloorView& a, const FloorView& b, double turn_rad, int fro
   return best;
 }
 
-// The direction in which a view changes least: across its gradients, by their tensor's smaller eigenvalue.
+// The direction in which a view changes least: across the principal axis of its gradients' tensor, which is
+// at atan2(2 xy, xx - yy) / 2.
 Vector2d grain(const FloorView& view) {
-  Eigen::Matrix2d tensor = Eigen::Matrix2d::Zero();
+  double xx = 0, xy = 0, yy = 0;
   for (int x = 0; x + 1 < kCells; ++x) {
     for (int y = 0; y + 1 < kCells; ++y) {
       const std::size_t at = index(x, y), ahead = index(x + 1, y), left = index(x, y + 1);
       if (!(view.known[at] & view.known[ahead] & view.known[left])) continue;
-      const Vector2d gradient(view.value[ahead] - view.value[at],
-                              view.value[left] - view.value[at]);
-      tensor += gradient * gradient.transpose();
+      const double dx = view.value[ahead] - view.value[at], dy = view.value[left] - view.value[at];
+      xx += dx * dx;
+      xy += dx * dy;
+      yy += dy * dy;
     }
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(tensor).eigenvectors().col(0);
+  const double across = 0.5 * std::atan2(2 * xy, xx - yy);
+  return {-std::sin(across), std::cos(across)};
 }
 
 // Where the parabola through the scores at -1, 0 and 1 is highest, of a middle that is: within -0.5..0.5.
