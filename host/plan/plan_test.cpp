@@ -9,8 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "host/plan/grid_planner.h"
-#include "host/plan/maps_testing.h"
-#include "host/plan/ompl_planner.h"
+#include "host/plan/plan_testing.h"
 
 namespace kaz::plan {
 namespace {
@@ -20,73 +19,7 @@ using map::CellState;
 
 constexpr double kPi = std::numbers::pi;
 
-Planned planned(Planner& planner, const Grid& grid, const Pose& start, const Goal& goal,
-                const PlanOptions& options = {}) {
-  auto result = planner.plan(grid, start, goal, options);
-  EXPECT_TRUE(result) << result.error().message;
-  return *result;
-}
-
-// Those of this build.
-std::vector<std::string> planners() {
-  std::vector<std::string> names{"grid"};
-  if (make_ompl_planner()) names.emplace_back("ompl");
-  return names;
-}
-
-class EachPlanner : public testing::TestWithParam<std::string> {
- protected:
-  Planned planned(const Grid& grid, const Pose& start, const Goal& goal,
-                  const PlanOptions& options = {}) {
-    return plan::planned(*planner_, grid, start, goal, options);
-  }
-  std::unique_ptr<Planner> planner_ =
-      GetParam() == "ompl" ? std::move(*make_ompl_planner()) : make_grid_planner();
-};
-INSTANTIATE_TEST_SUITE_P(Plan, EachPlanner, testing::ValuesIn(planners()),
-                         [](const auto& planner) { return planner.param; });
-
-Path path_of(const Planned& found, const PlanOptions& options = {}) {
-  if (const auto* none = std::get_if<NoPath>(&found)) {
-    ADD_FAILURE() << text(*none, options);
-    return {};
-  }
-  return std::get<Path>(found);
-}
-
-// Where the legs lead to, and the least distance of the way from an obstacle's square, m.
-struct Walked {
-  Pose end;
-  double clear_m = 1e9;
-};
-Walked walked(const Grid& grid, const Pose& start, const Path& path) {
-  std::vector<Vector2d> obstacles;
-  for (int x = 0; x < grid.cells_x; ++x)
-    for (int y = 0; y < grid.cells_y; ++y)
-      if (grid.at(x, y) == CellState::obstacle) obstacles.push_back(grid.middle(x, y));
-  Walked w{start};
-  const auto look = [&] {
-    for (const Vector2d& middle : obstacles) {
-      const Vector2d beyond =
-          ((w.end.position - middle).cwiseAbs().array() - 0.5 * grid.cell_m).max(0).matrix();
-      w.clear_m = std::min(w.clear_m, beyond.norm());
-    }
-  };
-  look();
-  for (const Leg& leg : path.legs) {
-    if (leg.kind == Leg::Kind::turn) {
-      w.end.heading_rad += leg.amount;
-      continue;
-    }
-    const int steps = static_cast<int>(std::ceil(leg.amount / 0.004));
-    for (int i = 0; i < steps; ++i) {
-      w.end.position +=
-          leg.amount / steps * Vector2d(std::cos(w.end.heading_rad), std::sin(w.end.heading_rad));
-      look();
-    }
-  }
-  return w;
-}
+INSTANTIATE_TEST_SUITE_P(Grid, EachPlanner, testing::Values([] { return make_grid_planner(); }));
 
 TEST_P(EachPlanner, StraightAheadIsOneLeg) {
   const PlanOptions options;
@@ -194,31 +127,6 @@ TEST(Plan, TurnsOf45DegreesFromTheStartsHeading) {
   EXPECT_GE(end.clear_m, options.radius_m - 2 * grid.cell_m) << "cells are turned, so a cell more";
 }
 
-// Start, goal and map: boxes by `seed`, every other goal with a heading.
-struct Task {
-  Pose start;
-  Goal goal;
-  Grid grid;
-};
-Task task_of(std::uint64_t seed) {
-  Task task;
-  task.start = {{0.25, -0.6}, 6 * Random(1000 + seed).uniform()};
-  task.goal = {{1.7, 0.6}, seed % 2 ? std::optional<double>(1.0) : std::nullopt};
-  Random random(seed);
-  task.grid = random_grid(random, task.start.position, task.goal.position);
-  return task;
-}
-
-// Walked by brute force: it ends where it shall, and nothing is nearer than allowed, up to a cell.
-void expect_valid(const Task& task, const Path& path, const PlanOptions& options) {
-  const Walked end = walked(task.grid, task.start, path);
-  EXPECT_LT((end.end.position - task.goal.position).norm(), 1e-6);
-  if (task.goal.heading_rad) {
-    EXPECT_NEAR(std::remainder(end.end.heading_rad - *task.goal.heading_rad, 2 * kPi), 0, 1e-6);
-  }
-  EXPECT_GE(end.clear_m, options.radius_m - task.grid.cell_m);
-}
-
 TEST(Plan, GridPathIsTheFastestOnItsGraphAndKeepsClear) {
   const PlanOptions options;
   const auto astar = make_grid_planner(), exhaustive = make_grid_planner(Search::exhaustive);
@@ -238,81 +146,6 @@ TEST(Plan, GridPathIsTheFastestOnItsGraphAndKeepsClear) {
     expect_valid(task, path, options);
   }
   EXPECT_GT(found, 25);
-}
-
-TEST(Plan, OmplPathIsNearlyTheFastestAndKeepsClear) {
-  auto ompl = make_ompl_planner();
-  if (!ompl) GTEST_SKIP() << ompl.error().message;
-  const auto exhaustive = make_grid_planner(Search::exhaustive);
-  for (const double disc : {PlanOptions{}.radius_m, 0.19}) {
-    PlanOptions options;
-    options.radius_m = disc;
-    std::vector<double> over;
-    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      SCOPED_TRACE(seed);
-      const Task task = task_of(seed);
-      const Planned found = planned(**ompl, task.grid, task.start, task.goal, options);
-      const Planned all = planned(*exhaustive, task.grid, task.start, task.goal, options);
-      ASSERT_EQ(found.index(), all.index());
-      if (const auto* none = std::get_if<NoPath>(&found)) {
-        EXPECT_EQ(text(*none, options), text(std::get<NoPath>(all), options));
-        continue;
-      }
-      const Path path = path_of(found);
-      EXPECT_LE(path.seconds, path.searched_seconds + 1e-6) << "straight lines made it slower";
-      over.push_back(path.seconds / path_of(all).searched_seconds);
-      EXPECT_LE(over.back(), 1.2);
-      expect_valid(task, path, options);
-    }
-    ASSERT_GT(over.size(), 10u);
-    std::ranges::sort(over);
-    EXPECT_LE(over[over.size() / 2], 1.02);
-  }
-}
-
-TEST(Plan, OmplPathDependsOnItsSeedAlone) {
-  if (!make_ompl_planner()) GTEST_SKIP() << make_ompl_planner().error().message;
-  const auto corners = [](Planner& planner, std::uint64_t task_seed) {
-    const Task task = task_of(task_seed);
-    return path_of(planned(planner, task.grid, task.start, task.goal)).corners;
-  };
-  const auto with_seed = [](std::uint64_t seed) {
-    return std::move(*make_ompl_planner({.seed = seed}));
-  };
-  const auto first = with_seed(7);
-  const auto path = corners(*first, 3);
-  corners(*first, 4);
-  EXPECT_EQ(corners(*first, 3), path) << "after another path";
-  EXPECT_EQ(corners(*with_seed(7), 3), path) << "by another planner";
-  EXPECT_NE(corners(*with_seed(8), 3), path);
-}
-
-TEST(Plan, OmplRefusesWhatItCannotDo) {
-  auto ompl = make_ompl_planner();
-  if (!ompl) GTEST_SKIP() << ompl.error().message;
-  PlanOptions options;
-  options.any_heading = false;
-  const auto result = (*ompl)->plan(floor_grid(), {{0.3, 0}, 0}, {{1, 0}, {}}, options);
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().fault, Fault::usage);
-  EXPECT_NE(result.error().message.find("45 degrees"), std::string::npos);
-  EXPECT_FALSE(make_ompl_planner({.batches = 0}));
-}
-
-// Too few samples for a gap: neither no way at all nor an error, and OMPL prints nothing of it.
-TEST(Plan, OmplSaysThatItFoundNoPathWhereThereIsOne) {
-  auto ompl = make_ompl_planner({.batches = 1, .batches_until_found = 1, .batch_size = 1});
-  if (!ompl) GTEST_SKIP() << ompl.error().message;
-  Grid grid = floor_grid();
-  fill(grid, {0.6, -1}, {0.7, 0.6}, CellState::obstacle);
-  fill(grid, {1.3, -0.6}, {1.4, 1}, CellState::obstacle);
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const Planned none = planned(**ompl, grid, {{0.3, -0.5}, 0}, {{1.7, 0.5}, {}});
-  EXPECT_EQ(testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr(), "");
-  ASSERT_TRUE(std::holds_alternative<NoPath>(none));
-  EXPECT_EQ(std::get<NoPath>(none).why, NoPath::Why::not_found);
-  EXPECT_NE(text(std::get<NoPath>(none), {}).find("in the samples allowed"), std::string::npos);
 }
 
 TEST_P(EachPlanner, NonsenseIsRefused) {
