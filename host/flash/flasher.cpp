@@ -409,17 +409,16 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
       ++block;
     }
   }
-  if (header) total += kFlashLine;
-  std::uint32_t done = 0;
+  std::uint32_t done = 0, header_done = 0;
   KAZ_TRY(write_ranges(all, image, done, total));
   KAZ_TRY(compare(joined(all), image));
   if (header) {
-    if (auto written = write_ranges({header_line}, image, done, total); !written)
+    if (auto written = write_ranges({header_line}, image, header_done, kFlashLine); !written)
       return tl::unexpected(written.error());
     if (auto right = compare({header_line}, image); !right) return tl::unexpected(right.error());
   }
   state_ = State::untouched;
-  report.written = done;
+  report.written = done + header_done;
   report.verified = true;
   report.repeated = writer_.repeated();
   report.seconds = std::chrono::duration<double>(clock_.now() - started_).count();
@@ -448,14 +447,17 @@ Result<FlashReport> Flasher::verify(const FlashImage& image) {
 }
 
 Result<void> Flasher::erase(const std::vector<int>& blocks) {
+  const auto total = static_cast<std::uint32_t>(
+      std::ranges::count_if(blocks, [this](int block) { return !kept(kBlockStart[block]); }));
   std::uint32_t done = 0;
   for (const int block : blocks) {
     if (kept(kBlockStart[block])) {
       report_line("EB" + std::to_string(block) + " stays as it is: the loader keeps it");
       continue;
     }
-    report_progress("erase", done++, static_cast<std::uint32_t>(blocks.size()));
+    report_progress("erase", done, total);
     if (auto erased = erase_block(block); !erased) return erased;
+    report_progress("erase", ++done, total);
   }
   return {};
 }

@@ -70,15 +70,15 @@ class LatenessMeter final : public Link, public Clock {
   Time began_, left_, longest_{}, total_{};
 };
 
-// Calls `attempt` up to kRepetitions times more while its result is an error and the machine was late.
-// `meter` may be null.
+// Calls `attempt` up to kRepetitions times more while its result is an error and the machine was late, by
+// more than the attempt bears. `meter` may be null.
 template <class Attempt>
-auto repeat_if_late(LatenessMeter* meter, Attempt attempt) {
+auto repeat_if_late(LatenessMeter* meter, Attempt attempt, Time bears = Time::zero()) {
   for (int again = LatenessMeter::kRepetitions;; --again) {
     if (meter) meter->begin();
     auto result = attempt();
     if (result || result.error().fault == Fault::interrupted || again == 0 || !meter ||
-        meter->excuse().empty() || meter->other_end_gone())
+        meter->excuse(bears).empty() || meter->other_end_gone())
       return result;
   }
 }

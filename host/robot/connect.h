@@ -12,6 +12,10 @@ namespace kaz::host {
 // case: no reply; a reply of something other than a Kaz board, with its first bytes; the line echoes; another
 // protocol version or number of joints.
 Result<kz_identify_reply> identify_board(Requester& requester);
+// Lateness of either end that a healthy board's identification bears, with all tries of RequesterOptions: a
+// reply waits in the port until it is read, and one of an earlier try is taken too. So nothing fails before
+// all tries, 0.95 s, have passed; half of it.
+inline constexpr Time kIdentifyBears = std::chrono::milliseconds(475);
 
 // "0.2", of identify_reply and of an image's header
 std::string firmware_version_text(std::uint16_t version);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "host/link/board_testing.h"
+#include "host/link/lateness.h"
+#include "host/link/stalling_testing.h"
 #include "host/robot/connect.h"
 #include "host/robot/robot.h"
 
@@ -46,6 +48,40 @@ TEST(Connect, NothingAnswers) {
       "nothing answers on test-port: check that the robot is powered, the cable plugged in, no "
       "other program has the port open, and the baud rate is the board's (115200); after an "
       "interrupted update the board waits in its loader (kaz flash)");
+}
+
+// `kaz flash run` on a busy machine: 61 ms of lateness excuse no silent board, and repeat nothing. A board
+// that does not answer in all tries does not run.
+TEST(Connect, IdentificationBearsALatenessThatCannotHideABoard) {
+  TestBoard board;
+  board.mute = true;
+  StallingLine line(board, board);
+  LatenessMeter meter(line, line);
+  line.stalls = 1;
+  line.length = std::chrono::milliseconds(61);
+  int attempts = 0;
+  const Time begin = board.now();
+  const auto silent = repeat_if_late(
+      &meter,
+      [&] {
+        ++attempts;
+        Requester requester(meter, meter, {});
+        return identify_board(requester);
+      },
+      kIdentifyBears);
+  EXPECT_FALSE(silent);
+  EXPECT_EQ(attempts, 1);
+  EXPECT_GE(meter.longest(), std::chrono::milliseconds(59));
+  EXPECT_NE(meter.excuse(), "");
+  EXPECT_EQ(meter.excuse(kIdentifyBears), "");
+  EXPECT_GE(board.now() - begin, 2 * kIdentifyBears) << "the tries take longer than what is borne";
+
+  // A board that answers is found, however late its reply is read.
+  board.mute = false;
+  line.stalls = 3;
+  line.length = kIdentifyBears - std::chrono::milliseconds(1);
+  Requester requester(meter, meter, {});
+  EXPECT_TRUE(identify_board(requester));
 }
 
 TEST(Connect, SomethingElseAnswers) {

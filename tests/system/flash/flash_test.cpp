@@ -111,7 +111,16 @@ TEST(Flash, LoaderUpdatesARunningBoard) {
   FlashBench bench(KAZ_FIRMWARE_IMAGE);
   ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
   const FlashImage next = changed(kBuildId, 0x55);
-  Flasher flasher(bench, bench, writer(), {});
+  // Each phase is shown to its end, also where another follows.
+  std::vector<host::FlashProgress> shown;
+  FlasherOptions options;
+  options.progress = [&](const host::FlashProgress& now) {
+    if (!shown.empty() && shown.back().phase != now.phase) {
+      EXPECT_EQ(shown.back().done, shown.back().total) << host::progress_text(shown.back());
+    }
+    shown.push_back(now);
+  };
+  Flasher flasher(bench, bench, writer(), options);
   const auto entered = flasher.enter_loader();
   ASSERT_TRUE(entered) << entered.error().message;
   ASSERT_TRUE(*entered);
@@ -119,6 +128,11 @@ TEST(Flash, LoaderUpdatesARunningBoard) {
   EXPECT_EQ(flasher.board_id(), KZ_BOARD_ID);
   const auto report = flasher.write(next);
   ASSERT_TRUE(report) << report.error().message;
+  ASSERT_FALSE(shown.empty());
+  EXPECT_EQ(shown.back().phase, "verify");
+  EXPECT_EQ(shown.back().done, shown.back().total);
+  ASSERT_TRUE(flasher.erase({7, 8}));
+  EXPECT_EQ(host::progress_text(shown.back()), "erase 2 of 2 blocks");
   // EB4 has the header; vectors and loader are the same.
   EXPECT_EQ(report->erased, 1);
   EXPECT_GE(report->unchanged, 2);

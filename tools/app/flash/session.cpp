@@ -148,11 +148,13 @@ Result<void> FlashSession::start() {
 
 Result<kz_identify_reply> FlashSession::identify() {
   host::Requester requester(*meter_, *meter_, {.address = arguments_.address});
-  auto board = host::repeat_if_late(meter_.get(), [&] { return host::identify_board(requester); });
+  auto board = host::repeat_if_late(
+      meter_.get(), [&] { return host::identify_board(requester); }, host::kIdentifyBears);
   if (board || !through_boot()) return board;
   // Boot mode has erased the board's address.
   host::Requester at_default(*meter_, *meter_, {});
-  return host::repeat_if_late(meter_.get(), [&] { return host::identify_board(at_default); });
+  return host::repeat_if_late(
+      meter_.get(), [&] { return host::identify_board(at_default); }, host::kIdentifyBears);
 }
 
 std::optional<Error> FlashSession::at_another_address(const Error& error) {

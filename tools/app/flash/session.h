@@ -10,6 +10,7 @@
 #include "host/link/lateness.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
+#include "host/robot/connect.h"
 #include "shared/protocol/messages.h"
 #include "tools/app/base/output.h"
 #include "tools/app/flash/arguments.h"
@@ -36,9 +37,8 @@ class FlashSession {
   // The error of identify(), after a search of all addresses; nullopt: no board is at another one.
   std::optional<Error> at_another_address(const Error& error);
 
-  // Why the last of these may have failed although the board is healthy; empty: this machine was
-  // punctual.
-  std::string excuse() const { return meter_->excuse(); }
+  // Why identify() may have failed although the board is healthy; empty: this machine was not so late.
+  std::string excuse() const { return meter_->excuse(host::kIdentifyBears); }
 
   host::Flasher& flasher() { return *flasher_; }
   bool through_boot() const { return reset_ != nullptr; }
