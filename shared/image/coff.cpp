@@ -73,7 +73,9 @@ class Reader final : public ObjectFile {
         functions_[current].first_line = u16(extra + 4);
       if ((storage == kExternal || storage == kStatic) && section > 0 && section < 0xfff0 &&
           !symbol.empty() && symbol[0] != '.') {
-        symbols_.push_back({symbol, value, function});
+        // A function's first further entry: tag, then the bytes of its code.
+        const std::uint32_t size = function && further > 0 ? u32(extra + 4) : 0;
+        symbols_.push_back({symbol, value, function, size});
         if (function) {
           current = k;
           functions_[k] = {file, value, 0};

@@ -120,7 +120,8 @@ class Reader final : public ObjectFile {
       if (type > 2 || section == 0 || section >= 0xff00) continue;
       std::string name = name_in(s.link, u32(at));
       if (name.empty() || name[0] == '.') continue;
-      symbols_.push_back({std::move(name), u32(at + 4), type == 2});
+      const bool function = type == 2;
+      symbols_.push_back({std::move(name), u32(at + 4), function, function ? u32(at + 8) : 0});
     }
     return {};
   }

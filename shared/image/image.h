@@ -24,6 +24,7 @@ struct Symbol {
   std::string name;  // as in the object file: C's `main` is `_main`
   std::uint32_t address = 0;
   bool function = false;
+  std::uint32_t size = 0;  // bytes of a function; 0: the file does not state it
 };
 
 struct SourceLine {

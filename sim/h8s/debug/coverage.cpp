@@ -7,6 +7,31 @@
 #include <vector>
 
 namespace kaz::h8s {
+namespace {
+
+using Functions = std::vector<const Symbol*>;
+
+// By address.
+Functions functions_of(const SymbolTable& symbols) {
+  Functions functions;
+  for (const Symbol& s : symbols.symbols()) {
+    if (s.function) functions.push_back(&s);
+  }
+  return functions;
+}
+
+// Behind the last byte of a function; up to the next one if the image does not state its size.
+std::uint32_t end_of(const Functions& functions, std::size_t k) {
+  constexpr std::uint32_t kEnd = 0x01000000;  // of 24-bit addresses
+  const Symbol& function = *functions[k];
+  const std::uint32_t next =
+      k + 1 < functions.size() ? functions[k + 1]->address : std::max(kEnd, function.address);
+  // A damaged image may state anything.
+  if (function.size == 0 || function.size > next - function.address) return next;
+  return function.address + function.size;
+}
+
+}  // namespace
 
 void Coverage::executed(const Executed& e) {
   if (!e.whole) return;
@@ -19,31 +44,29 @@ void Coverage::executed(const Executed& e) {
 }
 
 std::string Coverage::text() const {
-  std::vector<const Symbol*> functions;
-  for (const Symbol& s : chip_.symbols().symbols()) {
-    if (s.function) functions.push_back(&s);
-  }
+  const Functions functions = functions_of(chip_.symbols());
   char line[256];
   std::snprintf(line, sizeof line, "%7s %7s %7s %12s %9s  %s\n", "covered", "bytes", "share %",
                 "entered", "one-way", "function");
   std::string out = line;
   for (std::size_t k = 0; k < functions.size(); ++k) {
     const std::uint32_t first = functions[k]->address;
-    // The last function is taken to end at the last covered instruction.
-    std::uint32_t end = k + 1 < functions.size() ? functions[k + 1]->address : first;
+    const std::uint32_t end = end_of(functions, k);
     std::int64_t covered = 0, one_way = 0;
-    for (auto at = counts_.lower_bound(first);
-         at != counts_.end() && (k + 1 == functions.size() || at->first < end); ++at) {
+    for (auto at = counts_.lower_bound(first); at != counts_.end() && at->first < end; ++at) {
       covered += at->second.length;
       one_way += at->second.branch && (at->second.taken == 0 || at->second.passed == 0) ? 1 : 0;
-      if (k + 1 == functions.size()) end = at->first + at->second.length;
     }
-    const auto size = static_cast<std::int64_t>(end - first);
-    if (size == 0) continue;
+    if (first == end) continue;  // another name of the next one
+    char size[32] = "-", share[32] = "-";
+    if (functions[k]->size != 0) {
+      const std::uint32_t bytes = end - first;
+      std::snprintf(size, sizeof size, "%u", static_cast<unsigned>(bytes));
+      std::snprintf(share, sizeof share, "%.1f", 100.0 * static_cast<double>(covered) / bytes);
+    }
     const auto entered = counts_.find(first);
-    std::snprintf(line, sizeof line, "%7lld %7lld %7.1f %12lld %9lld  %.120s\n",
-                  static_cast<long long>(covered), static_cast<long long>(size),
-                  100.0 * static_cast<double>(covered) / static_cast<double>(size),
+    std::snprintf(line, sizeof line, "%7lld %7s %7s %12lld %9lld  %.120s\n",
+                  static_cast<long long>(covered), size, share,
                   static_cast<long long>(entered == counts_.end() ? 0 : entered->second.executed),
                   static_cast<long long>(one_way), functions[k]->name.c_str());
     out += line;
@@ -60,9 +83,15 @@ std::string Coverage::lcov() const {
   std::map<std::string, File> files;
   const SymbolTable& symbols = chip_.symbols();
   const auto& lines = symbols.lines();
+  const Functions functions = functions_of(symbols);
+  std::size_t inside = 0;  // the function after that of the line
   for (std::size_t k = 0; k < lines.size(); ++k) {
     std::int64_t count = 0;
-    const std::uint32_t end = k + 1 < lines.size() ? lines[k + 1].address : lines[k].address + 2;
+    std::uint32_t end = k + 1 < lines.size() ? lines[k + 1].address : lines[k].address + 2;
+    while (inside < functions.size() && functions[inside]->address <= lines[k].address) ++inside;
+    // A function's last line ends with it.
+    if (inside > 0 && end_of(functions, inside - 1) > lines[k].address)
+      end = std::min(end, end_of(functions, inside - 1));
     for (auto at = counts_.lower_bound(lines[k].address); at != counts_.end() && at->first < end;
          ++at)
       count = std::max(count, at->second.executed);

@@ -23,7 +23,9 @@ class Coverage final : public Observer {
   const std::map<std::uint32_t, Count>& counts() const { return counts_; }
 
   // One line per function: instructions executed, bytes covered of its size, branches taken in one
-  // direction only. A function's size extends to the next function.
+  // direction only. What lies between a function's end and the next one (constants, gaps, code that is no
+  // function) counts for neither. Where the image does not state a function's size its line has none, and
+  // counts what is covered up to the next function.
   std::string text() const;
   // lcov's tracefile for genhtml: FN, DA and BRDA records, for images with line numbers.
   std::string lcov() const;

@@ -192,6 +192,32 @@ TEST(Coverage, CountsAndBranches) {
   EXPECT_NE(coverage.text().find("_main"), std::string::npos);
 }
 
+// A function's bytes end where the image says so: not with the gap, the constants or the assembly code before
+// the next function.
+TEST(Coverage, AFunctionsSizeHasNoHoleInIt) {
+  // jsr @0x1020 ; bra . ; and at 0x1020, which is no function: nop ; rts
+  std::vector<std::uint16_t> words(0x20, 0);
+  words[0] = 0x5e00, words[1] = 0x1020, words[2] = 0x40fe, words[0x11] = 0x5470;
+  Chip chip = make_chip(words);
+  chip.set_symbols(
+      SymbolTable({{"_main", kCode, true, 8},
+                   {"helper", kCode + 0x20, false},
+                   {"_next", kCode + 0x30, true, 0xffffffff},  // of a damaged image
+                   {"_unsized", kCode + 0x38, true}},
+                  {{kCode, "a.c", 1}, {kCode + 6, "a.c", 2}, {kCode + 0x30, "a.c", 9}}));
+  Coverage coverage(chip);
+  chip.attach(coverage);
+  chip.run_until(20);
+  ASSERT_TRUE(coverage.counts().contains(kCode + 0x20)) << "the helper ran";
+  const std::string text = coverage.text();
+  for (const char* line : {"      6       8    75.0            1         0  _main\n",
+                           "      0       8     0.0            0         0  _next\n",
+                           "      0       -       -            0         0  _unsized\n"})
+    EXPECT_NE(text.find(line), std::string::npos) << line << text;
+  // Nor does the helper run the last line of _main, which nothing does.
+  EXPECT_NE(coverage.lcov().find("DA:2,0\n"), std::string::npos) << coverage.lcov();
+}
+
 TEST(Trace, LinesAndTheLastOnes) {
   Chip chip = make_chip(Program().words({0x7900, 5, 0x6b80, 0xe100}).stay());
   std::ostringstream out;

@@ -112,6 +112,8 @@ TEST(Elf, SectionsEntryAndSymbols) {
   EXPECT_EQ(image->segments[1].load_address, 0x404u);
   EXPECT_EQ(image->symbols.address_of("main"), 0x402u);
   EXPECT_EQ(image->symbols.address_of("x"), 0xffe080u);
+  EXPECT_EQ(image->symbols.at(0x402)->size, 2u);
+  EXPECT_EQ(image->symbols.at(0xffe080)->size, 0u) << "of data";
 }
 
 TEST(Elf, SegmentsWhereThereAreNoSections) {

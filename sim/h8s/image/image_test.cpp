@@ -88,7 +88,7 @@ std::vector<std::uint8_t> small_coff() {
   put_name(b, "m.c"), put32(b, 0), put32(b, 0), put16(b, 0);
   put_name(b, "_main"), put32(b, 0x400), put16(b, 1), put16(b, 0x24), b.push_back(2),
       b.push_back(1);
-  put_name(b, ""), put32(b, 0), put32(b, 0), put16(b, 0);
+  put32(b, 0), put32(b, 4), put32(b, 0), put32(b, 0), put16(b, 0);  // of four bytes
   put_name(b, ".bf"), put32(b, 0x400), put16(b, 1), put16(b, 0), b.push_back(101), b.push_back(1);
   put32(b, 0), put16(b, 10), put32(b, 0), put32(b, 0), put32(b, 0);
   put32(b, 4);  // empty string table
@@ -106,6 +106,8 @@ TEST(Coff, SymbolsAndLines) {
   EXPECT_EQ(image->symbols.describe(0x400), "_main (m.c:10)");
   EXPECT_EQ(image->symbols.describe(0x402), "_main+0x2 (m.c:11)");
   EXPECT_EQ(image->symbols.describe(0x100), "0x000100");
+  ASSERT_NE(image->symbols.at(0x400), nullptr);
+  EXPECT_EQ(image->symbols.at(0x400)->size, 4u);
 }
 
 TEST(Coff, DamageIsReportedNotFollowed) {
