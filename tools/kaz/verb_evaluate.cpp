@@ -5,6 +5,7 @@
 
 #include "tools/app/base/arguments.h"
 #include "tools/app/evaluate/campaign.h"
+#include "tools/app/evaluate/given_options.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
@@ -26,11 +27,12 @@ constexpr const char* kExitStatus =
 
 // --NAME FROM TO, both within `bounds`; `by_default`: what `given` stays without it.
 void add_interval(CLI::App& verb, const std::string& name, std::vector<double>& given,
-                  const Interval& by_default, const Interval& bounds, const std::string& text) {
+                  const Interval& by_default, const Interval& bounds, const std::string& text,
+                  const std::string& unit = "") {
   char range[80];
   std::snprintf(range, sizeof range, "%g %g", by_default.min, by_default.max);
   verb.add_option(name, given, text)
-      ->check(between(bounds.min, bounds.max))
+      ->check(between(bounds.min, bounds.max, unit))
       ->expected(2)
       ->allow_extra_args(false)
       ->type_name("FROM TO")
@@ -58,7 +60,16 @@ CLI::Option* add_list(CLI::App& verb, const std::string& name, std::vector<T>& t
       ->capture_default_str();
 }
 
-Result<Outcome> start(Arguments a) {
+std::vector<std::string> given_options(const CLI::App& verb) {
+  std::vector<std::string> given;
+  for (const CLI::Option* option : verb.get_options()) {
+    if (option->count() > 0 && !option->get_lnames().empty())
+      given.push_back("--" + option->get_lnames().front());
+  }
+  return given;
+}
+
+Result<Outcome> start(Arguments a, const std::vector<std::string>& options) {
   CampaignOptions& c = a.campaign;
   const auto settings = KAZ_TRY(parse_settings(a.settings));
   c.settings = settings;
@@ -87,6 +98,7 @@ Result<Outcome> start(Arguments a) {
   KAZ_TRY(no_repetition("--worlds", c.variation.worlds));
   KAZ_TRY(no_repetition("--colors", c.variation.colors));
   KAZ_TRY(no_repetition("--radii", c.variation.radii_m));
+  KAZ_TRY(check_given(c, options));
   const auto succeeded = KAZ_TRY(run_campaign(c));
   return Outcome(succeeded);
 }
@@ -103,7 +115,8 @@ void add_merge(CLI::App& evaluate, Action& action) {
   verb->add_option("--out", arguments->out, "folder for the whole")->required()->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print result.json");
   verb->footer(
-      "Parts are those of one evaluation: the same options but for --shard, --jobs and --out. "
+      "Parts are those of one evaluation: the same options but for --shard, --jobs and --out; "
+      "others are refused, also those of another --episodes. "
       "Episodes that are missing, as a part is not there or was interrupted, are named; "
       "result.json "
       "is then of the others and contains \"interrupted\": true.\n"
@@ -139,7 +152,7 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("BEHAVIOUR", c.behavior,
                    "(required) as of kaz run: a name, or a plug-in (./NAME.so)")
       ->type_name("");
-  verb->add_option("--episodes", c.episodes, "how many")
+  verb->add_option("--episodes", c.episodes, "how many, of all parts")
       ->check(between(1, 1000000))
       ->capture_default_str();
   verb->add_option("--seed", c.seed, "of what differs; the same seed gives the same episodes")
@@ -163,16 +176,16 @@ void add_evaluate(CLI::App& program, Action& action) {
   add_interval(*verb, "--friction", arguments->friction, v.friction, {0.01, 10},
                "friction coefficient of the floor, drawn from this range");
   add_interval(*verb, "--supply", arguments->supply, v.supply_volts, {kMinSupply_v, kMaxSupply_v},
-               "supply of the board, V, drawn from this range");
+               "supply of the board, V, drawn from this range", "V");
   add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m, {0.05, 20},
-               "distance of the ball from the feet, m, drawn from this range");
+               "distance of the ball from the feet, m, drawn from this range", "m");
   verb->add_option("--bearing", c.variation.bearing_deg,
                    "largest angle between the ball, or a goal, and straight ahead, degrees")
       ->check(between(0.0, 180.0))
       ->capture_default_str()
       ->type_name("DEGREES");
   add_list(*verb, "--radii", c.variation.radii_m, "radii of balls, m, with commas between")
-      ->check(between(0.005, 0.5));
+      ->check(between(0.005, 0.5, "m"));
   add_list(*verb, "--colors", c.variation.colors,
            "colours of balls, with commas between: red, green, blue");
   add_interval(*verb, "--lamp", arguments->lamp, v.lamp, {0.01, 100},
@@ -193,14 +206,14 @@ void add_evaluate(CLI::App& program, Action& action) {
                "0 to 1");
   verb->add_option(
           "--obstacles", c.variation.max_obstacles,
-          "of navigate: up to so many boxes and cans stand about in clutter, at least half "
-          "as many")
+          "of navigate: up to so many boxes and cans stand about in worlds with clutter, at least "
+          "half as many")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();
   add_interval(
       *verb, "--goal-distance", arguments->goal_distance, v.goal_distance_m, {0.3, 2.5},
-      "of navigate, without --set goal=...: distance of the goal, m, drawn from this range");
+      "of navigate, without --set goal=X,Y: distance of the goal, m, drawn from this range", "m");
   verb->add_option("--mass-sigma", c.variation.mass_sigma,
                    "standard deviation of each link's mass, as a share of it")
       ->check(between(0.0, 0.3))
@@ -228,13 +241,13 @@ void add_evaluate(CLI::App& program, Action& action) {
       "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
   verb->callback([&action, arguments, verb] {
     if (!verb->get_subcommands().empty()) return;
-    action = [arguments]() -> Result<Outcome> {
+    action = [arguments, verb]() -> Result<Outcome> {
       if (arguments->campaign.behavior.empty())
         return fail(Fault::usage,
                     "say which behaviour, as in kaz evaluate search-ball --out found");
       if (arguments->campaign.out.empty())
         return fail(Fault::usage, "--out is missing: the folder for what is found");
-      return start(*arguments);
+      return start(*arguments, given_options(*verb));
     };
   });
   add_merge(*verb, action);

@@ -11,6 +11,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kWorld = "world.sdf";
+constexpr const char* kOfRobot[] = {"kaz.urdf", "motor.xml", "camera.json", "sensors.xml"};
+
 Result<std::string> read(const fs::path& path) {
   constexpr std::size_t max_bytes = 16 << 20;
   return read_whole_file(path.string(), max_bytes,
@@ -70,7 +73,7 @@ Result<RobotFolder> RobotFolder::make(const std::string& robot,
   const auto made = KAZ_TRY(make_temporary_folder("kaz-robot-"));
   const fs::path folder = made;
   RobotFolder files(folder);
-  for (const char* name : {"kaz.urdf", "motor.xml", "camera.json", "sensors.xml"}) {
+  for (const char* name : kOfRobot) {
     auto text = read(fs::path(robot) / name);
     if (!text) return tl::unexpected(text.error());
     if (const auto change = changes.find(name); change != changes.end())
@@ -79,6 +82,16 @@ Result<RobotFolder> RobotFolder::make(const std::string& robot,
   }
   KAZ_TRY(write(files.world(), world));
   return files;
+}
+
+Result<void> RobotFolder::each(const Keep& keep) const {
+  const auto world = KAZ_TRY(read(folder_ / kWorld));
+  KAZ_TRY(keep(kWorld, world));
+  for (const char* name : kOfRobot) {
+    const auto contents = KAZ_TRY(read(folder_ / name));
+    KAZ_TRY(keep(name, contents));
+  }
+  return {};
 }
 
 RobotFolder::~RobotFolder() {

@@ -38,9 +38,10 @@ class RobotFolder {
   std::string robot() const { return folder_ / "kaz.urdf"; }
   std::string camera() const { return folder_ / "camera.json"; }
   std::filesystem::path folder() const { return folder_; }
-  // What it holds.
-  static constexpr const char* kFiles[] = {"world.sdf", "kaz.urdf", "motor.xml", "camera.json",
-                                           "sensors.xml"};
+  // Passes name and contents of each file on, for a copy that stays. Errors: a file that cannot be read, and
+  // those of `keep`.
+  using Keep = std::function<Result<void>(const std::string& name, const std::string& contents)>;
+  Result<void> each(const Keep& keep) const;
 
  private:
   explicit RobotFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}

@@ -71,6 +71,22 @@ TEST(RobotFolder, IsRemovedWithTheObjectAndNamesAMissingFile) {
     path = made->robot();
     EXPECT_TRUE(std::filesystem::exists(path));
     EXPECT_TRUE(std::filesystem::exists(made->world()));
+    std::map<std::string, std::string> kept;
+    EXPECT_TRUE(made->each([&kept](const std::string& name, const std::string& contents) {
+      kept[name] = contents;
+      return Result<void>();
+    }));
+    EXPECT_EQ(kept.size(), 5u);
+    EXPECT_EQ(kept["world.sdf"], "<sdf/>");
+    EXPECT_TRUE(kept.contains("sensors.xml"));
+    const auto full = made->each([](const std::string&, const std::string&) -> Result<void> {
+      return fail(Fault::environment, "disk full");
+    });
+    EXPECT_FALSE(full);
+    std::filesystem::remove(made->camera());
+    const auto gone = made->each([](const auto&, const auto&) { return Result<void>(); });
+    ASSERT_FALSE(gone);
+    EXPECT_NE(gone.error().message.find("camera.json"), std::string::npos);
   }
   EXPECT_FALSE(std::filesystem::exists(path));
   const auto none = RobotFolder::make("nowhere", {}, "");

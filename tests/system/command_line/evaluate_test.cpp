@@ -241,6 +241,14 @@ TEST(Evaluate, KeepsWhatOthersPutIntoItsFolder) {
   ASSERT_EQ(run(kaz({"evaluate", "merge", out, "--out", folder / "merged"})).exit_code, 0);
   EXPECT_EQ(read_file(folder / "merged/failures/000000/notes.txt"), "mine");
 
+  // Episodes of an earlier merge that are none of these parts would be in its folder, and in no rate.
+  json other = parse_json(read_file(episode));
+  other["episode"] = 7;
+  write_file(folder / "merged/episodes/000007.json", other.dump());
+  const Finished mixed = run(kaz({"evaluate", "merge", out, "--out", folder / "merged"}));
+  EXPECT_EQ(mixed.exit_code, 2) << mixed.err;
+  EXPECT_NE(mixed.err.find("(7) that none of the parts does"), std::string::npos) << mixed.err;
+
   fs::rename(episode, out + "/episodes/000001.json");
   const Finished renamed = evaluate({"--episodes", "2", "--out", out});
   EXPECT_EQ(renamed.exit_code, 2) << renamed.err;

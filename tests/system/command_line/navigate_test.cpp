@@ -139,7 +139,8 @@ TEST(Navigate, RefusesWorldsThatAreNone) {
       {{"navigate", "--worlds", "clutter,maze"}, "'maze' is no kind of world: there are all, "},
       {{"navigate", "--worlds", "all,dark"}, "--worlds: a value stands in the list twice"},
       {{"navigate", "--density", "0.5", "1.5"}, "--density"},
-      {{"stand", "--worlds", "dark"}, "--worlds are those of navigate"}};
+      {{"navigate", "--worlds", "corridor", "--obstacles", "4"}, "--obstacles is of worlds with"},
+      {{"stand", "--worlds", "clutter"}, "--worlds is of navigate alone"}};
   for (const auto& [words, sentence] : cases) {
     std::vector<std::string> all{"evaluate"};
     all.insert(all.end(), words.begin(), words.end());

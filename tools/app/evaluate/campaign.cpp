@@ -360,6 +360,19 @@ Result<void> refuse_more(const CampaignOptions& options, const OutputFolder& fol
                                 ": ask for these too, or choose another --out");
 }
 
+// The folder of a merge holds what an earlier one has put there: all of it is of the parts.
+Result<void> refuse_others(const OutputFolder& folder, const Episodes& all) {
+  const auto there = KAZ_TRY(read_episodes(folder.folder()));
+  std::vector<std::uint64_t> others;
+  for (const auto& [number, episode] : there) {
+    if (!all.contains(number)) others.push_back(number);
+  }
+  if (others.empty()) return {};
+  return fail(Fault::usage, "'" + folder.folder() + "' holds episodes (" + numbers_text(others) +
+                                ") that none of the parts does: name their folder too, or choose "
+                                "another --out");
+}
+
 }  // namespace
 
 Json campaign_json(const CampaignOptions& o) {
@@ -399,8 +412,6 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
   const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
-  if (known.name != "navigate" && options.variation.worlds != Variation().worlds)
-    return fail(Fault::usage, "--worlds are those of navigate: leave it out, or evaluate navigate");
   if (options.shard > options.episodes)
     return fail(Fault::usage, "--shard " + std::to_string(options.shard) + "/" +
                                   std::to_string(options.shards) + " has none of the " +
@@ -470,6 +481,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
     }
   }
   if (all.empty()) return fail(Fault::usage, "the folders hold no episode");
+  KAZ_TRY(check_one_plan(parts));
   for (const std::string& from : folders) {
     if (std::error_code none; fs::equivalent(from, out, none))
       return fail(Fault::usage,
@@ -477,6 +489,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
   }
   const auto folder = KAZ_TRY(OutputFolder::open(out, campaign_output()));
   KAZ_TRY(folder.explained(claim(folder, campaign)));
+  KAZ_TRY(refuse_others(folder, all));
   KAZ_TRY(remove_summary(folder));
   for (const auto& [number, episode] : all) {
     KAZ_TRY(folder.explained(write_json(folder.path(episode_file(number)), episode)));

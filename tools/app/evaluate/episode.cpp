@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 
-#include "shared/base/files.hpp"
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
 #include "tools/app/session/plugin_guard.h"
@@ -36,13 +35,11 @@ Result<void> remove_run(const std::string& folder) {
 // World and robot beside the recording, where kaz replay finds them.
 Result<void> keep_files(const trials::RobotFolder& files, const std::string& failure) {
   const auto folder = KAZ_TRY(OutputFolder::open(failure, run_output()));
-  for (const char* name : trials::RobotFolder::kFiles) {
-    constexpr std::size_t max_bytes = 16 << 20;
-    const auto bytes = KAZ_TRY(read_whole_file((files.folder() / name).string(), max_bytes));
-    KAZ_TRY(folder.add(name));
-    KAZ_TRY(folder.explained(folder.write(name, bytes)));
-  }
-  return {};
+  return files.each(
+      [&folder](const std::string& name, const std::string& contents) -> Result<void> {
+        KAZ_TRY(folder.add(name));
+        return folder.explained(folder.write(name, contents));
+      });
 }
 
 // How an episode went.

@@ -156,6 +156,22 @@ TEST(Shortage, OfAnEarlierVersionsPartIsItsInterruptionAndItsGaps) {
   EXPECT_TRUE(mentions(unknown, "'old' was interrupted by SIGINT")) << unknown.sentence;
 }
 
+// Neither number is that of the whole, and which episodes are missing depends on it.
+TEST(Shortage, PartsOfDifferentEpisodesAreRefused) {
+  EXPECT_TRUE(check_one_plan({part(1, {0, 2, 4}), part(2, {1, 3, 5})}));
+  Part longer = part(2, {1, 3, 5, 7});
+  longer.planned->episodes = 8;
+  const auto refused = check_one_plan({longer, part(1, {0, 2, 4})});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().fault, Fault::usage);
+  EXPECT_EQ(refused.error().message,
+            "'part1' was made with --episodes 6 and 'part2' with --episodes 8: parts differ by "
+            "--shard alone; give the command of 'part1' again with --episodes 8, which runs only "
+            "what it lacks");
+  // A part that was killed states nothing, and one of an earlier version.
+  EXPECT_TRUE(check_one_plan({longer, part_of("old", {{0, episode(0, true, 1)}}, nullptr)}));
+}
+
 TEST(Shortage, KeepsWhatTheMachineLost) {
   const Json environment = Json::parse(R"({"environment":[{"episode":3,"sentence":"disk full"}]})");
   const Shortage found = find_shortage({part(1, {0, 2, 4}), part(2, {1, 5}, environment)});

@@ -246,6 +246,19 @@ const char* to_string(WorldKind kind) {
   return kKinds[static_cast<std::size_t>(kind)].name;
 }
 
+bool has_clutter(WorldKind kind) {
+  switch (kind) {
+    case WorldKind::clutter:
+    case WorldKind::patterned_floor:
+    case WorldKind::plain_floor:
+    case WorldKind::dark:
+    case WorldKind::two_balls:
+      return true;
+    default:
+      return false;
+  }
+}
+
 Result<std::vector<WorldKind>> parse_world_kinds(const std::vector<std::string>& names) {
   std::vector<WorldKind> kinds;
   std::string all;

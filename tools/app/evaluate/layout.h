@@ -45,6 +45,8 @@ struct WorldKindInfo {
 // In the order of the enumeration.
 std::span<const WorldKindInfo> world_kinds();
 const char* to_string(WorldKind kind);
+// Boxes and cans stand about, as many as LayoutRange::max_obstacles and the density make them.
+bool has_clutter(WorldKind kind);
 // Names, or "all". Errors (usage): none of them, with the names that there are.
 Result<std::vector<WorldKind>> parse_world_kinds(const std::vector<std::string>& names);
 

@@ -105,6 +105,23 @@ Part part_of(const std::string& folder, const Episodes& episodes,
   return part;
 }
 
+Result<void> check_one_plan(const std::vector<Part>& parts) {
+  const Part* few = nullptr;
+  const Part* many = nullptr;
+  for (const Part& part : parts) {
+    if (!part.planned) continue;
+    if (few == nullptr || part.planned->episodes < few->planned->episodes) few = &part;
+    if (many == nullptr || part.planned->episodes > many->planned->episodes) many = &part;
+  }
+  if (few == nullptr || few->planned->episodes == many->planned->episodes) return {};
+  const std::string episodes = "--episodes " + std::to_string(many->planned->episodes);
+  return fail(Fault::usage,
+              "'" + few->folder + "' was made with --episodes " +
+                  std::to_string(few->planned->episodes) + " and '" + many->folder + "' with " +
+                  episodes + ": parts differ by --shard alone; give the command of '" +
+                  few->folder + "' again with " + episodes + ", which runs only what it lacks");
+}
+
 Shortage find_shortage(const std::vector<Part>& parts) {
   Shortage found;
   std::uint64_t& total = found.extent.planned.episodes;

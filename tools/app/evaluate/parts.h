@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "shared/base/result.hpp"
 #include "tools/app/evaluate/summary.h"
 
 namespace kaz::tools {
@@ -27,6 +28,9 @@ struct Part {
 // `result`: of parse_result(); null if the folder has none.
 Part part_of(const std::string& folder, const Episodes& episodes,
              const nlohmann::ordered_json& result);
+
+// Errors (usage): parts of different --episodes, none of which would be the plan of the whole.
+Result<void> check_one_plan(const std::vector<Part>& parts);
 
 // What of the planned episodes no part holds.
 struct Shortage {

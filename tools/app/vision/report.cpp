@@ -137,6 +137,7 @@ Json module_statistics_json(const vision::Pipeline& pipeline) {
   const auto ms = [](double s) { return static_cast<double>(std::llround(s * 1e6)) / 1e3; };
   Json all = Json::object();
   for (const vision::ModuleStatistics& m : pipeline.statistics()) {
+    if (m.delivered + m.failed + m.dropped == 0) continue;
     Json& json = all[m.name];
     json = {{"frames", m.delivered}, {"failed", m.failed}, {"dropped", m.dropped}};
     if (m.delivered + m.failed == 0) continue;  // no times

@@ -21,8 +21,8 @@ nlohmann::ordered_json ball_json(const vision::BallObservation& ball);
 nlohmann::ordered_json depth_json(const vision::DepthImage& depth);
 nlohmann::ordered_json flow_json(const vision::FlowImage& flow);
 
-// Of a pipeline's modules: what they found, how long it took, how old it was. Times are of the wall
-// clock where they are "computing", of the robot where they are "age".
+// Of a pipeline's modules that got frames: how many, how long it took, how old it was. Times are of the wall
+// clock where they are "computing", of the robot where they are "age". Empty if there was no frame.
 nlohmann::ordered_json module_statistics_json(const vision::Pipeline& pipeline);
 // The same for people: a line, or nothing where no frame was looked at.
 std::string module_statistics_text(const vision::Pipeline& pipeline);

@@ -1,0 +1,76 @@
+// Options of `kaz evaluate` that would draw nothing.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/evaluate/given_options.h"
+
+#include <algorithm>
+
+namespace kaz::tools {
+namespace {
+
+constexpr const char* kOfNavigate[] = {"--worlds", "--density", "--obstacles", "--goal-distance"};
+
+using Kinds = std::vector<WorldKind>;
+
+bool any(const Kinds& kinds, bool (*is)(WorldKind)) {
+  return std::ranges::any_of(kinds, is);
+}
+
+std::string names(bool (*is)(WorldKind)) {
+  std::string text;
+  for (const WorldKindInfo& info : world_kinds())
+    if (is(info.kind)) text += (text.empty() ? "" : ", ") + std::string(info.name);
+  return text;
+}
+
+bool is_lit(WorldKind kind) {
+  return kind != WorldKind::dark;
+}
+
+// Where a ball that is the goal lies as far away as --ball-distance has it.
+bool has_ball_at_distance(WorldKind kind) {
+  return kind == WorldKind::clutter || kind == WorldKind::two_balls;
+}
+
+// Why an option of an evaluation of navigate has no effect; empty if it has.
+std::string why_unused(const std::string& option, const CampaignOptions& options) {
+  const Kinds& kinds = options.variation.worlds;
+  const auto goal = options.settings.find("goal");
+  const bool drawn = goal == options.settings.end();
+  const bool two_balls = std::ranges::count(kinds, WorldKind::two_balls) > 0;
+  const bool ball = drawn ? two_balls : goal->second == "ball";
+  // In these the goal is the ball, or a place at its own distance.
+  const bool all_at_ball = std::ranges::all_of(kinds, has_ball_at_distance) &&
+                           (!drawn || std::ranges::count(kinds, WorldKind::clutter) == 0);
+  if (option == "--obstacles" && !any(kinds, has_clutter))
+    return "is of worlds with clutter: add one of " + names(has_clutter) + " to --worlds";
+  if (option == "--goal-distance" && !drawn && !ball)
+    return "draws a goal, and --set goal=" + goal->second + " sets it";
+  if (option == "--goal-distance" && ball && all_at_ball)
+    return "draws a goal, which is the ball here: its distance is --ball-distance";
+  if (option == "--ball-distance" && !(ball && any(kinds, has_ball_at_distance)))
+    return "is of a ball that is the goal: give --set goal=ball with worlds of " +
+           names(has_ball_at_distance);
+  if ((option == "--radii" || option == "--colors") && !ball)
+    return "is of a ball, and none is in these worlds: give --set goal=ball, or --worlds two-balls";
+  if ((option == "--lamp" || option == "--shade") && !any(kinds, is_lit))
+    return "has no effect in worlds of dark, which have a light of their own";
+  return "";
+}
+
+}  // namespace
+
+Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given) {
+  for (const std::string& option : given) {
+    if (options.behavior == "navigate") {
+      if (const std::string why = why_unused(option, options); !why.empty())
+        return fail(Fault::usage, option + " " + why + "; or leave it out");
+    } else if (std::ranges::count(kOfNavigate, option) > 0) {
+      return fail(Fault::usage, option +
+                                    " is of navigate alone, which walks around things: leave it "
+                                    "out, or evaluate navigate");
+    }
+  }
+  return {};
+}
+
+}  // namespace kaz::tools
