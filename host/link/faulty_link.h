@@ -35,6 +35,7 @@ class FaultyLink final : public Link {
 
   // A fault that begins now, or at its time from the making of the link.
   void add(const faults::Fault& fault) { schedule_.add(fault); }
+  const faults::Schedule& schedule() const { return schedule_; }
   Time age() const { return clock_.now() - start_; }
 
  private:

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/faults/faults.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "shared/base/counted.hpp"
 #include "shared/base/random.hpp"
 #include "shared/board/board.h"
 
@@ -51,6 +54,23 @@ std::optional<std::string_view> Schedule::only_simulated() const {
     if (kind_of(fault.name).where == Where::simulation) return kind_of(fault.name).name;
   }
   return std::nullopt;
+}
+
+std::vector<Fault> Schedule::not_begun(Time end) const {
+  std::vector<Fault> later;
+  std::ranges::copy_if(faults_, std::back_inserter(later),
+                       [end](const Fault& fault) { return fault.at >= end; });
+  return later;
+}
+
+std::string not_begun_text(std::span<const Fault> faults) {
+  if (faults.empty()) return "";
+  constexpr std::size_t kMaxNamed = 6;
+  std::string text = counted(faults.size(), "fault") + " never began, as the run ended before " +
+                     (faults.size() == 1 ? "it: " : "them: ");
+  for (std::size_t i = 0; i < std::min(faults.size(), kMaxNamed); ++i)
+    text += (i > 0 ? ", " : "") + text_of(faults[i]);
+  return text + (faults.size() > kMaxNamed ? ", ..." : "");
 }
 
 std::string Schedule::text() const {

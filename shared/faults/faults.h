@@ -83,6 +83,8 @@ class Schedule {
   std::span<const Fault> faults() const { return faults_; }
   bool empty() const { return faults_.empty(); }
   std::string text() const;
+  // Those that begin at `end` or later.
+  std::vector<Fault> not_begun(Time end) const;
   // The name of the first fault that only the simulator can do; nothing if there is none.
   std::optional<std::string_view> only_simulated() const;
 
@@ -102,6 +104,8 @@ struct RandomOptions {
   Time longest = std::chrono::milliseconds(500);
   bool line = true, joints = true, power = true;
 };
+// "1 fault never began, as the run ended before it: at 100 s power_reset"; "" of none.
+std::string not_begun_text(std::span<const Fault> faults);
 // The same seed and options give the same schedule.
 Schedule random_schedule(std::uint64_t seed, const RandomOptions& options);
 

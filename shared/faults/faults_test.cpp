@@ -141,6 +141,17 @@ Passed thousand(const std::string& line) {
   return passed;
 }
 
+TEST(Schedule, NamesTheFaultsThatNeverBegan) {
+  const Schedule schedule({fault_of("at 1 s power_reset"), fault_of("at 5 s for 1 s link_cut"),
+                           fault_of("at 4.999 s power_reset")});
+  EXPECT_TRUE(schedule.not_begun(milliseconds(5001)).empty());
+  EXPECT_EQ(not_begun_text({}), "");
+  EXPECT_EQ(not_begun_text(schedule.not_begun(milliseconds(5000))),
+            "1 fault never began, as the run ended before it: at 5 s for 1 s link_cut");
+  EXPECT_EQ(not_begun_text(schedule.not_begun(Time::zero())).substr(0, 46),
+            "3 faults never began, as the run ended before ");
+}
+
 TEST(LinkFaults, HappenWithTheirChance) {
   EXPECT_EQ(thousand("link_cut").bytes, 0);
   EXPECT_NEAR(thousand("link_drop 0.2").bytes, 800, 50);

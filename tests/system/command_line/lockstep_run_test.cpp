@@ -78,7 +78,7 @@ TEST(Demo, SameSeedSameRecordingOtherSeedAnother) {
 // The robot's failure, like a ball that is not found: with a whole result, and a recording that replays.
 TEST(MotorsOff, AreAFailureOfTheRobot) {
   const TemporaryFolder folder;
-  write_file(folder / "pot", "at 0.5 s for 0.2 s pot_open joint neck_pan\n");
+  write_file(folder / "pot", "at 0.5 s for 0.2 s pot_open joint neck_pan\nat 900 s power_reset\n");
   const struct {
     std::string name, words;
     std::vector<std::string> arguments;
@@ -97,6 +97,13 @@ TEST(MotorsOff, AreAFailureOfTheRobot) {
     ASSERT_TRUE(result.is_object()) << name << end.err;
     EXPECT_EQ(result["outcome"], "failed");
     EXPECT_EQ(result["cause"], "error");
+    // A schedule whose faults lie beyond the run has tried nothing.
+    EXPECT_EQ(result.contains("faults_not_begun"), name == "pot") << result;
+    EXPECT_EQ(
+        end.err.find("1 fault never began, as the run ended before it: at 900 s power_reset") !=
+            std::string::npos,
+        name == "pot")
+        << end.err;
     EXPECT_NE(result["sentence"].get<std::string>().find(words), std::string::npos) << result;
     EXPECT_EQ(result["recording_sha256"].get<std::string>().size(), 64u);
     EXPECT_EQ(parse_json(end.out)["outcome"], "failed") << end.out;

@@ -116,7 +116,7 @@ TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
 
 TEST(TwoProcesses, ABrokenPotentiometerIsAFailureOfTheRobot) {
   const TemporaryFolder folder;
-  write_file(folder / "pot", "at 0 s pot_open joint neck_pan\n");
+  write_file(folder / "pot", "at 0 s pot_open joint neck_pan\nat 900 s power_reset\n");
   Process sim(kaz({"sim", "--world", "empty", "--mcu", "native", "--serial", folder / "board",
                    "--faults", folder / "pot"}));
   ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
@@ -128,6 +128,11 @@ TEST(TwoProcesses, ABrokenPotentiometerIsAFailureOfTheRobot) {
   EXPECT_EQ(result["outcome"], "failed");
   EXPECT_NE(result["sentence"].get<std::string>().find("potentiometer"), std::string::npos);
   EXPECT_TRUE(result.contains("link")) << "a whole result";
+  sim.signal(SIGINT);
+  const Finished ended = sim.wait(seconds(10));
+  EXPECT_NE(ended.out.find("1 fault never began, as the run ended before it: at 900 s power_reset"),
+            std::string::npos)
+      << ended.out;
 }
 
 // There is no ball, so each run fails. Of one whose simulator lagged that proves nothing.

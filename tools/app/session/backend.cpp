@@ -36,6 +36,9 @@ class LockstepBackend final : public SessionBackend {
   vision::Pace pace() const override { return vision::Pace::lockstep; }
   Time camera_latency() const override { return from_seconds(simulation_->camera().latency_s); }
   sim::Simulation* simulation() override { return simulation_.get(); }
+  std::vector<faults::Fault> faults_not_begun() const override {
+    return simulation_->faults().not_begun(simulation_->time());
+  }
   void record_behavior(const std::string& json) override { simulation_->record_behavior(json); }
   void record_map(const sim::RecordedMap& map) override { simulation_->record_map(map); }
 
@@ -60,7 +63,7 @@ class RealBackend final : public SessionBackend {
   }
   ~RealBackend() override {
     if (const std::string summary = camera_.summary(); !summary.empty())
-      std::fprintf(stderr, "kaz: cameras: %s\n", summary.c_str());
+      std::fprintf(stderr, "%s: cameras: %s\n", named_verb().c_str(), summary.c_str());
   }
   host::Link& link() override { return faulty_ ? static_cast<host::Link&>(*faulty_) : *link_; }
   const host::TtyLink* port() const override { return link_.get(); }
@@ -80,6 +83,9 @@ class RealBackend final : public SessionBackend {
   vision::Pace pace() const override { return vision::Pace::realtime; }
   Time camera_latency() const override { return camera_.latency; }
   sim::Simulation* simulation() override { return nullptr; }
+  std::vector<faults::Fault> faults_not_begun() const override {
+    return faulty_ ? faulty_->schedule().not_begun(faulty_->age()) : std::vector<faults::Fault>();
+  }
 
  private:
   std::unique_ptr<host::TtyLink> link_;

@@ -5,11 +5,13 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/link/interrupt.h"
 #include "host/link/link.h"
 #include "host/link/tty_link.h"
 #include "shared/base/result.hpp"
+#include "shared/faults/faults.h"
 #include "sim/runtime/simulation/simulation.h"
 #include "tools/app/session/backend_options.h"
 #include "vision/image/frame.h"
@@ -44,6 +46,8 @@ class SessionBackend {
   // For recording, pictures and scoring; null where the robot is not simulated in this process.
   // Behaviours never see it.
   virtual sim::Simulation* simulation() = 0;
+  // Faults of BackendOptions::faults that begin later than now.
+  virtual std::vector<faults::Fault> faults_not_begun() const { return {}; }
   // The state of the behaviour, as one JSON object, for a recording where there is one.
   virtual void record_behavior(const std::string& /*json*/) {}
   virtual void record_map(const sim::RecordedMap& /*map*/) {}

@@ -266,7 +266,9 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   result["board"] = board_json(report);
   result["link"] = link_json(report.link);
   if (report.lateness) result["lateness"] = lateness_json(*report.lateness);
-  result["vision"] = report.vision;
+  for (const faults::Fault& fault : report.not_begun)
+    result["faults_not_begun"].push_back(faults::text_of(fault));
+  if (!report.vision.empty()) result["vision"] = report.vision;
   if (report.profile) result["profile"] = profile_json(*report.profile);
   if (folder != nullptr) {
     if (recorded) {

@@ -43,6 +43,7 @@ struct RunReport {
   // The robot has not succeeded, and the machine was too late to blame it; outcome.sentence says so.
   bool machine_failed = false;
   const std::optional<figure::Image>* map = nullptr;  // the behaviour's, if it has one
+  std::vector<faults::Fault> not_begun = {};          // SessionBackend::faults_not_begun()
 };
 
 // What a run writes into its folder, and the file as which its recording grows there.

@@ -117,8 +117,8 @@ TEST_F(Report, HasTheScore) {
 
 TEST_F(Report, HasNothingThatWasNotMeasured) {
   const ordered_json json = result();
-  for (const char* name :
-       {"tracking_within_3deg", "tracking_rms_deg", "tracking_measured_by", "lateness"})
+  for (const char* name : {"tracking_within_3deg", "tracking_rms_deg", "tracking_measured_by",
+                           "lateness", "vision", "faults_not_begun"})
     EXPECT_FALSE(json.contains(name)) << name;
   EXPECT_FALSE(json["board"].contains("worst_tick_share")) << "it counts no states";
   EXPECT_FALSE(json["link"].contains("round_trip_s")) << "nothing has answered";

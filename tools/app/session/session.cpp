@@ -290,6 +290,7 @@ class Session {
   bool machine_failed_ = false;
   Steady::time_point wall_start_;
   double run_s_ = 0, wall_s_ = 0;
+  std::vector<faults::Fault> not_begun_;
   std::optional<RunProfile> profile_;
   Result<kz_statistics_reply> health_;
   Result<void> left_;           // the board, as it was found or not
@@ -443,6 +444,7 @@ void Session::perform() {
 void Session::take_times() {
   wall_s_ = std::chrono::duration<double>(Steady::now() - wall_start_).count();
   run_s_ = seconds(backend_->clock().now() - start_);
+  not_begun_ = backend_->faults_not_begun();
 }
 
 // An exception is an error as others: motors go off, files are finished.
@@ -612,7 +614,10 @@ void Session::write_end(const char* outcome, const char* cause, const std::strin
       broken_off_json(outcome, sentence, options_.behavior, options_.backend);
   if (*cause != '\0') result["cause"] = cause;
   if (wall_s_ > 0) add_times(result, run_s_, run_s_ / wall_s_);
-  if (pipeline_) result["vision"] = module_statistics_json(*pipeline_);
+  if (pipeline_) {
+    if (auto vision = module_statistics_json(*pipeline_); !vision.empty())
+      result["vision"] = std::move(vision);
+  }
   (void)folder()->write_json("result.json", result);
   if (deliveries_) (void)folder()->write("vision.csv", deliveries_->text());
 }
@@ -649,12 +654,16 @@ Result<bool> Session::report() {
                          backend_->camera_warning(),
                          lateness_,
                          machine_failed_,
-                         &listener_->map()};
+                         &listener_->map(),
+                         not_begun_};
   const auto written =
       write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
   if (!written) return tl::unexpected(lost(written.error()));
   if (!interrupted()) KAZ_TRY(show_moments());
   if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
+  if (!not_begun_.empty())
+    std::fprintf(stderr, "%s: %s\n", options_.label.c_str(),
+                 faults::not_begun_text(not_begun_).c_str());
   if (machine_failed_) {
     Error error{Fault::environment, outcome_->sentence};
     if (options_.on_loss) options_.on_loss(error);

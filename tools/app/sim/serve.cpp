@@ -151,6 +151,8 @@ Result<bool> serve(ServeOptions arguments) {
               statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
               1e3 * statistics->worst_late_s,
               static_cast<unsigned long long>(statistics->pairs_dropped));
+  if (const auto later = simulation->faults().not_begun(simulation->time()); !later.empty())
+    std::printf("%s\n", faults::not_begun_text(later).c_str());
   if (const auto warning = simulation->world().diagnostics().summary(); !warning.empty())
     std::printf("warning: %s\n", warning.c_str());
   if (!recorded->empty())
