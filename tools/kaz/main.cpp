@@ -96,6 +96,7 @@ int parse_and_run(int argc, char** argv) {
   try {
     program.parse(reversed_words(argc, argv));
   } catch (const CLI::Success& success) {  // --help, --version
+    kaz::tools::name_verb(kaz::tools::full_name(kaz::tools::chosen_verb(program)));
     const std::string unknown = kaz::tools::unknown_verb(program);
     return unknown.empty() ? program.exit(success) : refuse(unknown);
   } catch (const CLI::ParseError& wrong) {
@@ -128,7 +129,8 @@ int printed_status(int status) {
   const bool gone = poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0;
   constexpr int kFailed = static_cast<int>(kaz::Fault::failed);
   if (gone || status > kFailed) return status;
-  return report("kaz", kaz::write_failure("standard output", "write", error).value());
+  return report(kaz::tools::named_verb(),
+                kaz::write_failure("standard output", "write", error).value());
 }
 
 }  // namespace
@@ -140,7 +142,8 @@ int main(int argc, char** argv) {
   try {
     return printed_status(parse_and_run(argc, argv));
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "kaz: %s\n", kaz::one_line(error.what()).c_str());
+    std::fprintf(stderr, "%s: %s\n", kaz::tools::named_verb().c_str(),
+                 kaz::one_line(error.what()).c_str());
     return static_cast<int>(kaz::Fault::environment);
   }
 }

@@ -93,6 +93,7 @@ struct Row {
   std::optional<int> status = std::nullopt;  // 128 + signal if none
   std::string result = {};    // a JSON file in DIR that says "interrupted"; "-": standard output
   bool has_children = false;  // whose processor time counts as its own
+  std::string error = {};     // its standard error, where the test is of the sentence
 };
 
 void PrintTo(const Row& row, std::ostream* out) {
@@ -187,6 +188,15 @@ const std::vector<Row>& table() {
        "kaz fuzz",
        SIGTERM},
       {"status", {"status", "--port", "PORT"}, "", SIGTERM},
+      {"recover",
+       {"recover", "--port", "PORT"},
+       "",
+       SIGTERM,
+       {},
+       {},
+       false,
+       "kaz recover: interrupted while it searched for the board on PORT, of which nothing was "
+       "changed; give the same command again\n"},
       {"monitor", {"monitor", "--port", "PORT"}, "", SIGINT, 0},
       {"vision",
        {"vision", "run", "--in", "DIR/pictures", "--view", "60", "--out", "DIR/seen"},
@@ -307,6 +317,11 @@ TEST_P(Interrupted, EndsWithinASecondAndKeepsWhatThereIs) {
         << end.err;
   }
   EXPECT_TRUE(end.err.empty() || end.err.back() == '\n') << end.err;
+  if (!row.error.empty()) {
+    EXPECT_EQ(end.err, filled(row.error, folder, port.path()));
+  }
+  for (const auto& file : fs::recursive_directory_iterator(folder.path()))
+    EXPECT_NE(file.path().extension(), ".part") << file.path();
   if (!row.result.empty()) {
     const std::string text = row.result == "-" ? end.out : read_file(folder / row.result);
     const json result = parse_json(text);

@@ -236,11 +236,16 @@ TEST(OutputPlaces, StandardOutputIsWrittenOrItsLossIsAnError) {
   const TemporaryFolder folder;
   const std::string program = kaz({})[0], junit = folder / "junit.xml";
   const auto shell = [](const std::string& command) { return run({"/bin/bash", "-c", command}); };
-  for (const char* verb : {" --version", " conformance --list",
-                           " conformance --virtual native --filter ^frame --json"}) {
-    const Finished full = shell(program + verb + " > /dev/full");
-    EXPECT_EQ(full.exit_code, 3) << verb;
-    EXPECT_NE(full.err.find("disk full while writing standard output"), std::string::npos)
+  for (const auto& [words, verb] :
+       {std::pair(" --version", "kaz"),
+        {" mcu run --help", "kaz mcu run"},
+        {" conformance --list", "kaz conformance"},
+        {" conformance --virtual native --filter ^frame --json", "kaz conformance"}}) {
+    const Finished full = shell(program + words + " > /dev/full");
+    EXPECT_EQ(full.exit_code, 3) << words;
+    EXPECT_NE(("\n" + full.err)
+                  .find("\n" + std::string(verb) + ": disk full while writing standard output"),
+              std::string::npos)
         << full.err;
   }
   const Finished enough =

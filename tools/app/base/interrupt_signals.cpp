@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/interrupt_signals.h"
 
+#include <limits.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -24,9 +26,16 @@ std::atomic<std::int64_t> g_first_ns{0};  // when; 0: none came
 char g_verb[64] = "kaz";
 char g_left_behind[1024] = "";
 std::atomic<bool> g_leaves_something{false};
+struct AtLast {
+  char path[PATH_MAX];
+  bool grows;
+  std::atomic<bool> used;
+};
+std::array<AtLast, 16> g_files_at_last{};
 using Last = void (*)() noexcept;
 std::atomic<Last> g_last{nullptr};
 static_assert(std::atomic<Last>::is_always_lock_free);
+static_assert(std::atomic<bool>::is_always_lock_free);
 static_assert(std::atomic<int>::is_always_lock_free);
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 static_assert(std::atomic<host::Interrupt*>::is_always_lock_free);
@@ -41,8 +50,17 @@ void print(std::string_view text) {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
+void remove_files_at_last() {
+  for (const AtLast& file : g_files_at_last) {
+    struct stat about {};
+    if (!file.used || (file.grows && ::stat(file.path, &about) == 0 && about.st_size > 0)) continue;
+    ::unlink(file.path);
+  }
+}
+
 void end_at_once(int number) {
   if (const Last last = g_last) last();
+  remove_files_at_last();
   print("\n");
   print(g_verb);
   print(": interrupted, ended at once");
@@ -89,6 +107,10 @@ void name_verb(const std::string& verb) {
   std::snprintf(g_verb, sizeof g_verb, "%s", verb.c_str());
 }
 
+std::string named_verb() {
+  return g_verb;
+}
+
 void leaves_behind(const std::string& sentence) {
   g_leaves_something = false;
   std::snprintf(g_left_behind, sizeof g_left_behind, "%s", sentence.c_str());
@@ -97,6 +119,26 @@ void leaves_behind(const std::string& sentence) {
 
 void does_at_last(Last last) {
   g_last = last;
+}
+
+int remove_file_at_last(const std::string& path) {
+  for (std::size_t i = 0; i < g_files_at_last.size(); ++i) {
+    AtLast& file = g_files_at_last[i];
+    if (file.used || path.size() >= sizeof file.path) continue;
+    std::snprintf(file.path, sizeof file.path, "%s", path.c_str());
+    file.grows = false;
+    file.used = true;
+    return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void keep_what_grows(int number) {
+  if (number >= 0) g_files_at_last[static_cast<std::size_t>(number)].grows = true;
+}
+
+void forget_file(int number) {
+  if (number >= 0) g_files_at_last[static_cast<std::size_t>(number)].used = false;
 }
 
 int received_signal() noexcept {
@@ -140,6 +182,7 @@ InterruptSignals::~InterruptSignals() {
 void InterruptSignals::forget_earlier() {
   g_interrupt = nullptr;
   g_last = nullptr;
+  for (AtLast& file : g_files_at_last) file.used = false;
   g_received = 0;
   g_first_ns = 0;
 }

@@ -27,10 +27,18 @@ void catch_signals();
 // What a program that ends at once prints: its verb ("kaz eyes"), and what is not as it was and how to mend
 // it; "" if nothing is. One thread.
 void name_verb(const std::string& verb);
+std::string named_verb();  // "kaz" before name_verb()
 void leaves_behind(const std::string& sentence);
 // What a program that ends at once does before; null: nothing. Runs in a signal handler, so only functions
 // that are async-signal-safe. One thread.
 void does_at_last(void (*last)() noexcept);
+
+// A program that ends at once removes the file before: it has no result yet. Returns a number for the other
+// two, which take -1 too: there are more such files than are kept count of. One thread.
+int remove_file_at_last(const std::string& path);
+// Only while it is empty: what has grown in it is of use.
+void keep_what_grows(int number);
+void forget_file(int number);
 
 // The signal that came, 0 if none: SIGINT and "SIGINT".
 int received_signal() noexcept;

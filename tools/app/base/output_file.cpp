@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "shared/base/files.hpp"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output_list.h"
 
 namespace kaz::tools {
@@ -86,13 +87,19 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
   std::swap(target_, other.target_);
   std::swap(part_, other.part_);
   std::swap(fd_, other.fd_);
+  std::swap(at_last_, other.at_last_);
   return *this;
 }
 
 OutputFile::~OutputFile() {
   if (fd_ < 0) return;
   if (!target_.empty()) ::unlink(part_.c_str());
-  ::close(fd_);
+  release();
+}
+
+const std::string& OutputFile::part() const {
+  keep_what_grows(at_last_);
+  return part_;
 }
 
 // Held open from now on: the reader of a pipe would see its end otherwise.
@@ -179,6 +186,7 @@ Result<OutputFile> OutputFile::open(const std::string& path, const std::string& 
     if (attempt == 100)
       return refused(option, path, "others remove " + file.part_ + " all the time");
   }
+  file.at_last_ = remove_file_at_last(file.part_);
   // That so many bytes fit shows that the disk is not full.
   KAZ_TRY(write_all(file.fd_, path, std::string(4096, '\n')));
   if (::ftruncate(file.fd_, 0) != 0) return write_failure(path, "write", errno);
@@ -229,6 +237,7 @@ Error OutputFile::failure() {
 }
 
 void OutputFile::release() {
+  forget_file(std::exchange(at_last_, -1));
   if (fd_ >= 0) ::close(std::exchange(fd_, -1));
 }
 

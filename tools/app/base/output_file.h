@@ -37,12 +37,12 @@ class OutputFile {
                                  const FileKind& kind);
   OutputFile(OutputFile&& other) noexcept { *this = std::move(other); }
   OutputFile& operator=(OutputFile&& other) noexcept;
-  // Without commit() nothing is left.
+  // Without commit() nothing is left; nor if a signal ends the program at once (interrupt_signals.h).
   ~OutputFile();
 
   const std::string& path() const { return path_; }
-  // Where to write until commit().
-  const std::string& part() const { return part_; }
+  // Where to write until commit(). What is there stays if a second Ctrl-C ends the program.
+  const std::string& part() const;
   // Whether so many bytes have room, of a file that takes long to obtain. Error: as of write() on a full
   // disk. Devices, pipes and file systems that cannot say so have room.
   Result<void> check_room(std::uint64_t bytes);
@@ -62,6 +62,7 @@ class OutputFile {
 
   std::string path_, target_, part_;  // target_: what path_ points to; empty for a device or pipe
   int fd_ = -1;
+  int at_last_ = -1;  // remove_file_at_last()
 };
 
 }  // namespace kaz::tools

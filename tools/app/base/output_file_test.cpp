@@ -4,16 +4,19 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
 
 #include "shared/base/files.hpp"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/other_process_testing.h"
 
 namespace kaz::tools {
@@ -55,6 +58,29 @@ TEST_F(File, StandsAtItsPlaceOnlyWhenItIsWhole) {
   ASSERT_TRUE(file->commit());
   EXPECT_EQ(read("r.json"), "new");
   EXPECT_EQ(files(), 1u);
+}
+
+// One Ctrl-C where nothing waits for it, a second one elsewhere: what has grown is of use, an empty file not.
+TEST_F(File, LeavesNoEmptyFileWhereASignalEndsTheProgramAtOnce) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    InterruptSignals::forget_earlier();
+    catch_signals();
+    const auto waits = open("waits.json"), empty = open("empty.json"), grows = open("grows.json");
+    auto done = open("done.json");
+    if (!waits || !empty || !grows || !done || !done->write("all")) ::_exit(1);
+    (void)empty->part();
+    std::ofstream(grows->part()) << "a first part" << std::flush;
+    ::raise(SIGINT);
+    ::_exit(2);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(read("done.json"), "all");
+  EXPECT_EQ(read("grows.json.part"), "a first part");
+  EXPECT_EQ(files(), 2u);
 }
 
 TEST_F(File, LeavesNothingWithoutCommit) {

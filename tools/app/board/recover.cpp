@@ -150,7 +150,13 @@ Result<bool> recover(const RecoverOptions& options) {
   const InterruptSignals signals(interrupt);
   auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   host::WallClock clock(&interrupt);
-  const auto result = KAZ_TRY(recover_board(*link, clock, options, kept));
+  const auto recovered = recover_board(*link, clock, options, kept);
+  // Also a failure because of the signal.
+  if (!recovered && interrupt.requested() && recovered.error().fault != Fault::usage)
+    return fail(Fault::interrupted,
+                "interrupted while it searched for the board on " + port.first +
+                    ", of which nothing was changed; give the same command again");
+  const auto result = KAZ_TRY(recovered);
   const bool ok = result.left.empty() && shutdown(result.status).empty();
   const bool cut_short = interrupt.requested() && !result.left.empty();
   if (options.json) {
@@ -162,8 +168,8 @@ Result<bool> recover(const RecoverOptions& options) {
     print(result, port.first);
   }
   if (cut_short)
-    return fail(Fault::interrupted,
-                "interrupted before the board was as it should be; give the same command again");
+    return fail(Fault::interrupted, "interrupted before the board on " + port.first +
+                                        " was as it should be; give the same command again");
   if (result.left.empty()) remove_notes(options.from);
   for (const std::string& sentence : earlier_notes(port.first))
     std::fprintf(stderr, "kaz recover: %s\n", sentence.c_str());
