@@ -282,14 +282,12 @@ class Return {
       put(of_joints("stored calibration", mask));
     }
     result_.notes.clear();
-    if (state_.stored_copy == 0 && now.sequence != 0)
+    if (state_.stored_copy == 0 && now.sequence != 0) {
+      const auto identity = KAZ_TRY(board.identify());
       result_.notes.push_back(
-          "no calibration was stored before, and now the same nominal values are; `kaz flash erase "
-          "--blocks 1,2 --port " +
-          link_.name() +
-          (state_.address == KZ_ADDRESS_DEFAULT ? ""
-                                                : " --address " + std::to_string(state_.address)) +
-          "` erases them");
+          "no calibration was stored before, and now the same nominal values are" +
+          how_calibration_goes(identity, link_.name(), state_.address));
+    }
     return {};
   }
 
@@ -368,6 +366,16 @@ class Return {
 };
 
 }  // namespace
+
+std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
+                                 std::uint8_t address) {
+  if (identity.image_crc == 0)
+    return ": kaz sim --mcu native, which has no loader to erase them, forgets them when it ends, "
+           "unless its --memory keeps them";
+  return "; `kaz flash erase --blocks 1,2 --port " + port +
+         (address == KZ_ADDRESS_DEFAULT ? "" : " --address " + std::to_string(address)) +
+         "` erases them";
+}
 
 Result<BoardState> read_board(Link& link, Clock& clock, std::uint8_t address) {
   Conversation board(link, clock, address);

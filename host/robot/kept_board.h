@@ -45,6 +45,11 @@ Result<BoardState> read_board(Link& link, Clock& clock, std::uint8_t address);
 // use is the one in flash.
 Result<void> read_flash(Link& link, Clock& clock, BoardState& state);
 
+// Ends a sentence on a calibration that is stored and was not before: the command that erases it; or, where
+// the firmware has no image, which is that of a simulator with --mcu native, how long it stays.
+std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
+                                 std::uint8_t address);
+
 struct PutBackOptions {
   Time patience = std::chrono::seconds(8);  // a loader takes 3 s, a write to flash up to 3 s
   bool flash =

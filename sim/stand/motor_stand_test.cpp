@@ -201,7 +201,11 @@ TEST(StandCommands, DoWhatTheySay) {
     return answer.value_or(nlohmann::ordered_json());
   };
   EXPECT_EQ(query("disc")["disc_kgm2"], 4e-4);
-  EXPECT_EQ(query("help")["commands"].size(), 9u);
+  const auto help = query("help")["commands"];
+  EXPECT_EQ(help.size(), 9u);
+  EXPECT_EQ(help["supply V"], "the supply's knob: volts without load, 0 to 15 V");
+  EXPECT_EQ(help["press JOINT NM"], "a weight on the shaft, -1 to 1 Nm; 0 lifts it off");
+  EXPECT_EQ(help["turn JOINT RAD"], "a hand turns the shaft there, -4 to 4 rad, and keeps it");
   query("supply 6.5");
   EXPECT_NEAR(simulation.board().supply_volts(), 6.5, 1e-9);
   query("turn l_elbow -0.5");

@@ -53,14 +53,23 @@ Words words_of(const std::string& line) {
   return words;
 }
 
+// "-1 to 1 Nm"
+std::string within(double low, double high, const char* unit) {
+  std::ostringstream text;
+  text << low << " to " << high << " " << unit;
+  return text.str();
+}
+
 const Json kHelp = {
     {"disc", "what is on the shafts"},
     {"free", "lever, weight and hand off every shaft, and the supply as at the beginning"},
-    {"supply V", "the supply's knob: volts without load"},
+    {"supply V", "the supply's knob: volts without load, " + within(0, kMaxVolts, "V")},
     {"clamp JOINT on|off", "the lever on the shaft against the scale, which is set to zero"},
     {"scale JOINT", "what the motor has pressed with"},
-    {"press JOINT NM", "a weight on the shaft; 0 lifts it off"},
-    {"turn JOINT RAD", "a hand turns the shaft there and keeps it"},
+    {"press JOINT NM",
+     "a weight on the shaft, " + within(-kMaxPress, kMaxPress, "Nm") + "; 0 lifts it off"},
+    {"turn JOINT RAD",
+     "a hand turns the shaft there, " + within(-kMaxTurn, kMaxTurn, "rad") + ", and keeps it"},
     {"let JOINT", "the hand lets go"},
     {"protractor JOINT", "where the shaft stands"}};
 

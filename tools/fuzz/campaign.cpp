@@ -181,6 +181,7 @@ class Fuzzing {
       progress.update(std::min(share, 1.0), counted(totals_.cases, "case") + ", " +
                                                 counted(search.features(), "feature"));
     }
+    progress.update(1, "done");
     progress.done();
     if (totals_.cases == 0)
       return interrupt_.requested()

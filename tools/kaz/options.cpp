@@ -37,13 +37,13 @@ CLI::Validator positive() {
       "POSITIVE");
 }
 
-CLI::Validator between(double min, double max) {
+CLI::Validator between(double min, double max, const std::string& unit) {
   return CLI::Validator(
       [min, max](std::string& text) {
         const auto given = parse_number<double>(text);
         return given && *given >= min && *given <= max ? std::string() : "give a number in range";
       },
-      range_notation(min, max));
+      range_notation(min, max) + (unit.empty() ? "" : " " + unit));
 }
 
 CLI::Validator whole_number() {
@@ -58,16 +58,17 @@ CLI::Validator whole_number() {
       "INT in [0 - " + max + "]");
 }
 
-CLI::Validator whole_number_above_zero() {
+CLI::Validator whole_number_above_zero(std::int64_t max) {
   return CLI::Validator(
-      [](std::string& text) {
+      [max](std::string& text) {
         const auto number = whole_number_of(text);
-        if (!number || *number == "0")
-          return "give a whole number above 0 of at most " + std::to_string(kMaxDigits) + " digits";
+        const auto value = number ? parse_number<std::int64_t>(*number) : std::nullopt;
+        if (!value || *value < 1 || *value > max)
+          return "give a whole number from 1 to " + std::to_string(max);
         text = *number;
         return std::string();
       },
-      "");
+      range_notation(std::int64_t{1}, max));
 }
 
 void add_sim_options(CLI::App& verb, BackendOptions& options) {
@@ -147,10 +148,10 @@ void add_motor_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("FILE");
   verb.add_option("--motor", options.motor, "the motor of that file; without it the file's default")
       ->type_name("NAME");
-  verb.add_option("--disc", options.disc_kgm2,
-                  "inertia of the disc on the shaft, real or virtual, kg m²")
+  verb.add_option("--disc", options.disc_kgm2, "inertia of the disc on the shaft")
       ->check(between(1e-6, 2e-3))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("KGM2");
 }
 
 void add_port(CLI::App& verb, std::string& port) {

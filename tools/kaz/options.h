@@ -30,14 +30,16 @@ namespace kaz::tools {
 CLI::Validator number();
 // Above 0; the message of CLI11's own check would contain the largest double.
 CLI::Validator positive();
-// `min` to `max`, inclusive; whole numbers also in hexadecimal, 0x10.
-CLI::Validator between(double min, double max);
+// `min` to `max`, inclusive; whole numbers also in hexadecimal, 0x10. `unit` is for help and errors, where
+// the option's type has none (values.cpp).
+CLI::Validator between(double min, double max, const std::string& unit = "");
 template <std::integral T>
 CLI::Validator between(T min, T max);
 
 // Digits alone: CLI11 would take 1e3 as 1 and 99999999999999999999 as the largest number of the type.
 CLI::Validator whole_number();
-CLI::Validator whole_number_above_zero();
+// 1 to `max`.
+CLI::Validator whole_number_above_zero(std::int64_t max = 999'999'999'999'999'999);
 
 // Takes the names of `values`; CLI11's own transformer would print their numbers too.
 template <class T>

@@ -32,6 +32,22 @@ Result<void> check_duration(const behavior::Behavior& behavior, const std::strin
                                 std::string(option->initial));
 }
 
+bool has_goal(const behavior::Behavior& behavior) {
+  return std::ranges::count(behavior.options, std::string_view("goal"), &behavior::Option::name) >
+         0;
+}
+
+// Errors: this behaviour has no use for --goal.
+Result<void> check_goal(const behavior::Behavior& behavior) {
+  if (has_goal(behavior)) return {};
+  std::string names;
+  for (const auto& other : behavior::behaviors()) {
+    if (has_goal(other)) names += (names.empty() ? "" : ", ") + std::string(other.name);
+  }
+  return fail(Fault::usage, "--goal is of " + names + ": " + std::string(behavior.name) +
+                                " has no goal; leave the option out");
+}
+
 }  // namespace
 
 void add_run_options(CLI::App& verb, RunArguments& arguments) {
@@ -43,9 +59,9 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
                   "on unrecorded for 0.1 s and is restored; the recording must not show it")
       ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
-  verb.add_option(
-          "--modules", arguments.session.vision.modules,
-          "vision modules to run, with commas between: " + module_names() + "; color always runs")
+  verb.add_option("--modules", arguments.session.vision.modules,
+                  "vision modules to run in behaviours that look, with commas between: " +
+                      module_names() + "; color always runs")
       ->type_name("LIST")
       ->capture_default_str();
   verb.add_option("--color", arguments.color,
@@ -74,11 +90,14 @@ void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
 Result<bool> run_behavior(RunArguments arguments) {
   const auto settings = KAZ_TRY(parse_settings(arguments.settings));
   arguments.session.settings = settings;
-  if (!arguments.duration.empty()) {
+  if (!arguments.duration.empty() || !arguments.goal.empty()) {
     const auto behavior =
         KAZ_TRY(guarded_behavior(arguments.session.behavior, arguments.session.label));
-    KAZ_TRY(check_duration(behavior, arguments.duration, settings));
-    arguments.session.settings["seconds"] = arguments.duration;
+    if (!arguments.goal.empty()) KAZ_TRY(check_goal(behavior));
+    if (!arguments.duration.empty()) {
+      KAZ_TRY(check_duration(behavior, arguments.duration, settings));
+      arguments.session.settings["seconds"] = arguments.duration;
+    }
   }
   if (!arguments.goal.empty()) {
     const auto [set, added] = arguments.session.settings.try_emplace("goal", arguments.goal);

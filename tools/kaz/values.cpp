@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/kaz/values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +17,7 @@ struct Notation {
   std::string type;
   std::string choices;           // "h8,native"
   std::string number, min, max;  // "INT", "1", "14"
+  std::string unit;              // behind the range, if its check has one: "m"
 };
 
 Notation notation(const CLI::Option& option) {
@@ -31,7 +33,9 @@ Notation notation(const CLI::Option& option) {
   if (in != std::string::npos && colon != std::string::npos && dash != std::string::npos) {
     n.number = n.type.substr(colon + 1, in - colon - 1);
     n.min = n.type.substr(in + 5, dash - in - 5);
-    n.max = n.type.substr(dash + 3, n.type.find(']', dash) - dash - 3);
+    const auto end = n.type.find(']', dash);
+    n.max = n.type.substr(dash + 3, end - dash - 3);
+    n.unit = n.type.substr(std::min(end + 1, n.type.size()));
     n.type.resize(colon);
   }
   if (n.type.ends_with(":POSITIVE")) n.type.resize(n.type.size() - 9);
@@ -54,8 +58,9 @@ std::string plain(const std::string& text) {
 
 std::string unit(const std::string& type) {
   static constexpr std::pair<const char*, const char*> kUnits[] = {
-      {"V", "V"}, {"HZ", "Hz"}, {"M", "m"},       {"MS", "ms"},
-      {"S", "s"}, {"PX", "px"}, {"SECONDS", "s"}, {"DEGREES", "degrees"}};
+      {"V", "V"},     {"HZ", "Hz"},     {"M", "m"},       {"MS", "ms"},
+      {"S", "s"},     {"PX", "px"},     {"SECONDS", "s"}, {"DEGREES", "degrees"},
+      {"VOLTS", "V"}, {"KGM2", "kg m2"}};
   for (const auto& [name, text] : kUnits) {
     if (type == name) return std::string(" ") + text;
   }
@@ -90,7 +95,8 @@ std::vector<std::string> choices(const CLI::Option& option) {
 
 std::string range(const CLI::Option& option) {
   const Notation n = notation(option);
-  return n.min.empty() ? "" : bound(n, n.min) + " to " + bound(n, n.max) + unit(n.type);
+  if (n.min.empty()) return "";
+  return bound(n, n.min) + " to " + bound(n, n.max) + (n.unit.empty() ? unit(n.type) : n.unit);
 }
 
 std::string accepted(const CLI::Option& option) {

@@ -72,11 +72,9 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
   add_motor_options(verb, arguments.target.backend);
   for (const char* name : {"--motor-file", "--motor"})
     verb.get_option(name)->excludes(verb.get_option("--port"));
-  verb.get_option("--disc")
-      ->description(
-          "inertia of the disc on the shaft, kg m2: of the virtual stand, or of yours with --stand "
-          "manual")
-      ->type_name("KGM2");
+  verb.get_option("--disc")->description(
+      "inertia of the disc on the shaft: of the virtual stand, or of yours with --stand "
+      "manual");
 }
 
 using Chooser = void (*)(BenchOptions&);
@@ -89,12 +87,15 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   arguments->out += std::string("-") + name;
   add_common(*verb, *arguments);
   if (arguments->motor) add_motor_arguments(*verb, *arguments);
-  verb->add_flag(
+  auto* motion = verb->add_flag(
       "--allow-motion", arguments->allow_motion,
       arguments->motor
           ? "at a port without a stand: the joint may move at full speed through its range"
           : "switch the joints on and hold them where they are, for a realistic load; without it "
             "the board refuses the target frames, which are as long");
+  // Of motors alone it is a permission, which is asked for at such a port only.
+  if (arguments->motor && !arguments->link)
+    motion->needs(verb->get_option("--port"))->excludes(verb->get_option("--stand"));
   verb->footer(std::string(arguments->motor
                                ? "A motor takes three and a half minutes on a port, a few "
                                  "seconds on the emulated board.\n"
@@ -103,7 +104,17 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
                "error, or this "
                "machine was too late to judge.\nExamples:\n" +
                footer);
-  verb->callback([&action, arguments] { action = [arguments] { return run_bench(*arguments); }; });
+  verb->callback([&action, arguments, verb] {
+    action = [arguments, verb]() -> Result<Outcome> {
+      const BenchTargetOptions& target = arguments->target;
+      if (arguments->motor && verb->count("--disc") > 0 && !target.port.empty() &&
+          target.stand != "manual")
+        return fail(Fault::usage,
+                    "--disc is that of the virtual stand, or of yours with --stand manual: the "
+                    "stand of kaz sim has a --disc of its own; leave it out");
+      return run_bench(*arguments);
+    };
+  });
   return verb;
 }
 

@@ -36,7 +36,11 @@ void add_conformance(CLI::App& program, Action& action) {
       ->transform(whole_number())
       ->type_name("N")
       ->capture_default_str();
-  auto* list = verb->add_flag("--list", arguments->list, "print the cases and run none");
+  auto* list = verb->add_flag("--list", arguments->list,
+                              "print the cases and run none; with --filter those that it takes");
+  for (const char* of_a_run :
+       {"--port", "--virtual", "--image", "--allow-motion", "--allow-flash", "--seed"})
+    verb->get_option(of_a_run)->excludes(list);
   verb->add_option("--junit", arguments->junit, "write JUnit XML; -: to standard output")
       ->type_name("FILE")
       ->excludes(list);

@@ -1,5 +1,6 @@
 // `kaz figures`: the paper's figures, each of one run of the virtual robot.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,6 +16,22 @@ namespace {
 constexpr const char* kOfRuns[] = {"--world", "--goal",      "--yard",     "--mcu",
                                    "--image", "--sensors",   "--imu",      "--no-imu",
                                    "--eyes",  "--eye-width", "--renderer", "--seed"};
+
+// Errors: an option of figures that --only leaves out.
+Result<void> check_drawn(const CLI::App& verb, const std::vector<int>& only) {
+  const std::pair<const char*, std::vector<int>> kOf[] = {
+      {"--world", {5, 6}}, {"--goal", {5, 6}}, {"--yard", {7}}};
+  for (const auto& [option, figures] : kOf) {
+    const bool drawn = only.empty() || std::ranges::any_of(figures, [&only](int figure) {
+                         return std::ranges::count(only, figure) > 0;
+                       });
+    if (verb.count(option) > 0 && !drawn)
+      return fail(Fault::usage, std::string(option) + " is of figure" +
+                                    (figures.size() > 1 ? "s 5 and 6" : " 7") +
+                                    ", which --only leaves out; leave it out too");
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -72,6 +89,7 @@ void add_figures(CLI::App& program, Action& action) {
           return fail(Fault::usage, std::string(option) +
                                         " is that of the recording; leave it out with --recording");
       }
+      KAZ_TRY(check_drawn(*verb, *only));
       return make_figures(*options);
     };
   });

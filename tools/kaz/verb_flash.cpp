@@ -17,7 +17,7 @@ constexpr const char* kWriteExamples =
     "  kaz flash write kaz.mot --port board --reset ctl:board.ctl     # for kaz sim --erased\n"
     "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n";
 constexpr const char* kExitStatus =
-    "Exit status: 0 done and verified, 1 it failed, 2 wrong usage or image, 3 port error.";
+    "Exit status: 0 done, 1 it failed, 2 wrong usage or image, 3 port error.";
 
 // Of the verbs that can do without the loader.
 void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
@@ -31,6 +31,19 @@ void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
       ->check(CLI::IsMember({4800, 9600, 19200}))
       ->capture_default_str()
       ->needs(reset);
+  verb.add_option("--writer", arguments.writer,
+                  "flash writer to load into the board's RAM in boot mode; that of this program if "
+                  "not given")
+      ->type_name("FILE")
+      ->needs(reset);
+}
+
+void add_reset_to_run(CLI::App& verb, FlashArguments& arguments) {
+  verb.add_option("--reset", arguments.reset,
+                  "reset the board, as after boot mode: by dtr-rts (DTR at RES, RTS at the mode "
+                  "pins), ctl:PATH (control socket of kaz sim) or manual; without it the resident "
+                  "loader starts the firmware")
+      ->type_name("HOW");
 }
 
 void add_common(CLI::App& verb, FlashArguments& arguments, bool dry_run) {
@@ -40,15 +53,24 @@ void add_common(CLI::App& verb, FlashArguments& arguments, bool dry_run) {
                    ->type_name("PATH");
   if (!dry_run) port->required();
   add_address(verb, arguments.address);
-  verb.add_option("--writer", arguments.writer,
-                  "flash writer to load into the board's RAM; that of this program if not given")
-      ->type_name("FILE");
   verb.add_flag("--json", arguments.json,
                 "one JSON object on standard output, of a failure too: `ok`, and `error`");
 }
 
+// The message on a block that the loader keeps says more (flash/arguments.cpp).
+CLI::Validator erasable_block() {
+  return CLI::Validator(
+      [](std::string& text) {
+        std::string number = text;
+        if (between(0, host::kFlashBlocks - 1)(number).empty()) return std::string();
+        return std::string("give blocks from 1 to 5 and 7 to 9");
+      },
+      "");
+}
+
 void add_image(CLI::App& verb, FlashArguments& arguments) {
   add_image_options(verb, arguments.image, arguments.load, host::kFlashBytes - 1);
+  verb.get_option("--at")->description("address of a raw image's first byte");
 }
 
 }  // namespace
@@ -62,18 +84,20 @@ void add_flash(CLI::App& program, Action& action) {
   const auto add = [&](const char* name, const char* text, const char* examples) {
     auto* verb = all->add_subcommand(name, text);
     const std::string_view which = name;
-    const bool by_boot_mode = which == "run" || which == "write" || which == "erase";
+    const bool starts = which == "run", by_boot_mode = which == "write" || which == "erase";
     const auto image = firmware_image("");
     const bool takes_image = which == "write" || which == "verify";
-    verb->footer(std::string(by_boot_mode ? ""
-                                          : "Boot mode would erase the flash: this uses the "
-                                            "resident loader.\n") +
+    verb->footer(std::string(by_boot_mode || starts
+                                 ? ""
+                                 : "Boot mode would erase the flash: this uses the "
+                                   "resident loader.\n") +
                  (takes_image && image ? "The firmware of this kaz: " + *image + "\n" : "") +
                  "Examples:\n" + examples + kExitStatus);
     auto arguments = std::make_shared<FlashArguments>();
     arguments->verb = name;
     add_common(*verb, *arguments, which == "write");
     if (by_boot_mode) add_boot_mode(*verb, *arguments);
+    if (starts) add_reset_to_run(*verb, *arguments);
     verb->callback(
         [&action, arguments] { action = [arguments] { return run_flash(*arguments); }; });
     return std::pair(verb, arguments);
@@ -82,7 +106,8 @@ void add_flash(CLI::App& program, Action& action) {
       "  kaz flash info --port /dev/ttyUSB0\n"
       "  kaz flash info --port board --json\n");
   add("run", "start the firmware in the flash, and print its identity",
-      "  kaz flash run --port /dev/ttyUSB0     # after kaz flash write --no-start\n");
+      "  kaz flash run --port /dev/ttyUSB0     # after kaz flash write --no-start\n"
+      "  kaz flash run --port board --reset ctl:board.ctl\n");
   auto [write, to_write] =
       add("write", "erase what differs, write, verify and start an image", kWriteExamples);
   add_image(*write, *to_write);
@@ -101,9 +126,10 @@ void add_flash(CLI::App& program, Action& action) {
                                "  kaz flash erase --port /dev/ttyUSB0 --reset manual\n");
   erase
       ->add_option("--blocks", to_erase->blocks,
-                   "blocks to erase through the resident loader: 1 to 5 and 7 to 9")
+                   "blocks to erase through the resident loader, with commas between: 1 to 5 and 7 "
+                   "to 9, for it keeps EB0 (vectors) and EB6 (itself)")
       ->delimiter(',')
-      ->check(between(0, 9).description(""))  // the text has the valid ones
+      ->check(erasable_block())
       ->type_name("N,N");
   auto [read, to_read] = add("read", "copy flash to a raw file; restarts the board, motors go off",
                              "  kaz flash read --port /dev/ttyUSB0 --out flash.bin\n"

@@ -16,6 +16,8 @@ const std::map<std::string, h8s::Engine> kEngines{{"reference", h8s::Engine::ref
                                                   {"interpreter", h8s::Engine::interpreter},
                                                   {"translator", h8s::Engine::translator}};
 
+constexpr std::int64_t kMaxTicks = 1'000'000'000'000;  // 31 years
+
 struct CompareArguments {
   sim::CompareOptions options;
   sim::WireOptions wire;
@@ -28,7 +30,7 @@ void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
       verb.add_flag("--wire", arguments.on_wire, "compare whole boards on the line instead");
   verb.add_option("--conversations", arguments.wire.conversations,
                   "number of conversations of one second each")
-      ->transform(whole_number_above_zero())
+      ->transform(whole_number_above_zero(1'000'000'000))
       ->capture_default_str()
       ->type_name("N")
       ->needs(wire);
@@ -47,7 +49,7 @@ void add_compare(CLI::App& mcu, Action& action) {
       "compare", "compare native with h8: equal inputs of the servo tick must give equal outputs");
   auto arguments = std::make_shared<CompareArguments>();
   verb->add_option("--ticks", arguments->options.ticks, "number of ticks of 1 ms")
-      ->transform(whole_number_above_zero())
+      ->transform(whole_number_above_zero(kMaxTicks))
       ->capture_default_str()
       ->type_name("N");
   verb->add_option("--seed", arguments->options.seed, "seed of host traffic and potentiometers")
@@ -56,7 +58,7 @@ void add_compare(CLI::App& mcu, Action& action) {
       ->type_name("N");
   verb->add_option("--state-every", arguments->options.state_every,
                    "compare the whole state every N ticks; outputs and pins in each")
-      ->transform(whole_number_above_zero())
+      ->transform(whole_number_above_zero(kMaxTicks))
       ->capture_default_str()
       ->type_name("N");
   verb->add_option(
@@ -115,14 +117,17 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
       ->type_name("ENGINE");
   verb.add_option("--mode", options.mode, "mode pins: 2 advanced (24-bit), 3 normal (16-bit)")
       ->check(CLI::IsMember({2, 3}))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes("--flat");
   verb.add_option("--ram-fill", options.ram_fill, "value of each byte of RAM when power comes")
       ->check(between(0, 255))
       ->capture_default_str()
+      ->excludes("--flat")
       ->type_name("BYTE");
   verb.add_option("--crystal", options.crystal_hz, "frequency of the crystal")
       ->check(between(1e5, 1e8))
       ->capture_default_str()
+      ->excludes("--flat")
       ->type_name("HZ");
 }
 
@@ -194,6 +199,9 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   add_debug_options(*verb, options->debug);
   verb->add_flag("--json", options->json, "print the summary as JSON on standard output")
       ->excludes("--semihost");
+  // GDB says how far the program runs, and there is no summary.
+  for (const char* unused : {"--max-states", "--input", "--json", "--count"})
+    verb->get_option("--gdb")->excludes(verb->get_option(unused));
   verb->footer(
       "Starts at the reset vector, as the chip does. What the program sends on SCI0 goes to "
       "standard output. Where the chip stops on an error, a report is printed.\n"

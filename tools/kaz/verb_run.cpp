@@ -125,7 +125,7 @@ void add_run(CLI::App& program, Action& action) {
       "  kaz run track-ball --seed 3 --duration 12 --out three\n"
       "  kaz run catch-ball --world catch --eyes real --imu --out caught\n"
       "  kaz run navigate --goal 1.2,0.1 --world boxes --eyes real --imu --out there\n"
-      "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
+      "  kaz run track-ball --robot serial:board --camera board.eyes     # of kaz sim\n"
       "  kaz run ./wave.so --set times=2\n"
       "  kaz run ./wave.so --options\n"
       "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"

@@ -14,10 +14,10 @@ namespace {
 // What a motor stand does not have, among the options given; empty if there is none.
 std::string not_of_a_stand(const CLI::App& verb) {
   static constexpr std::pair<const char*, const char*> kAbsent[] = {
-      {"--world", "world"},           {"--robot-file", "robot"}, {"--imu", "IMU"},
-      {"--dynamics", "robot"},        {"--eyes", "eyes"},        {"--eye-width", "eyes"},
-      {"--renderer", "eyes"},         {"--cameras", "eyes"},     {"--record-pictures", "eyes"},
-      {"--write-calibration", "eyes"}};
+      {"--world", "world"},  {"--robot-file", "robot"},     {"--imu", "IMU"},
+      {"--no-imu", "IMU"},   {"--dynamics", "robot"},       {"--physics-step", "robot"},
+      {"--eyes", "eyes"},    {"--eye-width", "eyes"},       {"--renderer", "eyes"},
+      {"--cameras", "eyes"}, {"--record-pictures", "eyes"}, {"--write-calibration", "eyes"}};
   for (const auto& [option, what] : kAbsent) {
     if (verb.get_option(option)->count() > 0)
       return std::string(option) + ": a motor stand has no " + what + "; leave " + option +

@@ -29,8 +29,7 @@ const std::vector<std::string> kCurves = {"stall", "no_load", "start", "step", "
 Values values_of(const hil::BenchReport& report, const std::string& joint) {
   Values values;
   for (const hil::Measurement& one : report.measurements) {
-    if (one.subject == joint && std::isfinite(one.value))
-      values[one.of->name] = one.value;
+    if (one.subject == joint && std::isfinite(one.value)) values[one.of->name] = one.value;
   }
   return values;
 }
@@ -343,6 +342,7 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
   }
   fit.motor.name = options.start.name + "-fitted";
   compare(fit, measured, joint, before, model);
+  if (options.progress) options.progress(1, "done");  // mostly before max_rounds
   return fit;
 }
 

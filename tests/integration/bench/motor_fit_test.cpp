@@ -25,8 +25,12 @@ void expect_recovered(const sim::MotorParams& motor) {
   test.motor = motor;
   test.board.seed = 7;
   const BenchReport measured = measure_motor(test);
-  const auto fit = fit_motor(measured, from_kaz());
+  MotorFitOptions options = from_kaz();
+  double shown = 0;
+  options.progress = [&](double share, const std::string&) { shown = share; };
+  const auto fit = fit_motor(measured, options);
   ASSERT_TRUE(fit) << fit.error().message;
+  EXPECT_EQ(shown, 1) << "the progress ends with the fit";
   const auto near = [&](const char* what, double found, double truth, double share = 0.05) {
     std::printf("%-16s %.5g, fitted %.5g: %+.1f %%\n", what, truth, found,
                 100 * (found / truth - 1));

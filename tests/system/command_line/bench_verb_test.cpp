@@ -28,6 +28,7 @@ TEST(BenchVerb, MotorLeavesItsReportsAndFitReadsThem) {
   ASSERT_EQ(bench.exit_code, 0) << bench.out << bench.err;
   EXPECT_NE(bench.out.find("25 passed, 0 failed, 0 left out, 0 undecided"), std::string::npos)
       << bench.out;
+  EXPECT_NE(bench.err.find("100 %"), std::string::npos) << bench.err;
   for (const char* file : {"report.html", "result.json", "measurements.csv", "curves.csv",
                            "junit.xml", "plots/l_sh_pitch-stall.svg"})
     EXPECT_GT(std::filesystem::file_size(out + "/" + file), 500u) << file;

@@ -270,6 +270,8 @@ Result<void> check_motion(const BenchOptions& arguments) {
 }
 
 Result<lockstep::MotorFitOptions> fit_options(const BenchFitOptions& arguments) {
+  if (!arguments.model.image.empty() && arguments.model.mcu != sim::McuKind::h8)
+    return fail(Fault::usage, "--image is for --mcu h8 alone: native has no firmware image");
   lockstep::MotorFitOptions options;
   options.joint = arguments.joint;
   const auto standard = KAZ_TRY(data_file("robot/kaz/motor.xml"));
@@ -351,6 +353,7 @@ Result<Outcome> run_bench(const BenchOptions& given) {
   const auto ran =
       measure(arguments, joints, *target, judge,
               [&](double share, const std::string& what) { progress.update(share, what); });
+  if (ran) progress.update(1, "done");
   progress.done();
   report.seconds = seconds(target->clock().now() - begin);
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;

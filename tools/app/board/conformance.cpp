@@ -225,6 +225,13 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   }
   if (!arguments.image.empty() && arguments.mcu != sim::McuKind::h8)
     return fail(Fault::usage, "--image is for --virtual h8 alone");
+  for (const auto& [option, given] : {std::pair("--allow-motion", arguments.allow_motion),
+                                      {"--allow-flash", arguments.allow_flash}}) {
+    if (given && arguments.mcu)
+      return fail(Fault::usage, std::string(option) +
+                                    " is for a board at a port: on a virtual one every case runs; "
+                                    "leave it out");
+  }
   if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
   if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
   if (arguments.mcu) arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;

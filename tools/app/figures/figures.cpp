@@ -211,6 +211,8 @@ class Figures {
     sweep.mcu = options_.backend.mcu;
     if (sweep.mcu == sim::McuKind::h8)
       sweep.image_path = KAZ_TRY(firmware_image(options_.backend.image));
+    else if (!options_.backend.image.empty())
+      return fail(Fault::usage, "--image is for --mcu h8 alone: native has no firmware image");
     if (options_.backend.eye_width != 0) sweep.eye_width = options_.backend.eye_width;
     sweep.eyes = options_.backend.eyes;
     sweep.renderer = options_.backend.renderer;
@@ -222,6 +224,7 @@ class Figures {
       progress.update(seconds(now) / seconds(end), "looking around with slow vision");
     };
     const auto swept = figure7::sweep(sweep);
+    if (swept) progress.update(1, "done");
     progress.done();
     if (!swept && interrupt_.requested()) return check_interrupt();
     if (!swept) return tl::unexpected(swept.error());

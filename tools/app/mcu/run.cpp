@@ -116,6 +116,7 @@ h8s::Stop run_until(h8s::Chip& chip, h8s::States until, bool quiet, Feeder& feed
       progress.update(static_cast<double>(shown) / static_cast<double>(until), "");
     }
   }
+  if (shown > 0 && chip.now() >= until) progress.update(1, "");
   return stop;
 }
 

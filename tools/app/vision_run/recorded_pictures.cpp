@@ -272,7 +272,7 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
       auto looked = KAZ_TRY(folder.explained(look(path, lens, detector, folder)));
       all.push_back(std::move(looked));
     }
-    progress.update(1, "done");
+    if (all.size() == paths.size()) progress.update(1, "done");
   }
   const bool interrupted = all.size() < paths.size();
   return folder.explained(report(all, options, ball.color, folder, interrupted));

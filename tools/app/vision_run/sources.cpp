@@ -50,6 +50,11 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
   if (options.nearest_m && std::ranges::find(modules, "depth") == modules.end())
     return fail(Fault::usage, "--nearest is for depth, which --modules " + vision.modules +
                                   " does not compute: add depth there, or leave --nearest out");
+  const bool of_a_ball = !options.color.empty() || options.radius_m != RecordedOptions().radius_m;
+  if (of_a_ball && std::ranges::find(modules, "color") == modules.end())
+    return fail(Fault::usage, std::string(options.color.empty() ? "--radius" : "--color") +
+                                  " is of the ball, which --modules " + vision.modules +
+                                  " does not look for: add color there, or leave it out");
   return vision;
 }
 
@@ -325,6 +330,7 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   VisionReport report(pipeline, *vision, &folder, options.frames);
   Progress progress("kaz vision", options.json);
   std::string end;
+  const Time begun = clock.now();
   while (end.empty() && !report.full()) {
     // The board's state between pictures: what frames get their posture from.
     if (source.robot) {
@@ -340,12 +346,14 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
       pipeline.submit(std::move(**pair));
     }
     pipeline.poll(clock.now());
-    const double share = options.frames == 0 ? 0
-                                             : static_cast<double>(report.frames().size()) /
-                                                   static_cast<double>(options.frames);
     const std::string statistics = module_statistics_text(pipeline);
-    progress.update(share, counted(report.frames().size(), "pair") +
-                               (statistics.empty() ? "" : "; ") + statistics);
+    const std::string state =
+        counted(report.frames().size(), "pair") + (statistics.empty() ? "" : "; ") + statistics;
+    if (options.frames == 0)  // until somebody ends it
+      progress.show(seconds(clock.now() - begun), state);
+    else
+      progress.update(
+          static_cast<double>(report.frames().size()) / static_cast<double>(options.frames), state);
     if (auto slept = clock.sleep_until(clock.now() + std::chrono::milliseconds(5)); !slept)
       end = slept.error().message;
   }
