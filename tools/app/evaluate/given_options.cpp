@@ -42,18 +42,21 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
   const bool all_at_ball = std::ranges::all_of(kinds, has_ball_at_distance) &&
                            (!drawn || std::ranges::count(kinds, WorldKind::clutter) == 0);
   if (option == "--obstacles" && !any(kinds, has_clutter))
-    return "is of worlds with clutter: add one of " + names(has_clutter) + " to --worlds";
+    return "is of worlds with clutter: add one of " + names(has_clutter) +
+           " to --worlds, or leave it out";
   if (option == "--goal-distance" && !drawn && !ball)
-    return "draws a goal, and --set goal=" + goal->second + " sets it";
+    return "draws a goal, and --set goal=" + goal->second + " sets it: leave one of them out";
   if (option == "--goal-distance" && ball && all_at_ball)
-    return "draws a goal, which is the ball here: its distance is --ball-distance";
+    return "draws a goal, which is the ball here: its distance is --ball-distance: leave the "
+           "option out";
   if (option == "--ball-distance" && !(ball && any(kinds, has_ball_at_distance)))
     return "is of a ball that is the goal: give --set goal=ball with worlds of " +
-           names(has_ball_at_distance);
+           names(has_ball_at_distance) + ", or leave it out";
   if ((option == "--radii" || option == "--colors") && !ball)
-    return "is of a ball, and none is in these worlds: give --set goal=ball, or --worlds two-balls";
+    return "is of a ball, and none is in these worlds: give --set goal=ball, or --worlds "
+           "two-balls, or leave it out";
   if ((option == "--lamp" || option == "--shade") && !any(kinds, is_lit))
-    return "has no effect in worlds of dark, which have a light of their own";
+    return "has no effect in worlds of dark, which have a light of their own: leave it out";
   return "";
 }
 
@@ -63,7 +66,7 @@ Result<void> check_given(const CampaignOptions& options, const std::vector<std::
   for (const std::string& option : given) {
     if (options.behavior == "navigate") {
       if (const std::string why = why_unused(option, options); !why.empty())
-        return fail(Fault::usage, option + " " + why + "; or leave it out");
+        return fail(Fault::usage, option + " " + why);
     } else if (std::ranges::count(kOfNavigate, option) > 0) {
       return fail(Fault::usage, option +
                                     " is of navigate alone, which walks around things: leave it "
