@@ -100,7 +100,7 @@ TEST(LookAhead, EndsAtAnObstacleAndAtWhatIsNotKnown) {
   WalkingMap walking(empty_map());
   PlaceHistory places;
   places.add(0s, {});
-  for (std::uint64_t k = 1; k <= 3; ++k)
+  for (std::uint64_t k = 1; k <= 6; ++k)
     ASSERT_TRUE(walking.enter({picture(kBoxAhead, k)}, places));
   const double hips = motion::hips_over_sole(motion::home(), host::Side::left).x();
   const Ahead box = look_ahead(walking.map(), {}, 1.0, true);

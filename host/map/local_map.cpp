@@ -95,8 +95,9 @@ Result<void> LocalMap::update(const vision::PlaneSegments& planes, const vision:
   row_up_.resize(static_cast<std::size_t>(depth.width));
   own_.assign(depth.disparity_px.size(), 0);
   for (const OwnPart& part : own) mask(part, info);
-  see_floor(view, planes);
-  see_obstacles(view, planes, depth, map_from_foot.translation().head<2>());
+  const Eigen::Vector2d foot = map_from_foot.translation().head<2>();
+  see_floor(view, planes, foot);
+  see_obstacles(view, planes, depth, foot);
   enter_obstacles(view, depth.width);
   return {};
 }
@@ -119,6 +120,12 @@ Cell LocalMap::cell(int x, int y) const {
   const double odds = log_odds(x, y);
   if (std::abs(odds) < kKnown) return {};
   return {odds > 0 ? CellState::obstacle : CellState::floor, std::tanh(0.5 * std::abs(odds))};
+}
+
+CellState LocalMap::certain(int x, int y) const {
+  const CellState state = cell(x, y).state;
+  const bool one_vote = log_odds(x, y) < kObstacleVote + kStep;
+  return state == CellState::obstacle && one_vote ? CellState::unknown : state;
 }
 
 Footprint LocalMap::footprint(const Eigen::Isometry2d& pose, double length_m,

@@ -49,7 +49,8 @@ struct LocalMapOptions {
   double obstacle_m = 0.015;  // objects below this height are no obstacles
   double drop_m = 0.03;       // what is seen so far below the floor is a hole, or beyond an edge
   double robot_m = 0.36;      // what is higher than this passes above the robot
-  double own_m = 0.13;        // points nearer to the foot's middle are the robot's own body
+  // Points nearer to the foot's middle are the robot's own body; obstacles there are not cleared either.
+  double own_m = 0.13;
   double disparity_error_px = 0.2;  // one sigma
 };
 
@@ -58,7 +59,6 @@ struct Cell {
   double confidence = 0;  // 0..1: |2p - 1|, p the probability of an obstacle
 };
 
-// State of a rectangle: free only if all of its cells are floor.
 // A part of the robot's own body that the eyes may see: a capsule around the line from `from` to `to`, foot
 // frame (vision/image/frame.h) at the exposure, m.
 struct OwnPart {
@@ -66,6 +66,7 @@ struct OwnPart {
   double radius_m = 0;
 };
 
+// State of a rectangle: free only if all of its cells are floor.
 enum class Footprint { free, blocked, unknown };
 
 struct MapCounts {
@@ -99,6 +100,9 @@ class LocalMap {
   Cell at(double x_m, double y_m) const { return cell(number(x_m), number(y_m)); }
   int number(double m) const;     // of the cell in which this coordinate lies
   double middle(int cell) const;  // m
+  // As cell(), but what only a single picture took for an obstacle is unknown.
+  CellState certain(int x, int y) const;
+  CellState certain_at(double x_m, double y_m) const { return certain(number(x_m), number(y_m)); }
   // Log-odds of an obstacle; 0 where unknown.
   double log_odds(int x, int y) const;
 
@@ -116,7 +120,8 @@ class LocalMap {
   explicit LocalMap(const LocalMapOptions& options);
   Result<void> check(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
                      const vision::FrameInfo& info, const Eigen::Isometry3d& map_from_foot);
-  void see_floor(const View& view, const vision::PlaneSegments& planes);
+  void see_floor(const View& view, const vision::PlaneSegments& planes,
+                 const Eigen::Vector2d& foot);
   void see_obstacles(const View& view, const vision::PlaneSegments& planes,
                      const vision::DepthImage& depth, const Eigen::Vector2d& foot);
   void mask(const OwnPart& part, const vision::FrameInfo& info);

@@ -62,6 +62,30 @@ TEST(LocalMap, ShowsFloorABoxAndNothingOfWhatTheBoxHides) {
   EXPECT_EQ(map.counts().updates, 3U);
 }
 
+// What stands beside the feet cannot be distinguished from the robot's own body: a picture without it is no
+// evidence that it is gone. Farther away it is.
+TEST(LocalMap, ForgetsNothingThatStandsBesideTheFeet) {
+  LocalMapOptions options;
+  options.own_m = 0.25;
+  LocalMap map = LocalMap::make(options).value();
+  const TestYard rod{{{{0.50, 0.0, 0.1}, {0.02, 0.02, 0.2}}}};
+  const Isometry3d eye = test_eye(0, 0.6);
+  std::uint64_t number = 0;
+  const auto enter = [&](const TestYard& yard, double foot_x) {
+    const TestView view = yard.seen(eye, 0.1, ++number);
+    Isometry3d foot = Isometry3d::Identity();
+    foot.translation().x() = foot_x;
+    ASSERT_TRUE(map.update(view.planes, view.depth, view.depth.info, foot));
+  };
+  for (int k = 0; k < 12; ++k) enter(rod, 0);
+  ASSERT_EQ(map.at(0.495, 0).state, CellState::obstacle);
+  for (int k = 0; k < 40; ++k) enter({}, 0.27);
+  EXPECT_EQ(map.at(0.495, 0).state, CellState::obstacle) << "0.23 m away";
+  EXPECT_EQ(map.at(0.60, 0.1).state, CellState::floor);
+  for (int k = 0; k < 40; ++k) enter({}, 0.20);
+  EXPECT_EQ(map.at(0.495, 0).state, CellState::floor) << "0.30 m away";
+}
+
 // Each cell whose middle is in view is known: none is left out where a pixel is larger than a cell.
 TEST(LocalMap, HasNoHolesInTheFloorFarAway) {
   for (const int width : {160, 320, 640}) {

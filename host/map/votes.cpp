@@ -49,7 +49,10 @@ void keep_above(double a, double b, double& from, double& to) {
 // visible cells are an interval of k, clipped by the four image borders, the minimum depth and the maximum
 // range. Each visible cell whose pixel is labelled floor gets a vote against an obstacle, weighted by
 // min(1, (z0 / z)^2): the accuracy of stereo depth decreases with z^2.
-void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) {
+// Where points are taken for the robot's own body, floor does not clear what was seen from afar, several
+// times: a thin rod beside the feet would be forgotten.
+void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes,
+                         const Vector2d& foot) {
   const vision::CameraModel& c = view.camera;
   const std::array<bool, 256> floor = floor_labels(planes, view.eye, options_.obstacle_m);
   if (std::find(floor.begin(), floor.end(), true) == floor.end()) return;
@@ -60,6 +63,8 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
   if (eye.z() <= 0) return;  // below the floor: none of it is visible
   const auto update = static_cast<std::uint32_t>(counts_.updates);
   const int width = c.width, height = c.height;
+  const double own2 = options_.own_m * options_.own_m;
+  constexpr int kept = static_cast<int>(kKeptBeside / kStep);
   int *const row_u = row_u_.data(), *const row_v = row_v_.data(),
              *const row_vote = row_vote_.data();
   const int first_x = std::max(0, number(eye.x() - options_.farthest_m));
@@ -96,6 +101,9 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
       const int u = std::clamp(row_u[n], 0, width - 1), v = std::clamp(row_v[n], 0, height - 1);
       if (!floor[planes.label[static_cast<std::size_t>(v * width + u)]]) continue;
       const std::size_t cell = row + static_cast<std::size_t>(n);
+      if (odds_[cell] > kept &&
+          (Vector2d(middle(x), middle(first + n)) - foot).squaredNorm() < own2)
+        continue;
       odds_[cell] = added(odds_[cell], -row_vote[n]);
       seen_[cell] = update;
     }

@@ -23,8 +23,10 @@ inline constexpr int kMinPoints = 4;
 // Near by: this share of the points of a face as wide as a cell and as high as the lowest obstacle.
 inline constexpr double kMinShare = 0.3;
 inline constexpr double kMaxOdds = 10;  // saturation, so that a cell can change again
-inline constexpr double kKnown = 0.1;   // magnitude of log-odds below which a cell is unknown
-inline constexpr double kFullAt = 4;  // a full vote needs a quarter of the pixels that fill a cell
+// Log-odds, three obstacle votes, from which floor beside the feet does not clear a cell.
+inline constexpr double kKeptBeside = 3.6;
+inline constexpr double kKnown = 0.1;  // magnitude of log-odds below which a cell is unknown
+inline constexpr double kFullAt = 4;   // a full vote needs a quarter of the pixels that fill a cell
 inline constexpr float kUneven =
     1.6F;  // 1 / ratio to the strongest neighbour's points that counts as full
 

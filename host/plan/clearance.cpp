@@ -15,6 +15,15 @@ namespace {
 // From an obstacle cell's middle to its farthest point, cells.
 constexpr double kHalfDiagonal = 0.70710678118654752;
 
+// Number of the part that each cell belongs to; free cells of a part are connected.
+cv::Mat parts_of(const Grid& grid, const std::vector<std::uint8_t>& free) {
+  // OpenCV only reads it.
+  const cv::Mat cells(grid.cells_x, grid.cells_y, CV_8U, const_cast<std::uint8_t*>(free.data()));
+  cv::Mat parts;
+  cv::connectedComponents(cells, parts, 8, CV_32S);
+  return parts;
+}
+
 }  // namespace
 
 Clearance::Clearance(const Grid& grid, const PlanOptions& options)
@@ -56,11 +65,25 @@ double Clearance::weighted_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b)
 }
 
 bool Clearance::connected(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const {
-  // OpenCV only reads it.
-  const cv::Mat free(grid_.cells_x, grid_.cells_y, CV_8U, const_cast<std::uint8_t*>(free_.data()));
-  cv::Mat part;
-  cv::connectedComponents(free, part, 8, CV_32S);
-  return part.at<int>(from.x(), from.y()) == part.at<int>(to.x(), to.y());
+  const cv::Mat parts = parts_of(grid_, free_);
+  return parts.at<int>(from.x(), from.y()) == parts.at<int>(to.x(), to.y());
+}
+
+std::optional<Eigen::Vector2i> Clearance::nearest_connected(const Eigen::Vector2i& from,
+                                                            const Eigen::Vector2d& to) const {
+  if (!free(from.x(), from.y())) return std::nullopt;
+  const cv::Mat parts = parts_of(grid_, free_);
+  const int here = parts.at<int>(from.x(), from.y());
+  std::optional<Eigen::Vector2i> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (int x = 0; x < grid_.cells_x; ++x) {
+    for (int y = 0; y < grid_.cells_y; ++y) {
+      if (parts.at<int>(x, y) != here || grid_.at(x, y) != map::CellState::floor) continue;
+      const double d = (grid_.middle(x, y) - to).squaredNorm();
+      if (d < least) least = d, nearest = {x, y};
+    }
+  }
+  return nearest;
 }
 
 Eigen::Vector2d Clearance::obstacle_near(const Eigen::Vector2i& cell) const {

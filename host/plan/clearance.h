@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "host/plan/plan.h"
@@ -24,6 +25,9 @@ class Clearance {
   double weighted_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const;
   // Whether free cells that touch, at a side or a corner, lead from one free cell to the other.
   bool connected(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
+  // Of the floor cells so connected with this free one, that nearest to `to`.
+  std::optional<Eigen::Vector2i> nearest_connected(const Eigen::Vector2i& from,
+                                                   const Eigen::Vector2d& to) const;
   // The narrowest place of the widest way between two cells.
   NoPath narrowest(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
   const Grid& grid() const { return grid_; }

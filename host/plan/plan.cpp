@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/plan/clearance.h"
+
 namespace kaz::plan {
 
 Grid grid_of(const map::LocalMap& map, double size_m) {
@@ -17,7 +19,7 @@ Grid grid_of(const map::LocalMap& map, double size_m) {
   grid.state.reserve(static_cast<std::size_t>(grid.cells_x) *
                      static_cast<std::size_t>(grid.cells_y));
   for (int x = first; x <= last; ++x)
-    for (int y = first; y <= last; ++y) grid.state.push_back(map.cell(x, y).state);
+    for (int y = first; y <= last; ++y) grid.state.push_back(map.certain(x, y));
   return grid;
 }
 
@@ -46,6 +48,15 @@ void forget_specks(Grid& grid, int cells, const Eigen::Vector2d& from, double be
         grid.state[grid.index(at.x(), at.y())] = map::CellState::unknown;
     }
   }
+}
+
+std::optional<Eigen::Vector2d> nearest_reachable(const Grid& grid, const Eigen::Vector2d& from,
+                                                 const Eigen::Vector2d& to,
+                                                 const PlanOptions& options) {
+  const Clearance clearance(grid, options);
+  const auto cell = clearance.nearest_connected(grid.cell(from), to);
+  if (!cell) return std::nullopt;
+  return grid.middle(cell->x(), cell->y());
 }
 
 std::string text(const NoPath& none, const PlanOptions& options) {

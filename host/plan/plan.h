@@ -49,7 +49,7 @@ struct Grid {
     return corner + cell_m * Eigen::Vector2d(x + 0.5, y + 0.5);
   }
 };
-// The square of `size_m` around the map's origin.
+// The square of `size_m` around the map's origin. What a single picture took for an obstacle is unknown.
 Grid grid_of(const map::LocalMap& map, double size_m);
 
 // Obstacles of fewer than `cells` cells, corners touching, become unknown if all of them are farther than
@@ -103,6 +103,12 @@ struct NoPath {
 };
 // "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.16 m".
 std::string text(const NoPath& none, const PlanOptions& options);
+
+// The middle of the floor cell nearest to `to` that the robot may stand in and reach from `from`, at least
+// from cell to cell. Nothing: it cannot stand at `from`.
+std::optional<Eigen::Vector2d> nearest_reachable(const Grid& grid, const Eigen::Vector2d& from,
+                                                 const Eigen::Vector2d& to,
+                                                 const PlanOptions& options);
 
 using Planned = std::variant<Path, NoPath>;
 

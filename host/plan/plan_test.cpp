@@ -21,6 +21,30 @@ constexpr double kPi = std::numbers::pi;
 
 INSTANTIATE_TEST_SUITE_P(Grid, EachPlanner, testing::Values([] { return make_grid_planner(); }));
 
+// A wall across, with the goal behind it: the nearest place is before the wall, as far as the robot is wide.
+// Unknown floor is passed, but not stopped at.
+TEST(NearestReachable, IsBeforeTheWallOnFloorThatWasSeen) {
+  Grid grid = floor_grid();
+  const PlanOptions options;
+  const auto fill = [&](double x0, double x1, CellState state) {
+    for (int x = 0; x < grid.cells_x; ++x)
+      for (int y = 0; y < grid.cells_y; ++y)
+        if (grid.middle(x, y).x() > x0 && grid.middle(x, y).x() < x1)
+          grid.state[grid.index(x, y)] = state;
+  };
+  fill(1.0, 1.05, CellState::obstacle);
+  const Vector2d from(0.3, 0), goal(1.4, 0);
+  const auto near = nearest_reachable(grid, from, goal, options);
+  ASSERT_TRUE(near);
+  EXPECT_NEAR(near->x(), 1.0 - options.radius_m, 0.02);
+  EXPECT_NEAR(near->y(), 0, 0.02);
+  fill(0.5, 0.6, CellState::unknown);
+  EXPECT_NEAR(nearest_reachable(grid, from, goal, options)->x(), 1.0 - options.radius_m, 0.02);
+  fill(0.6, 1.0, CellState::unknown);
+  EXPECT_NEAR(nearest_reachable(grid, from, goal, options)->x(), 0.5, 0.02);
+  EXPECT_FALSE(nearest_reachable(grid, {1.02, 0}, goal, options)) << "it stands in the wall";
+}
+
 TEST_P(EachPlanner, StraightAheadIsOneLeg) {
   const PlanOptions options;
   const Path path = path_of(planned(floor_grid(), {{0.3, 0}, 0}, {{1.3, 0}, {}}));
