@@ -15,6 +15,7 @@
 #include "host/behavior/composition.h"
 #include "host/behavior/navigation_goal.h"
 #include "host/behavior/walking_map.h"
+#include "host/map/next_view.h"
 #include "host/plan/grid_planner.h"
 #include "host/plan/ompl_planner.h"
 #include "shared/base/angle.hpp"
@@ -41,10 +42,12 @@ constexpr Option kOptions[] = {
 constexpr host::Gaze kAhead{0, 35 * kDegree};
 // Farther aside the eyes see the robot's arms.
 constexpr double kSweep = 60 * kDegree, kSweepSpeed = 60 * kDegree;
-constexpr double kLargestTurn = 60 * kDegree;    // before the floor is compared
-constexpr double kRememberEvery = 25 * kDegree;  // of the sweep, the floor's pattern
-constexpr int kPictures = 4;                     // before a straight piece
-constexpr int kLooks = 3;                        // for a pattern that was seen before
+constexpr double kLookEvery = 15 * kDegree;  // of the directions that may be worth a look
+constexpr double kHalfView = 25 * kDegree, kEyesAhead = 0.03;  // m, of the middle
+constexpr double kLargestTurn = 60 * kDegree;                  // before the floor is compared
+constexpr double kRememberEvery = 25 * kDegree;                // of the sweep, the floor's pattern
+constexpr int kPictures = 4;                                   // before a straight piece
+constexpr int kLooks = 3;                                      // for a pattern that was seen before
 // After a move: the gyro's zero is measured after 0.6 s (motion.cpp).
 constexpr Time kGyroStill = std::chrono::milliseconds(1200);
 constexpr Time kHeadSettles = std::chrono::milliseconds(250);
@@ -68,6 +71,9 @@ constexpr double kUnseen = 0.26;   // m, from the middle: below and just before 
 // walked.
 constexpr int kSpeck = 8, kDoubtful = 60;
 constexpr double kSpecksBeyond = 0.3;  // m
+// m: a place from where more may be seen, on the way to a goal that has no path; how near it is walked to.
+constexpr double kNearer = 0.15, kAtWaypoint = 0.06;
+constexpr int kMaxWaypoints = 4;
 constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
 // m, of the disc: with room for what map and odometry err; the smallest is what the hands reach. A nearer
 // way with less room is not taken: robots got stuck there.
@@ -185,10 +191,10 @@ class Navigation {
   Result<void> look_around() {
     body_.phase("look around");
     ++looks_;
+    looked_around_at_ = here();
     const host::Gaze from = host::gaze_of(body_.measured());
-    const double first = from.pan_rad > 0 ? kSweep : -kSweep;
     double pan = from.pan_rad, remembered = pan;
-    for (const double to : {first, -first, 0.0}) {
+    for (const double to : sweep(from.pan_rad > 0)) {
       const double begin = pan, lasts = std::abs(to - begin) / kSweepSpeed;
       const Time start = body_.now();
       for (double t = 0; t < lasts && !body_.fallen(); t = seconds(body_.now() - start)) {
@@ -202,8 +208,28 @@ class Navigation {
       }
       pan = to;
     }
-    looked_around_at_ = here();
     return look(kAhead);
+  }
+
+  // To the left and right as far as floor that was not seen yet would come into view, along the way first of
+  // all.
+  std::vector<double> sweep(bool left_first) {
+    const motion::Place now = place();
+    const Eigen::Vector2d ahead(std::cos(now.heading), std::sin(now.heading));
+    std::vector<Vector2d> way{here()};
+    if (corners_.size() > 1)
+      way.insert(way.end(), corners_.begin() + 1, corners_.end());
+    else if (!goal_.ball || ball_known_)
+      way.push_back(goal_now());
+    std::vector<double> candidates;
+    for (double pan = -kSweep; pan < kSweep + 1e-9; pan += kLookEvery) candidates.push_back(pan);
+    double left = 0, right = 0;
+    for (const double pan : map::directions_worth_a_look(
+             map_.map(), {here() + kEyesAhead * ahead, now.heading, kHalfView}, candidates, way)) {
+      left = std::max(left, pan);
+      right = std::min(right, pan);
+    }
+    return left_first ? std::vector{left, right, 0.0} : std::vector{right, left, 0.0};
   }
 
   Result<bool> find_ball() {
@@ -247,6 +273,7 @@ class Navigation {
   // The goal; or places around it, facing it, the nearest first: from there approach takes over, or the
   // map shows whether the goal is free.
   std::vector<plan::Goal> goals() {
+    if (waypoint_) return {{*waypoint_, {}}};
     if (!goal_.ball && !explores_) return {{goal_.position, goal_.heading_rad}};
     const Vector2d from = here() - goal_now();
     const double nearest = std::atan2(from.y(), from.x());
@@ -420,6 +447,13 @@ class Navigation {
       if (goal_.ball && near_ball())
         return Outcome{true, "the ball is near, and the way is free", {}};
       explores_ = explores_ && there.norm() > kStandOff + kShortest;
+      if (waypoint_ && (*waypoint_ - here()).norm() < kAtWaypoint) {
+        waypoint_.reset();
+        doubts_ = false;
+        explored_ = 0;
+        KAZ_TRY(look_around());
+        continue;
+      }
       const auto planned = KAZ_TRY(find_path());
       if (const auto* none = std::get_if<plan::NoPath>(&planned)) {
         const std::string why = text_of(*none);
@@ -476,6 +510,7 @@ class Navigation {
       return true;
     }
     explores_ = false;
+    waypoint_.reset();
     if (none.why == plan::NoPath::Why::start_blocked && stepped_back_ < 2) {
       ++stepped_back_;
       KAZ_TRY(walk(-0.06, 0));
@@ -486,12 +521,25 @@ class Navigation {
       KAZ_TRY(look_around());
       return true;
     }
+    if (const auto nearer = nearer_place(); nearer && waypoints_ < kMaxWaypoints) {
+      waypoint_ = nearer;
+      ++waypoints_;
+      return true;
+    }
     if (!doubts_) {
       doubts_ = true;
       explored_ = 0;
       return true;
     }
     return false;
+  }
+
+  // On floor that was seen, and so much nearer to the goal that it may look otherwise from there.
+  std::optional<Vector2d> nearer_place() {
+    const auto place = plan::nearest_reachable(grid(), here(), goal_now(), options_);
+    if (!place || (*place - goal_now()).norm() > (here() - goal_now()).norm() - kNearer)
+      return std::nullopt;
+    return place;
   }
 
   Result<Outcome> turn_to_heading() {
@@ -530,9 +578,11 @@ class Navigation {
   Vector2d ball_{0, 0};
   bool ball_known_ = false;
   std::optional<Vector2d> looked_around_at_;
+  std::optional<Vector2d> waypoint_;  // on the way to a goal that has no path yet
   std::vector<Vector2d> closed_, corners_, trail_;
   double walked_m_ = 0, moving_s_ = 0;
-  int turns_ = 0, looks_ = 0, plans_ = 0, stepped_back_ = 0, explored_ = 0, again_ = 0;
+  int turns_ = 0, looks_ = 0, plans_ = 0, stepped_back_ = 0, explored_ = 0, again_ = 0,
+      waypoints_ = 0;
   bool looked_since_move_ = false;
   bool doubts_ = false;    // small obstacles that are far away
   bool explores_ = false;  // goes to where it can see the goal, which seems not free from afar

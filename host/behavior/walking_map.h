@@ -11,6 +11,7 @@
 #include "host/behavior/place_history.h"
 #include "host/map/floor_texture.h"
 #include "host/map/local_map.h"
+#include "host/map/pose_filter.h"
 
 namespace kaz::behavior {
 
@@ -25,7 +26,7 @@ class WalkingMap {
   // Odometry's place as the floor's pattern has corrected it.
   motion::Place corrected(const motion::Place& place) const;
   // Compares the floor's pattern in a picture of a standing robot with what was remembered, the oldest first,
-  // and corrects. True if one matched.
+  // and corrects. True if any matched.
   bool align(const FloorPicture& picture, const PlaceHistory& places);
   // Remembers the pattern, to be compared with later.
   void remember(const FloorPicture& picture, const PlaceHistory& places);
@@ -42,6 +43,14 @@ class WalkingMap {
 
  private:
   void fade(const motion::Place& place);
+  struct Remembered {
+    map::FloorView view;
+    int pose = 0;           // its number in the filter
+    Eigen::Vector3d drawn;  // where the robot was taken to be
+  };
+  map::FloorPictureView view_of(const FloorPicture& picture, const Eigen::Isometry3d& foot) const;
+  // `now`: where the robot is taken to be.
+  bool match(const Remembered& before, map::FloorMatcher& matcher, const Eigen::Vector3d& now);
   // Pose of the foot at the exposure; nothing where posture or place are not known.
   std::optional<Eigen::Isometry3d> foot_at(const FloorPicture& picture,
                                            const PlaceHistory& places) const;
@@ -50,8 +59,8 @@ class WalkingMap {
   Time newest_{};
   std::vector<Time> entered_;  // exposures of the newest pictures
   std::optional<motion::Place> faded_at_;
-  Eigen::Isometry2d map_from_odometry_ = Eigen::Isometry2d::Identity();
-  std::vector<map::FloorView> remembered_;
+  map::PoseFilter pose_;
+  std::vector<Remembered> remembered_;
   int corrections_ = 0;
 };
 

@@ -17,6 +17,7 @@ using Eigen::Isometry3d, Eigen::Vector2d, Eigen::Vector2i, Eigen::Vector3d;
 constexpr int kCells = FloorView::kCells;
 constexpr double kCell = FloorView::kCell;
 constexpr double kFarthest = 0.95, kAhead = 0.55;  // m from the eye; of the square's middle
+constexpr double kAtFloor_px = 1;                  // of disparity
 constexpr int kBox = 4;                            // cells to each side, of the mean
 constexpr int kShift = 8;                          // cells: 6.4 cm
 constexpr int kTurns = 6;                          // degrees, to each side
@@ -33,6 +34,16 @@ constexpr double kPrior = 0.04, kPriorShift = 0.02, kPriorTurn = 6 * kDegree;
 
 std::size_t index(int x, int y) {
   return static_cast<std::size_t>(x) * kCells + static_cast<std::size_t>(y);
+}
+
+// Whether the map says so of a place whose pixel has no depth, or the floor's; `z`: its depth, m.
+bool known_floor(const FloorPictureView& picture, std::size_t pixel, const Vector3d& at, double z) {
+  if (picture.map == nullptr || picture.depth == nullptr ||
+      picture.map->at(at.x(), at.y()).state != CellState::floor)
+    return false;
+  const vision::CameraModel& c = picture.planes.info.camera;
+  const double disparity = picture.depth->disparity_px[pixel];
+  return !(disparity > 0) || std::abs(disparity - c.fx * c.baseline_m / z) < kAtFloor_px;
 }
 
 // Brightness of the cells' middles, bilinear; -1 where not known.
@@ -56,7 +67,7 @@ std::vector<std::int16_t> brightness(const FloorPictureView& picture,
       const int column = static_cast<int>(u), row = static_cast<int>(v);
       const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(c.width) +
                          static_cast<std::size_t>(column);
-      if (!floor[picture.planes.label[pixel]]) continue;
+      if (!floor[picture.planes.label[pixel]] && !known_floor(picture, pixel, at, p.z())) continue;
       // 8 bits of the fraction.
       const int du = static_cast<int>((u - column) * 256), dv = static_cast<int>((v - row) * 256);
       const auto green = [&](std::size_t k) {
@@ -146,6 +157,21 @@ Sums overlap(const FloorView& a, const FloorView& b, int dx, int dy) {
   return sums;
 }
 
+// The middle of what both know, of `b` moved by (dx, dy) cells; m, map.
+Vector2d middle_of(const FloorView& a, const FloorView& b, int dx, int dy) {
+  const Vector2i off = b.corner - a.corner + Vector2i(dx, dy);
+  Vector2d sum(0, 0);
+  int both = 0;
+  for (int x = std::max(0, off.x()); x < std::min(kCells, off.x() + kCells); ++x) {
+    for (int y = std::max(0, off.y()); y < std::min(kCells, off.y() + kCells); ++y) {
+      if (!(a.known[index(x, y)] & b.known[index(x - off.x(), y - off.y())])) continue;
+      sum += Vector2d(x + 0.5, y + 0.5);
+      ++both;
+    }
+  }
+  return kCell * (a.corner.cast<double>() + sum / std::max(1, both));
+}
+
 struct Best {
   double score = -2, correlation = -1;
   int dx = 0, dy = 0, both = 0;
@@ -208,53 +234,81 @@ FloorView floor_view(const FloorPictureView& picture) {
   return without_mean(brightness(picture, eye, corner), corner);
 }
 
-std::optional<FloorShift> match_floor(const FloorView& before, const FloorPictureView& picture,
-                                      const Vector2d& pivot) {
-  const auto turned = [&](double turn_rad, const Vector2d& shift = {0, 0}) {
-    const Vector2d to = pivot + shift;
-    const Eigen::Translation3d there(to.x(), to.y(), 0), back(-pivot.x(), -pivot.y(), 0);
-    const Isometry3d turn =
-        there * Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ()) * back * Isometry3d::Identity();
-    return floor_view({picture.left, picture.planes, turn * picture.map_from_foot});
-  };
+FloorMatcher::FloorMatcher(const FloorPictureView& picture, const Vector2d& pivot)
+    : picture_(picture), pivot_(pivot) {}
+
+FloorView FloorMatcher::moved(double turn_rad, const Vector2d& shift) const {
+  const Vector2d to = pivot_ + shift;
+  FloorPictureView picture = picture_;
+  picture.map_from_foot =
+      Eigen::Translation3d(to.x(), to.y(), 0) * Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ()) *
+      Eigen::Translation3d(-pivot_.x(), -pivot_.y(), 0) * picture_.map_from_foot;
+  return floor_view(picture);
+}
+
+const FloorView& FloorMatcher::turned(int quarters) {
+  const auto [at, absent] = turned_.try_emplace(quarters);
+  if (absent) at->second = moved(quarters * kFineTurn, {0, 0});
+  return at->second;
+}
+
+double FloorMatcher::floor_in_common(const FloorView& before) {
+  return overlap(before, view(), 0, 0).both * kCell * kCell;
+}
+
+std::optional<FloorShift> FloorMatcher::match(const FloorView& before, const FloorSearch& within) {
+  const int reach_cells =
+      std::clamp(static_cast<int>(std::ceil(within.shift_m / kCell)), 2, kShift);
+  const int reach_degrees =
+      std::clamp(static_cast<int>(std::ceil(within.turn_rad / kDegree)), 1, kTurns);
   Best best;
-  double turn = 0;
-  const auto attempt = [&](double turn_rad, int from_x, int from_y, int reach, int step) {
-    const Best found = best_shift(before, turned(turn_rad), turn_rad, from_x, from_y, reach, step);
-    if (found.score > best.score) best = found, turn = turn_rad;
+  int turn = 0;  // quarters of a degree
+  const auto attempt = [&](int quarters, int from_x, int from_y, int reach, int step) {
+    const Best found =
+        best_shift(before, turned(quarters), quarters * kFineTurn, from_x, from_y, reach, step);
+    if (found.score > best.score) best = found, turn = quarters;
   };
-  for (int degrees = -kTurns; degrees <= kTurns; ++degrees)
-    attempt(degrees * kDegree, 0, 0, kShift, 2);
+  for (int degrees = -reach_degrees; degrees <= reach_degrees; ++degrees)
+    attempt(4 * degrees, 0, 0, reach_cells, 2);
   if (best.score < -1) return std::nullopt;
   const Best coarse = best;
-  const double coarse_turn = turn;
+  const int coarse_turn = turn;
   for (const int quarters : {-3, -2, -1, 0, 1, 2, 3})
-    attempt(coarse_turn + quarters * kFineTurn, coarse.dx, coarse.dy, 2, 1);
-  if (best.correlation < kMinCorrelation || std::abs(best.dx) > kShift ||
-      std::abs(best.dy) > kShift || std::abs(turn) > (kTurns + 0.5) * kDegree)
+    attempt(coarse_turn + quarters, coarse.dx, coarse.dy, 2, 1);
+  if (best.correlation < kMinCorrelation || std::abs(best.dx) > reach_cells ||
+      std::abs(best.dy) > reach_cells || std::abs(turn) > 4 * reach_degrees + 2)
     return std::nullopt;
-  const FloorView here = turned(turn);
-  const auto moved = [&](int dx, int dy) {
-    return score_of(before, here, turn, best.dx + dx, best.dy + dy).score;
+  const FloorView& here = turned(turn);
+  const double turn_rad = turn * kFineTurn;
+  const auto shifted = [&](int dx, int dy) {
+    return score_of(before, here, turn_rad, best.dx + dx, best.dy + dy).score;
   };
-  const auto turned_by = [&](double more) {
-    return score_of(before, turned(turn + more), turn + more, best.dx, best.dy).score;
+  const auto turned_by = [&](int more) {
+    return score_of(before, turned(turn + more), (turn + more) * kFineTurn, best.dx, best.dy).score;
   };
   // Where the next places have too little in common, the best is at the rim of what is compared, and no peak.
   for (const auto& [dx, dy] : {std::pair{2, 0}, {-2, 0}, {0, 2}, {0, -2}})
-    if (moved(dx, dy) < -1) return std::nullopt;
-  const Vector2d part(top(moved(-1, 0), best.score, moved(1, 0)),
-                      top(moved(0, -1), best.score, moved(0, 1)));
-  const double turn_part = top(turned_by(-kFineTurn), best.score, turned_by(kFineTurn));
-  FloorShift found{kCell * (Vector2d(best.dx, best.dy) + part), turn + kFineTurn * turn_part,
-                   best.correlation, best.both * kCell * kCell};
+    if (shifted(dx, dy) < -1) return std::nullopt;
+  const Vector2d part(top(shifted(-1, 0), best.score, shifted(1, 0)),
+                      top(shifted(0, -1), best.score, shifted(0, 1)));
+  const double turn_part = top(turned_by(-1), best.score, turned_by(1));
+  FloorShift found;
+  found.shift = kCell * (Vector2d(best.dx, best.dy) + part);
+  found.turn_rad = turn_rad + kFineTurn * turn_part;
+  found.correlation = best.correlation;
+  found.overlap_m2 = best.both * kCell * kCell;
+  found.middle = middle_of(before, here, best.dx, best.dy);
   const Vector2d along = grain(here);
-  const auto moved_along = [&](double m) {
-    const Vector2d shift = found.shift + m * along;
-    return score_of(before, turned(turn, shift), turn, 0, 0).correlation;
+  const auto correlation_along = [&](double m) {
+    return score_of(before, moved(turn_rad, found.shift + m * along), turn_rad, 0, 0).correlation;
   };
-  const double beside = std::max(moved_along(-kGrainStep), moved_along(kGrainStep));
-  if (moved_along(0) - beside < kMinDrop) found.shift -= found.shift.dot(along) * along;
+  const double beside = std::max(correlation_along(-kGrainStep), correlation_along(kGrainStep));
+  if (correlation_along(0) - beside < kMinDrop) {
+    found.shift -= found.shift.dot(along) * along;
+    found.unknown_along = along;
+  }
+  if (found.shift.norm() > within.shift_m || std::abs(found.turn_rad) > within.turn_rad)
+    return std::nullopt;
   return found;
 }
 

@@ -9,11 +9,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "host/map/local_map.h"
+#include "shared/base/angle.hpp"
 #include "vision/image/frame.h"
 #include "vision/planes/plane_segments.h"
 
@@ -29,11 +32,15 @@ struct FloorView {
   int count = 0;                          // of the known
 };
 
-// A picture of which views are made: rectified left image, its planes and where the foot was.
+// A picture of which views are made: rectified left image, its planes and where the foot was. With `depth`
+// and `map` also floor counts that the map knows and of which this picture has no depth (edges along the
+// rows): else a floor of planks shows little of its pattern.
 struct FloorPictureView {
   const vision::Image& left;
   const vision::PlaneSegments& planes;  // with info
   Eigen::Isometry3d map_from_foot;
+  const vision::DepthImage* depth = nullptr;
+  const LocalMap* map = nullptr;
 };
 // The square before the eye. Floor farther than 0.95 m is too coarse and counts as unknown.
 FloorView floor_view(const FloorPictureView& picture);
@@ -44,11 +51,37 @@ struct FloorShift {
   double turn_rad = 0;          // about `pivot`, first
   double correlation = 0;       // -1..1
   double overlap_m2 = 0;
+  Eigen::Vector2d middle{0, 0};  // of the floor in common
+  // Along this direction of the map the shift is not known, and 0.
+  std::optional<Eigen::Vector2d> unknown_along;
 };
-// Within 6 cm and 6 degrees. Along the grain of a floor of planks there is no shift where the correlation
-// hardly falls in that direction. Nothing: less than 0.12 m^2 in common, or no clear match (a correlation
-// under 0.4, or the best at the rim of the range, or of what is in common).
-std::optional<FloorShift> match_floor(const FloorView& before, const FloorPictureView& picture,
-                                      const Eigen::Vector2d& pivot);
+// How far the two may be off each other: what odometry can have erred by. At most 64 mm and 6 degrees are
+// searched.
+struct FloorSearch {
+  double shift_m = 0.064, turn_rad = 6 * kDegree;
+};
+// Compares a picture with views of other places. The picture must outlive this.
+class FloorMatcher {
+ public:
+  // `pivot`: about which the picture's turn is searched.
+  FloorMatcher(const FloorPictureView& picture, const Eigen::Vector2d& pivot);
+  // m^2, of floor that both know, where the picture claims to be.
+  double floor_in_common(const FloorView& before);
+  // Along the grain of a floor of planks there is no shift where the correlation hardly falls in that
+  // direction. Nothing: less than 0.12 m^2 in common, or no clear match (a correlation under 0.4, or the best
+  // at the rim of the range, or of what is in common).
+  std::optional<FloorShift> match(const FloorView& before, const FloorSearch& within = {});
+  // As the picture claims to be placed.
+  const FloorView& view() { return turned(0); }
+
+ private:
+  // The view of the picture turned by so many quarters of a degree.
+  const FloorView& turned(int quarters);
+  FloorView moved(double turn_rad, const Eigen::Vector2d& shift) const;
+
+  FloorPictureView picture_;
+  Eigen::Vector2d pivot_;
+  std::map<int, FloorView> turned_;
+};
 
 }  // namespace kaz::map

@@ -75,7 +75,8 @@ std::optional<FloorShift> match(const Paint& paint, const Isometry3d& before,
                                 const Isometry3d& truth, const Isometry3d& claimed) {
   const Taken first = take(paint, before), second = take(paint, truth);
   const FloorView view = floor_view({first.left, first.planes, before});
-  return match_floor(view, {second.left, second.planes, claimed}, claimed.translation().head<2>());
+  return FloorMatcher({second.left, second.planes, claimed}, claimed.translation().head<2>())
+      .match(view);
 }
 
 // Of a turn that moves the square's middle by a cell.
@@ -133,11 +134,44 @@ TEST(FloorTexture, WhatIsFixedToThePictureDoesNotPullAlongPlanks) {
   };
   const Isometry3d before = foot(0, 0, 0), after = foot(0.05, 0, 0);
   const Taken first = dirty(before), second = dirty(after);
-  const auto found = match_floor(floor_view({first.left, first.planes, before}),
-                                 {second.left, second.planes, after}, {0.05, 0});
+  const auto found = FloorMatcher({second.left, second.planes, after}, {0.05, 0})
+                         .match(floor_view({first.left, first.planes, before}));
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->shift.x(), 0, 0.008);
   EXPECT_NEAR(found->shift.y(), 0, 0.006);
+}
+
+// Where the picture has no depth (here but in an eighth of its columns), the map says what is floor, unless
+// the depth says that something else stands there.
+TEST(FloorTexture, TakesFloorThatTheMapKnows) {
+  const Isometry3d here = foot(0, 0, 0), claimed = foot(0.01, 0, 2 * kDegree);
+  const Taken first = take(kCarpet, here);
+  const FloorView before = floor_view({first.left, first.planes, here});
+  Taken second = take(kCarpet, here);
+  TestView seen = TestYard{}.seen(second.planes.info.foot_from_eye);
+  LocalMap map = LocalMap::make().value();
+  ASSERT_TRUE(map.update(seen.planes, seen.depth, seen.depth.info));
+  const int width = second.left.width;
+  for (std::size_t i = 0; i < second.planes.label.size(); ++i) {
+    if (static_cast<int>(i) % width > width / 8) second.planes.label[i] = 0;
+  }
+  const auto common = [&](float disparity_px) {
+    for (float& d : seen.depth.disparity_px) d = disparity_px;
+    FloorMatcher matcher({second.left, second.planes, claimed, &seen.depth, &map}, {0.01, 0});
+    return matcher.floor_in_common(before);
+  };
+  FloorMatcher alone({second.left, second.planes, claimed}, {0.01, 0});
+  EXPECT_LT(alone.floor_in_common(before), 0.12);
+  EXPECT_FALSE(alone.match(before));
+  EXPECT_GT(common(0), 0.25);
+  EXPECT_LT(common(90), 0.12) << "something near hides the floor";
+  for (float& d : seen.depth.disparity_px) d = 0;
+  const auto found =
+      FloorMatcher({second.left, second.planes, claimed, &seen.depth, &map}, {0.01, 0})
+          .match(before);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->shift.x(), -0.01, 0.003);
+  EXPECT_NEAR(found->turn_rad, -2 * kDegree, 0.3 * kDegree);
 }
 
 TEST(FloorTexture, FindsNothingWhereNothingIsInCommon) {
@@ -148,8 +182,8 @@ TEST(FloorTexture, FindsNothingWhereNothingIsInCommon) {
   EXPECT_FALSE(match([](const Vector2d&) { return 90.0; }, here, here, here)) << "a plain floor";
   const Taken first = take(kCarpet, here);
   const Taken other = take([](const Vector2d& at) { return carpet(at, 77); }, here);
-  EXPECT_FALSE(match_floor(floor_view({first.left, first.planes, here}),
-                           {other.left, other.planes, here}, {0, 0}))
+  EXPECT_FALSE(FloorMatcher({other.left, other.planes, here}, {0, 0})
+                   .match(floor_view({first.left, first.planes, here})))
       << "another carpet";
 }
 
