@@ -17,7 +17,7 @@
 #include "host/behavior/walking_map.h"
 #include "host/map/next_view.h"
 #include "host/plan/grid_planner.h"
-#include "host/plan/ompl_planner.h"
+#include "host/plan/ompl_module.h"
 #include "shared/base/angle.hpp"
 
 namespace kaz::behavior {
@@ -593,7 +593,7 @@ Result<std::unique_ptr<plan::Planner>> planner_of(const Context& context) {
   if (context.options.choice("turns") == "paper")
     return fail(Fault::usage,
                 "navigate: turns=paper is for planner=grid only; leave one of the two options out");
-  return plan::make_ompl_planner({.seed = context.seed});
+  return plan::load_ompl_planner({.seed = context.seed});
 }
 
 Result<Outcome> navigate(Context& context) {

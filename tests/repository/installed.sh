@@ -45,6 +45,9 @@ try kaz run stand --out stood
 try kaz replay stood/recording.mcap
 try kaz run stand --mcu native --robot-file "$share/kaz/robots/arm/arm.urdf"
 try kaz run search-ball --mcu native --record-pictures --out tracked
+# Also of a build without OMPL, whose planner's refusal (exit status 3) names the package.
+kaz run navigate --goal 0.1,0 --mcu native --set planner=ompl >said 2>&1 || grep -q "not in this build" said ||
+  { cat said; exit 1; }
 try kaz vision run --in tracked --frames 5 --out seen
 try kaz eyes --out drawn
 try kaz evaluate stand --mcu native --episodes 1 --out evaluated
