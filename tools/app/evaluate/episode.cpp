@@ -142,6 +142,10 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
     ended.run_s = seconds;
     ended.rtf = speed;
   };
+  const auto cause_now = [&] {
+    return cause_of_failure(options.behavior, values, ended.outcome, judge);
+  };
+  session.worth_keeping = [&] { return !cause_now().empty(); };
   char name[32];
   std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
   const std::string kept = (fs::path(failures) / name).string();
@@ -165,8 +169,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   if (lost) return tl::unexpected(*lost);
   if (!ran) ended.outcome = tl::unexpected(ended.outcome ? ran.error() : ended.outcome.error());
 
-  const std::string cause =
-      ended.crashed ? "crashed" : cause_of_failure(options.behavior, values, ended.outcome, judge);
+  const std::string cause = ended.crashed ? "crashed" : cause_now();
   if (cause.empty()) {
     KAZ_TRY(remove_run(kept));
   } else if (!ended.crashed) {

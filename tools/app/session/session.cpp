@@ -631,6 +631,10 @@ Error Session::lost(Error error) {
 }
 
 Result<bool> Session::report() {
+  if (!interrupted() && options_.worth_keeping && !options_.worth_keeping()) {
+    if (recorded_) remove_recording_.emplace(options_.backend.recording);
+    return outcome_->success;
+  }
   const behavior::Outcome cut_short{
       false, "ended by " + std::string(received_signal_name()), {}, {}};
   const RunReport report{options_.behavior,

@@ -42,6 +42,9 @@ struct SessionOptions {
   std::optional<Time> until;
   // How the behaviour ended, how long it took (s of the robot), and that over wall time.
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
+  // Whether results are written of a run that has ended with a report; else its recording is removed, too.
+  // Always, if this is empty. Pictures take a sixth of the CPU time of a catch.
+  std::function<bool()> worth_keeping;
   // The pictures of the run's moments, drawn for this alone; not of an interrupted run.
   std::function<void(const std::vector<MomentPictures>&)> on_moments;
   // The machine, not the robot, ended the session: files, disk, display, port. Before on_end or after.
