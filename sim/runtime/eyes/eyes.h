@@ -64,7 +64,7 @@ class Eyes {
   // What the recording stores of each pair.
   enum class Keep { nothing, digests, pictures };
   struct Kept {
-    std::string left, right;                        // SHA-256 of the RGB bytes, 64 digits each
+    std::string left, right;                        // picture_digest() of the RGB bytes
     std::vector<std::uint8_t> left_png, right_png;  // empty unless pictures are kept
   };
   struct Digest {

@@ -195,7 +195,7 @@ TEST(Eyes, DigestsComeTwoExposuresLater) {
   const auto digests = eyes.take_digests(false);
   ASSERT_EQ(digests.size(), 1u);
   EXPECT_EQ(digests[0].sequence, 1u);
-  EXPECT_EQ(digests[0].kept.left.size(), 64u);
+  EXPECT_EQ(digests[0].kept.left.size(), 32u);
   EXPECT_NE(digests[0].kept.left, digests[0].kept.right);
   EXPECT_EQ(eyes.take_digests(true).size(), 2u);
 }

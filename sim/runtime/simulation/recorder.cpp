@@ -63,8 +63,10 @@ constexpr char joint_loads_schema[] =
     "float64[54] force   # N\n"
     "float64[54] moment  # Nm\n";
 constexpr char eyes_schema[] =
-    "# SHA-256 of the RGB bytes of a stereo pair; the message's time is the exposure.\n"
-    "uint64 sequence\nstring left_sha256\nstring right_sha256\n";
+    "# Poly1305 (RFC 8439, key 00 01 .. 1f) of the RGB bytes of a stereo pair; the message's time "
+    "is\n"
+    "# the exposure.\n"
+    "uint64 sequence\nstring left_poly1305\nstring right_poly1305\n";
 // As ROS has it, so that viewers show the pictures.
 constexpr char picture_schema[] =
     "# As the host gets it, rectified; 8-bit RGB without loss. The message's time is its arrival\n"
