@@ -23,6 +23,13 @@ double cut(double force, double max) {
   return force > max ? max / force : 1.0;
 }
 
+// cut() of a vector with this squared length. Mostly friction sticks: then without a square root, by a margin
+// above rounding.
+double cut_square(double square, double max) {
+  constexpr double kSurely = 1 - 1e-14;
+  return square <= kSurely * (max * max) ? 1.0 : cut(std::sqrt(square), max);
+}
+
 // Matrix of the cross product: cross_of(a) b = a x b.
 Matrix3d cross_of(const Vector3d& a) {
   Matrix3d m;
@@ -140,18 +147,41 @@ void VelocitySolver::set_lengths(Contact& contact, double relaxation) {
 
 // Impulses from the velocities along the rows, for fixed friction radii:
 // l_n = max(0, (target - u_n) / softness), l_t = project(l_t before - u_t / give, radius).
+// Number by number: a vector that is written in parts of one width and read in others waits for memory.
 void VelocitySolver::impulses(const Contact& contact, const Impulse& u, Impulse& l) {
   const Point& point = contact.point;
-  l[0] = std::max(0.0, (point.target - u[0]) * contact.hardness);
-  l.segment<2>(1) = point.before.segment<2>(1) - u.segment<2>(1) * contact.firmness;
-  l.segment<2>(1) *= cut(l.segment<2>(1).norm(), contact.length_t);
+  const double *const v = u.data(), *const before = point.before.data();
+  double* const to = l.data();
+  to[0] = std::max(0.0, (point.target - v[0]) * contact.hardness);
+  const double t1 = before[1] - v[1] * contact.firmness, t2 = before[2] - v[2] * contact.firmness;
+  const double friction = cut_square(t1 * t1 + t2 * t2, contact.length_t);
+  to[1] = t1 * friction;
+  to[2] = t2 * friction;
   if (point.rolling == 0) {
-    l.tail<3>().setZero();
+    to[3] = to[4] = to[5] = 0;
     return;
   }
-  l.tail<3>() = point.before.tail<3>() - u.tail<3>() * contact.moment_firm;
-  l.segment<2>(3) *= cut(l.segment<2>(3).norm(), contact.length_r);
-  l[5] *= cut(std::abs(l[5]), contact.length_r);
+  const double r1 = before[3] - v[3] * contact.moment_firm,
+               r2 = before[4] - v[4] * contact.moment_firm,
+               spin = before[5] - v[5] * contact.moment_firm;
+  const double rolling = cut_square(r1 * r1 + r2 * r2, contact.length_r);
+  to[3] = r1 * rolling;
+  to[4] = r2 * rolling;
+  to[5] = spin * cut(std::abs(spin), contact.length_r);
+}
+
+// Impulses at `length` of the present change, times that change.
+double VelocitySolver::work_along(const Contact& contact, double length) {
+  const double *const u = contact.velocity.data(), *const change = contact.change.data();
+  Impulse at, moved;
+  const int rows = contact.point.rolling == 0 ? 3 : 6;
+  for (int i = 0; i < rows; ++i) at[i] = u[i] + length * change[i];
+  impulses(contact, at, moved);
+  if (!(moved[0] > 0)) return 0;
+  const double even =
+      rows == 3 ? moved[2] * change[2] : moved[2] * change[2] + moved[4] * change[4];
+  const double odd = rows == 3 ? 0 : moved[3] * change[3] + moved[5] * change[5];
+  return (moved[0] * change[0] + even) + (moved[1] * change[1] + odd);
 }
 
 // Active set of a point: separated, slipping or sticking; likewise for rolling and spinning.
@@ -161,16 +191,12 @@ std::uint8_t VelocitySolver::pattern_of(const Contact& contact) {
   // Equal to the radius up to rounding; a pattern is only compared with another one of the same point.
   constexpr double kCut = 1 - 1e-12;
   const auto sticks = [](double force, double max) { return force < kCut * max ? 1 : 0; };
-  int pattern = 1 + 2 * sticks(l.segment<2>(1).norm(), contact.length_t);
+  const auto norm = [&](int i) { return std::sqrt(l[i] * l[i] + l[i + 1] * l[i + 1]); };
+  int pattern = 1 + 2 * sticks(norm(1), contact.length_t);
   if (contact.point.rolling > 0) {
-    pattern += 4 * sticks(l.segment<2>(3).norm(), contact.length_r) +
-               8 * sticks(std::abs(l[5]), contact.length_r);
+    pattern += 4 * sticks(norm(3), contact.length_r) + 8 * sticks(std::abs(l[5]), contact.length_r);
   }
   return static_cast<std::uint8_t>(pattern);
-}
-
-double VelocitySolver::bounded_impulse(const Bounded& row, double u) {
-  return std::clamp((row.target - u) / row.softness, row.min, row.max);
 }
 
 // Wrench of a point's impulses on body a about the pair's point of reference.

@@ -126,12 +126,7 @@ double VelocitySolver::change_left() const {
 // d . (M v - p) + length d . M d - sum l(J v + length J d) . J d.
 double VelocitySolver::slope(double length, std::span<const double> v) const {
   double sum = start_slope_ + length * curve_;
-  for (const int i : its_points_) {
-    const Contact& contact = points_[at(i)];
-    Impulse moved;
-    impulses(contact, contact.velocity + length * contact.change, moved);
-    if (moved[0] > 0) sum -= moved.dot(contact.change);
-  }
+  for (const int i : its_points_) sum -= work_along(points_[at(i)], length);
   for (const int i : its_bounded_) {
     const Bounded& bounded = bounded_[at(i)];
     const std::size_t c = at(bounded.coordinate);

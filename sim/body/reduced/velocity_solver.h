@@ -33,6 +33,7 @@
 // residual() reports the remaining change.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -137,8 +138,11 @@ class VelocitySolver {
   static void along(const Contact& contact, const Motion& motion, Impulse& u);
   static void set_lengths(Contact& contact, double relaxation);
   static void impulses(const Contact& contact, const Impulse& u, Impulse& l);
+  static double work_along(const Contact& contact, double length);
   static std::uint8_t pattern_of(const Contact& contact);
-  static double bounded_impulse(const Bounded& row, double u);
+  static double bounded_impulse(const Bounded& row, double u) {
+    return std::clamp((row.target - u) / row.softness, row.min, row.max);
+  }
   static void add_wrench(const Contact& contact, Motion& wrench);
   void take_wrench(const Pair& pair);
   static void add_point_stiffness(const Contact& contact, Stiffness& k);
