@@ -56,26 +56,24 @@ Result<void> check(const FlowImage& flow, const DepthImage* depth) {
 Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Image& before,
                                              const Image& after, const DepthImage* depth,
                                              MovingRegions& moving) {
-  const auto reader = [](const Image& p) { return GreyReader{p.width, p.height, 3, p.rgb}; };
-  return find(flow, reader(before), reader(after), depth, moving);
+  const auto picture = [](const Image& p) { return Picture{p.width, p.height, 3, p.rgb}; };
+  return find(flow, picture(before), picture(after), depth, moving);
 }
 Result<void> IndependentMotionDetector::find(const FlowImage& flow, const GreyPicture& before,
                                              const GreyPicture& after, const DepthImage* depth,
                                              MovingRegions& moving) {
-  const auto reader = [](const GreyPicture& p) {
-    return GreyReader{p.width, p.height, 1, p.pixels};
-  };
-  return find(flow, reader(before), reader(after), depth, moving);
+  const auto picture = [](const GreyPicture& p) { return Picture{p.width, p.height, 1, p.pixels}; };
+  return find(flow, picture(before), picture(after), depth, moving);
 }
 
-Result<void> IndependentMotionDetector::find(const FlowImage& flow, const GreyReader& before,
-                                             const GreyReader& after, const DepthImage* depth,
+Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Picture& before,
+                                             const Picture& after, const DepthImage* depth,
                                              MovingRegions& moving) {
   moving.before = flow.before;
   moving.after = flow.after;
   moving.regions.clear();
   if (auto ok = check(flow, depth); !ok) return ok;
-  for (const GreyReader* picture : {&before, &after})
+  for (const Picture* picture : {&before, &after})
     if (picture->width != flow.width || picture->height != flow.height ||
         picture->bytes.size() != flow.flow_px.size() * static_cast<std::size_t>(picture->channels))
       return fail(Fault::usage, "moving: these are not the pictures that the flow is of");
@@ -98,8 +96,14 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const GreyRe
                 "moving: the flow of most of the picture contradicts the posture by more than its "
                 "accuracy: the robot slips or falls, or something before the eyes hides "
                 "the rest; take the next pair");
-  verify_on_images(flow, before, after, moving);
-  collect_regions(flow, before, after, moving);
+  if (std::ranges::find(candidates_.pixels, 255) == candidates_.pixels.end()) return {};
+  const auto reader = [](const Picture& p, std::vector<float>& codes) {
+    grey_codes(p.bytes, p.channels, codes);
+    return GreyReader{p.width, p.height, codes};
+  };
+  const GreyReader grey_before = reader(before, grey_[0]), grey_after = reader(after, grey_[1]);
+  verify_on_images(flow, grey_before, grey_after, moving);
+  collect_regions(flow, grey_before, grey_after, moving);
   return {};
 }
 

@@ -97,7 +97,11 @@ class IndependentMotionDetector {
                     const DepthImage* depth, MovingRegions& moving);
 
  private:
-  Result<void> find(const FlowImage& flow, const GreyReader& before, const GreyReader& after,
+  struct Picture {
+    int width, height, channels;
+    std::span<const std::uint8_t> bytes;
+  };
+  Result<void> find(const FlowImage& flow, const Picture& before, const Picture& after,
                     const DepthImage* depth, MovingRegions& moving);
   FlowSample sample(std::size_t k) const;
   void find_disparities(const FlowImage& flow, const DepthImage& depth, bool later, int y, int v);
@@ -121,6 +125,7 @@ class IndependentMotionDetector {
   Eigen::Isometry3d later_;           // later optical frame from the earlier one, corrected
   std::vector<float> inverse_depth_;  // by cell, from stereo; 0 where unknown
   Mask candidates_;                   // by cell
+  std::vector<float> grey_[2];        // codes of both pictures
   std::vector<std::uint8_t> proven_;  // by cell: ego-motion does not match at all
   std::vector<Eigen::Vector2i> corners_;
   RegionFinder finder_;

@@ -9,13 +9,34 @@
 
 namespace kaz::vision {
 
-double GreyReader::between(double u, double v) const {
-  const int i = static_cast<int>(u), j = static_cast<int>(v);
-  const double s = u - i, t = v - j;
-  return (1 - t) *
-             ((1 - s) * static_cast<double>(at(i, j)) + s * static_cast<double>(at(i + 1, j))) +
-         t * ((1 - s) * static_cast<double>(at(i, j + 1)) +
-              s * static_cast<double>(at(i + 1, j + 1)));
+namespace {
+
+[[gnu::always_inline]] inline void grey_of_rgb(const std::uint8_t* __restrict rgb,
+                                               std::size_t pixels, float* __restrict to) {
+  for (std::size_t i = 0; i < pixels; ++i)
+    to[i] = static_cast<float>(rgb[3 * i] + 2 * rgb[3 * i + 1] + rgb[3 * i + 2]) * 0.25F;
+}
+#if defined(__x86_64__) && defined(__GNUC__)
+#define KAZ_X86
+[[gnu::target("avx2")]] void grey_of_rgb_avx2(const std::uint8_t* rgb, std::size_t pixels,
+                                              float* to) {
+  grey_of_rgb(rgb, pixels, to);
+}
+#endif
+
+}  // namespace
+
+void grey_codes(std::span<const std::uint8_t> bytes, int channels, std::vector<float>& codes) {
+  codes.resize(bytes.size() / static_cast<std::size_t>(channels));
+  if (channels == 1) {
+    std::copy(bytes.begin(), bytes.end(), codes.begin());
+    return;
+  }
+#ifdef KAZ_X86
+  if (__builtin_cpu_supports("avx2") != 0)
+    return grey_of_rgb_avx2(bytes.data(), codes.size(), codes.data());
+#endif
+  grey_of_rgb(bytes.data(), codes.size(), codes.data());
 }
 
 double misfit(const GreyReader& before, const GreyReader& after, int u, int v, int reach,

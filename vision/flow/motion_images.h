@@ -9,22 +9,30 @@
 
 namespace kaz::vision {
 
-// 8 bits, one channel or RGB, read as grey codes: (r + 2 g + b) / 4.
+// Grey codes of a picture with one channel of 8 bits, or of RGB: (r + 2 g + b) / 4, exact.
+void grey_codes(std::span<const std::uint8_t> bytes, int channels, std::vector<float>& codes);
+
 struct GreyReader {
-  int width, height, channels;
-  std::span<const std::uint8_t> bytes;
+  int width, height;
+  std::span<const float> codes;  // rows without padding
 
   float at(int u, int v) const {
-    const std::size_t i = (static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
-                           static_cast<std::size_t>(u)) *
-                          static_cast<std::size_t>(channels);
-    if (channels == 1) return bytes[i];
-    return static_cast<float>(bytes[i] + 2 * bytes[i + 1] + bytes[i + 2]) * 0.25F;
+    return codes[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
+                 static_cast<std::size_t>(u)];
   }
   bool holds(double u, double v) const {
     return u >= 0 && v >= 0 && u < width - 1 && v < height - 1;
   }
-  double between(double u, double v) const;  // bilinear; where holds()
+  // Bilinear; where holds().
+  double between(double u, double v) const {
+    const int i = static_cast<int>(u), j = static_cast<int>(v);
+    const double s = u - i, t = v - j;
+    const float *const here = &codes[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
+                                     static_cast<std::size_t>(i)],
+                       *const below = here + width;
+    return (1 - t) * ((1 - s) * static_cast<double>(here[0]) + s * static_cast<double>(here[1])) +
+           t * ((1 - s) * static_cast<double>(below[0]) + s * static_cast<double>(below[1]));
+  }
 };
 
 // Mean squared difference of grey values (codes^2) between the pixels within `reach` of (u, v) and the later
