@@ -292,25 +292,12 @@ void RasterRenderer::draw(const View& view, Picture& picture) {
 }  // namespace
 }  // namespace raster
 
-bool is_available(InstructionSet set) {
-#if defined(__x86_64__)
-  if (set == InstructionSet::avx2) return __builtin_cpu_supports("avx2") != 0;
-  if (set == InstructionSet::avx512)
-    return __builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
-           __builtin_cpu_supports("avx512vl") != 0;
-#endif
-  return set == InstructionSet::plain;
-}
-
 std::unique_ptr<Renderer> make_raster_with(InstructionSet set) {
   return std::make_unique<raster::RasterRenderer>(set);
 }
 
 Result<std::unique_ptr<Renderer>> make_raster_renderer() {
-  for (const InstructionSet set : {InstructionSet::avx512, InstructionSet::avx2}) {
-    if (is_available(set)) return make_raster_with(set);
-  }
-  return make_raster_with(InstructionSet::plain);
+  return make_raster_with(best_instructions());
 }
 
 }  // namespace kaz::sim

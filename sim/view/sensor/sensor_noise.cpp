@@ -107,6 +107,58 @@ std::uint8_t exposed(std::uint16_t code64, std::uint32_t random, const NoiseRow:
     std::copy(out.data() + (from - at), out.data() + (to - at), codes + from);
   }
 }
+
+#define KAZ_AVX512 [[gnu::target("avx512bw,avx512dq,avx512vl")]]
+
+// Forms with a mask, as those without make GCC 12 warn of its own headers.
+constexpr __mmask16 kAll = 0xffff;
+
+KAZ_AVX512 inline __m512i next_sixteen(__m512i s) {
+  s = _mm512_xor_si512(s, _mm512_maskz_slli_epi32(kAll, s, 13));
+  s = _mm512_xor_si512(s, _mm512_maskz_srli_epi32(kAll, s, 17));
+  return _mm512_xor_si512(s, _mm512_maskz_slli_epi32(kAll, s, 5));
+}
+
+// exposed() for sixteen values.
+KAZ_AVX512 inline __m128i exposed_sixteen(__m256i codes64, __m512i random,
+                                          const NoiseRow::Factors& factors) {
+  const __m512i pairs = _mm512_maddubs_epi16(random, _mm512_set1_epi8(1));
+  const __m512i bytes = _mm512_madd_epi16(pairs, _mm512_set1_epi16(1));
+  const __m512 z =
+      _mm512_maskz_cvtepi32_ps(kAll, _mm512_sub_epi32(bytes, _mm512_set1_epi32(kMeanOfBytes)));
+  const __m512 code =
+      _mm512_mul_ps(_mm512_maskz_cvtepi32_ps(kAll, _mm512_maskz_cvtepu16_epi32(kAll, codes64)),
+                    _mm512_set1_ps(factors.code));
+  const __m512 square = _mm512_mul_ps(code, code);
+  const __m512 variance = _mm512_add_ps(_mm512_mul_ps(_mm512_set1_ps(factors.shot), square),
+                                        _mm512_set1_ps(factors.read));
+  const __m512 counted =
+      _mm512_add_ps(square, _mm512_mul_ps(z, _mm512_maskz_sqrt_ps(kAll, variance)));
+  const __m512 noisy = _mm512_add_ps(
+      _mm512_maskz_sqrt_ps(kAll, _mm512_maskz_max_ps(kAll, counted, _mm512_setzero_ps())),
+      _mm512_set1_ps(0.5F));
+  return _mm512_maskz_cvtepi32_epi8(
+      kAll,
+      _mm512_maskz_cvttps_epi32(kAll, _mm512_maskz_min_ps(kAll, noisy, _mm512_set1_ps(255.0F))));
+}
+
+KAZ_AVX512 void expose_avx512(const std::uint16_t* codes64, std::uint8_t* codes,
+                              NoiseRow::Range range, std::uint64_t key,
+                              const NoiseRow::Factors& factors) {
+  const auto seed = seeds(key);
+  __m512i state = _mm512_loadu_si512(seed.data());
+  std::size_t at = 0;
+  for (; at + kLanes <= range.first; at += kLanes) state = next_sixteen(state);
+  for (; at < range.end; at += kLanes) {
+    state = next_sixteen(state);
+    // Lanes inside of the range.
+    const std::size_t from = range.first > at ? range.first - at : 0;
+    const std::size_t to = std::min(range.end - at, kLanes);
+    const auto inside = static_cast<__mmask16>((0xffffU >> (kLanes - to)) & (0xffffU << from));
+    const __m256i values = _mm256_maskz_loadu_epi16(inside, codes64 + at);
+    _mm_mask_storeu_epi8(codes + at, inside, exposed_sixteen(values, state, factors));
+  }
+}
 #endif
 
 }  // namespace
@@ -133,11 +185,12 @@ void NoiseRow::expose_plain(const std::uint16_t* codes64, std::uint8_t* codes, R
 }
 
 void NoiseRow::expose(const std::uint16_t* codes64, std::uint8_t* codes, Range range,
-                      std::uint64_t key) const {
+                      std::uint64_t key, InstructionSet with) const {
 #if defined(__x86_64__)
-  static const bool avx2 = __builtin_cpu_supports("avx2") != 0;
-  if (avx2) return expose_avx2(codes64, codes, range, key, factors_);
+  if (with == InstructionSet::avx512) return expose_avx512(codes64, codes, range, key, factors_);
+  if (with == InstructionSet::avx2) return expose_avx2(codes64, codes, range, key, factors_);
 #endif
+  (void)with;
   expose_plain(codes64, codes, range, key);
 }
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sim/view/instruction_set.h"
+
 namespace kaz::sim {
 
 // Photon-transfer model: a code c stands for the light c^2 (lighting.h), code 255 for `full_well_e`
@@ -26,11 +28,9 @@ class NoiseRow {
   };
   // Converts values of a row in 1/64 codes to codes. n electrons are read as n + z sqrt(n + read^2), z with
   // mean 0 and sigma 1: the sum of four random bytes (nearly normal, |z| <= 3.46), a function of `key` and
-  // the position in the row. AVX2 is used where available and gives the same bytes.
-  void expose(const std::uint16_t* codes64, std::uint8_t* codes, Range range,
-              std::uint64_t key) const;
-  void expose_plain(const std::uint16_t* codes64, std::uint8_t* codes, Range range,
-                    std::uint64_t key) const;
+  // the position in the row. `with` must be available.
+  void expose(const std::uint16_t* codes64, std::uint8_t* codes, Range range, std::uint64_t key,
+              InstructionSet with = best_instructions()) const;
 
   struct Factors {
     float code = 0;  // codes per 1/64 code, times sqrt(exposure)
@@ -39,6 +39,9 @@ class NoiseRow {
   };
 
  private:
+  void expose_plain(const std::uint16_t* codes64, std::uint8_t* codes, Range range,
+                    std::uint64_t key) const;
+
   Factors factors_;
 };
 
