@@ -250,7 +250,7 @@ KAZ_LANES_INLINE Pattern texel_at(const TextureLevels& t, Floats u, Floats v, in
 }
 KAZ_LANES_INLINE Pattern texel_at(const TextureLevels& t, Floats u, Floats v, Ints level) {
   const Ints side_bits = t.side_bits - level, mask = (1 << side_bits) - 1;
-  const Ints offset = gather(t.offset.data(), level);
+  const Ints offset = look_up(t.offset.data(), level);
   return interpolated(t, footprint(u, v, to_float(mask + 1), side_bits, mask, offset));
 }
 
