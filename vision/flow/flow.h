@@ -68,7 +68,7 @@ struct FlowImage {
   double seconds_between() const { return seconds(between(after.exposure, before.exposure)); }
 };
 
-// OpenCV may share the work between threads; cv::setNumThreads(1) keeps it in the caller's.
+// OpenCV may share the work between threads, with slightly other flow: opencv_threads.h.
 class FlowFinder {
  public:
   explicit FlowFinder(const FlowOptions& options = {});

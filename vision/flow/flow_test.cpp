@@ -6,8 +6,11 @@
 
 #include <algorithm>
 
+#include <opencv2/core/utility.hpp>
+
 #include "vision/depth/stereo_testing.h"
 #include "vision/flow/sparse_flow.h"
+#include "vision/image/opencv_threads.h"
 
 namespace kaz::vision {
 namespace {
@@ -167,6 +170,13 @@ TEST_F(Flow, RefusesOptionsOutOfRange) {
   SparseFlowOptions window;
   window.window_px = 4;
   EXPECT_FALSE(SparseFlow(window).find(before, first, after, second, points));
+}
+
+// The search begins anew in each stripe of the picture, of which there are as many as threads.
+TEST(OpenCvThreads, AreNotUsedWhereTheFlowShallBeThatOfOneThread) {
+  cv::setNumThreads(4);
+  keep_opencv_on_callers_threads();
+  EXPECT_EQ(cv::getNumThreads(), 1);
 }
 
 }  // namespace

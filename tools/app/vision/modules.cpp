@@ -6,6 +6,8 @@
 #include <memory>
 #include <sstream>
 
+#include "vision/image/opencv_threads.h"
+
 namespace kaz::tools {
 namespace {
 
@@ -62,6 +64,7 @@ Result<std::vector<std::string>> parse_modules(const std::string& list) {
 
 Result<void> add_modules(const VisionOptions& options, vision::Pipeline& pipeline) {
   const auto names = KAZ_TRY(parse_modules(options.modules));
+  vision::keep_opencv_on_callers_threads();
   for (const Kind& kind : kKinds) {
     if (std::find(names.begin(), names.end(), kind.name) == names.end()) continue;
     if (auto added = pipeline.add(kind.make(options)); !added) return added;
