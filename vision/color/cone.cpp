@@ -65,11 +65,12 @@ std::optional<Cone> min_median(std::span<const Eigen::Vector3d> rays) {
     for (std::size_t i = 0; i < rays.size(); i += stride) {
       distance.push_back(std::abs(cone->axis.dot(rays[i]) - cosine) * per_sine);
     }
-    const double m = median(distance);
-    if (m < best_median) {
-      best_median = m;
-      best = cone;
-    }
+    // The median is below the best so far if more than half of the distances are: seldom.
+    const auto below =
+        std::ranges::count_if(distance, [best_median](double d) { return d < best_median; });
+    if (static_cast<std::size_t>(below) <= distance.size() / 2) continue;
+    best_median = median(distance);
+    best = cone;
   }
   return best;
 }
