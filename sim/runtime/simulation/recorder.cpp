@@ -63,10 +63,10 @@ constexpr char joint_loads_schema[] =
     "float64[54] force   # N\n"
     "float64[54] moment  # Nm\n";
 constexpr char eyes_schema[] =
-    "# Poly1305 (RFC 8439, key 00 01 .. 1f) of the RGB bytes of a stereo pair; the message's time "
+    "# XXH3 (128 bits) of the RGB bytes of a stereo pair; the message's time "
     "is\n"
     "# the exposure.\n"
-    "uint64 sequence\nstring left_poly1305\nstring right_poly1305\n";
+    "uint64 sequence\nstring left_xxh3\nstring right_xxh3\n";
 // As ROS has it, so that viewers show the pictures.
 constexpr char picture_schema[] =
     "# As the host gets it, rectified; 8-bit RGB without loss. The message's time is its arrival\n"

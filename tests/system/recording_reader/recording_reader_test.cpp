@@ -129,7 +129,7 @@ TEST_F(RecordingReader, DecodesTheNumbersThatWereWritten) {
   EXPECT_EQ(wire["value"][0], 0);
   EXPECT_EQ(wire["value"].size(), wire["state"].size());
   EXPECT_EQ(wire["value"].size(), wire["framing_error"].size());
-  EXPECT_EQ(channels["/eyes"]["first"]["left_poly1305"].get<std::string>().size(), 32u);
+  EXPECT_EQ(channels["/eyes"]["first"]["left_xxh3"].get<std::string>().size(), 32u);
   EXPECT_TRUE(channels["/behavior"]["first"].is_object());
   const json& picture = channels["/eyes/left"]["first"];
   EXPECT_EQ(picture["format"], "png");
