@@ -53,6 +53,9 @@ Result<void> check_goal(const behavior::Behavior& behavior) {
 void add_run_options(CLI::App& verb, RunArguments& arguments) {
   add_sim_options(verb, arguments.session.backend);
   add_record_pictures(verb, arguments.session.backend);
+  verb.add_option("--memory", arguments.memory,
+                  "the virtual board's calibration, from kaz calibrate joints or kaz sim --memory")
+      ->type_name("FILE");
   verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
                   "self-test of saving and restoring: every so many seconds the virtual robot is "
                   "saved, goes "
@@ -105,6 +108,8 @@ Result<bool> run_behavior(RunArguments arguments) {
       return fail(Fault::usage, "--goal " + arguments.goal + " and --set goal=" + set->second +
                                     " contradict each other; leave one out");
   }
+  if (!arguments.memory.empty())
+    arguments.session.backend.memory = KAZ_TRY(read_memory(arguments.memory));
   if (!arguments.color.empty()) {
     const auto color = KAZ_TRY(read_color(arguments.color));
     arguments.session.vision.ball.color = color;

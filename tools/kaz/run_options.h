@@ -17,6 +17,7 @@ struct RunArguments {
   std::string duration;               // s
   std::string color;                  // file
   std::string goal;                   // of navigate
+  std::string memory;                 // file
 };
 
 // Of both verbs; what they describe differently is added by the others.

@@ -37,9 +37,9 @@ std::string timed_behaviors() {
 // Options of the virtual robot, which have no effect on one at a port. --seed has: behaviours choose by it,
 // and so has --faults.
 constexpr const char* kVirtualOnly[] = {
-    "--world", "--robot-file", "--mcu",      "--image",           "--sensors",
-    "--imu",   "--no-imu",     "--dynamics", "--physics-step",    "--supply",
-    "--eyes",  "--eye-width",  "--renderer", "--record-pictures", "--restore-every"};
+    "--world",    "--robot-file",      "--mcu",           "--image",  "--sensors", "--imu",
+    "--no-imu",   "--dynamics",        "--physics-step",  "--supply", "--eyes",    "--eye-width",
+    "--renderer", "--record-pictures", "--restore-every", "--memory"};
 
 // Errors: an option was given that has no effect on this kind of robot.
 Result<void> check_given(const CLI::App& verb, const std::string& robot) {

@@ -14,10 +14,19 @@ namespace {
 // What a motor stand does not have, among the options given; empty if there is none.
 std::string not_of_a_stand(const CLI::App& verb) {
   static constexpr std::pair<const char*, const char*> kAbsent[] = {
-      {"--world", "world"},  {"--robot-file", "robot"},     {"--imu", "IMU"},
-      {"--no-imu", "IMU"},   {"--dynamics", "robot"},       {"--physics-step", "robot"},
-      {"--eyes", "eyes"},    {"--eye-width", "eyes"},       {"--renderer", "eyes"},
-      {"--cameras", "eyes"}, {"--record-pictures", "eyes"}, {"--write-calibration", "eyes"}};
+      {"--world", "world"},
+      {"--suspended", "robot"},
+      {"--robot-file", "robot"},
+      {"--imu", "IMU"},
+      {"--no-imu", "IMU"},
+      {"--dynamics", "robot"},
+      {"--physics-step", "robot"},
+      {"--eyes", "eyes"},
+      {"--eye-width", "eyes"},
+      {"--renderer", "eyes"},
+      {"--cameras", "eyes"},
+      {"--record-pictures", "eyes"},
+      {"--write-calibration", "eyes"}};
   for (const auto& [option, what] : kAbsent) {
     if (verb.get_option(option)->count() > 0)
       return std::string(option) + ": a motor stand has no " + what + "; leave " + option +
@@ -51,6 +60,9 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--write-calibration", arguments->calibration,
                    "write the eyes' calibration as OpenCV does (YAML); without --serial, only that")
       ->type_name("FILE");
+  verb->add_flag(
+      "--suspended", arguments->backend.suspended,
+      "the robot hangs by its trunk, feet free, as for kaz calibrate joints --only stops");
   auto* record = verb->add_option("--record", arguments->backend.recording,
                                   "record everything into this file (MCAP), until Ctrl-C")
                      ->type_name("FILE");

@@ -90,6 +90,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
   world_options.seed = options.seed;
   world_options.dynamics = options.dynamics;
   world_options.step_s = options.physics_step_ms / 1000;
+  world_options.hung = options.suspended;
   auto world = KAZ_TRY(World::load(options.world_path, options.robot_path, world_options));
   KAZ_TRY(check_limits(options.robot_path));
   Result<CameraFile> camera;

@@ -47,6 +47,7 @@ struct SimulationOptions {
   std::uint64_t seed = 1;
   std::string dynamics = "reduced";  // sim/body/world/world.h
   double physics_step_ms = 1;        // of the world: 0.125, 0.25, 0.5, 1, 2 or 4
+  bool suspended = false;            // WorldOptions::hung
   SensorSwitches sensors = {};
   SensorParams sensor_params = {};  // create() reads them from sensors.xml beside the URDF
   bool imu = false;                 // the board has gyro and accelerometer

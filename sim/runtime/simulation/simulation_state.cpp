@@ -72,34 +72,37 @@ std::string name_of(const RendererFactory& renderer) {
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
   const auto& [mcu, image_path, world_path, robot_path, camera_path, seed, dynamics,
-               physics_step_ms, sensors, sensor_params, imu, eyes, eye_width, supply_volts,
-               supply_ohms, frames, faults, recording_path, record_pictures, recording_facts,
-               renderer, detour_every] = options;
+               physics_step_ms, suspended, sensors, sensor_params, imu, eyes, eye_width,
+               supply_volts, supply_ohms, frames, faults, recording_path, record_pictures,
+               recording_facts, renderer, detour_every] = options;
   static_cast<void>(dynamics);        // the world returns it with the iterations
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(record_pictures);
   static_cast<void>(recording_facts);
   static_cast<void>(detour_every);  // nor does a detour
-  return {{"mcu", to_string(mcu)},
-          {"seed", std::to_string(seed)},
-          {"dynamics", world.dynamics()},
-          {"physics_step_ms", exact(physics_step_ms)},
-          {"sensors", switches_of(sensors)},
-          {"sensor_params_sha256", digest_of(sensor_params)},
-          {"imu", imu ? "true" : "false"},
-          {"eyes", to_string(eyes)},
-          {"eye_width", std::to_string(eye_width)},
-          {"frames", frames == FramePolicy::wait ? "wait" : "drop"},
-          {"renderer", name_of(renderer)},
-          {"supply_volts", exact(supply_volts)},
-          {"supply_ohms", exact(supply_ohms)},
-          {"world_sha256", digest_of(world_path)},
-          {"robot_sha256", digest_of(robot_path)},
-          {"sensors_sha256", digest_beside(robot_path, "sensors.xml")},
-          {"motor_sha256", digest_beside(robot_path, "motor.xml")},
-          {"camera_sha256", digest_of(camera_path)},
-          {"image_sha256", digest_of(image_path)},
-          {"faults", faults.text()}};
+  std::vector<std::pair<std::string, std::string>> facts{
+      {"mcu", to_string(mcu)},
+      {"seed", std::to_string(seed)},
+      {"dynamics", world.dynamics()},
+      {"physics_step_ms", exact(physics_step_ms)},
+      {"sensors", switches_of(sensors)},
+      {"sensor_params_sha256", digest_of(sensor_params)},
+      {"imu", imu ? "true" : "false"},
+      {"eyes", to_string(eyes)},
+      {"eye_width", std::to_string(eye_width)},
+      {"frames", frames == FramePolicy::wait ? "wait" : "drop"},
+      {"renderer", name_of(renderer)},
+      {"supply_volts", exact(supply_volts)},
+      {"supply_ohms", exact(supply_ohms)},
+      {"world_sha256", digest_of(world_path)},
+      {"robot_sha256", digest_of(robot_path)},
+      {"sensors_sha256", digest_beside(robot_path, "sensors.xml")},
+      {"motor_sha256", digest_beside(robot_path, "motor.xml")},
+      {"camera_sha256", digest_of(camera_path)},
+      {"image_sha256", digest_of(image_path)},
+      {"faults", faults.text()}};
+  if (suspended) facts.emplace_back("suspended", "true");
+  return facts;
 }
 
 template <class A>

@@ -89,9 +89,11 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
        {std::pair{"world", &options.world}, std::pair{"robot_file", &options.robot_file},
         std::pair{mcu_key, &mcu}, std::pair{"image", &options.image},
         std::pair{"sensors", &sensors}, std::pair{"eyes", &eyes}, std::pair{"renderer", &renderer},
-        std::pair{"dynamics", &options.dynamics}})
+        std::pair{"dynamics", &options.dynamics}, std::pair{"memory", &options.memory}})
     take(key, *to, is(key, text));
   take("imu", options.imu, is("imu", [](const Json& value) { return value.is_boolean(); }));
+  take("suspended", options.suspended,
+       is("suspended", [](const Json& value) { return value.is_boolean(); }));
   take("physics_step_ms", options.physics_step_ms, is("physics_step_ms", number));
   take("supply_volts", options.supply_volts, is("supply_volts", [](const Json& value) {
          return value.is_number() && value.get<double>() >= kMinSupply_v &&

@@ -26,7 +26,8 @@ TEST(RecordedBackend, ReadsEachKey) {
   const auto read = recorded_backend(
       with_backend(R"({"world":"catch","robot_file":"r.urdf","mcu":"native","image":"kaz.mot",
                        "sensors":"ideal","imu":true,"dynamics":"exact","physics_step_ms":0.5,
-                       "eyes":"real","eye_width":640,"renderer":"raster","supply_volts":9.5,"seed":7})"),
+                       "eyes":"real","eye_width":640,"renderer":"raster","supply_volts":9.5,"seed":7,
+                       "memory":"ff00","suspended":true})"),
       "run.mcap");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->behavior, "track-ball");
@@ -44,6 +45,8 @@ TEST(RecordedBackend, ReadsEachKey) {
   EXPECT_EQ(read->backend.renderer, sim::RendererKind::raster);
   EXPECT_EQ(read->backend.supply_volts, 9.5);
   EXPECT_EQ(read->backend.seed, 7u);
+  EXPECT_EQ(read->backend.memory, "ff00");
+  EXPECT_TRUE(read->backend.suspended);
 }
 
 TEST(RecordedBackend, ReadsTheMcuOfOlderRecordings) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/backend.h"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +10,9 @@
 #include "host/link/faulty_link.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
+#include "shared/base/files.hpp"
+#include "shared/base/hex_text.hpp"
+#include "shared/base/number_text.hpp"
 #include "sim/stand/stand_commands.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
@@ -152,6 +156,24 @@ Result<void> check(const BackendOptions& options) {
 
 namespace {
 
+// In force as after a reset.
+Result<void> put_memory(sim::Simulation& simulation, const std::string& hex) {
+  if (hex.empty()) return {};
+  std::array<std::uint8_t, sim::Mcu::memory_size> bytes{};
+  bool valid = hex.size() == 2 * bytes.size();
+  for (std::size_t i = 0; valid && i < bytes.size(); ++i) {
+    const auto byte = parse_number<std::uint8_t>(std::string_view(hex).substr(2 * i, 2), 16);
+    valid = byte.has_value();
+    if (valid) bytes[i] = *byte;
+  }
+  if (!valid)
+    return fail(Fault::usage, "what should be the memory of a board is none: it has not " +
+                                  std::to_string(bytes.size()) + " bytes in hexadecimal");
+  simulation.board().mcu().set_memory(bytes);
+  simulation.board().mcu().reset();
+  return {};
+}
+
 Result<std::unique_ptr<sim::Simulation>> make_stand(const BackendOptions& options,
                                                     sim::SimulationOptions sim) {
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
@@ -182,6 +204,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
   sim.renderer = sim::maker_of(options.renderer);
   sim.dynamics = options.dynamics;
   sim.physics_step_ms = options.physics_step_ms;
+  sim.suspended = options.suspended;
   sim.frames = frames;
   sim.sensors = sim::sensor_switches(options.sensors);
   sim.imu = options.imu;
@@ -218,7 +241,20 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
   if (found && options.mcu == sim::McuKind::h8 && !options.erased)
     found = find(firmware_image(options.image), sim.image_path);
   if (!found) return tl::unexpected(found.error());
-  return options.stand ? make_stand(options, sim) : sim::Simulation::create(sim);
+  auto simulation =
+      KAZ_TRY(options.stand ? make_stand(options, sim) : sim::Simulation::create(sim));
+  KAZ_TRY(put_memory(*simulation, options.memory));
+  return simulation;
+}
+
+Result<std::string> read_memory(const std::string& path) {
+  const auto bytes = KAZ_TRY(read_whole_file(path, 2 * sim::Mcu::memory_size));
+  if (bytes.size() != sim::Mcu::memory_size)
+    return fail(Fault::usage, path +
+                                  ": no memory of a board, which `kaz sim --memory` and `kaz "
+                                  "calibrate joints --memory` write: it has not " +
+                                  std::to_string(sim::Mcu::memory_size) + " bytes");
+  return hex_text({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
 }
 
 Result<std::unique_ptr<SessionBackend>> SessionBackend::open(const BackendOptions& options,

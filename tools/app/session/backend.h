@@ -61,4 +61,8 @@ Result<void> check(const BackendOptions& options);
 Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& options,
                                                          sim::FramePolicy frames);
 
+// BackendOptions::memory of a file that `kaz sim --memory` or `kaz calibrate joints` has written. Errors
+// (usage): no such file, or another one.
+Result<std::string> read_memory(const std::string& path);
+
 }  // namespace kaz::tools

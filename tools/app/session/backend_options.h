@@ -30,6 +30,9 @@ struct BackendOptions {
   std::string motor_file, motor;  // of the stand; Kaz's motor.xml and its default if empty
   double disc_kgm2 = 4e-4;        // on each shaft of the stand
   bool erased = false;            // no image: the flash is blank
+  // Calibration and address in the board's flash (Mcu::memory), in hexadecimal; none if empty.
+  std::string memory;
+  bool suspended = false;  // by the trunk, feet free
   sim::SensorSet sensors = sim::SensorSet::nominal;
   bool imu = false;  // the board's option
   sim::EyeKind eyes = sim::EyeKind::ideal;

@@ -189,6 +189,8 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
                                {"renderer", to_string(backend.renderer)},
                                {"supply_volts", backend.supply_volts},
                                {"seed", backend.seed}};
+  if (!backend.memory.empty()) robot["memory"] = backend.memory;
+  if (backend.suspended) robot["suspended"] = true;
   return {{"behavior", options.behavior},
           {"settings", nlohmann::json(options.settings).dump()},
           {"backend", robot.dump()}};
