@@ -112,7 +112,7 @@ LAYERS = {
     },
     "host": {
         "link": (), "robot": ("link",), "camera": ("link", "robot"), "flash": ("link", "robot"),
-        "motion": ("link", "robot"), "map": (), "plan": ("map",),
+        "motion": ("link", "robot"), "calibration": ("robot", "motion"), "map": (), "plan": ("map",),
         "behavior": ("link", "robot", "camera", "motion", "map", "plan"),
     },
     "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
@@ -123,7 +123,7 @@ LAYERS = {
     },
     "tools/app": {
         "base": (), "kept": ("base",), "vision": ("base",), "session": ("base", "kept", "vision"),
-        "board": ("base", "kept"),
+        "board": ("base", "kept"), "calibrate": ("base", "kept", "session"),
         "monitor": ("base", "kept"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
         "sim": ("base", "session"),
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
@@ -139,7 +139,7 @@ LAYERS = {
     "tests/integration": {name: () for name in (
         ".", "bench", "conformance", "damage", "random_programs", "vision", "vision_flow")},
     "tests/studies": {"common": ()} | {name: ("common",) for name in (
-        "dynamics_table", "figure7", "gait", "step_length", "vision_table", "walking")},
+        "dynamics_table", "figure7", "gait", "joints", "step_length", "vision_table", "walking")},
     "tests/system": {
         "campaign": (), "catching": (), "planted": (), "v4l2": (), "virtual_robot": (), "flash": (),
         "command_line": ("flash",), "recording_reader": ("command_line",),
