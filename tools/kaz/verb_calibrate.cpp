@@ -1,23 +1,18 @@
-// `kaz calibrate stereo`: two cameras from pictures of a chessboard.
+// `kaz calibrate`: cameras from pictures of a chessboard, joints against stops, gravity and symmetry.
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 #include <string>
 
+#include "tools/app/calibrate/calibrate_joints.h"
 #include "tools/app/vision/calibrate_stereo.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
+namespace {
 
-void add_calibrate(CLI::App& program, Action& action) {
-  auto* verb =
-      program.add_subcommand("calibrate", "calibrate cameras from pictures of a chessboard");
-  verb->require_subcommand(1);
-  verb->footer(
-      "Examples:\n"
-      "  kaz calibrate stereo --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
-      "      --board 9x6 --square 0.025 --out stereo.yml");
-  auto* stereo = verb->add_subcommand(
+void add_stereo(CLI::App& calibrate, Action& action) {
+  auto* stereo = calibrate.add_subcommand(
       "stereo", "lenses and relative position of two cameras, from pictures of a chessboard");
   auto arguments = std::make_shared<StereoCalibrationOptions>();
   stereo->add_option("--left", arguments->left, "pictures of the left eye; a pattern in quotes")
@@ -69,6 +64,106 @@ void add_calibrate(CLI::App& program, Action& action) {
       "      --out stereo.json --json");
   stereo->callback(
       [&action, arguments] { action = [arguments] { return calibrate_stereo(*arguments); }; });
+}
+
+// Of the virtual robot; at a port they have no effect.
+constexpr const char* kVirtualOnly[] = {"--world",    "--mcu",          "--image",  "--sensors",
+                                        "--imu",      "--no-imu",       "--supply", "--seed",
+                                        "--dynamics", "--physics-step", "--memory"};
+
+void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
+  options.backend.world = "empty";
+  options.backend.imu = true;
+  options.backend.sensors = sim::SensorSet::as_built;
+  verb.add_option("--robot", options.backend.robot, "sim, or a board at a port")
+      ->type_name("sim|serial:PATH[@BAUD]")
+      ->capture_default_str();
+  add_address(verb, options.backend.address);
+  verb.add_option(
+          "--only", options.only,
+          "stops: only the suspended robot, all joints against their stops; floor: only the "
+          "standing one, after that; gauge: nothing is moved, angles are typed in")
+      ->check(CLI::IsMember({"stops", "floor", "gauge"}));
+  verb.add_option(
+          "--gauge", options.gauge,
+          "by a gauge or a jig: that this joint, or all, is at this angle now; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->take_all();
+  verb.add_option("--gauge-error", options.gauge_error_deg,
+                  "how well an angle of the gauge is known, one standard deviation in degrees")
+      ->check(between(0.01, 5.0))
+      ->capture_default_str()
+      ->type_name("DEGREES");
+  verb.add_flag("--yes", options.yes, "do not ask at a port before each group of motions");
+  verb.add_flag("--dry-run", options.dry_run,
+                "print what would be moved where, connect to nothing");
+  verb.add_flag_callback(
+      "--no-store", [&options] { options.store = false; },
+      "report only, and leave the board as it was");
+  verb.add_option("--out", options.out,
+                  "folder for result.json and joints.svg; nothing is written if not given")
+      ->type_name("DIR");
+  verb.add_flag("--json", options.json, "print result.json on standard output, no progress");
+  verb.add_option("--memory", options.memory,
+                  "file that keeps the virtual board's calibration, for kaz run and kaz sim")
+      ->type_name("FILE");
+  add_sim_options(verb, options.backend);
+  for (const char* absent : {"--robot-file", "--eyes", "--eye-width", "--renderer"})
+    verb.remove_option(verb.get_option(absent));
+}
+
+void add_joints(CLI::App& calibrate, Action& action) {
+  auto* verb = calibrate.add_subcommand(
+      "joints", "potentiometers, against mechanical stops, gravity and symmetry, or by a gauge");
+  auto arguments = std::make_shared<JointCalibrationOptions>();
+  add_joint_options(*verb, *arguments);
+  verb->footer(
+      "First the robot hangs by its trunk, and each joint is pressed gently against both stops: "
+      "head "
+      "and hands, arms, legs. Then it stands on a level floor, crouches and leans: both soles are "
+      "flat "
+      "there, and the accelerometer, if the board has one, points down. At a port each group of "
+      "motions "
+      "waits for Enter; the virtual robot is suspended and set down by itself. What is computed is "
+      "stored in the board if all joints have good readings. After Ctrl-C or an error the board is "
+      "as "
+      "it was.\n"
+      "Exit status: 1 a joint has no good reading, nothing is stored.\n"
+      "Examples:\n"
+      "  kaz calibrate joints --dry-run\n"
+      "  kaz calibrate joints --seed 3 --mcu native --memory three.mem\n"
+      "  kaz run go-forward --sensors as-built --seed 3 --imu --memory three.mem\n"
+      "  kaz calibrate joints --robot serial:/dev/ttyUSB0 --out joints\n"
+      "  kaz calibrate joints --robot serial:/dev/ttyUSB0 --only floor --yes --json\n"
+      "  kaz calibrate joints --robot serial:/dev/ttyUSB0 --gauge neck_pan=0 --gauge-error 0.3");
+  verb->callback([&action, arguments, verb] {
+    action = [arguments, verb]() -> Result<Outcome> {
+      for (const char* option : kVirtualOnly) {
+        if (arguments->backend.robot != "sim" && verb->count(option) > 0)
+          return fail(Fault::usage, std::string(option) +
+                                        " is for the virtual robot; leave it out with --robot " +
+                                        arguments->backend.robot);
+      }
+      return calibrate_joints(*arguments);
+    };
+  });
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "calibrate", "calibrate cameras from pictures of a chessboard, or the robot's joints");
+  verb->require_subcommand(1);
+  verb->footer(
+      "Examples:\n"
+      "  kaz calibrate stereo --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
+      "      --board 9x6 --square 0.025 --out stereo.yml\n"
+      "  kaz calibrate joints --robot serial:/dev/ttyUSB0");
+  add_stereo(*verb, action);
+  add_joints(*verb, action);
 }
 
 }  // namespace kaz::tools

@@ -2,11 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/bench/bench_target.h"
 
-#include <poll.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "host/link/tty_link.h"
@@ -14,6 +9,7 @@
 #include "host/robot/control_socket.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/prompt.h"
 #include "tools/app/base/time_lost.h"
 #include "tools/lockstep/stand_backend.h"
 
@@ -58,22 +54,6 @@ class PortTarget final : public BenchTarget {
   std::unique_ptr<hil::Stand> stand_;
 };
 
-// Not by std::cin: Ctrl-C has to end the wait.
-Result<std::string> prompt_user(const std::string& prompt, const host::Interrupt& interrupt) {
-  std::fprintf(stderr, "\n%s: ", prompt.c_str());
-  std::string line;
-  for (char letter = 0; letter != '\n';) {
-    pollfd watched[2] = {{STDIN_FILENO, POLLIN, 0}, {interrupt.descriptor(), POLLIN, 0}};
-    const int ready = poll(watched, 2, -1);
-    if (interrupt.requested()) return tl::unexpected(host::Interrupt::error());
-    if (ready < 0 && errno == EINTR) continue;
-    if (ready < 0 || ::read(STDIN_FILENO, &letter, 1) != 1)
-      return fail(Fault::usage, "--stand manual needs somebody at the keyboard");
-    if (letter != '\n') line += letter;
-  }
-  return line;
-}
-
 Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options,
                                                host::LatenessMeter& clock,
                                                const host::Interrupt& interrupt) {
@@ -81,7 +61,8 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
   if (options.stand == "manual") {
     stand = std::make_unique<hil::ManualStand>(
         [&interrupt, &clock](const std::string& prompt) {
-          auto line = prompt_user(prompt, interrupt);
+          auto line =
+              prompt_user(prompt, interrupt, "--stand manual needs somebody at the keyboard");
           clock.waited();
           return line;
         },
