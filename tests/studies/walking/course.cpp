@@ -12,6 +12,7 @@
 #include "host/motion/gait.h"
 #include "host/robot/robot.h"
 #include "shared/base/angle.hpp"
+#include "tests/studies/common/calibrated.h"
 #include "tests/studies/common/disturbed_robot.h"
 #include "tools/lockstep/lockstep.h"
 
@@ -161,9 +162,8 @@ Result<void> knock_down(host::Robot& robot, sim::Simulation& simulation, double 
   return wait(2.5);
 }
 
-Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting& setting,
-                                              const trials::RobotFolder& files,
-                                              std::uint64_t seed) {
+sim::SimulationOptions options_of(const Trial& trial, const Setting& setting,
+                                  const trials::RobotFolder& files, std::uint64_t seed) {
   sim::SimulationOptions options;
   options.mcu = setting.mcu;
   options.image_path = setting.image_path;
@@ -174,7 +174,7 @@ Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting&
   options.supply_volts = trial.supply_volts;
   options.imu = trial.imu;
   options.sensors = sim::sensor_switches(trial.sensors);
-  return sim::Simulation::create(options);
+  return options;
 }
 
 }  // namespace
@@ -184,11 +184,15 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
   around.mu = trial.mu;
   around.mu_spread = trial.mu_spread;
   const auto files = KAZ_TRY(studies::disturbed_files(setting.robot_folder, around, seed));
-  const auto simulation = KAZ_TRY(make(trial, setting, files, seed));
+  const auto simulated = options_of(trial, setting, files, seed);
+  std::optional<studies::CalibratedJoints> calibrated;
+  if (trial.calibrated) calibrated = KAZ_TRY(studies::calibrate_joints(simulated));
+  const auto simulation = KAZ_TRY(sim::Simulation::create(simulated));
   Observer observer(*simulation, trial, seed, setting.trace);
   ObservedClock clock(*simulation, observer);
   lockstep::LockstepLink link(*simulation);
   auto robot = KAZ_TRY(host::Robot::connect(link, clock));
+  if (calibrated) KAZ_TRY(robot.set_calibration(host::kAllJoints, calibrated->all));
   const auto behavior = behavior::find_behavior(trial.behavior);
   if (!behavior) return tl::unexpected(behavior.error());
   auto options = KAZ_TRY(behavior::OptionValues::parse(behavior->options, trial.options));

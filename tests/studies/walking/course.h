@@ -33,7 +33,8 @@ struct Trial {
   double supply_volts = 10;
   bool imu = true;  // the board has the option
   sim::SensorSet sensors = sim::SensorSet::nominal;
-  double push_ns = 0;  // on the trunk, every push_every_s
+  bool calibrated = false;  // kaz calibrate joints has run on this robot
+  double push_ns = 0;       // on the trunk, every push_every_s
   // Direction of the pushes, 0 is ahead, > 0 to the left; none: random by seed.
   std::optional<double> push_to_deg = {};
   double push_every_s = 1.5;

@@ -37,6 +37,15 @@ std::vector<Trial> make() {
   for (const double mu : {0.6, 0.7, 0.8}) all.push_back(turn(mu, mu != 0.7, false));
   all.push_back(walk("walk 1 m, as built"));
   all.back().sensors = sim::SensorSet::as_built;
+  all.push_back(walk("walk 1 m, as built, calibrated"));
+  all.back().sensors = sim::SensorSet::as_built;
+  all.back().calibrated = true;
+  for (const bool calibrated : {false, true}) {
+    all.push_back(turn(0.7, false, true));
+    all.back().name += std::string(", as built") + (calibrated ? ", calibrated" : "");
+    all.back().sensors = sim::SensorSet::as_built;
+    all.back().calibrated = calibrated;
+  }
   for (const double mu : {0.4, 0.5, 0.6, 0.8, 0.9, 1.0}) {
     all.push_back(walk("walk 1 m, mu " + number(mu)));
     all.back().mu = mu;
