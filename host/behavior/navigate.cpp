@@ -211,21 +211,17 @@ class Navigation {
     return look(kAhead);
   }
 
-  // To the left and right as far as floor that was not seen yet would come into view, along the way first of
-  // all.
+  // To the left and right as far as floor that was not seen yet would come into view, along the path first of
+  // all, if there is one.
   std::vector<double> sweep(bool left_first) {
     const motion::Place now = place();
     const Eigen::Vector2d ahead(std::cos(now.heading), std::sin(now.heading));
-    std::vector<Vector2d> way{here()};
-    if (corners_.size() > 1)
-      way.insert(way.end(), corners_.begin() + 1, corners_.end());
-    else if (!goal_.ball || ball_known_)
-      way.push_back(goal_now());
     std::vector<double> candidates;
     for (double pan = -kSweep; pan < kSweep + 1e-9; pan += kLookEvery) candidates.push_back(pan);
     double left = 0, right = 0;
     for (const double pan : map::directions_worth_a_look(
-             map_.map(), {here() + kEyesAhead * ahead, now.heading, kHalfView}, candidates, way)) {
+             map_.map(), {here() + kEyesAhead * ahead, now.heading, kHalfView}, candidates,
+             corners_)) {
       left = std::max(left, pan);
       right = std::min(right, pan);
     }
