@@ -12,6 +12,27 @@ namespace kaz::map {
 
 using Eigen::Isometry3d;
 
+namespace {
+
+constexpr double kLevelShare = 0.1;  // of the picture, that shows the floor's plane
+
+// Turns and lifts the eye so that the largest floor segment, of points p with n . p = -d in the optical frame, is
+// z = 0: the least turn of R n onto z, and the height d.
+void level(Isometry3d& eye, const vision::PlaneSegments& planes) {
+  const vision::PlaneSegment* largest = nullptr;
+  for (const vision::PlaneSegment& s : planes.segments) {
+    if (s.floor && (largest == nullptr || s.pixels > largest->pixels)) largest = &s;
+  }
+  if (largest == nullptr || largest->pixels < kLevelShare * planes.width * planes.height) return;
+  const Eigen::Vector3d up = eye.linear() * largest->normal;
+  eye.linear() =
+      Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+      eye.linear();
+  eye.translation().z() = largest->distance_m;
+}
+
+}  // namespace
+
 Result<LocalMap> LocalMap::make(const LocalMapOptions& o) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   if (!positive(o.cell_m) || !positive(o.size_m) || o.size_m < 2 * o.cell_m ||
@@ -91,11 +112,12 @@ Result<void> LocalMap::update(const vision::PlaneSegments& planes, const vision:
   if (auto fine = check(planes, depth, info, map_from_foot); !fine) return fine;
   ++counts_.updates;
   last_ = info.exposure;
-  const View view(info.camera, map_from_foot * info.foot_from_eye, options_);
+  View view(info.camera, map_from_foot * info.foot_from_eye, options_);
   row_up_.resize(static_cast<std::size_t>(depth.width));
   own_.assign(depth.disparity_px.size(), 0);
   for (const OwnPart& part : own) mask(part, info);
   const Eigen::Vector2d foot = map_from_foot.translation().head<2>();
+  level(view.eye, planes);
   see_floor(view, planes, foot);
   see_obstacles(view, planes, depth, foot);
   enter_obstacles(view, depth.width);

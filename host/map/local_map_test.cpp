@@ -128,6 +128,82 @@ TEST(LocalMap, EdgesAreWithinACellFromAnySideAndWithNoise) {
   }
 }
 
+// A face of one colour: no depth but within half a block of its edges, 10 px, and of the rim.
+void make_plain(TestView& view, const Isometry3d& eye, double face_x, double from_y, double to_y) {
+  const vision::CameraModel& c = view.depth.info.camera;
+  for (int v = 0; v < c.height; ++v) {
+    for (int u = 0; u < c.width; ++u) {
+      float& d = view.depth.disparity_px[static_cast<std::size_t>(v * c.width + u)];
+      const double z = c.fx * c.baseline_m / static_cast<double>(d), edge = 10 * z / c.fx;
+      const Vector3d p = eye * (z * Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+      const bool inside = std::abs(p.x() - face_x) < 0.005 && p.y() > from_y + edge &&
+                          p.y() < to_y - edge && p.z() > 0;
+      if (inside) d = 0;
+    }
+  }
+}
+
+TEST(LocalMap, APlainFaceStandsBetweenItsEdges) {
+  LocalMap map = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) {
+    TestView view = kBoxAhead.seen(test_eye(0, 0.5), 0, k);
+    make_plain(view, test_eye(0, 0.5), 0.45, -0.05, 0.15);
+    enter(map, view);
+  }
+  for (double y = -0.04; y < 0.145; y += 0.01)
+    EXPECT_EQ(map.at(0.455, y).state, CellState::obstacle) << y;
+}
+
+// Two posts, whose depth is of their edges as well, and floor between them that is not seen from some
+// distance on, raggedly: no face. The gap stays unknown.
+TEST(LocalMap, FloorThatEndsRaggedlyBetweenTwoThingsIsNoFace) {
+  const TestYard posts{
+      {{{0.70, 0.10, 0.1}, {0.04, 0.04, 0.2}}, {{0.70, -0.10, 0.1}, {0.04, 0.04, 0.2}}}};
+  LocalMap map = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) {
+    TestView view = posts.seen(test_eye(0, 0.35), 0, k);
+    const vision::CameraModel& c = view.depth.info.camera;
+    for (int v = 0; v < c.height; ++v) {
+      for (int u = 0; u < c.width; ++u) {
+        const auto pixel = static_cast<std::size_t>(v * c.width + u);
+        const Vector3d ray =
+            test_eye(0, 0.35).linear() * Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1);
+        const double floor_x = ray.z() < 0 ? 0.27 / -ray.z() * ray.x() : 9;
+        const bool floor = view.planes.label[pixel] == 1;
+        if (floor && floor_x > 0.68 + 0.03 * std::sin(u * 0.9))
+          view.planes.label[pixel] = 0, view.depth.disparity_px[pixel] = 0;
+      }
+    }
+    enter(map, view);
+  }
+  EXPECT_EQ(map.at(0.685, 0.10).state, CellState::obstacle);
+  for (double x = 0.66; x < 0.80; x += 0.01) {
+    for (double y = -0.06; y < 0.065; y += 0.01)
+      EXPECT_NE(map.at(x, y).state, CellState::obstacle) << x << " " << y;
+  }
+}
+
+// The posture says that the eye looks a degree higher and is 1 cm lower than it does: the floor's plane in the
+// picture says otherwise.
+TEST(LocalMap, LevelsTheEyeByTheFloor) {
+  Isometry3d wrong = test_eye(0, 0.5 - 0.0175);
+  wrong.translation().z() -= 0.01;
+  LocalMap right = make(), leveled = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) {
+    TestView view = kBoxAhead.seen(test_eye(0, 0.5), 0.1, k);
+    enter(right, view);
+    view.planes.info.foot_from_eye = view.depth.info.foot_from_eye = wrong;
+    enter(leveled, view);
+  }
+  int differ = 0;
+  for (int x = 0; x < right.cells(); ++x) {
+    for (int y = 0; y < right.cells(); ++y)
+      differ += right.cell(x, y).state != leveled.cell(x, y).state ? 1 : 0;
+  }
+  EXPECT_GT(known(right), 3000);
+  EXPECT_LE(differ, 10);
+}
+
 TEST(LocalMap, TakesWhatIsAboveTheFloorForAnObstacleAlsoWhereFloorIsSeenBelow) {
   // A board over the floor, 8 to 10 cm high: what is under its front edge is seen by both.
   const TestYard yard{{{{0.55, 0, 0.09}, {0.30, 0.4, 0.02}}}};

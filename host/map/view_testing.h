@@ -71,6 +71,9 @@ struct TestYard {
     vision::PlaneSegment& floor = view.planes.segments.emplace_back();
     floor.floor = true;
     floor.middle = in * Vector3d(0.5, 0, 0);
+    floor.normal = in.linear() * Vector3d::UnitZ();
+    floor.distance_m = eye.translation().z();
+    for (const std::uint8_t label : view.planes.label) floor.pixels += label;
     return view;
   }
 };

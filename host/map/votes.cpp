@@ -141,7 +141,7 @@ void LocalMap::mask(const OwnPart& part, const vision::FrameInfo& info) {
 // (error below 0.01 mm). A point counts if its height is within (obstacle_m, robot_m) and above 3 standard
 // deviations of its own error, dz = z^2 / (f B) dd times the ray's slope. Depth errors scatter points behind
 // an edge over visible floor: such a point is moved up to 2 standard deviations along the ray to a cell that
-// is not. Each adds share min(z^2, z0^2): the area of a pixel at depth z in cells.
+// is not. A point that agrees with the end of the floor below it stands there. Each adds share min(z^2, z0^2): the area of a pixel at depth z in cells.
 void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& planes,
                              const vision::DepthImage& depth, const Vector2d& foot) {
   const vision::CameraModel& c = view.camera;
@@ -174,7 +174,28 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
   };
   const int width = depth.width;
   float* const up = row_up_.data();
-  for (int v = stride_v / 2; v < depth.height; v += stride_v) {
+  const auto enter = [&](int cell, float votes, int points) {
+    const auto i = static_cast<std::size_t>(cell);
+    if (hits_[i] == 0) touched_.push_back(static_cast<std::uint32_t>(cell));
+    hits_[i] += votes;
+    points_[i] = static_cast<std::uint16_t>(points_[i] + points);
+  };
+  const auto is_floor = [&](int cell) {
+    return cell >= 0 && seen_[static_cast<std::size_t>(cell)] == update;
+  };
+  // The cell of a thing that stands where the floor ends: just beyond it, and not itself seen to be floor.
+  const auto cell_beyond = [&](float distance, const Eigen::Vector3f& ray) {
+    int cell = -1;
+    for (const float halves : {1.0F, 2.0F, 3.0F}) {
+      cell = cell_of((distance + 0.5F * halves / per_m) / ray.head<2>().norm(), ray);
+      if (!is_floor(cell)) break;
+    }
+    return cell;
+  };
+  contact_.begin(planes, floor, view.eye);
+  for (int v = depth.height - 1; v >= 0; --v) {
+    contact_.enter_row(v);
+    if (v % stride_v != stride_v / 2) continue;
     const Eigen::Vector3f start = (view.eye.linear() * Vector3d(-c.cx / c.fx, (v - c.cy) / c.fy, 1))
                                       .cast<float>();  // of the ray at u = 0
     const float* d = depth.disparity_px.data() + static_cast<std::ptrdiff_t>(v) * width;
@@ -198,19 +219,28 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
       const Eigen::Vector2f offset = reach * ray.head<2>();  // horizontal, from the eye
       if (offset.squaredNorm() > farthest2) continue;
       if ((eye.head<2>() + offset - foot.cast<float>()).squaredNorm() < own2) continue;
-      int cell = cell_of(reach, ray);
-      for (int sigmas = 1; !drop && cell >= 0 && sigmas <= 2; ++sigmas) {
-        const float farther = d[u] - static_cast<float>(sigmas) * error;
-        if (seen_[static_cast<std::size_t>(cell)] != update || farther <= 0) break;
-        const int other = cell_of(fb / farther, ray);
-        if (other >= 0 && seen_[static_cast<std::size_t>(other)] != update) cell = other;
+      const float votes = share * std::min(reach * reach, weight_z2);
+      const float foot_m = drop ? 0 : contact_.distance(u);
+      const float off_px = d[u] - fb * ray.head<2>().norm() / foot_m;  // if it stands there
+      int cell = -1;
+      if (foot_m > 0 && std::abs(off_px) < kContactSigmas * error) {
+        contact_.add(u, votes);
+        cell = cell_beyond(foot_m, ray);
+      } else {
+        cell = cell_of(reach, ray);
+        for (int sigmas = 1; !drop && is_floor(cell) && sigmas <= 2; ++sigmas) {
+          const float farther = d[u] - static_cast<float>(sigmas) * error;
+          if (farther <= 0) break;
+          const int other = cell_of(fb / farther, ray);
+          if (other >= 0 && !is_floor(other)) cell = other;
+        }
       }
-      if (cell < 0) continue;
-      float& hits = hits_[static_cast<std::size_t>(cell)];
-      if (hits == 0) touched_.push_back(static_cast<std::uint32_t>(cell));
-      hits += share * std::min(reach * reach, weight_z2);
-      ++points_[static_cast<std::size_t>(cell)];
+      if (cell >= 0) enter(cell, votes, 1);
     }
+  }
+  for (const ContactLine::Filled& at : contact_.plain_faces(stride, options_.obstacle_m, own_)) {
+    const int cell = cell_beyond(at.distance_m, at.ray);
+    if (cell >= 0) enter(cell, at.votes, at.points);
   }
 }
 

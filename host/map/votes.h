@@ -22,6 +22,8 @@ inline constexpr float kSmooth_px = 1;
 inline constexpr int kMinPoints = 4;
 // Near by: this share of the points of a face as wide as a cell and as high as the lowest obstacle.
 inline constexpr double kMinShare = 0.3;
+// Of disparity, between a point and the floor's end below it, of what stands there.
+inline constexpr float kContactSigmas = 3;
 inline constexpr double kMaxOdds = 10;  // saturation, so that a cell can change again
 // Log-odds, three obstacle votes, from which floor beside the feet does not clear a cell.
 inline constexpr double kKeptBeside = 3.6;

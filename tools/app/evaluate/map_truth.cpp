@@ -85,7 +85,9 @@ void MapTruth::look(Time now, const Eigen::Isometry3d& start_from_eye,
     if (p.z() < 0.1) continue;
     const double u = camera.fx * p.x() / p.z() + camera.cx,
                  v = camera.fy * p.y() / p.z() + camera.cy;
-    if (u < 0 || v < 0 || u > camera.width - 1 || v > camera.height - 1 || hidden(eye, one.at))
+    const double in_right = u - camera.fx * camera.baseline_m / p.z();
+    if (in_right < 0 || v < 0 || u > camera.width - 1 || v > camera.height - 1 ||
+        hidden(eye, one.at))
       continue;
     one.seen_s += std::min(since, 2 * kLookEvery_s);
   }
@@ -97,7 +99,7 @@ void MapTruth::compare(const behavior::MapReport& report, const Eigen::Isometry2
   const Eigen::Isometry2d map_from_start = thought * robot.inverse(),
                           start_from_map = map_from_start.inverse();
   const map::LocalMap& map = report.map;
-  const auto state = [&](const Vector2d& in_map) { return map.at(in_map.x(), in_map.y()).state; };
+  const auto state = [&](const Vector2d& in_map) { return map.certain_at(in_map.x(), in_map.y()); };
   const int reach = static_cast<int>(kFoundWithin / map.options().cell_m) + 1;
   for (const Outline& one : outline_) {
     if (one.seen_s < kInView_s || (one.at - robot.translation()).norm() > kWithin) continue;
@@ -116,7 +118,7 @@ void MapTruth::compare(const behavior::MapReport& report, const Eigen::Isometry2
        ++x) {
     for (int y = map.number(report.robot.y() - kWithin);
          y <= map.number(report.robot.y() + kWithin); ++y) {
-      const map::CellState is = map.cell(x, y).state;
+      const map::CellState is = map.certain(x, y);
       const Vector2d in_map(map.middle(x), map.middle(y));
       if (is == map::CellState::unknown || (in_map - report.robot).norm() > kWithin) continue;
       const Vector2d at = start_from_map * in_map;

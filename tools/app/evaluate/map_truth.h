@@ -18,10 +18,11 @@ namespace kaz::tools {
 // Frame: from between the feet of the start; x ahead, y left; m, rad. A map is compared where the robot is in
 // truth: the drift of its odometry, which is judged by where it arrives, does not count here.
 //
-// Obstacles: points of their outlines, 1 cm apart, that lay in the left eye's picture within 1 m, hidden by
+// Obstacles: points of their outlines, 1 cm apart, that lay in both eyes' pictures within 1 m, hidden by
 // nothing, for half a second or more; found are those with an obstacle's cell of the map within 2.5 cm.
 // Floor: cells within 1 m that the map knows, 2 cm or more from anything that stands there; wrong are those
-// that it has as obstacles. Counted at every report.
+// that it has as obstacles. A cell's state is the one by which paths are planned, LocalMap::certain(). Counted
+// at every report.
 class MapTruth {
  public:
   // Those that slide or roll are left out, and so is what is near them.
