@@ -37,9 +37,9 @@ std::string timed_behaviors() {
 // Options of the virtual robot, which have no effect on one at a port. --seed has: behaviours choose by it,
 // and so has --faults.
 constexpr const char* kVirtualOnly[] = {
-    "--world",    "--robot-file",      "--mcu",           "--image",  "--sensors", "--imu",
-    "--no-imu",   "--dynamics",        "--physics-step",  "--supply", "--eyes",    "--eye-width",
-    "--renderer", "--record-pictures", "--restore-every", "--memory"};
+    "--world",     "--mcu",      "--image",           "--sensors",       "--imu",
+    "--no-imu",    "--dynamics", "--physics-step",    "--supply",        "--eyes",
+    "--eye-width", "--renderer", "--record-pictures", "--restore-every", "--memory"};
 
 // Errors: an option was given that has no effect on this kind of robot.
 Result<void> check_given(const CLI::App& verb, const std::string& robot) {
@@ -119,7 +119,9 @@ void add_run(CLI::App& program, Action& action) {
       "your rights.\n"
       "A robot at a port (--robot serial:PATH) takes no options of the virtual robot, such as "
       "--world "
-      "or --mcu; of --faults it takes those of the line.\n"
+      "or --mcu; of --faults it takes those of the line. Of a robot other than Kaz --robot-file "
+      "states "
+      "the joints, at a port as well.\n"
       "Examples:\n"
       "  kaz run search-ball\n"
       "  kaz run track-ball --seed 3 --duration 12 --out three\n"

@@ -61,6 +61,26 @@ TEST_P(Engines, BehaviourRunsOverThePty) {
 
 INSTANTIATE_TEST_SUITE_P(Both, Engines, ::testing::Values("h8", "native"));
 
+// As in lockstep (cli_test.cpp), from the file that a real robot's user gives as well.
+TEST(TwoProcesses, JointsOfAnotherRobotComeFromItsFile) {
+  const std::string arm = "sim/robots/arm/arm.urdf";
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--world", "empty", "--robot-file", arm, "--mcu", "native", "--serial",
+                   folder / "board"}));
+  ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
+  const auto stand = [&](const std::string& posture) {
+    return run(kaz({"run", "stand", "--set", "posture=" + posture, "--robot-file", arm, "--robot",
+                    "serial:" + (folder / "board")}),
+               seconds(60));
+  };
+  const Finished kazs = stand("home");
+  EXPECT_EQ(kazs.exit_code, 2) << kazs.err;
+  EXPECT_NE(kazs.err.find("this robot has the joints turn, "), std::string::npos) << kazs.err;
+  const Finished own = stand("keep");
+  EXPECT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_EQ(own.out.find("neck"), std::string::npos) << own.out;
+}
+
 TEST(TwoProcesses, SimulatorKilledLeavesTheBehaviourWithAClearMessage) {
   const TemporaryFolder folder;
   Process sim(simulator(folder, "native"));

@@ -11,6 +11,7 @@
 
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
+#include "tools/app/evaluate/learned_color.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/run_report.h"
 
@@ -111,7 +112,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, settings));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
-  const auto color = KAZ_TRY(ball_color(scenario.ball_color));
+  const auto color = KAZ_TRY(learned_ball_color(scenario, options.backend));
 
   Judge judge(scenario.ball_radius_m, options.behavior == "navigate");
   if (const Obstacle* moving = scenario.moving())
@@ -129,7 +130,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   session.behavior = options.behavior;
   session.settings = settings;
   session.vision.ball.radius_m = scenario.ball_radius_m;
-  session.vision.ball.color = color.range;
+  session.vision.ball.color = color;
   session.quiet = true;
   session.json = true;  // no progress
   session.keep_interrupted = false;

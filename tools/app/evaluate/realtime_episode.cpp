@@ -18,6 +18,7 @@
 #include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/judge.h"
+#include "tools/app/evaluate/learned_color.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/app/vision/color_file.h"
 
@@ -127,9 +128,9 @@ struct Commands {
 Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& drawn,
                           const trials::RobotFolder& files, const std::string& folder) {
   const Scenario& scenario = drawn.scenario;
-  const auto color = KAZ_TRY(ball_color(scenario.ball_color));
+  const auto color = KAZ_TRY(learned_ball_color(scenario, options.backend));
   const std::string color_file = folder + "/color.json";
-  KAZ_TRY(write_whole_file(color_file, color_json(color.range).dump(1) + "\n"));
+  KAZ_TRY(write_whole_file(color_file, color_json(color).dump(1) + "\n"));
   const BackendOptions& backend = options.backend;
   // Short paths: a socket's has at most 107 characters.
   const std::string board = board_of(files), eyes = board + ".eyes";

@@ -26,28 +26,11 @@ const T& one_of(const std::vector<T>& all, std::uint64_t seed, Draw what) {
   return all[static_cast<std::size_t>(evenly(seed, what) * static_cast<double>(all.size()))];
 }
 
-// A wedge of hue around that of the paint.
-vision::ColorRange range_around(const std::array<double, 3>& rgb) {
-  const vision::Yiq yiq = vision::yiq_from_rgb(255 * rgb[0], 255 * rgb[1], 255 * rgb[2]);
-  const double hue = std::atan2(yiq.q, yiq.i);
-  vision::ColorRange range = vision::ColorRange::red_ball();
-  range.hue_min = hue - 14 * kPi / 180;
-  range.hue_max = hue + 14 * kPi / 180;
-  range.saturation_min = std::min(range.saturation_min, 0.5 * std::hypot(yiq.i, yiq.q) / yiq.y);
-  return range;
-}
-
 }  // namespace
 
 std::span<const BallColor> ball_colors() {
-  static const std::array<BallColor, 3> all = [] {
-    std::array<BallColor, 3> colors{{{"red", {0.85, 0.06, 0.05}, {}},
-                                     {"green", {0.08, 0.55, 0.12}, {}},
-                                     {"blue", {0.06, 0.16, 0.75}, {}}}};
-    for (BallColor& color : colors) color.range = range_around(color.rgb);
-    colors[0].range = vision::ColorRange::red_ball();
-    return colors;
-  }();
+  static constexpr std::array<BallColor, 3> all{
+      {{"red", {0.85, 0.06, 0.05}}, {"green", {0.08, 0.55, 0.12}}, {"blue", {0.06, 0.16, 0.75}}}};
   return all;
 }
 

@@ -13,15 +13,13 @@
 #include "shared/base/result.hpp"
 #include "tools/app/evaluate/layout.h"
 #include "tools/trials/robot_folder.h"
-#include "vision/color/color.h"
 
 namespace kaz::tools {
 
-// A colour that balls have: as painted, and as it is looked for.
+// A colour in which balls are painted. How one is looked for is learned (learned_color.h).
 struct BallColor {
   const char* name;
   std::array<double, 3> rgb;  // 0..1
-  vision::ColorRange range;
 };
 std::span<const BallColor> ball_colors();
 // Fails (usage) with the names that there are.

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/replay/recorded_backend.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
 
 #include "shared/base/enum_names.hpp"
 #include "shared/base/json_depth.hpp"
+#include "shared/board/board.h"
+#include "tools/app/vision/color_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -102,6 +105,10 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
   take("eye_width", options.eye_width, is("eye_width", [](const Json& value) {
          return value.is_number_unsigned() && value.get<std::uint64_t>() <= 4096;
        }));
+  take("joints", options.joints, is("joints", [](const Json& value) {
+         return value.is_array() && value.size() <= KZ_JOINTS &&
+                std::ranges::all_of(value, [](const Json& one) { return one.is_string(); });
+       }));
   take("seed", options.seed,
        is("seed", [](const Json& value) { return value.is_number_unsigned(); }));
   if (!misfit.empty())
@@ -119,6 +126,15 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
     return wrong("`eyes` of its backend " + set.error().message);
   if (auto set = choose(renderer, sim::kRendererKinds, options.renderer); !set)
     return wrong("`renderer` of its backend " + set.error().message);
+  if (const std::string text_of_ball = fact("ball"); !text_of_ball.empty()) {
+    result.ball.color = KAZ_TRY(parse_color(text_of_ball, name + ": the ball of its run"));
+    const Json ball = object_of(text_of_ball);
+    const auto radius = ball.find("radius_m");
+    if (radius == ball.end() || !radius->is_number() || radius->get<double>() < 0.005 ||
+        radius->get<double>() > 0.5)
+      return wrong("the radius of its ball is no number from 0.005 to 0.5");
+    result.ball.radius_m = radius->get<double>();
+  }
   return result;
 }
 

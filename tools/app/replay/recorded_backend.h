@@ -8,6 +8,7 @@
 #include "shared/base/result.hpp"
 #include "sim/runtime/formats/mcap_reader.h"
 #include "tools/app/session/backend_options.h"
+#include "vision/color/ball.h"
 
 namespace kaz::tools {
 
@@ -15,6 +16,7 @@ struct RecordedBackend {
   std::string behavior;
   std::map<std::string, std::string> settings;  // of the behaviour
   BackendOptions backend;                       // the simulated robot's
+  vision::BallOptions ball;                     // that vision looked for
 };
 
 // `name`: of the recording, for the errors (usage): it does not state its backend, or not as kaz does.

@@ -17,6 +17,7 @@
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/app/replay/replay_host.h"
 #include "tools/app/session/session.h"
+#include "tools/app/vision/color_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -64,6 +65,8 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   for (const auto& [name, value] : options.settings) session.settings[name] = value;
   session.quiet = true;
   session.vision = options.vision;
+  // Another one if vision is to look for that.
+  if (is_usual(session.vision.ball)) session.vision.ball = recorded.ball;
   session.watcher = options.watcher;
   session.label = options.label;
   session.json = options.json;

@@ -22,18 +22,39 @@ sim::McapRecording with_backend(const std::string& backend) {
   return recording;
 }
 
+TEST(RecordedBackend, ReadsTheBallThatWasLookedFor) {
+  auto recording =
+      with_backend(R"({"world":"catch","mcu":"native","sensors":"ideal","eyes":"ideal"})");
+  const auto usual = recorded_backend(recording, "run.mcap");
+  ASSERT_TRUE(usual) << usual.error().message;
+  EXPECT_EQ(usual->ball.radius_m, vision::BallOptions{}.radius_m);
+  recording.facts["ball"] = R"({"hue_min":1.5,"hue_max":2.0,"y_min":9,"radius_m":0.018})";
+  const auto green = recorded_backend(recording, "run.mcap");
+  ASSERT_TRUE(green) << green.error().message;
+  EXPECT_EQ(green->ball.color.hue_min, 1.5);
+  EXPECT_EQ(green->ball.color.y_min, 9);
+  EXPECT_EQ(green->ball.radius_m, 0.018);
+  for (const char* bad : {"[]", R"({"hue_min":1,"hue_max":2})", R"({"y_min":9,"radius_m":7})"}) {
+    recording.facts["ball"] = bad;
+    const auto none = recorded_backend(recording, "run.mcap");
+    ASSERT_FALSE(none) << bad;
+    EXPECT_NE(none.error().message.find("ball"), std::string::npos) << none.error().message;
+  }
+}
+
 TEST(RecordedBackend, ReadsEachKey) {
   const auto read = recorded_backend(
       with_backend(R"({"world":"catch","robot_file":"r.urdf","mcu":"native","image":"kaz.mot",
                        "sensors":"ideal","imu":true,"dynamics":"exact","physics_step_ms":0.5,
                        "eyes":"real","eye_width":640,"renderer":"raster","supply_volts":9.5,"seed":7,
-                       "memory":"ff00","suspended":true})"),
+                       "memory":"ff00","suspended":true,"joints":["turn","jaw"]})"),
       "run.mcap");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->behavior, "track-ball");
   EXPECT_EQ(read->settings.at("seconds"), "5");
   EXPECT_EQ(read->backend.world, "catch");
   EXPECT_EQ(read->backend.robot_file, "r.urdf");
+  EXPECT_EQ(read->backend.joints, (std::vector<std::string>{"turn", "jaw"}));
   EXPECT_EQ(read->backend.mcu, sim::McuKind::native);
   EXPECT_EQ(read->backend.image, "kaz.mot");
   EXPECT_EQ(read->backend.sensors, sim::SensorSet::ideal);

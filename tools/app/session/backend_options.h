@@ -17,13 +17,14 @@ namespace kaz::tools {
 constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
 
 struct BackendOptions {
-  std::string robot = "sim";   // "sim" or "serial:PATH[@BAUD]"
-  std::uint8_t address = 1;    // of the board at a port
-  std::string camera = "sim";  // "sim", or as open_live_camera() has it
-  std::string calibration;     // file; of real cameras
-  bool needs_camera = true;    // false: at a port the camera may be left out
-  std::string world = "ball";  // the rest for "sim" only
-  std::string robot_file;      // URDF of the simulated robot; Kaz if empty
+  std::string robot = "sim";        // "sim" or "serial:PATH[@BAUD]"
+  std::uint8_t address = 1;         // of the board at a port
+  std::string camera = "sim";       // "sim", or as open_live_camera() has it
+  std::string calibration;          // file; of real cameras
+  bool needs_camera = true;         // false: at a port the camera may be left out
+  std::string world = "ball";       // the rest for "sim" only
+  std::string robot_file;           // URDF; Kaz if empty. At a port: of the robot there
+  std::vector<std::string> joints;  // of that file (other_joints()); a replay has no file
   sim::McuKind mcu = sim::McuKind::h8;
   std::string image;              // firmware image for h8; the built one if empty
   bool stand = false;             // a motor stand instead of robot and world

@@ -26,10 +26,12 @@
 #include "tools/app/session/map_picture.h"
 #include "tools/app/session/moments.h"
 #include "tools/app/session/plugin_guard.h"
+#include "tools/app/session/robot_joints.h"
 #include "tools/app/session/run_lateness.h"
 #include "tools/app/session/run_report.h"
 #include "tools/app/session/score.h"
 #include "tools/app/session/snapshots.h"
+#include "tools/app/vision/color_file.h"
 #include "tools/app/vision/report.h"
 
 namespace kaz::tools {
@@ -166,13 +168,6 @@ double expected_seconds(const behavior::OptionValues& values,
   return 10;
 }
 
-// Joints of a robot that is no Kaz; of Kaz none.
-std::vector<std::string> other_joints(const sim::World& world) {
-  const auto joints = world.joint_order();
-  if (joints.empty() || host::joint_index(joints.front())) return {};
-  return {joints.begin(), joints.end()};
-}
-
 // What `kaz replay` runs it again with.
 std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
   const BackendOptions& backend = options.backend;
@@ -191,9 +186,18 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
                                {"seed", backend.seed}};
   if (!backend.memory.empty()) robot["memory"] = backend.memory;
   if (backend.suspended) robot["suspended"] = true;
-  return {{"behavior", options.behavior},
-          {"settings", nlohmann::json(options.settings).dump()},
-          {"backend", robot.dump()}};
+  if (!backend.joints.empty()) robot["joints"] = backend.joints;
+  std::vector<std::pair<std::string, std::string>> facts{
+      {"behavior", options.behavior},
+      {"settings", nlohmann::json(options.settings).dump()},
+      {"backend", robot.dump()}};
+  // The ball that vision looks for, where it is not the usual one.
+  if (const vision::BallOptions& ball = options.vision.ball; !is_usual(ball)) {
+    nlohmann::ordered_json json = color_json(ball.color);
+    json["radius_m"] = ball.radius_m;
+    facts.emplace_back("ball", json.dump());
+  }
+  return facts;
 }
 
 // What there is of a run that broke off is its recording up to there: it moves in all the same. `by`: what
@@ -304,6 +308,8 @@ Result<void> Session::prepare() {
   behavior_ = KAZ_TRY(guarded_behavior(options_.behavior, options_.label));
   values_ = KAZ_TRY(behavior::OptionValues::parse(behavior_.options, options_.settings));
   KAZ_TRY(parse_modules(options_.vision.modules));
+  if (!options_.open_backend)
+    options_.backend.joints = KAZ_TRY(other_joints(options_.backend.robot_file));
   options_.backend.needs_camera = behavior_.needs_camera;
   KAZ_TRY(check(options_.backend));
 
@@ -417,8 +423,7 @@ void Session::perform() {
   context.ball_radius_m = options_.vision.ball.radius_m;
   if (gated_floor_ && backend_->sees()) context.floor = &*gated_floor_;
   if (real()) context.camera = "camera " + options_.backend.camera;
-  if (const auto* simulation = backend_->simulation())
-    context.other_joints = other_joints(simulation->world());
+  context.other_joints = options_.backend.joints;
   std::optional<RunProfiler> profiler;
   if (options_.profile) profiler.emplace();
   // Also where the link is lost and comes back when the run has given up.

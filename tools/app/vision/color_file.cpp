@@ -33,6 +33,11 @@ nlohmann::ordered_json color_json(const vision::ColorRange& range) {
   return json;
 }
 
+bool is_usual(const vision::BallOptions& ball) {
+  const vision::BallOptions usual;
+  return ball.radius_m == usual.radius_m && color_json(ball.color) == color_json(usual.color);
+}
+
 Result<vision::ColorRange> read_color(const std::string& path) {
   constexpr std::size_t max_bytes = 64 << 10;
   const auto text =
