@@ -178,9 +178,9 @@ TEST_F(WorstTick, OfAllRequestsWithoutAPause) {
   ASSERT_NE(mcu->pins().p4 & KZ_P4_ENABLE, 0) << "the motors went off";
   std::printf("worst tick: any request, no pause: %d states (%.1f %%)\n", worst,
               100.0 * worst / ms);
-  // Back to back, with telemetry at its shortest period: printed, and no tick may be missed.
+  // Back to back, with telemetry at its shortest period: no tick may be missed.
   EXPECT_EQ(missed, 0);
-  EXPECT_LT(worst, ms);
+  EXPECT_LT(worst, ms * 80 / 100);  // docs/limits.md
 }
 
 // A host that keeps to the protocol: at most two requests under way, the next one as soon as a reply

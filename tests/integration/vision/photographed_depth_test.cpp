@@ -157,11 +157,12 @@ TEST(PhotographedDepth, OfTheAloeIsMostlyRight) {
     peer("StereoBM", *cv::StereoBM::create(range, 15));
     peer("StereoSGBM", *cv::StereoSGBM::create(0, range, 5, 8 * 25, 32 * 25, 1, 0, 10));
     // Leaves narrower than a block of 15 px, and their rims, are where depth is missing or wrong:
-    // of all pixels with texture less than nine in ten are right, of those called known more are.
+    // of all pixels with texture less than the promised nine in ten are right (docs/limits.md).
     EXPECT_GT(own.known, 0.85 * own.all);
     EXPECT_GT(own.near, 0.9 * own.known);
     if (scale == 2) {  // full size is measured to 1 px only
-      EXPECT_GT(own.fine, 0.9 * own.known);
+      EXPECT_GT(own.fine, 0.92 * own.known);
+      EXPECT_GT(own.fine, 0.84 * own.all);
     }
   }
 }

@@ -52,7 +52,7 @@ TEST(Demo, NativeEngineDoesTheSame) {
 
 TEST(Demo, ProfileNamesTheParts) {
   const Finished done =
-      run(kaz({"run", "track-ball", "--mcu", "native", "--duration", "3", "--profile", "--json"}),
+      run(kaz({"run", "track-ball", "--mcu", "h8", "--duration", "3", "--profile", "--json"}),
           std::chrono::seconds(60));
   ASSERT_EQ(done.exit_code, 0) << done.err;
   const json profile = parse_json(done.out)["profile"];
@@ -62,6 +62,9 @@ TEST(Demo, ProfileNamesTheParts) {
   for (const char* part : {"chip", "body", "drawing", "vision color", "behaviour and link"})
     EXPECT_GT(cpu_s[part], 0) << part << profile;
   EXPECT_NEAR(sum_s, profile["cpu_s"].get<double>(), 0.01 * sum_s) << profile;
+  // The promise is 3 times real time on two idle cores (docs/limits.md). By CPU time it is harder, and
+  // the same on a busy machine.
+  EXPECT_GT(profile["robot_s_per_cpu_s"].get<double>(), 3) << profile;
 }
 
 TEST(Demo, SameSeedSameRecordingOtherSeedAnother) {

@@ -84,7 +84,7 @@ TEST(StandingRobot, DoesNotDriftInItsCrouch) {
 }
 
 // On straight legs nothing loads the joints, and the trunk sways by the backlash: 0.4 degrees in the
-// ankles and as much in the hips, over 160 mm of leg. What it must not do is wander.
+// ankles and as much in the hips (docs/limits.md). What it must not do is wander.
 TEST(StandingRobot, DoesNotDriftUpright) {
   const auto fixture = RobotFixture::start(world_of(""), 2);
   ASSERT_TRUE(fixture);
@@ -94,7 +94,7 @@ TEST(StandingRobot, DoesNotDriftUpright) {
     EXPECT_LT(moved.mm, 1.0);
     EXPECT_LT(moved.degrees, 0.5);
   }
-  EXPECT_LT(stood.trunk.mm, 160 * 0.8 * kDegree);
+  EXPECT_LT(stood.trunk.mm, 1.3);
   EXPECT_LT(stood.trunk.degrees, 0.8);
 }
 
