@@ -64,7 +64,15 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
 
 Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given) {
   for (const std::string& option : given) {
-    if (options.behavior == "navigate") {
+    if (option == "--props" && (options.task() == "navigate" || options.task() == "get-up"))
+      return fail(Fault::usage,
+                  "--props is of behaviours that walk to a ball or stay: leave it out" +
+                      std::string(options.task() == "navigate" ? ", or give --obstacles" : ""));
+    if (option == "--calibrated" && options.backend.sensors != sim::SensorSet::as_built)
+      return fail(Fault::usage,
+                  "--calibrated is of robots whose joints are not as nominal: give --sensors "
+                  "as-built, or leave it out");
+    if (options.task() == "navigate") {
       if (const std::string why = why_unused(option, options); !why.empty())
         return fail(Fault::usage, option + " " + why);
     } else if (std::ranges::count(kOfNavigate, option) > 0) {
