@@ -220,8 +220,7 @@ Result<Outcome> run(Context& context) {
                 outcome.success ? "stands" : "did not get up", attempts, attempts == 1 ? "" : "s");
   outcome.sentence = text;
   if (!outcome.success) outcome.cause = "did not get up";
-  outcome.measurements = {{"attempts", attempts},
-                          {"getting_up_s", seconds(upright_at - began)}};
+  outcome.measurements = {{"attempts", attempts}, {"getting_up_s", seconds(upright_at - began)}};
   return outcome;
 }
 

@@ -169,10 +169,10 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--jobs", c.jobs, "episodes at the same time")
       ->check(between(1, 256))
       ->capture_default_str();
-  verb->add_option(
-          "--out", c.out,
-          "(required) folder for result.json, episodes.csv, junit.xml and recordings of failures; the same "
-          "command goes on where it was interrupted")
+  verb->add_option("--out", c.out,
+                   "(required) folder for result.json, episodes.csv, junit.xml and recordings of "
+                   "failures; the same "
+                   "command goes on where it was interrupted")
       ->type_name("DIR");
   verb->add_option("--shard", arguments->shard,
                    "part I of N: independent, repeatable, to be merged")
@@ -197,9 +197,10 @@ void add_evaluate(CLI::App& program, Action& action) {
            "colours of balls, with commas between: red, green, blue");
   add_list(*verb, "--floors", c.variation.floors,
            "patterns of floors, with commas between: wood, carpet, checker, plain");
-  add_interval(*verb, "--props", arguments->props, v.props, {0, 20},
-               "so many boxes, cans and large balls stand about, drawn from this range, every third "
-               "of the ball's colour; none on the straight way to the ball");
+  add_interval(
+      *verb, "--props", arguments->props, v.props, {0, 20},
+      "so many boxes, cans and large balls stand about, drawn from this range, every third "
+      "of the ball's colour; none on the straight way to the ball");
   add_interval(*verb, "--lamp", arguments->lamp, v.lamp, {0.01, 100},
                "factor on the light of the lamp, drawn from this range; the lamp stands anywhere "
                "around, 35 to 80 degrees up");

@@ -287,7 +287,8 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
   }
   if (result["failures"].empty()) return page + hil::kPageEnd;
   page += "<h2>Failures</h2>\n<table>" +
-          hil::table_row({"episode", "world", "density", "cause", "claim", "what the behaviour says"}, "th");
+          hil::table_row(
+              {"episode", "world", "density", "cause", "claim", "what the behaviour says"}, "th");
   for (const auto& [number, episode] : episodes)
     if (!episode["success"].get<bool>()) page += failure_row(episode);
   return page + "</table>\n" + hil::kPageEnd;

@@ -55,10 +55,9 @@ Result<void> write_json(const std::string& path, const Json& json) {
 }
 
 const OutputKind& campaign_output() {
-  static const OutputKind kind{
-      "evaluate",
-      {"campaign.json", "result.json", "report.html", "junit.xml", "episodes.csv", "episodes",
-       "failures"}};
+  static const OutputKind kind{"evaluate",
+                               {"campaign.json", "result.json", "report.html", "junit.xml",
+                                "episodes.csv", "episodes", "failures"}};
   return kind;
 }
 
@@ -384,8 +383,9 @@ Result<void> check_judge(const CampaignOptions& options) {
     return fail(Fault::usage,
                 "--judge is of plug-ins: " + options.behavior + " is judged as what it is");
   if (is_judged(options.judged_as)) return {};
-  return fail(Fault::usage, "--judge: '" + options.judged_as +
-                                "' is none of Kaz's behaviours; give one of those of kaz run --help");
+  return fail(Fault::usage,
+              "--judge: '" + options.judged_as +
+                  "' is none of Kaz's behaviours; give one of those of kaz run --help");
 }
 
 }  // namespace
@@ -395,32 +395,32 @@ Json campaign_json(const CampaignOptions& o) {
   Json worlds = Json::array();
   for (const WorldKind kind : o.variation.worlds) worlds.push_back(to_string(kind));
   Json json{{"behavior", o.behavior},
-          {"settings", o.settings},
-          {"realtime", o.realtime},
-          {"seed", o.seed},
-          {"mcu", to_string(o.backend.mcu)},
-          {"image", o.backend.image},
-          {"sensors", to_string(o.backend.sensors)},
-          {"imu", o.backend.imu},
-          {"eyes", to_string(o.backend.eyes)},
-          {"eye_width", o.backend.eye_width},
-          {"renderer", to_string(o.backend.renderer)},
-          {"dynamics", o.backend.dynamics},
-          {"physics_step_ms", o.backend.physics_step_ms},
-          {"friction", pair(o.variation.friction)},
-          {"supply_volts", pair(o.variation.supply_volts)},
-          {"ball_distance_m", pair(o.variation.ball_distance_m)},
-          {"bearing_deg", o.variation.bearing_deg},
-          {"radii_m", o.variation.radii_m},
-          {"colors", o.variation.colors},
-          {"mass_sigma", o.variation.mass_sigma},
-          {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
-          {"lamp", pair(o.variation.lamp)},
-          {"shade", pair(o.variation.shade)},
-          {"worlds", worlds},
-          {"density", pair(o.variation.density)},
-          {"max_obstacles", o.variation.max_obstacles},
-          {"goal_distance_m", pair(o.variation.goal_distance_m)}};
+            {"settings", o.settings},
+            {"realtime", o.realtime},
+            {"seed", o.seed},
+            {"mcu", to_string(o.backend.mcu)},
+            {"image", o.backend.image},
+            {"sensors", to_string(o.backend.sensors)},
+            {"imu", o.backend.imu},
+            {"eyes", to_string(o.backend.eyes)},
+            {"eye_width", o.backend.eye_width},
+            {"renderer", to_string(o.backend.renderer)},
+            {"dynamics", o.backend.dynamics},
+            {"physics_step_ms", o.backend.physics_step_ms},
+            {"friction", pair(o.variation.friction)},
+            {"supply_volts", pair(o.variation.supply_volts)},
+            {"ball_distance_m", pair(o.variation.ball_distance_m)},
+            {"bearing_deg", o.variation.bearing_deg},
+            {"radii_m", o.variation.radii_m},
+            {"colors", o.variation.colors},
+            {"mass_sigma", o.variation.mass_sigma},
+            {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
+            {"lamp", pair(o.variation.lamp)},
+            {"shade", pair(o.variation.shade)},
+            {"worlds", worlds},
+            {"density", pair(o.variation.density)},
+            {"max_obstacles", o.variation.max_obstacles},
+            {"goal_distance_m", pair(o.variation.goal_distance_m)}};
   if (!o.judged_as.empty()) json["judged_as"] = o.judged_as;
   if (o.calibrated) json["calibrated"] = true;
   if (o.variation.props.max > 0) json["props"] = pair(o.variation.props);

@@ -3,6 +3,7 @@
 #include "tools/app/evaluate/given_options.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace kaz::tools {
 namespace {
@@ -63,6 +64,9 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
 }  // namespace
 
 Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given) {
+  const Interval& props = options.variation.props;
+  if (props.min != std::floor(props.min) || props.max != std::floor(props.max))
+    return fail(Fault::usage, "--props counts things: give whole numbers, as in --props 3 10");
   for (const std::string& option : given) {
     if (option == "--props" && (options.task() == "navigate" || options.task() == "get-up"))
       return fail(Fault::usage,

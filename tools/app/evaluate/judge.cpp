@@ -127,8 +127,7 @@ void Judge::look(const Truth& truth) {
     if (holds && !begin) begin = truth.time;
   };
   since(upright_since_, upright && truth.trunk.translation().z() > kHigh_m);
-  since(held_since_,
-        truth.ball && truth.ball->z() >= options_.ball_radius_m + kClearOfFloor_m);
+  since(held_since_, truth.ball && truth.ball->z() >= options_.ball_radius_m + kClearOfFloor_m);
   if (truth.ball && truth.left_eye) {
     const Eigen::Vector3d seen = truth.left_eye->inverse() * *truth.ball;
     gazes_.push_back({truth.time, angle_between(seen, Eigen::Vector3d::UnitZ()) <= kTracked});
@@ -202,7 +201,8 @@ namespace {
 bool read_goal(const std::string& text, Task& task) {
   if (text == "ball") return task.ball = true;
   double heading_deg = 0;
-  const int count = std::sscanf(text.c_str(), "%lf,%lf,%lf", &task.goal.x(), &task.goal.y(), &heading_deg);
+  const int count =
+      std::sscanf(text.c_str(), "%lf,%lf,%lf", &task.goal.x(), &task.goal.y(), &heading_deg);
   if (count == 3) task.goal_heading_rad = heading_deg * kDegree;
   return count >= 2;
 }
@@ -213,7 +213,8 @@ std::string missed_goal(const Task& task, const Judge& judge) {
   const Eigen::Vector2d at(judge.forward_m(), judge.aside_m());
   if ((at - task.goal).norm() > kGoal_m) return "beside the goal";
   if (!task.goal_heading_rad) return {};
-  const double off = std::remainder(judge.heading_rad() - *task.goal_heading_rad, 2 * std::numbers::pi);
+  const double off =
+      std::remainder(judge.heading_rad() - *task.goal_heading_rad, 2 * std::numbers::pi);
   return std::abs(off) > kGoalHeading ? "heading" : "";
 }
 
@@ -318,9 +319,9 @@ Verdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome, c
     return failed(judge.was_hit() ? "hit by a moving box" : "touched");
   if (judge.fell()) return failed(task.name == "get-up" ? "lies" : "fell");
   if (!outcome) return failed("error");
-  const std::string named = outcome->success          ? ""
+  const std::string named = outcome->success         ? ""
                             : outcome->cause.empty() ? "gave up"
-                                                      : outcome->cause;
+                                                     : outcome->cause;
   const std::string lacking =
       named == "error" || !criterion ? named : criterion->lacks(task, outcome, judge);
   if (!lacking.empty()) return failed(named.empty() ? lacking : named);

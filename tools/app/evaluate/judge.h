@@ -40,11 +40,12 @@ struct Truth {
 
 // What an episode is to achieve: the options of its behaviour, as the judge reads them.
 struct Task {
-  std::string name;       // of a behaviour of Kaz; of another one nothing is known but that it may not fall
-  double distance_m = 0;  // of go-forward
-  double angle_rad = 0;   // of turns, positive to the left
-  double seconds = 0;     // of track-ball
-  bool ball = false;      // the goal of navigate is to hold the ball
+  std::string
+      name;  // of a behaviour of Kaz; of another one nothing is known but that it may not fall
+  double distance_m = 0;       // of go-forward
+  double angle_rad = 0;        // of turns, positive to the left
+  double seconds = 0;          // of track-ball
+  bool ball = false;           // the goal of navigate is to hold the ball
   Eigen::Vector2d goal{0, 0};  // else; from the start, x ahead
   std::optional<double> goal_heading_rad = {};
 };
@@ -124,7 +125,8 @@ class Judge final : public Onlooker, public behavior::Sink {
 struct Verdict {
   bool success = false;
   std::string cause = {};  // why not; empty of a success
-  bool judged = true;  // by truth; false: nothing is known of the task, and the claim counts unless it fell
+  bool judged =
+      true;  // by truth; false: nothing is known of the task, and the claim counts unless it fell
   bool claim = false;  // the behaviour claims success
 };
 // By ground truth, of a robot that has not fallen:

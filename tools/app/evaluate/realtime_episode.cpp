@@ -208,7 +208,8 @@ Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& dr
                 {"run", options.behavior, "--robot", "serial:" + board, "--camera", eyes, "--color",
                  color_file, "--radius", std::to_string(scenario.ball_radius_m), "--json"}};
   if (backend.imu) both.simulator.push_back("--imu");
-  if (const auto memory = KAZ_TRY(episode_memory(options, scenario, files.robot())); !memory.empty()) {
+  if (const auto memory = KAZ_TRY(episode_memory(options, scenario, files.robot()));
+      !memory.empty()) {
     const std::string file = board + ".memory";
     KAZ_TRY(write_whole_file(file, bytes_of(memory)));
     both.simulator.insert(both.simulator.end(), {"--memory", file});
@@ -360,9 +361,8 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   if (!simulator.wait(kEnd))
     return fail(Fault::environment, "kaz sim did not end; its log is " + sim_log);
   const Json result = result_of(text_of(run_log));
-  if (const std::string why =
-          machine_trouble({status, simulator_ended, *simulator.ended(), looks.worst_gap_s()}, last,
-                          result);
+  if (const std::string why = machine_trouble(
+          {status, simulator_ended, *simulator.ended(), looks.worst_gap_s()}, last, result);
       !why.empty())
     return fail(Fault::environment, why + "; logs are in " + kept);
 

@@ -146,7 +146,9 @@ Result<void> Scenario::add_props(const Variation& variation) {
            std::ranges::none_of(layout.obstacles, [&](const Obstacle& other) {
              const double between = (o.place() - other.place()).norm();
              return between < (std::hypot(o.length_m, o.width_m) +
-                               std::hypot(other.length_m, other.width_m)) / 2 + kApart;
+                               std::hypot(other.length_m, other.width_m)) /
+                                      2 +
+                                  kApart;
            });
   };
   for (int draw = 0; layout.obstacles.size() < count; ++draw) {

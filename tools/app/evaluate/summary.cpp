@@ -47,11 +47,11 @@ std::string table(const Episodes& episodes) {
     std::replace(sentence.begin(), sentence.end(), '"', '\'');
     text += std::to_string(number) + "," + e["scenario"]["seed"].dump() + "," +
             (e["success"].get<bool>() ? "1," : "0,") +
-            (!e.contains("claim")        ? ","
+            (!e.contains("claim")     ? ","
              : e["claim"].get<bool>() ? "1,"
-                                         : "0,") +
-            one_line(e["cause"].get<std::string>()) +
-            "," + (e.contains("seconds") ? e["seconds"].dump() : "") + "," +
+                                      : "0,") +
+            one_line(e["cause"].get<std::string>()) + "," +
+            (e.contains("seconds") ? e["seconds"].dump() : "") + "," +
             (e.contains("rtf") ? e["rtf"].dump() : "") + ",\"" + sentence + "\"\n";
   }
   return text;
@@ -146,7 +146,8 @@ void print(const Json& result, const OutputFolder& folder) {
                 one["sentence"].get<std::string>().c_str());
   if (!result["failures"].empty())
     std::printf("recordings of the failures are in %s\n", folder.path("failures").c_str());
-  std::printf("result.json, report.html, junit.xml and episodes.csv are in %s\n", folder.folder().c_str());
+  std::printf("result.json, report.html, junit.xml and episodes.csv are in %s\n",
+              folder.folder().c_str());
 }
 
 // Marked as all interrupted results are (mark_interrupted()), but the signal may have been a part's.

@@ -63,14 +63,14 @@ class WorldText {
 
   std::string text() const {
     const double aside = std::cos(s_.lamp_height_rad);
-    std::string text = R"(<?xml version="1.0"?>
+    std::string text =
+        R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="episode">
-<kaz:robot pose=")" + start() +
-                       "\"/><kaz:light to_lamp=\"" +
-                       numbers({aside * std::cos(s_.lamp_azimuth_rad),
-                                aside * std::sin(s_.lamp_azimuth_rad),
-                                std::sin(s_.lamp_height_rad)}) +
-                       "\" lamp=\"" + digits(s_.lamp) + "\" shade=\"" + digits(s_.shade) + "\"/>\n";
+<kaz:robot pose=")" +
+        start() + "\"/><kaz:light to_lamp=\"" +
+        numbers({aside * std::cos(s_.lamp_azimuth_rad), aside * std::sin(s_.lamp_azimuth_rad),
+                 std::sin(s_.lamp_height_rad)}) +
+        "\" lamp=\"" + digits(s_.lamp) + "\" shade=\"" + digits(s_.shade) + "\"/>\n";
     text += floor();
     for (std::size_t i = 0; i < s_.layout.table.size(); ++i)
       text += slab("table" + std::to_string(i), s_.layout.table[i]);
