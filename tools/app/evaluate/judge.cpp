@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "shared/base/angle.hpp"
+#include "shared/base/number_text.hpp"
 #include "tools/app/evaluate/scenario.h"
 
 namespace kaz::tools {
@@ -16,7 +16,7 @@ namespace {
 constexpr double kGoal_m = 0.05, kGoalHeading = 10 * kDegree;
 constexpr double kUpright = 30 * kDegree;  // of the trunk; in the crouch it leans less
 constexpr double kLies = 60 * kDegree;
-// Of the trunk's origin, m: 0.16 standing straight, 0.14 in the crouch, 0.07 at most sitting, kneeling or lying.
+// Of the trunk's origin, m: 0.16 standing straight, 0.14 in the crouch, 0.07 at most sitting or lying.
 constexpr double kHigh_m = 0.11;
 constexpr double kLasting_s = 3;
 constexpr double kFound = 5 * kDegree, kTracked = 3 * kDegree, kTrackedShare = 0.9;
@@ -200,11 +200,18 @@ namespace {
 // "X,Y", "X,Y,DEGREES" or "ball".
 bool read_goal(const std::string& text, Task& task) {
   if (text == "ball") return task.ball = true;
-  double heading_deg = 0;
-  const int count =
-      std::sscanf(text.c_str(), "%lf,%lf,%lf", &task.goal.x(), &task.goal.y(), &heading_deg);
-  if (count == 3) task.goal_heading_rad = heading_deg * kDegree;
-  return count >= 2;
+  std::vector<double> numbers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const auto number = parse_number<double>(std::string_view(text).substr(begin, end - begin));
+    if (!number) return false;
+    numbers.push_back(*number);
+    begin = end + 1;
+  }
+  if (numbers.size() < 2 || numbers.size() > 3) return false;
+  task.goal = {numbers[0], numbers[1]};
+  if (numbers.size() == 3) task.goal_heading_rad = numbers[2] * kDegree;
+  return true;
 }
 
 // Where it went, against the goal; empty if it is there.

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Success is decided by truth alone; what a behaviour claims is compared with it, and never part of it but
-// where the claim is a number (the direction that search-ball reports). Nothing here is of a behaviour's code:
-// bounds and formulas are the judge's own.
+// where the claim is a number (the direction that search-ball reports). Nothing here is of a behaviour's
+// code: bounds and formulas are the judge's own.
 #pragma once
 
 #include <cstdint>
@@ -75,8 +75,8 @@ class Judge final : public Onlooker, public behavior::Sink {
   // The behaviour has ended: what comes later (its motors go off) is not looked at.
   void end() { ended_ = true; }
 
-  // The trunk lay farther than 60 degrees from upright, at whatever time; of a robot that lay at first: at the
-  // last look.
+  // The trunk lay farther than 60 degrees from upright, at whatever time; of a robot that lay at first: at
+  // the last look.
   bool fell() const;
   // From the first look to the last: along and across the first heading, m; turned, rad.
   double forward_m() const;
@@ -130,10 +130,10 @@ struct Verdict {
   bool claim = false;  // the behaviour claims success
 };
 // By ground truth, of a robot that has not fallen:
-// - search-ball: the reported direction (`ball_bearing_deg`, to the left, and `ball_elevation_deg`, up; from the
-//   left eye, in the trunk's axes) is within 5 degrees of the ball's,
-// - track-ball: the left eye's axis is within 3 degrees of the ball for 90 % of the option `seconds`, up to the
-//   end,
+// - search-ball: the reported direction (`ball_bearing_deg`, to the left, and `ball_elevation_deg`, up; from
+//   the left eye, in the trunk's axes) is within 5 degrees of the ball's,
+// - track-ball: the left eye's axis is within 3 degrees of the ball for 90 % of the option `seconds`, up to
+//   the end,
 // - approach-ball: the ball is where a hand takes it, 100 +- 26 mm ahead of the ankles and 47 +- 27 mm aside,
 // - catch-ball: the ball is clear of the floor for the last 3 s,
 // - stand, get-up: the trunk is upright and high for the last 3 s,

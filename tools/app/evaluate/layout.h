@@ -80,8 +80,8 @@ struct LayoutRange {
 Layout draw_layout(WorldKind kind, const LayoutRange& range, std::uint64_t seed, bool ball_is_goal,
                    const Eigen::Vector2d& ball);
 
-// A box, can or large ball `near` to `far` m from the start, in any direction. `rgb`: its colour, that of the ball to
-// catch; null: one that no ball has. No ball that it draws is of the size of one to catch.
+// A box, can or large ball `near` to `far` m from the start, in any direction. `rgb`: its colour, that of the
+// ball to catch; null: one that no ball has. No ball that it draws is of the size of one to catch.
 class Dice;
 Obstacle draw_prop(Dice& dice, double near_m, double far_m, const std::array<double, 3>* rgb);
 

@@ -260,8 +260,8 @@ struct Ends {
   double worst_gap_s;            // RealTimeLooks
 };
 
-// The machine was late by a second, as a run at a port counts it (run_lateness.h): then neither a failure nor a
-// success is the robot's.
+// The machine was late by a second, as a run at a port counts it (run_lateness.h): then neither a failure
+// nor a success is the robot's.
 std::string lateness(const Json& last, const Json& result, double worst_gap_s) {
   constexpr double kMax_s = 1, kMaxShare = 0.02;
   const Json late = result.value("lateness", Json::object());
