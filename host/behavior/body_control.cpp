@@ -133,6 +133,7 @@ void BodyControl::process_observations() {
     newest_exposure_ = observation.info.exposure;
     const bool used = ball_.observe(observation, places_);
     consecutive_ = used ? consecutive_ + 1 : 0;
+    if (used) newest_ball_ = observation;
     context_->sink.picture(row);
   }
 }

@@ -56,6 +56,8 @@ class BodyControl {
   // Number of consecutive images in which the ball was detected.
   int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
+  // The newest observation that was used for it.
+  const std::optional<vision::BallObservation>& newest_ball() const { return newest_ball_; }
   // Odometry of the last seconds; anew after restart().
   const PlaceHistory& places() const { return places_; }
   // m; x ahead, y left, from the point below the hips. Precondition: ball().known().
@@ -78,6 +80,7 @@ class BodyControl {
   ControlCycle::Input input_;
   PlaceHistory places_;
   BallPlace ball_;
+  std::optional<vision::BallObservation> newest_ball_;
   host::Gaze gaze_{0, 0.5};
   bool tracks_ball_ = false, fallen_ = false;
   int consecutive_ = 0;

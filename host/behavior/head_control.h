@@ -29,6 +29,7 @@ class HeadControl {
 
   Time now() const { return input_.now; }
   host::Gaze measured() const { return host::gaze_of(input_.posture.angle); }
+  const host::JointAngles& posture() const { return input_.posture.angle; }
   BallTracker& tracker() { return tracker_; }
   // Number of consecutive images in which the ball was detected.
   int consecutive() const { return consecutive_; }

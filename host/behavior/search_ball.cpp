@@ -28,6 +28,20 @@ Outcome not_found(const char* text) {
   return {false, text, {}, "not found"};
 }
 
+// Where the ball is from the left eye as the head is held now, in the trunk's axes: `ball_bearing_deg` to the
+// left, `ball_elevation_deg` up. Nothing of an observation without posture.
+void report_direction(const vision::BallObservation& seen, const host::JointAngles& now,
+                      Outcome& outcome) {
+  if (!seen.info.posture_known || seen.info.joint_rad.size() != KZ_JOINTS) return;
+  host::JointAngles then;
+  std::copy(seen.info.joint_rad.begin(), seen.info.joint_rad.end(), then.begin());
+  const Eigen::Vector3d ball = host::trunk_from_eye(then) * seen.position();
+  const Eigen::Vector3d ray = ball - host::trunk_from_eye(now).translation();
+  outcome.measurements.emplace_back("ball_bearing_deg", std::atan2(ray.y(), ray.x()) / kDegree);
+  outcome.measurements.emplace_back("ball_elevation_deg",
+                                    std::atan2(ray.z(), ray.head<2>().norm()) / kDegree);
+}
+
 // With turns of the body, after a scan by the head alone found nothing; from the walking crouch.
 Result<Outcome> run_turning(Context& context) {
   auto body = KAZ_TRY(BodyControl::begin(context, kSearchBall.name));
@@ -41,12 +55,13 @@ Result<Outcome> run_turning(Context& context) {
   const double after = seconds(body.now() - start);
   std::snprintf(text, sizeof text, "the ball was found after %.1f s, %.2f m away", after,
                 ball.norm());
-  return Outcome{true,
-                 text,
-                 {{"found_s", after},
-                  {"ball_bearing_deg", std::atan2(ball.y(), ball.x()) / kDegree},
-                  {"ball_distance_m", ball.norm()},
-                  {"turned_deg", body.motion().heading() / kDegree}}};
+  Outcome outcome{true,
+                  text,
+                  {{"found_s", after},
+                   {"ball_distance_m", ball.norm()},
+                   {"turned_deg", body.motion().heading() / kDegree}}};
+  if (body.newest_ball()) report_direction(*body.newest_ball(), body.measured(), outcome);
+  return outcome;
 }
 
 Result<Outcome> run(Context& context) {
@@ -79,6 +94,7 @@ Result<Outcome> run(Context& context) {
                             {"ball_pan_deg", ball.pan_rad / kDegree},
                             {"ball_tilt_deg", ball.tilt_rad / kDegree},
                             {"ball_distance_m", head.ball()->distance_m}};
+    report_direction(*head.ball(), head.posture(), outcome);
   } else {
     std::snprintf(text, sizeof text, "no ball was found in %g s", limit);
     outcome.cause = "not found";

@@ -16,8 +16,8 @@ using host::JointAngles;
 constexpr Option kOptions[] = {{"posture", "keep", "keep|straight|home", 0, 0,
                                 "as it is, all joints at zero, or the walking crouch"}};
 
-constexpr double kSpeed = 0.5;  // rad/s, of the joint with the longest path
-constexpr Time kSettle = std::chrono::milliseconds(500);   // after the ramps
+constexpr double kSpeed = 0.5;                     // rad/s, of the joint with the longest path
+constexpr Time kSettle = std::chrono::seconds(3);  // after the ramps; it is to stay there
 constexpr double kTolerance = 5 * std::numbers::pi / 180;  // of each joint under load
 
 std::vector<host::JointTarget> all_to(const JointAngles& goal) {

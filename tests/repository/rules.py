@@ -148,6 +148,9 @@ LAYERS = {
 }
 # The emulator can be used alone: of other parts it includes only these.
 ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/result.hpp", "shared/image/image.h")}
+# A judge shares no code with behaviours: of host it includes only what they report through.
+JUDGE, JUDGE_MAY = "tools/app/evaluate/judge", tuple(
+    f"host/behavior/{name}.h" for name in ("behavior", "options", "sink"))
 TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|_benchmark\.cpp|/oracle\w*\.(cpp|h))$")
 
 
@@ -183,6 +186,9 @@ def check_layers():
                 other = part_of(folder, include)
                 if inside and other not in (part, *LAYERS[folder][part]):
                     fault(name, f"must not include {include}: in '{folder}', {part} is not above {other}")
+        for include in includes if name.startswith(JUDGE) else ():
+            if include.startswith("host/") and include not in JUDGE_MAY:
+                fault(name, f"must not include {include}: a judge has bounds and formulas of its own")
         for folder, others in ALONE.items():
             for include in includes if name.startswith(folder + "/") else ():
                 if "/" in include and not include.startswith((folder + "/", *others)):

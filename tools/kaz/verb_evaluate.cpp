@@ -16,7 +16,7 @@ struct Arguments {
   CampaignOptions campaign;
   std::vector<std::string> settings;
   std::string shard = "1/1";
-  std::vector<double> friction, supply, distance, lamp, shade, goal_distance, density;
+  std::vector<double> friction, supply, distance, lamp, shade, goal_distance, density, props;
   std::vector<std::string> worlds{to_string(WorldKind::clutter)};
 };
 
@@ -86,7 +86,8 @@ Result<Outcome> start(Arguments a, const std::vector<std::string>& options) {
                    {"--lamp", a.lamp, c.variation.lamp},
                    {"--shade", a.shade, c.variation.shade},
                    {"--goal-distance", a.goal_distance, c.variation.goal_distance_m},
-                   {"--density", a.density, c.variation.density}};
+                   {"--density", a.density, c.variation.density},
+                   {"--props", a.props, c.variation.props}};
   for (const auto& [option, given, to] : intervals) {
     const auto interval = KAZ_TRY(parse_interval(option, given, to));
     to = interval;
@@ -94,6 +95,12 @@ Result<Outcome> start(Arguments a, const std::vector<std::string>& options) {
   for (const std::string& color : c.variation.colors) {
     KAZ_TRY(ball_color(color));
   }
+  for (const std::string& floor : c.variation.floors) {
+    if (std::ranges::count(floor_names(), floor) == 0)
+      return fail(Fault::usage,
+                  "'" + floor + "' is no floor: there are wood, carpet, checker, plain");
+  }
+  KAZ_TRY(no_repetition("--floors", c.variation.floors));
   c.variation.worlds = KAZ_TRY(parse_world_kinds(a.worlds));
   KAZ_TRY(no_repetition("--worlds", c.variation.worlds));
   KAZ_TRY(no_repetition("--colors", c.variation.colors));
@@ -162,10 +169,10 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--jobs", c.jobs, "episodes at the same time")
       ->check(between(1, 256))
       ->capture_default_str();
-  verb->add_option(
-          "--out", c.out,
-          "(required) folder for result.json, episodes.csv and recordings of failures; the same "
-          "command goes on where it was interrupted")
+  verb->add_option("--out", c.out,
+                   "(required) folder for result.json, episodes.csv, junit.xml and recordings of "
+                   "failures; the same "
+                   "command goes on where it was interrupted")
       ->type_name("DIR");
   verb->add_option("--shard", arguments->shard,
                    "part I of N: independent, repeatable, to be merged")
@@ -188,6 +195,12 @@ void add_evaluate(CLI::App& program, Action& action) {
       ->check(between(0.005, 0.5, "m"));
   add_list(*verb, "--colors", c.variation.colors,
            "colours of balls, with commas between: red, green, blue");
+  add_list(*verb, "--floors", c.variation.floors,
+           "patterns of floors, with commas between: wood, carpet, checker, plain");
+  add_interval(
+      *verb, "--props", arguments->props, v.props, {0, 20},
+      "so many boxes, cans and large balls stand about, drawn from this range, every third "
+      "of the ball's colour; none on the straight way to the ball");
   add_interval(*verb, "--lamp", arguments->lamp, v.lamp, {0.01, 100},
                "factor on the light of the lamp, drawn from this range; the lamp stands anywhere "
                "around, 35 to 80 degrees up");
@@ -218,6 +231,13 @@ void add_evaluate(CLI::App& program, Action& action) {
                    "standard deviation of each link's mass, as a share of it")
       ->check(between(0.0, 0.3))
       ->capture_default_str();
+  verb->add_flag("--calibrated", c.calibrated,
+                 "of --sensors as-built: each robot's joints are calibrated before, as by kaz "
+                 "calibrate joints");
+  verb->add_option("--judge", c.judged_as,
+                   "of a plug-in: the behaviour of Kaz that it is judged as; else it may not fall, "
+                   "and its own word counts")
+      ->type_name("NAME");
   verb->add_flag("--realtime", c.realtime,
                  "in real time, kaz sim and kaz run as processes of their own with a pty between "
                  "them; needs two processors for each job");
@@ -225,12 +245,16 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->footer(
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
       "supply and ball (place, radius, colour), all from --seed and the episode's number. Success "
-      "is judged by the simulator's truth: no fall, and what the behaviour claims is so. "
+      "is judged by the simulator's truth alone; what the behaviour claims is compared with it. "
       "An episode of catch-ball takes some 15 s on one processor, with --realtime 50 s.\n" +
       std::string(kExitStatus) +
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
       "  kaz evaluate ./wave.so --episodes 4 --out waved\n"
+      "  kaz evaluate ./my_catch.so --judge catch-ball --episodes 20 --out mine\n"
+      "  kaz evaluate catch-ball --props 3 10 --floors wood,plain --lamp 0.03 0.12 --shade 0.03 "
+      "0.12 --out dark\n"
+      "  kaz evaluate catch-ball --sensors as-built --calibrated --episodes 20 --out built\n"
       "  kaz evaluate catch-ball --realtime --episodes 10 --out live\n"
       "  kaz evaluate navigate --episodes 20 --seed 3 --jobs 2 --out walked\n"
       "  kaz evaluate navigate --worlds all --episodes 120 --mcu native --out kinds\n"

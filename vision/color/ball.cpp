@@ -166,6 +166,16 @@ std::optional<BallObservation> measure(const Image& image, const CameraModel& ca
   return ball;
 }
 
+// Whether the ball's distance by its size is that at which its ray is one radius above the floor: within 30 %
+// and 3 cm, as sizes are measured. False where the posture is not known or the ray does not descend.
+bool stands_on_floor(const BallObservation& ball, const FrameInfo& info, double radius_m) {
+  const double height_m = info.foot_from_eye.translation().z() - radius_m;
+  const double descent = -(info.foot_from_eye.linear() * ball.direction).z();
+  if (!info.posture_known || height_m <= 0 || descent < 0.1) return false;
+  const double distance_m = height_m / descent;
+  return std::abs(ball.distance_m - distance_m) <= 0.30 * distance_m + 0.03;
+}
+
 std::optional<Error> unfit(const Image& image, const CameraModel& camera) {
   const auto pixels = static_cast<std::size_t>(std::max(image.width, 0)) *
                       static_cast<std::size_t>(std::max(image.height, 0));
@@ -201,15 +211,23 @@ BallObservation BallDetector::detect(const Image& image, const FrameInfo& info) 
     return best;
   }
   extractor_.extract(image, mask_);
-  // Other objects of that colour may be larger than the ball but are less round: the highest confidence wins.
-  constexpr std::size_t kCandidates = 4;
+  // Other objects of that colour may be larger than the ball but are less round, or as round but not where
+  // their size says, if they are on the floor: of those that stand there, else of all, the highest
+  // confidence wins.
+  constexpr std::size_t kCandidates = 4, kStanding = 8;
   const std::span<const Region> regions = regions_.find(mask_, options_.min_area);
-  for (const Region& region : regions.first(std::min(regions.size(), kCandidates))) {
-    std::optional<BallObservation> ball = measure(image, info.camera, region, options_);
-    if (!ball || ball->confidence < std::max(options_.min_confidence, best.confidence)) continue;
+  const std::size_t count = std::min(regions.size(), info.posture_known ? kStanding : kCandidates);
+  bool best_stands = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::optional<BallObservation> ball = measure(image, info.camera, regions[i], options_);
+    if (!ball || ball->confidence < options_.min_confidence) continue;
+    const bool stands = stands_on_floor(*ball, info, options_.radius_m);
+    if (!stands && (best_stands || i >= kCandidates)) continue;
+    if (stands == best_stands && ball->confidence < best.confidence) continue;
     best = std::move(*ball);
     best.info = info;
     best.found = true;
+    best_stands = stands;
   }
   return best;
 }

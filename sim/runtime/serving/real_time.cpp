@@ -304,10 +304,14 @@ nlohmann::ordered_json ball(const World& world) {
   return {place->x(), place->y(), place->z()};
 }
 
-// World frame: position, m; roll, pitch and yaw, rad. Null without such a link: a motor stand.
-nlohmann::ordered_json trunk(const World& world) {
-  if (std::ranges::find(world.link_order(), "trunk") == world.link_order().end()) return nullptr;
-  const Eigen::Isometry3d pose = world.link_pose("trunk");
+bool has_link(const World& world, const char* link) {
+  return std::ranges::find(world.link_order(), link) != world.link_order().end();
+}
+
+// World frame: position, m; roll, pitch and yaw, rad. Null where it is not there, as of a motor stand.
+nlohmann::ordered_json pose_of(const World& world, const char* link, bool is_there) {
+  if (!is_there) return nullptr;
+  const Eigen::Isometry3d pose = world.link_pose(link);
   const Eigen::Matrix3d& r = pose.linear();
   const Eigen::Vector3d at = pose.translation();
   return {{"position_m", {at.x(), at.y(), at.z()}},
@@ -353,7 +357,6 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
                               {"driver_celsius", board.driver_celsius()},
                               {"imu", board.imu().has_value()},
                               {"link_forces", link_forces(simulation.world())},
-                              {"trunk", trunk(simulation.world())},
                               {"ball_m", ball(simulation.world())},
                               {"host", watch.present()},
                               {"camera_readers", cameras ? cameras->readers() : 0},
@@ -363,6 +366,9 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
                               {"lost_s", seconds(lost)},
                               {"worst_late_s", seconds(pacer.worst_late())}};
   const World& world = simulation.world();
+  for (const char* link : {"trunk", "l_ankle_pitch", "r_ankle_pitch"})
+    json[link] = pose_of(world, link, has_link(world, link));
+  json["left_eye"] = pose_of(world, "left_eye", world.head_frame() >= 0);
   if (world.measures_convergence())
     json["unconverged_steps"] = world.diagnostics().unconverged_steps;
   if (!touched.is_null()) json["touched"] = touched;

@@ -5,12 +5,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "shared/base/hex_text.hpp"
-#include "tests/studies/common/calibrated.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
 #include "tools/app/session/session.h"
-#include "tools/lockstep/lockstep.h"
+#include "tools/lockstep/calibrated_joints.h"
 
 namespace {
 
@@ -39,18 +37,11 @@ Result<std::string> calibrated_memory(tools::BackendOptions backend) {
   options.world_path = KAZ_TRY(tools::world_file("empty"));
   options.robot_path = KAZ_TRY(tools::data_file("robot/kaz/kaz.urdf"));
   options.camera_path = KAZ_TRY(tools::data_file("robot/kaz/camera.json"));
-  const auto calibrated = KAZ_TRY(studies::calibrate_joints(options));
-  const auto simulation = KAZ_TRY(sim::Simulation::create(options));
-  lockstep::LockstepClock clock(*simulation);
-  lockstep::LockstepLink link(*simulation);
-  auto robot = KAZ_TRY(host::Robot::connect(link, clock));
-  KAZ_TRY(robot.set_calibration(host::kAllJoints, calibrated.all));
-  KAZ_TRY(robot.store_calibration());
-  return hex_text(simulation->board().mcu().memory());
+  return lockstep::calibrated_memory(options);
 }
 
 Result<bool> caught(std::uint64_t seed, std::size_t variant) {
-  tools::Judge judge(0.020);
+  tools::Judge judge({.ball_radius_m = 0.020});
   tools::SessionOptions session;
   session.backend = backend_of(seed, variant);
   if (variant == 2) session.backend.memory = KAZ_TRY(calibrated_memory(session.backend));
@@ -58,6 +49,7 @@ Result<bool> caught(std::uint64_t seed, std::size_t variant) {
   session.quiet = true;
   session.json = true;
   session.onlooker = &judge;
+  session.on_end = [&](const auto&, double, double) { judge.end(); };
   const auto claimed = KAZ_TRY(tools::run_session(session));
   const bool held = judge.held_s() >= kHeld_s && !judge.fell();
   std::fprintf(stderr, "seed %llu, %s: %s, held %.1f s%s\n", static_cast<unsigned long long>(seed),

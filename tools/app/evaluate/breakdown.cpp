@@ -161,6 +161,21 @@ std::string percent(const Json& group) {
          hil::fixed(100 * group["interval"][1].get<double>(), 0) + " %";
 }
 
+std::string claim_of(const Json& episode) {
+  if (!episode.contains("claim")) return "";
+  return episode["claim"].get<bool>() ? "success" : "failure";
+}
+
+// "claimed but not so: 2, episodes 4, 17"; empty: none.
+std::string disagreements(const char* what, const Json& numbers) {
+  if (numbers.empty()) return "";
+  std::vector<std::string> some;
+  for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 12); ++i)
+    some.push_back(numbers[i].dump());
+  return std::string("; ") + what + " " + std::to_string(numbers.size()) + ", episodes " +
+         hil::joined(some, ", ") + (numbers.size() > 12 ? " ..." : "");
+}
+
 // What is kept of a failure, if anything is: recording and pictures.
 std::string failure_row(const Json& episode) {
   char folder[40];
@@ -171,7 +186,7 @@ std::string failure_row(const Json& episode) {
   return "<tr><td><a href=\"" + std::string(folder) + "\">" + episode["episode"].dump() +
          "</a></td>" +
          hil::table_cells({text_of(scenario, "world"), density ? hil::fixed(*density, 2) : "",
-                           episode["cause"].get<std::string>(),
+                           episode["cause"].get<std::string>(), claim_of(episode),
                            episode["sentence"].get<std::string>()}) +
          "</tr>\n";
 }
@@ -229,12 +244,19 @@ std::string breakdown_text(const Json& breakdown) {
   return text;
 }
 
+std::string claims_text(const Json& claims) {
+  return "claim and truth agreed in " + claims["agreed"].dump() + " of " + claims["judged"].dump() +
+         disagreements("claimed without success:", claims["claimed_without_success"]) +
+         disagreements("success without a claim:", claims["success_without_claim"]);
+}
+
 std::string evaluation_page(const Json& result, const Episodes& episodes) {
   const std::string behavior = result["campaign"]["behavior"].get<std::string>();
   std::string page = hil::page_head("Kaz evaluate: " + behavior);
   page += "<h1>" + xml_text(behavior) + ": " + reached(result) +
           " episodes succeeded</h1>\n<p class=\"facts\">";
   if (result.contains("interval")) page += "95 % interval " + percent(result) + "<br>";
+  if (result.contains("claims")) page += xml_text(claims_text(result["claims"])) + "<br>";
   page += "falls " + result["falls"].dump() + hil::provenance_html(provenance()) + "</p>\n";
   const Json breakdown = result.value("by", Json::object());
   for (const char* name : kGroups) {
@@ -265,7 +287,8 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
   }
   if (result["failures"].empty()) return page + hil::kPageEnd;
   page += "<h2>Failures</h2>\n<table>" +
-          hil::table_row({"episode", "world", "density", "cause", "what the behaviour says"}, "th");
+          hil::table_row(
+              {"episode", "world", "density", "cause", "claim", "what the behaviour says"}, "th");
   for (const auto& [number, episode] : episodes)
     if (!episode["success"].get<bool>()) page += failure_row(episode);
   return page + "</table>\n" + hil::kPageEnd;

@@ -20,6 +20,9 @@ nlohmann::ordered_json breakdown_json(const Episodes& episodes);
 // Tables of it, for a terminal; empty without.
 std::string breakdown_text(const nlohmann::ordered_json& breakdown);
 
+// `claims` of result.json as a sentence.
+std::string claims_text(const nlohmann::ordered_json& claims);
+
 // `result.json` as a page: rate, causes, the breakdown, and a line for each failure with links to what is
 // kept of it in failures/NUMBER beside the page.
 std::string evaluation_page(const nlohmann::ordered_json& result, const Episodes& episodes);

@@ -17,11 +17,13 @@
 #include <optional>
 #include <set>
 
+#include "host/behavior/plugin.h"
 #include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/episode_file.h"
+#include "tools/app/evaluate/judge.h"
 #include "tools/app/evaluate/parts.h"
 #include "tools/app/evaluate/summary.h"
 #include "tools/app/evaluate/work_folder.h"
@@ -53,9 +55,9 @@ Result<void> write_json(const std::string& path, const Json& json) {
 }
 
 const OutputKind& campaign_output() {
-  static const OutputKind kind{
-      "evaluate",
-      {"campaign.json", "result.json", "report.html", "episodes.csv", "episodes", "failures"}};
+  static const OutputKind kind{"evaluate",
+                               {"campaign.json", "result.json", "report.html", "junit.xml",
+                                "episodes.csv", "episodes", "failures"}};
   return kind;
 }
 
@@ -141,6 +143,7 @@ Result<Json> broken(const CampaignOptions& options, std::uint64_t number, int st
   return Json{{"episode", number},
               {"scenario", scenario_json(drawn.scenario)},
               {"success", false},
+              {"claim", false},
               {"cause", "crashed"},
               {"sentence", "its process " + how},
               {"measurements", Json::object()},
@@ -338,7 +341,7 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
 
 // The summary will be a new one.
 Result<void> remove_summary(const OutputFolder& folder) {
-  for (const char* name : {"result.json", "report.html"}) KAZ_TRY(folder.remove(name));
+  for (const char* name : {"result.json", "report.html", "junit.xml"}) KAZ_TRY(folder.remove(name));
   return folder.remove("episodes.csv");
 }
 
@@ -373,45 +376,63 @@ Result<void> refuse_others(const OutputFolder& folder, const Episodes& all) {
                                 "another --out");
 }
 
+// A plug-in that is to be judged as one of Kaz's behaviours.
+Result<void> check_judge(const CampaignOptions& options) {
+  if (options.judged_as.empty()) return {};
+  if (!behavior::names_plugin(options.behavior))
+    return fail(Fault::usage,
+                "--judge is of plug-ins: " + options.behavior + " is judged as what it is");
+  if (is_judged(options.judged_as)) return {};
+  return fail(Fault::usage,
+              "--judge: '" + options.judged_as +
+                  "' is none of Kaz's behaviours; give one of those of kaz run --help");
+}
+
 }  // namespace
 
 Json campaign_json(const CampaignOptions& o) {
   const auto pair = [](const Interval& i) { return Json{i.min, i.max}; };
   Json worlds = Json::array();
   for (const WorldKind kind : o.variation.worlds) worlds.push_back(to_string(kind));
-  return {{"behavior", o.behavior},
-          {"settings", o.settings},
-          {"realtime", o.realtime},
-          {"seed", o.seed},
-          {"mcu", to_string(o.backend.mcu)},
-          {"image", o.backend.image},
-          {"sensors", to_string(o.backend.sensors)},
-          {"imu", o.backend.imu},
-          {"eyes", to_string(o.backend.eyes)},
-          {"eye_width", o.backend.eye_width},
-          {"renderer", to_string(o.backend.renderer)},
-          {"dynamics", o.backend.dynamics},
-          {"physics_step_ms", o.backend.physics_step_ms},
-          {"friction", pair(o.variation.friction)},
-          {"supply_volts", pair(o.variation.supply_volts)},
-          {"ball_distance_m", pair(o.variation.ball_distance_m)},
-          {"bearing_deg", o.variation.bearing_deg},
-          {"radii_m", o.variation.radii_m},
-          {"colors", o.variation.colors},
-          {"mass_sigma", o.variation.mass_sigma},
-          {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
-          {"lamp", pair(o.variation.lamp)},
-          {"shade", pair(o.variation.shade)},
-          {"worlds", worlds},
-          {"density", pair(o.variation.density)},
-          {"max_obstacles", o.variation.max_obstacles},
-          {"goal_distance_m", pair(o.variation.goal_distance_m)}};
+  Json json{{"behavior", o.behavior},
+            {"settings", o.settings},
+            {"realtime", o.realtime},
+            {"seed", o.seed},
+            {"mcu", to_string(o.backend.mcu)},
+            {"image", o.backend.image},
+            {"sensors", to_string(o.backend.sensors)},
+            {"imu", o.backend.imu},
+            {"eyes", to_string(o.backend.eyes)},
+            {"eye_width", o.backend.eye_width},
+            {"renderer", to_string(o.backend.renderer)},
+            {"dynamics", o.backend.dynamics},
+            {"physics_step_ms", o.backend.physics_step_ms},
+            {"friction", pair(o.variation.friction)},
+            {"supply_volts", pair(o.variation.supply_volts)},
+            {"ball_distance_m", pair(o.variation.ball_distance_m)},
+            {"bearing_deg", o.variation.bearing_deg},
+            {"radii_m", o.variation.radii_m},
+            {"colors", o.variation.colors},
+            {"mass_sigma", o.variation.mass_sigma},
+            {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
+            {"lamp", pair(o.variation.lamp)},
+            {"shade", pair(o.variation.shade)},
+            {"worlds", worlds},
+            {"density", pair(o.variation.density)},
+            {"max_obstacles", o.variation.max_obstacles},
+            {"goal_distance_m", pair(o.variation.goal_distance_m)}};
+  if (!o.judged_as.empty()) json["judged_as"] = o.judged_as;
+  if (o.calibrated) json["calibrated"] = true;
+  if (o.variation.props.max > 0) json["props"] = pair(o.variation.props);
+  if (o.variation.floors != Variation{}.floors) json["floors"] = o.variation.floors;
+  return json;
 }
 
 Result<bool> run_campaign(const CampaignOptions& options) {
   const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
   const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
+  KAZ_TRY(check_judge(options));
   if (options.shard > options.episodes)
     return fail(Fault::usage, "--shard " + std::to_string(options.shard) + "/" +
                                   std::to_string(options.shards) + " has none of the " +

@@ -18,16 +18,21 @@ namespace kaz::tools {
 
 struct CampaignOptions {
   std::string behavior;
+  std::string judged_as;  // of a plug-in: the behaviour of Kaz whose criterion decides; empty: none
   std::map<std::string, std::string> settings;  // of the behaviour
   BackendOptions backend;                       // mcu, eyes, sensors, imu and so on
   Variation variation;
   std::uint64_t seed = 1;
   std::uint64_t episodes = 20;
   std::uint64_t shard = 1, shards = 1;  // this is part `shard` of so many
+  bool calibrated = false;              // each robot's joints, before its episode
   bool realtime = false;                // two processes and a pty instead of lockstep
   int jobs = 1;
   std::string out;
   bool json = false;
+
+  // What truth decides by.
+  const std::string& task() const { return judged_as.empty() ? behavior : judged_as; }
 };
 
 // What decides how each episode goes: campaigns with the same text differ only in which they ran.

@@ -30,7 +30,9 @@ enum class Draw : std::uint64_t {
   shade,
   obstacles,
   goal,
-  paint
+  paint,
+  lies,
+  clutter
 };
 
 // 0..1, from a normal deviate, which is keyed alike on all machines.

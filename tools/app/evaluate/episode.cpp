@@ -14,6 +14,7 @@
 #include "tools/app/evaluate/learned_color.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/run_report.h"
+#include "tools/lockstep/calibrated_joints.h"
 
 namespace kaz::tools {
 namespace {
@@ -51,7 +52,7 @@ struct Ended {
 };
 
 Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& ended,
-                  const std::string& cause, const Judge& judge) {
+                  const Verdict& verdict, const Judge& judge) {
   const auto& outcome = ended.outcome;
   Json results = Json::object();
   if (outcome) {
@@ -59,11 +60,13 @@ Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& e
   }
   Json episode{{"episode", number},
                {"scenario", scenario_json(scenario)},
-               {"success", cause.empty()},
-               {"cause", cause},
+               {"success", verdict.success},
+               {"claim", verdict.claim},
+               {"cause", verdict.cause},
                {"sentence", outcome ? outcome->sentence : outcome.error().message},
                {"measurements", results},
                {"truth", judge.json()}};
+  if (!verdict.judged) episode["judged"] = false;
   if (ended.run_s > 0) {  // else it did not begin
     episode["seconds"] = rounded(ended.run_s);
     episode["rtf"] = rounded(ended.rtf);
@@ -98,9 +101,28 @@ Result<void> add_goal(const Variation& variation, Scenario& scenario,
 
 Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t number) {
   DrawnEpisode drawn{Scenario::draw(options.variation, options.seed, number), options.settings};
-  if (options.behavior == "navigate")
+  if (options.task() == "navigate") {
     KAZ_TRY(add_goal(options.variation, drawn.scenario, drawn.settings));
+  } else if (options.task() == "get-up") {
+    drawn.scenario.has_ball = false;
+    drawn.scenario.lay_down();
+  } else {
+    KAZ_TRY(drawn.scenario.add_props(options.variation));
+  }
   return drawn;
+}
+
+Result<std::string> episode_memory(const CampaignOptions& options, const Scenario& scenario,
+                                   const std::string& robot_file) {
+  if (!options.calibrated) return std::string();
+  sim::SimulationOptions robot;
+  robot.seed = scenario.seed;
+  robot.imu = true;
+  robot.sensors = sim::sensor_switches(options.backend.sensors);
+  robot.world_path = KAZ_TRY(world_file("empty"));
+  robot.robot_path = robot_file;
+  robot.camera_path = fs::path(robot_file).replace_filename("camera.json").string();
+  return lockstep::calibrated_memory(robot);
 }
 
 Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
@@ -110,15 +132,19 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const Scenario& scenario = drawn.scenario;
   const std::map<std::string, std::string>& settings = drawn.settings;
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, settings));
+  const Task task = KAZ_TRY(task_of(options.task(), values));
+  const bool navigates = task.name == "navigate";
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   const auto color = KAZ_TRY(learned_ball_color(scenario, options.backend));
 
-  Judge judge(scenario.ball_radius_m, options.behavior == "navigate");
+  Judge judge({.ball_radius_m = scenario.ball_radius_m,
+               .watches_touch = navigates,
+               .lies = scenario.lies.has_value()});
   if (const Obstacle* moving = scenario.moving())
     judge.watch_way(*moving, scenario.name_of(*moving), scenario.world_from_start());
   // Beyond the edge of a table there is no floor: what the map has there is not compared.
-  if (options.behavior == "navigate" && scenario.layout.table.empty())
+  if (navigates && scenario.layout.table.empty())
     judge.watch_map(scenario.layout.obstacles, scenario.world_from_start());
   Ended ended;
   SessionOptions session;
@@ -127,6 +153,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   session.backend.robot_file = files.robot();
   session.backend.seed = scenario.seed;
   session.backend.supply_volts = scenario.supply_volts;
+  session.backend.memory = KAZ_TRY(episode_memory(options, scenario, files.robot()));
   session.behavior = options.behavior;
   session.settings = settings;
   session.vision.ball.radius_m = scenario.ball_radius_m;
@@ -139,14 +166,14 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   std::optional<Error> lost;
   session.on_loss = [&](const Error& error) { lost = error; };
   session.on_end = [&](const Result<behavior::Outcome>& outcome, double seconds, double speed) {
+    judge.end();
     ended.outcome = outcome;
     ended.run_s = seconds;
     ended.rtf = speed;
   };
-  const auto cause_now = [&] {
-    return cause_of_failure(options.behavior, values, ended.outcome, judge);
-  };
-  session.worth_keeping = [&] { return !cause_now().empty(); };
+  const auto verdict_now = [&] { return verdict_of(task, ended.outcome, judge); };
+  const auto crashed = [&] { return Verdict{.cause = "crashed", .judged = is_judged(task.name)}; };
+  session.worth_keeping = [&] { return !verdict_now().success; };
   char name[32];
   std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
   const std::string kept = (fs::path(failures) / name).string();
@@ -157,7 +184,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
     if (error.fault == Fault::interrupted) {
       (void)remove_run(kept);
     } else {
-      keep(episode_json(number, scenario, ended, "crashed", judge));
+      keep(episode_json(number, scenario, ended, crashed(), judge));
     }
     std::error_code ignored;
     fs::remove_all(fs::path(files.world()).parent_path(), ignored);
@@ -170,13 +197,13 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   if (lost) return tl::unexpected(*lost);
   if (!ran) ended.outcome = tl::unexpected(ended.outcome ? ran.error() : ended.outcome.error());
 
-  const std::string cause = ended.crashed ? "crashed" : cause_now();
-  if (cause.empty()) {
+  const Verdict verdict = ended.crashed ? crashed() : verdict_now();
+  if (verdict.success) {
     KAZ_TRY(remove_run(kept));
   } else if (!ended.crashed) {
     KAZ_TRY(keep_files(files, kept));
   }
-  return episode_json(number, scenario, ended, cause, judge);
+  return episode_json(number, scenario, ended, verdict, judge);
 }
 
 }  // namespace kaz::tools

@@ -21,6 +21,11 @@ struct DrawnEpisode {
 // Errors (usage): there is no such world.
 Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t number);
 
+// BackendOptions::memory of its robot's board: with a calibration of the joints where that is asked for, else
+// empty. Errors: a joint that could not be calibrated.
+Result<std::string> episode_memory(const CampaignOptions& options, const Scenario& scenario,
+                                   const std::string& robot_file);
+
 // Runs it in this process. A failure leaves its recording in `failures`/NUMBER; a success leaves
 // nothing there. The answer is what the campaign keeps of it. Errors: it could not be begun (usage), or
 // the machine ended it: files, disk, display (environment).

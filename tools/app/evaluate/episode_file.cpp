@@ -69,6 +69,8 @@ constexpr Field kEpisodeFields[] = {
     {"episode", [](const Json& v) { return v.is_number_unsigned(); }},
     {"scenario", has_seed},
     {"success", [](const Json& v) { return v.is_boolean(); }},
+    {"claim", is_flag, false},   // absent: of an earlier version
+    {"judged", is_flag, false},  // false: not by truth alone; absent: true
     {"cause", is_text},
     {"sentence", is_text},
     {"seconds", is_number, false},  // absent: not measured

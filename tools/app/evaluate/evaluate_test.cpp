@@ -22,6 +22,7 @@ Json episode(std::uint64_t number, bool success, double seconds, const std::stri
   return {{"episode", number},
           {"scenario", {{"seed", 1000 + number}}},
           {"success", success},
+          {"claim", success || cause == "missed"},
           {"cause", cause},
           {"sentence", "it says \"so\""},
           {"seconds", seconds},
@@ -72,7 +73,8 @@ TEST(EpisodeFile, NamesFileAndFieldThatIsWrong) {
   for (const auto& field : whole.items()) {
     for (const bool missing : {true, false}) {
       // An episode that did not begin has no times.
-      if (missing && (field.key() == "seconds" || field.key() == "rtf")) continue;
+      if (missing && (field.key() == "seconds" || field.key() == "rtf" || field.key() == "claim"))
+        continue;
       Json damaged = episode(1, true, 1);
       if (missing) {
         damaged.erase(field.key());
@@ -199,7 +201,8 @@ class Summary : public testing::Test {
   Summary()
       : path_(make_temporary_folder("kaz-summary-").value()),
         folder_(
-            OutputFolder::begin(path_, {"evaluate", {"result.json", "report.html", "episodes.csv"}})
+            OutputFolder::begin(
+                path_, {"evaluate", {"result.json", "report.html", "junit.xml", "episodes.csv"}})
                 .value()) {}
   ~Summary() override {
     std::error_code error;
@@ -228,6 +231,8 @@ TEST_F(Summary, CountsSuccessesFallsAndCauses) {
   EXPECT_EQ(result["falls"], 1);
   EXPECT_EQ(result["failures"]["fell"], Json::array({2}));
   EXPECT_EQ(result["failures"]["missed"], Json::array({3}));
+  EXPECT_EQ(result["claims"]["agreed"], 3);
+  EXPECT_EQ(result["claims"]["claimed_without_success"], Json::array({3}));
   EXPECT_LT(result["interval"][0], 0.5);
   EXPECT_GT(result["interval"][1], 0.5);
   // Measurements of the behaviour are those of successful episodes.
@@ -343,8 +348,8 @@ TEST_F(Summary, WritesARowForEachEpisode) {
   ASSERT_TRUE(any);
   EXPECT_FALSE(*any);
   EXPECT_EQ(read("episodes.csv"),
-            "episode,seed,success,cause,seconds,rtf,sentence\n"
-            "5,1005,0,missed,30.0,2.0,\"it says 'so'\"\n");
+            "episode,seed,success,claim,cause,seconds,rtf,sentence\n"
+            "5,1005,0,1,missed,30.0,2.0,\"it says 'so'\"\n");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "tools/app/evaluate/given_options.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace kaz::tools {
 namespace {
@@ -63,8 +64,19 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
 }  // namespace
 
 Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given) {
+  const Interval& props = options.variation.props;
+  if (props.min != std::floor(props.min) || props.max != std::floor(props.max))
+    return fail(Fault::usage, "--props counts things: give whole numbers, as in --props 3 10");
   for (const std::string& option : given) {
-    if (options.behavior == "navigate") {
+    if (option == "--props" && (options.task() == "navigate" || options.task() == "get-up"))
+      return fail(Fault::usage,
+                  "--props is of behaviours that walk to a ball or stay: leave it out" +
+                      std::string(options.task() == "navigate" ? ", or give --obstacles" : ""));
+    if (option == "--calibrated" && options.backend.sensors != sim::SensorSet::as_built)
+      return fail(Fault::usage,
+                  "--calibrated is of robots whose joints are not as nominal: give --sensors "
+                  "as-built, or leave it out");
+    if (options.task() == "navigate") {
       if (const std::string why = why_unused(option, options); !why.empty())
         return fail(Fault::usage, option + " " + why);
     } else if (std::ranges::count(kOfNavigate, option) > 0) {

@@ -1,5 +1,9 @@
 // How an episode ended in truth: what the simulator knows and no behaviour does.
 // SPDX-License-Identifier: Apache-2.0
+//
+// Success is decided by truth alone; what a behaviour claims is compared with it, and never part of it but
+// where the claim is a number (the direction that search-ball reports). Nothing here is of a behaviour's
+// code: bounds and formulas are the judge's own.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +27,8 @@ struct Truth {
   Time time{};
   Eigen::Isometry3d trunk = Eigen::Isometry3d::Identity();
   std::optional<Eigen::Vector3d> ball = {};
+  std::optional<Eigen::Isometry3d> left_eye = {};  // optical frame: x right, y down, z forward
+  std::optional<Eigen::Isometry3d> left_foot = {}, right_foot = {};  // at the ankles, x ahead
   struct Touch {
     std::string thing, by;  // model, "" where nothing is touched; link of the robot
     double at_s = 0;
@@ -32,12 +38,31 @@ struct Truth {
   std::optional<std::int64_t> unconverged_steps = {};
 };
 
+// What an episode is to achieve: the options of its behaviour, as the judge reads them.
+struct Task {
+  std::string
+      name;  // of a behaviour of Kaz; of another one nothing is known but that it may not fall
+  double distance_m = 0;       // of go-forward
+  double angle_rad = 0;        // of turns, positive to the left
+  double seconds = 0;          // of track-ball
+  bool ball = false;           // the goal of navigate is to hold the ball
+  Eigen::Vector2d goal{0, 0};  // else; from the start, x ahead
+  std::optional<double> goal_heading_rad = {};
+};
+// Errors (usage): a plug-in that is to be judged as `name` lacks an option that the judge reads.
+Result<Task> task_of(const std::string& name, const behavior::OptionValues& options);
+// Tasks that truth decides: names of Kaz's behaviours.
+bool is_judged(const std::string& task);
+
+struct JudgeOptions {
+  double ball_radius_m = 0.020;
+  bool watches_touch = false;  // whether touched() is to be known, which costs time
+  bool lies = false;           // the robot lies at first, and is to get up
+};
+
 class Judge final : public Onlooker, public behavior::Sink {
  public:
-  // `watches_touch`: whether touched() is to be known, which costs time.
-  // `sees_end`: the last look is at the behaviour's end; in another process it lies somewhere after it.
-  explicit Judge(double ball_radius_m, bool watches_touch = false, bool sees_end = true)
-      : ball_radius_m_(ball_radius_m), watches_touch_(watches_touch), sees_end_(sees_end) {}
+  explicit Judge(const JudgeOptions& options) : options_(options) {}
   // `name`: model of `thing`, which slides into the way; `world_from_start`: the frame of its place.
   void watch_way(const Obstacle& thing, const std::string& name,
                  const Eigen::Isometry2d& world_from_start);
@@ -47,9 +72,12 @@ class Judge final : public Onlooker, public behavior::Sink {
   // The same of a simulator in another process.
   void look(const Truth& truth);
   void map(const behavior::MapReport& report) override;
+  // The behaviour has ended: what comes later (its motors go off) is not looked at.
+  void end() { ended_ = true; }
 
-  // The trunk lay farther than 60 degrees from upright, at whatever time.
-  bool fell() const { return fell_; }
+  // The trunk lay farther than 60 degrees from upright, at whatever time; of a robot that lay at first: at
+  // the last look.
+  bool fell() const;
   // From the first look to the last: along and across the first heading, m; turned, rad.
   double forward_m() const;
   double aside_m() const;
@@ -58,41 +86,63 @@ class Judge final : public Onlooker, public behavior::Sink {
   const std::string& touched() const { return touch_.thing; }
   // What was touched first was still sliding into the way: it hit the robot, not the robot it.
   bool was_hit() const { return was_hit_; }
-  // For how long, up to the last look, the ball was lifted clear of the floor without a break, s; where the
-  // end is not seen, for how long at most.
-  double held_s() const;
+  // For how long, up to the last look and without a break, s: the ball was clear of the floor; the trunk
+  // was upright within 30 degrees and high, its origin above 0.11 m.
+  double held_s() const { return lasting_s(held_since_); }
+  double upright_s() const { return lasting_s(upright_since_); }
+  // Share of the last `seconds` in which the left eye's axis was within 3 degrees of the ball.
+  double tracked(double seconds) const;
+  // Direction of the ball from the left eye in the trunk's axes at the last look, a unit vector.
+  std::optional<Eigen::Vector3d> ball_direction() const;
+  // The ball from the midpoint of the ankles at the last look; x ahead, y left, m.
+  std::optional<Eigen::Vector2d> ball_from_feet_m() const;
   nlohmann::ordered_json json() const;
 
  private:
-  double ball_radius_m_;
-  bool watches_touch_, sees_end_;
-  bool fell_ = false;
+  struct Gaze {
+    Time time{};
+    bool near = false;  // within 3 degrees of the ball
+  };
+  double lasting_s(const std::optional<Time>& since) const {
+    return since ? seconds(last_.time - *since) : 0;
+  }
+
+  JudgeOptions options_;
+  bool ended_ = false, fell_ = false;
   Truth::Touch touch_;
   bool was_hit_ = false;
   std::optional<WayWatch> way_;
   std::optional<MapTruth> map_;
   Eigen::Isometry2d start_from_world_ = Eigen::Isometry2d::Identity();
   std::optional<Eigen::Isometry3d> start_;
-  Eigen::Isometry3d last_ = Eigen::Isometry3d::Identity();
+  Truth last_;
   double heading_ = 0, last_yaw_ = 0;  // rad; the heading over any number of turns
-  bool has_ball_ = true;
-  std::optional<std::int64_t> unconverged_steps_;  // of the dynamics, where they are counted
-  Time now_{};
-  std::optional<Time> lifted_;
-  double longest_held_s_ = 0;
-  Eigen::Vector3d ball_ = Eigen::Vector3d::Zero();
+  std::optional<Time> held_since_, upright_since_;
+  std::vector<Gaze> gazes_;  // each holds until the next
 };
 
-// Why an episode does not count as a success; empty where it does. A behaviour's success must hold by
-// ground truth:
-// - catch-ball: the ball is held clear of the floor for the last 3 s,
+// How an episode ended, and what its behaviour says of it.
+struct Verdict {
+  bool success = false;
+  std::string cause = {};  // why not; empty of a success
+  bool judged =
+      true;  // by truth; false: nothing is known of the task, and the claim counts unless it fell
+  bool claim = false;  // the behaviour claims success
+};
+// By ground truth, of a robot that has not fallen:
+// - search-ball: the reported direction (`ball_bearing_deg`, to the left, and `ball_elevation_deg`, up; from
+//   the left eye, in the trunk's axes) is within 5 degrees of the ball's,
+// - track-ball: the left eye's axis is within 3 degrees of the ball for 90 % of the option `seconds`, up to
+//   the end,
+// - approach-ball: the ball is where a hand takes it, 100 +- 26 mm ahead of the ankles and 47 +- 27 mm aside,
+// - catch-ball: the ball is clear of the floor for the last 3 s,
+// - stand, get-up: the trunk is upright and high for the last 3 s,
 // - go-forward: the distance within 10 %, the heading within 8 degrees,
 // - turn-left, turn-right: the heading within 6 degrees of the option `angle`,
 // - navigate: nothing that stands about was touched, and nothing that slides has hit the robot; the goal
-//   within 5 cm and, where it has one, its heading within 10 degrees, or the ball as of catch-ball,
-// - all: the robot has not fallen.
-// `options`: the behaviour's options.
-std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& options,
-                             const Result<behavior::Outcome>& outcome, const Judge& judge);
+//   within 5 cm and, where it has one, its heading within 10 degrees, or the ball as of catch-ball.
+// A behaviour that ended with an error has failed. The cause of a failure is a fall or a touch, else what a
+// behaviour that admits it names, else what truth lacks.
+Verdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome, const Judge& judge);
 
 }  // namespace kaz::tools

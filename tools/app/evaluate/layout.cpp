@@ -332,6 +332,22 @@ Layout draw_layout(WorldKind kind, const LayoutRange& range, std::uint64_t seed,
   return std::move(d.layout);
 }
 
+Obstacle draw_prop(Dice& dice, double near_m, double far_m, const std::array<double, 3>* rgb) {
+  Obstacle o;
+  const double kind = dice(0, 1);
+  o.shape = kind < 0.25 ? Shape::can : kind < 0.5 ? Shape::ball : Shape::box;
+  // Balls of 7 cm and more: those to catch have 4.
+  o.length_m = o.shape == Shape::ball ? dice(0.07, 0.12) : dice(0.03, 0.20);
+  o.width_m = o.shape == Shape::box ? dice(0.03, 0.20) : o.length_m;
+  o.height_m = o.shape == Shape::ball ? o.length_m : dice(0.03, 0.24);
+  const double bearing = dice(-kPi, kPi), distance = dice(near_m, far_m);
+  o.x_m = distance * std::cos(bearing);
+  o.y_m = distance * std::sin(bearing);
+  o.yaw_rad = dice(-kPi, kPi);
+  o.rgb = rgb != nullptr ? *rgb : kThings[dice.below(kThings.size())];
+  return o;
+}
+
 plan::Grid true_grid(const Layout& layout, double reach_m) {
   plan::Grid grid;
   grid.cells_x = grid.cells_y = static_cast<int>(std::ceil(2 * reach_m / grid.cell_m));

@@ -4,6 +4,7 @@
 // Frame: from between the feet of the robot at its start; x ahead, y left. Units m, rad.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -78,6 +79,11 @@ struct LayoutRange {
 // two-balls; in the other kinds, which need room for what they are, it is drawn anyway.
 Layout draw_layout(WorldKind kind, const LayoutRange& range, std::uint64_t seed, bool ball_is_goal,
                    const Eigen::Vector2d& ball);
+
+// A box, can or large ball `near` to `far` m from the start, in any direction. `rgb`: its colour, that of the
+// ball to catch; null: one that no ball has. No ball that it draws is of the size of one to catch.
+class Dice;
+Obstacle draw_prop(Dice& dice, double near_m, double far_m, const std::array<double, 3>* rgb);
 
 // The floor as it truly is, after everything has slid to its place, in a square of 2 `reach_m` around the
 // start: what stands there, and what is beside the table, is obstacle.

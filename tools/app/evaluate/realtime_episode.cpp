@@ -1,5 +1,6 @@
 // One episode in real time: the robot in one process, the behaviour in another, a pty between them.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -100,11 +101,17 @@ Truth truth_of(const Json& status) {
   const auto three = [](const Json& list) {
     return Eigen::Vector3d(list[0].get<double>(), list[1].get<double>(), list[2].get<double>());
   };
-  const Eigen::Vector3d angles = three(status["trunk"]["roll_pitch_yaw_rad"]);
-  truth.trunk = Eigen::Translation3d(three(status["trunk"]["position_m"])) *
-                Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
-                Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
-                Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+  const auto pose = [&](const Json& json) -> Eigen::Isometry3d {
+    const Eigen::Vector3d angles = three(json["roll_pitch_yaw_rad"]);
+    return Eigen::Translation3d(three(json["position_m"])) *
+           Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
+           Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+           Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+  };
+  truth.trunk = pose(status["trunk"]);
+  if (!status["left_eye"].is_null()) truth.left_eye = pose(status["left_eye"]);
+  if (!status["l_ankle_pitch"].is_null()) truth.left_foot = pose(status["l_ankle_pitch"]);
+  if (!status["r_ankle_pitch"].is_null()) truth.right_foot = pose(status["r_ankle_pitch"]);
   if (!status["ball_m"].is_null()) truth.ball = three(status["ball_m"]);
   for (const Json& one : status.value("touched", Json::array())) {
     const auto thing = one["thing"].get<std::string>();
@@ -117,8 +124,50 @@ Truth truth_of(const Json& status) {
   return truth;
 }
 
+// What `kaz sim` reports while the behaviour runs, up to its end: then it switches the motors off. Looks
+// without motors count only if they come on again.
+class RealTimeLooks {
+ public:
+  explicit RealTimeLooks(Judge& judge) : judge_(judge) {}
+
+  void add(const Json& status) {
+    const Truth truth = truth_of(status);
+    worst_gap_s_ = had_motors_ ? std::max(worst_gap_s_, kaz::seconds(truth.time - latest_)) : 0;
+    latest_ = truth.time;
+    if (!status["motors"].get<bool>()) {
+      without_motors_.push_back(truth);
+      return;
+    }
+    had_motors_ = true;
+    for (const Truth& earlier : without_motors_) judge_.look(earlier);
+    without_motors_.clear();
+    judge_.look(truth);
+  }
+  void end() {
+    if (!had_motors_)
+      for (const Truth& truth : without_motors_) judge_.look(truth);
+    judge_.end();
+  }
+  // Longest time of the robot without a look, s.
+  double worst_gap_s() const { return worst_gap_s_; }
+
+ private:
+  Judge& judge_;
+  std::vector<Truth> without_motors_;
+  bool had_motors_ = false;
+  Time latest_{};
+  double worst_gap_s_ = 0;
+};
+
 std::string board_of(const trials::RobotFolder& files) {
   return fs::path(files.robot()).replace_filename("board").string();
+}
+
+std::string bytes_of(const std::string& hex) {
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  return bytes;
 }
 
 // Both programs' arguments.
@@ -160,6 +209,12 @@ Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& dr
                 {"run", options.behavior, "--robot", "serial:" + board, "--camera", eyes, "--color",
                  color_file, "--radius", std::to_string(scenario.ball_radius_m), "--json"}};
   if (backend.imu) both.simulator.push_back("--imu");
+  if (const auto memory = KAZ_TRY(episode_memory(options, scenario, files.robot()));
+      !memory.empty()) {
+    const std::string file = board + ".memory";
+    KAZ_TRY(write_whole_file(file, bytes_of(memory)));
+    both.simulator.insert(both.simulator.end(), {"--memory", file});
+  }
   for (const auto& [name, value] : drawn.settings) {
     both.behaviour.push_back("--set");
     both.behaviour.push_back(name + "=" + value);
@@ -184,28 +239,63 @@ Json result_of(const std::string& log) {
   return result.is_object() ? result : Json::object();
 }
 
-// Why an episode does not count for or against the robot; empty where it does. `behaviour`: exit status
-// of `kaz run`, none if time ran out; `simulator`: that of `kaz sim`; `last`: its last reply; `result`: of
-// `kaz run`.
-std::string machine_trouble(std::optional<int> behaviour, bool ended_early, int simulator,
-                            const Json& last, const Json& result) {
-  constexpr int kLost = static_cast<int>(Fault::environment);
-  constexpr double kMaxLag_s = 1;  // in all; or at once, which only a stop of the process is
-  if (ended_early) return "kaz sim ended with " + std::to_string(simulator) + " during the run";
-  if (simulator == kLost) return "kaz sim could not keep its recording";
-  if (behaviour == static_cast<int>(Fault::usage)) return "kaz run could not begin";
-  if (behaviour == kLost && result.value("outcome", "") == "environment")
-    return result.value("sentence", std::string());
-  if (behaviour == kLost) return "kaz run lost port, camera or files";
-  for (const int number : {SIGHUP, SIGINT, SIGKILL, SIGTERM, SIGBUS, SIGXCPU, SIGXFSZ})
-    if (behaviour == 128 + number) return "kaz run was ended by signal " + std::to_string(number);
-  const double lag_s = last.contains("lost_s") ? last["lost_s"].get<double>() : 0;
-  if (!behaviour && lag_s > kMaxLag_s)
+// Numbers of a result are the behaviour's measurements, but for those of the run.
+std::vector<std::pair<std::string, double>> measurements_of(const Json& result) {
+  std::vector<std::pair<std::string, double>> all;
+  for (const auto& [name, value] : result.items())
+    if (value.is_number() && name != "duration_s" && name != "rtf")
+      all.emplace_back(name, value.get<double>());
+  return all;
+}
+
+double number_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_number() ? found->get<double>() : 0;
+}
+
+// How both programs ended.
+struct Ends {
+  std::optional<int> behaviour;  // exit status of `kaz run`, none if time ran out
+  bool ended_early;              // `kaz sim`, during the run
+  int simulator;                 // its exit status
+  double worst_gap_s;            // RealTimeLooks
+};
+
+// The machine was late by a second, as a run at a port counts it (run_lateness.h): then neither a failure
+// nor a success is the robot's.
+std::string lateness(const Json& last, const Json& result, double worst_gap_s) {
+  constexpr double kMax_s = 1, kMaxShare = 0.02;
+  const Json late = result.value("lateness", Json::object());
+  const double host_s = number_of(late, "host_late_s");
+  const double worst_s = number_of(late, "host_worst_late_s");
+  const double lag_s = std::max(number_of(last, "lost_s"), number_of(last, "worst_late_s"));
+  if (lag_s > kMax_s)
     return "the machine was too slow: kaz sim lagged " + std::to_string(lag_s) + " s behind";
-  const double stop_s = last.contains("worst_late_s") ? last["worst_late_s"].get<double>() : 0;
-  if (behaviour != 0 && stop_s > kMaxLag_s)
-    return "kaz sim stood still for " + std::to_string(stop_s) + " s during the run";
+  if (worst_s > kMax_s || (host_s > kMax_s && host_s > kMaxShare * number_of(result, "duration_s")))
+    return "the machine was too slow: kaz run was kept waiting for " +
+           std::to_string(std::max(worst_s, host_s)) + " s";
+  if (worst_gap_s > kMax_s)
+    return "the machine was too slow: nothing was seen of the robot for " +
+           std::to_string(worst_gap_s) + " s";
   return {};
+}
+
+// Why an episode does not count for or against the robot; empty where it does. `last`: last reply of
+// `kaz sim`; `result`: of `kaz run`.
+std::string machine_trouble(const Ends& ends, const Json& last, const Json& result) {
+  constexpr int kLost = static_cast<int>(Fault::environment);
+  if (ends.ended_early)
+    return "kaz sim ended with " + std::to_string(ends.simulator) + " during the run";
+  if (ends.simulator == kLost) return "kaz sim could not keep its recording";
+  if (ends.behaviour == static_cast<int>(Fault::usage)) return "kaz run could not begin";
+  if (ends.behaviour == kLost && result.value("outcome", "") == "environment")
+    return result.value("sentence", std::string());
+  if (ends.behaviour == kLost) return "kaz run lost port, camera or files";
+  for (const int number : {SIGHUP, SIGINT, SIGKILL, SIGTERM, SIGBUS, SIGXCPU, SIGXFSZ})
+    if (ends.behaviour == 128 + number)
+      return "kaz run was ended by signal " + std::to_string(number);
+  if (ends.behaviour && *ends.behaviour > 128) return {};  // it crashed, on any machine
+  return lateness(last, result, ends.worst_gap_s);
 }
 
 }  // namespace
@@ -216,6 +306,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   const auto drawn = KAZ_TRY(draw_episode(options, number));
   const Scenario& scenario = drawn.scenario;
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, drawn.settings));
+  const Task task = KAZ_TRY(task_of(options.task(), values));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   char name[32];
@@ -246,10 +337,11 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
     return fail(Fault::environment, "kaz sim did not begin: " + last_line(text_of(sim_log)));
   auto control = KAZ_TRY(Control::open(board_of(files) + ".ctl"));
   control.watch_touches();
-  Judge judge(scenario.ball_radius_m, false, false);
+  Judge judge({.ball_radius_m = scenario.ball_radius_m, .lies = scenario.lies.has_value()});
+  RealTimeLooks looks(judge);
   Json last = Json::object();
   const auto look = [&] {
-    if (const auto status = control.status()) judge.look(truth_of(last = *status));
+    if (const auto status = control.status()) looks.add(last = *status);
   };
   look();  // where it starts
   auto behaviour = KAZ_TRY(Child::begin(both.behaviour, run_log));
@@ -264,13 +356,14 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
     behaviour.signal(SIGINT);
     behaviour.wait(kEnd);
   }
+  looks.end();
   const bool simulator_ended = simulator.ended().has_value();
   simulator.signal(SIGINT);
   if (!simulator.wait(kEnd))
     return fail(Fault::environment, "kaz sim did not end; its log is " + sim_log);
   const Json result = result_of(text_of(run_log));
-  if (const std::string why =
-          machine_trouble(status, simulator_ended, *simulator.ended(), last, result);
+  if (const std::string why = machine_trouble(
+          {status, simulator_ended, *simulator.ended(), looks.worst_gap_s()}, last, result);
       !why.empty())
     return fail(Fault::environment, why + "; logs are in " + kept);
 
@@ -280,23 +373,23 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   const std::string sentence = result.value("sentence", log_line);
   Result<behavior::Outcome> outcome = fail(Fault::failed, sentence);
   if (result.contains("outcome"))
-    outcome = behavior::Outcome{
-        result["outcome"] == "done", sentence, {}, result.value("cause", std::string())};
-  std::string cause = cause_of_failure(options.behavior, values, outcome, judge);
-  if (!broken_off.empty() && cause != "fell" && cause != "touched") cause = broken_off;
+    outcome = behavior::Outcome{result["outcome"] == "done", sentence, measurements_of(result),
+                                result.value("cause", std::string())};
+  Verdict verdict = verdict_of(task, outcome, judge);
+  if (!broken_off.empty() && verdict.cause != "fell" && verdict.cause != "touched")
+    verdict = {.cause = broken_off, .judged = verdict.judged};
   Json results = Json::object();
-  for (const char* key :
-       {"found_s", "catch_s", "held_s", "hand_load", "hand_gap_deg", "navigate_s", "walked_m",
-        "moving_s", "turns", "looks", "plans", "corrections", "missed_m", "missed_deg"})
-    if (result.contains(key) && result[key].is_number()) results[key] = result[key];
+  for (const auto& [key, value] : measurements_of(result)) results[key] = value;
   Json simulator_json = Json::object();
   for (const char* key : {"overruns", "lost_s", "pairs_dropped", "unconverged_steps"})
     if (last.contains(key)) simulator_json[key] = last[key];
-  if (cause.empty()) remove_files(kept);
-  Json episode{{"episode", number},        {"scenario", scenario_json(scenario)},
-               {"success", cause.empty()}, {"cause", cause},
-               {"sentence", sentence},     {"measurements", results},
-               {"truth", judge.json()},    {"simulator", simulator_json}};
+  if (verdict.success) remove_files(kept);
+  Json episode{{"episode", number},          {"scenario", scenario_json(scenario)},
+               {"success", verdict.success}, {"claim", verdict.claim},
+               {"cause", verdict.cause},     {"sentence", sentence},
+               {"measurements", results},    {"truth", judge.json()},
+               {"simulator", simulator_json}};
+  if (!verdict.judged) episode["judged"] = false;
   if (result.contains("duration_s")) episode["seconds"] = result["duration_s"];
   if (result.contains("rtf")) episode["rtf"] = result["rtf"];
   return episode;

@@ -34,6 +34,11 @@ std::span<const BallColor> ball_colors() {
   return all;
 }
 
+std::span<const char* const> floor_names() {
+  static constexpr const char* kNames[] = {"wood", "carpet", "checker", "plain"};
+  return kNames;
+}
+
 Result<BallColor> ball_color(const std::string& name) {
   std::string names;
   for (const BallColor& color : ball_colors()) {
@@ -57,7 +62,7 @@ Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uin
   s.ball_y_m = distance * std::sin(bearing);
   s.ball_radius_m = one_of(variation.radii_m, s.seed, Draw::radius);
   s.ball_color = one_of(variation.colors, s.seed, Draw::color);
-  s.floor = one_of(std::vector<std::string>{"wood", "carpet", "checker"}, s.seed, Draw::floor);
+  s.floor = one_of(variation.floors, s.seed, Draw::floor);
   s.mass_sigma = variation.mass_sigma;
   s.kind = variation.worlds[episode % variation.worlds.size()];
   s.start_x_m = within({-0.5, 0.5}, s.seed, Draw::start_x);
@@ -109,6 +114,42 @@ Result<void> Scenario::add_layout(const Variation& variation, bool ball_is_goal)
                                 "--density");
 }
 
+Result<void> Scenario::add_props(const Variation& variation) {
+  Dice dice(seed, Draw::clutter);
+  const auto more = static_cast<std::size_t>(variation.props.max - variation.props.min + 1);
+  const std::size_t count = static_cast<std::size_t>(variation.props.min) + dice.below(more);
+  const Eigen::Vector2d ball(ball_x_m, ball_y_m);
+  const auto color = KAZ_TRY(tools::ball_color(ball_color));
+  // The robot walks straight to the ball, its hands 15 cm to each side of the way.
+  constexpr double kFromStart = 0.30, kFromWay = 0.24, kApart = 0.05, kNear = 0.35, kFar = 1.6;
+  const auto fits = [&](const Obstacle& o) {
+    for (double share = 0; share <= 1; share += 0.02)
+      if (distance_to(o, share * ball) < kFromWay) return false;
+    return distance_to(o, {0, 0}) > kFromStart &&
+           std::ranges::none_of(layout.obstacles, [&](const Obstacle& other) {
+             const double between = (o.place() - other.place()).norm();
+             return between < (std::hypot(o.length_m, o.width_m) +
+                               std::hypot(other.length_m, other.width_m)) /
+                                      2 +
+                                  kApart;
+           });
+  };
+  for (int draw = 0; layout.obstacles.size() < count; ++draw) {
+    if (draw == 10'000)
+      return fail(Fault::usage, "there is no room for " + std::to_string(count) +
+                                    " props around robot and ball: ask for fewer --props");
+    const bool alike = layout.obstacles.size() % 3 == 0;
+    const Obstacle o = draw_prop(dice, kNear, kFar, alike ? &color.rgb : nullptr);
+    if (fits(o)) layout.obstacles.push_back(o);
+  }
+  return {};
+}
+
+void Scenario::lay_down() {
+  lies = std::array{Lies::on_face, Lies::on_back, Lies::on_left,
+                    Lies::on_right}[static_cast<std::size_t>(4 * evenly(seed, Draw::lies))];
+}
+
 // Each of its own colour, none that of the ball to catch.
 void Scenario::paint_balls() {
   std::vector<std::array<double, 3>> others;
@@ -146,6 +187,10 @@ nlohmann::ordered_json scenario_json(const Scenario& s) {
                               {"lamp_height_rad", s.lamp_height_rad},
                               {"lamp", s.lamp},
                               {"shade", s.shade}};
+  if (s.lies)
+    json["lies"] = std::array{"on its face", "on its back", "on its left side",
+                              "on its right side"}[static_cast<std::size_t>(*s.lies)];
+  if (s.least_s <= 0 && !s.layout.obstacles.empty()) json["props"] = s.layout.obstacles.size();
   if (s.least_s > 0) {
     const Layout& layout = s.layout;
     json["world"] = to_string(s.kind);

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,9 @@ std::span<const BallColor> ball_colors();
 // Fails (usage) with the names that there are.
 Result<BallColor> ball_color(const std::string& name);
 
+// Names of floors: textures, and "plain".
+std::span<const char* const> floor_names();
+
 struct Variation {
   Interval friction{0.6, 0.8};         // of the floor
   Interval supply_volts{9.5, 10.5};    // at the board
@@ -34,6 +39,10 @@ struct Variation {
   std::vector<std::string> colors{"red", "green"};
   Interval lamp_height_deg{35, 80};  // over the horizon
   Interval lamp{0.5, 1.3}, shade{0.6, 1.3};
+  std::vector<std::string> floors{"wood", "carpet", "checker"};  // floor_names()
+  // How many props stand about where the behaviour does not walk around things; none on the way to the ball,
+  // every third of the ball's colour but of another shape or size.
+  Interval props{0, 0};
   double mass_sigma = 0.05;  // of each link's mass and inertia, as a share
   // Of behaviours that walk around things: kinds of worlds, taken in turn, how dense they are, how many
   // obstacles clutter has, half of it to all, and how far the goal is.
@@ -45,6 +54,9 @@ struct Variation {
 
 // Begins the names of what is not to be touched.
 constexpr char kObstacleName[] = "thing";
+
+// How a robot lies that is to get up.
+enum class Lies { on_face, on_back, on_left, on_right };
 
 struct Scenario {
   std::uint64_t seed = 1;  // of the episode: sensors, and all below
@@ -63,10 +75,15 @@ struct Scenario {
   WorldKind kind = WorldKind::clutter;
   Layout layout = {};
   bool has_ball = true;
+  std::optional<Lies> lies = {};
   double least_s = 0;
 
   // Of the evaluation's seed and the episode's number, and nothing else.
   static Scenario draw(const Variation& variation, std::uint64_t seed, std::uint64_t episode);
+  // Adds props to its layout. Errors (usage): there is no room for them.
+  Result<void> add_props(const Variation& variation);
+  // The robot begins lying, in one of the four ways, motors off.
+  void lay_down();
   // Adds a world of its `kind` to walk in; `ball_is_goal`: the ball is there. Errors: none in a hundred draws
   // leaves a way.
   Result<void> add_layout(const Variation& variation, bool ball_is_goal);

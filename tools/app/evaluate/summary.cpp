@@ -8,6 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "hil/report/junit.h"
+#include "hil/report/provenance.h"
 #include "shared/base/one_line.hpp"
 #include "tools/app/base/provenance.h"
 #include "tools/app/evaluate/breakdown.h"
@@ -39,16 +41,78 @@ Json measurements_json(const Episodes& episodes) {
 }
 
 std::string table(const Episodes& episodes) {
-  std::string text = "episode,seed,success,cause,seconds,rtf,sentence\n";
+  std::string text = "episode,seed,success,claim,cause,seconds,rtf,sentence\n";
   for (const auto& [number, e] : episodes) {
     std::string sentence = one_line(e["sentence"].get<std::string>());
     std::replace(sentence.begin(), sentence.end(), '"', '\'');
     text += std::to_string(number) + "," + e["scenario"]["seed"].dump() + "," +
-            (e["success"].get<bool>() ? "1," : "0,") + one_line(e["cause"].get<std::string>()) +
-            "," + (e.contains("seconds") ? e["seconds"].dump() : "") + "," +
+            (e["success"].get<bool>() ? "1," : "0,") +
+            (!e.contains("claim")     ? ","
+             : e["claim"].get<bool>() ? "1,"
+                                      : "0,") +
+            one_line(e["cause"].get<std::string>()) + "," +
+            (e.contains("seconds") ? e["seconds"].dump() : "") + "," +
             (e.contains("rtf") ? e["rtf"].dump() : "") + ",\"" + sentence + "\"\n";
   }
   return text;
+}
+
+// How often claim and truth agreed, of the episodes that truth decided.
+Json claims_json(const Episodes& episodes) {
+  std::uint64_t judged = 0;
+  Json claimed = Json::array(), unclaimed = Json::array();
+  for (const auto& [number, e] : episodes) {
+    if (!e.contains("claim") || !e.value("judged", true)) continue;
+    ++judged;
+    const bool claim = e["claim"].get<bool>(), success = e["success"].get<bool>();
+    if (claim && !success) claimed.push_back(number);
+    if (!claim && success) unclaimed.push_back(number);
+  }
+  if (judged == 0) return Json();
+  return {{"judged", judged},
+          {"agreed", judged - claimed.size() - unclaimed.size()},
+          {"claimed_without_success", claimed},
+          {"success_without_claim", unclaimed}};
+}
+
+// A case for each episode.
+std::string junit(const Json& result, const Episodes& episodes, const LostEpisodes& lost,
+                  const Extent& extent) {
+  const std::string behavior = result["campaign"]["behavior"].get<std::string>();
+  hil::JunitSuite::Counts counts;
+  double seconds = 0;
+  for (const auto& [number, e] : episodes) {
+    ++(e["success"].get<bool>() ? counts.passed : counts.failed);
+    seconds += e.contains("seconds") ? e["seconds"].get<double>() : 0;
+  }
+  counts.errors = static_cast<int>(lost.size()) + (extent.interrupted ? 1 : 0);
+  hil::JunitSuite suite("kaz evaluate " + behavior, counts, seconds);
+  for (const auto& [name, value] : hil::provenance_properties(provenance()))
+    suite.property(name, value);
+  if (result.contains("claims")) {
+    suite.property("claims_judged", result["claims"]["judged"].dump());
+    suite.property("claims_agreed", result["claims"]["agreed"].dump());
+  }
+  const auto name_of = [](std::uint64_t number) { return "episode " + std::to_string(number); };
+  for (const auto& [number, e] : episodes) {
+    const bool success = e["success"].get<bool>();
+    hil::JunitCase one;
+    one.group = behavior;
+    one.name = name_of(number);
+    one.verdict = success ? hil::Verdict::passed : hil::Verdict::failed;
+    if (e.contains("seconds")) one.seconds = e["seconds"].get<double>();
+    const std::string sentence = e["sentence"].get<std::string>();
+    if (!success) one.message = e["cause"].get<std::string>() + ": " + sentence;
+    if (e.contains("claim"))
+      one.output = std::string("the behaviour claims ") +
+                   (e["claim"].get<bool>() ? "success: " : "failure: ") + sentence;
+    suite.add(one);
+  }
+  for (const auto& [number, sentence] : lost) suite.add_error(behavior, name_of(number), sentence);
+  if (extent.interrupted)
+    suite.add_error(behavior, "evaluation",
+                    "interrupted" + (extent.signal.empty() ? "" : " by " + extent.signal));
+  return suite.finish();
 }
 
 void print(const Json& result, const OutputFolder& folder) {
@@ -73,6 +137,7 @@ void print(const Json& result, const OutputFolder& folder) {
       std::printf(" %llu", numbers[i].get<unsigned long long>());
     std::printf("%s\n", numbers.size() > 12 ? " ..." : "");
   }
+  if (result.contains("claims")) std::printf("%s\n", claims_text(result["claims"]).c_str());
   if (const auto by = result.find("by"); by != result.end())
     std::printf("%s", breakdown_text(*by).c_str());
   for (const Json& one : result["environment"])
@@ -81,7 +146,8 @@ void print(const Json& result, const OutputFolder& folder) {
                 one["sentence"].get<std::string>().c_str());
   if (!result["failures"].empty())
     std::printf("recordings of the failures are in %s\n", folder.path("failures").c_str());
-  std::printf("result.json, report.html and episodes.csv are in %s\n", folder.folder().c_str());
+  std::printf("result.json, report.html, junit.xml and episodes.csv are in %s\n",
+              folder.folder().c_str());
 }
 
 // Marked as all interrupted results are (mark_interrupted()), but the signal may have been a part's.
@@ -137,6 +203,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   if (!speeds.empty()) result["rtf_median"] = quantile(speeds, 0.5);
   result["failures"] = failures;
   result["environment"] = environment;
+  if (Json claims = claims_json(episodes); !claims.is_null()) result["claims"] = std::move(claims);
   if (Json by = breakdown_json(episodes); !by.empty()) result["by"] = std::move(by);
   result["measurements"] = measurements_json(episodes);
   result["campaign"] = campaign;
@@ -144,6 +211,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   add_extent(result, extent);
   KAZ_TRY(folder.write("episodes.csv", table(episodes)));
   KAZ_TRY(folder.write("report.html", evaluation_page(result, episodes)));
+  KAZ_TRY(folder.write("junit.xml", junit(result, episodes, lost, extent)));
   KAZ_TRY(folder.write_json("result.json", result));
   if (json) {
     print_json(result);

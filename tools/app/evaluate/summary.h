@@ -29,7 +29,8 @@ struct Extent {
   std::string signal = {};                  // that interrupted it, if one did
 };
 
-// result.json, report.html and episodes.csv into the folder, and a table on standard output (or result.json).
+// result.json, report.html, junit.xml and episodes.csv into the folder, and a table on standard
+// output (or result.json).
 // Rates are those of `episodes`, which are decided; the lost ones are counted and named. False where no
 // episode succeeded.
 Result<bool> summarize(const nlohmann::ordered_json& campaign, const Episodes& episodes,

@@ -63,14 +63,14 @@ class WorldText {
 
   std::string text() const {
     const double aside = std::cos(s_.lamp_height_rad);
-    std::string text = R"(<?xml version="1.0"?>
+    std::string text =
+        R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="episode">
-<kaz:robot pose=")" + numbers({s_.start_x_m, s_.start_y_m, 0, 0, 0, s_.start_yaw_rad}) +
-                       "\"/><kaz:light to_lamp=\"" +
-                       numbers({aside * std::cos(s_.lamp_azimuth_rad),
-                                aside * std::sin(s_.lamp_azimuth_rad),
-                                std::sin(s_.lamp_height_rad)}) +
-                       "\" lamp=\"" + digits(s_.lamp) + "\" shade=\"" + digits(s_.shade) + "\"/>\n";
+<kaz:robot pose=")" +
+        start() + "\"/><kaz:light to_lamp=\"" +
+        numbers({aside * std::cos(s_.lamp_azimuth_rad), aside * std::sin(s_.lamp_azimuth_rad),
+                 std::sin(s_.lamp_height_rad)}) +
+        "\" lamp=\"" + digits(s_.lamp) + "\" shade=\"" + digits(s_.shade) + "\"/>\n";
     text += floor();
     for (std::size_t i = 0; i < s_.layout.table.size(); ++i)
       text += slab("table" + std::to_string(i), s_.layout.table[i]);
@@ -80,6 +80,19 @@ class WorldText {
   }
 
  private:
+  // Of the point between the soles. Lying, the robot falls by some centimetres.
+  std::string start() const {
+    constexpr double kQuarter = std::numbers::pi / 2, kAbove_m = 0.08, kAside_m = 0.12;
+    double height = 0, roll = 0, pitch = 0;
+    if (s_.lies == Lies::on_face || s_.lies == Lies::on_back) {
+      height = kAbove_m;
+      pitch = s_.lies == Lies::on_face ? kQuarter : -kQuarter;
+    } else if (s_.lies) {
+      height = kAside_m;
+      roll = s_.lies == Lies::on_right ? kQuarter : -kQuarter;
+    }
+    return numbers({s_.start_x_m, s_.start_y_m, height, roll, pitch, s_.start_yaw_rad});
+  }
   // In the axes of the world.
   Vector2d turned(const Vector2d& v) const { return s_.world_from_start().linear() * v; }
   std::string pose(const Vector2d& at, double z, double yaw) const {
