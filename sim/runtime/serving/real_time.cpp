@@ -1,4 +1,4 @@
-// The loop of `kaz sim`: bytes in, one step, bytes and pictures out, wait for the wall clock.
+// The loop of `kaz sim`: bytes in, one step, bytes and pictures out, wait for the clock.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/serving/real_time.h"
 
@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <deque>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "sim/mcu/h8_mcu.h"
 #include "sim/runtime/serving/camera_server.h"
 #include "sim/runtime/serving/control_server.h"
+#include "sim/runtime/serving/followed_clock.h"
 #include "sim/runtime/serving/host_watch.h"
 #include "sim/runtime/serving/pacer.h"
 #include "sim/runtime/serving/pty.h"
@@ -31,6 +33,8 @@ constexpr Time tolerance = std::chrono::milliseconds(20);
 constexpr Time echo_of_a_host = std::chrono::milliseconds(50);
 // Buffer size of a USB adapter, beyond which it blocks its writer.
 constexpr std::size_t adapter_bytes = 256;
+// Between two looks at `stop` and the control socket while a followed clock stands still.
+constexpr Time longest_wait = std::chrono::milliseconds(50);
 
 Time monotonic_now() {
   timespec t{};
@@ -59,6 +63,10 @@ struct RealTimeServer::Parts {
       : simulation(s), options(o), watch(o.serial_path, o.report) {}
 
   void keep_hung();
+  // By the clock that paces the world.
+  Time now() const { return clock ? clock->now() : monotonic_now(); }
+  Result<void> wait(Time length, const std::atomic<bool>& stop);
+  Result<void> wait_for_first_time(const std::atomic<bool>& stop);
   void host_to_board();
   void board_to_host();
   void pictures();
@@ -83,6 +91,14 @@ struct RealTimeServer::Parts {
   std::unique_ptr<ControlServer> control;
   std::unique_ptr<Pty> pty;
   std::unique_ptr<CameraServer> cameras;
+  std::unique_ptr<FollowedClock> clock;  // null: the wall clock
+  // With a followed clock: pictures that the world waits for at a time, so that some of their latency is left
+  // for the way to their reader.
+  struct Drawing {
+    Time until;
+    decltype(vision::StereoPair::images) images;
+  };
+  std::deque<Drawing> drawing;
 };
 
 Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulation,
@@ -125,6 +141,10 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
                                               from_seconds(simulation.camera().latency_s)));
     parts->cameras = std::move(cameras);
   }
+  if (!options.clock_path.empty()) {
+    auto clock = KAZ_TRY(FollowedClock::open(options.clock_path));
+    parts->clock = std::move(clock);
+  }
   if (options.keep_hung) p->keep_hung();
   simulation.board().mcu().on_watchdog_reset([p](States) {
     p->watch.board_restarted(
@@ -146,7 +166,8 @@ RealTimeServer::~RealTimeServer() {
 Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
   Parts& p = *parts_;
   const Time begin = p.simulation.time();
-  p.pacer.start(begin, monotonic_now());
+  KAZ_TRY(p.wait_for_first_time(stop));
+  p.pacer.start(begin, p.now());
   while (!stop) {
     p.control->poll();
     p.host_to_board();
@@ -158,15 +179,39 @@ Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
       p.pacer.start(p.simulation.time(), monotonic_now());
       continue;
     }
-    const Time wait = p.pacer.step_done(p.simulation.time(), monotonic_now());
+    const Time wait = p.pacer.step_done(p.simulation.time(), p.now());
     p.report_overrun();
-    if (wait > Time::zero()) sleep_for(wait);
+    if (wait > Time::zero()) KAZ_TRY(p.wait(wait, stop));
   }
   return RealTimeStatistics{.simulated_s = seconds(p.simulation.time() - begin),
                             .overruns = p.pacer.overruns(),
                             .lost_s = seconds(p.pacer.lost()),
                             .worst_late_s = seconds(p.pacer.worst_late()),
                             .pairs_dropped = p.simulation.pairs_dropped()};
+}
+
+Result<void> RealTimeServer::Parts::wait(Time length, const std::atomic<bool>& stop) {
+  if (!clock) {
+    sleep_for(length);
+    return {};
+  }
+  const Time end = clock->now() + length;
+  while (!stop && clock->now() < end) {
+    if (KAZ_TRY(clock->poll(longest_wait))) {  // of another machine, or of one that was started again
+      pacer.start(simulation.time(), clock->now());
+      return {};
+    }
+    control->poll();
+  }
+  return {};
+}
+
+Result<void> RealTimeServer::Parts::wait_for_first_time(const std::atomic<bool>& stop) {
+  while (clock && !stop) {
+    if (KAZ_TRY(clock->poll(longest_wait))) return {};
+    control->poll();
+  }
+  return {};
 }
 
 void RealTimeServer::Parts::keep_hung() {
@@ -234,6 +279,7 @@ Result<void> RealTimeServer::Parts::plug(bool in) {
 
 void RealTimeServer::Parts::pictures() {
   if (!cameras) return;
+  const Time half_latency = from_seconds(simulation.camera().latency_s / 2);
   if (cameras->readers() > 0) {
     simulation.open_eyes();
   } else {
@@ -241,7 +287,13 @@ void RealTimeServer::Parts::pictures() {
   }
   while (auto pair = simulation.next_exposed_pair()) {
     const Time exposure = pacer.wall_of(pair->info.exposure);
+    if (clock) drawing.push_back({pair->info.exposure + half_latency, pair->images});
     cameras->publish(std::move(*pair), exposure);
+  }
+  // Drawing takes this machine's time, which the followed clock does not count.
+  while (!drawing.empty() && drawing.front().until <= simulation.time()) {
+    drawing.front().images.wait();
+    drawing.pop_front();
   }
 }
 
@@ -343,7 +395,7 @@ void RealTimeServer::Parts::collect_touches() {
 
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
-  const Time lost = pacer.lost_until(simulation.time(), monotonic_now());
+  const Time lost = pacer.lost_until(simulation.time(), now());
   nlohmann::ordered_json json{{"time_s", seconds(simulation.time())},
                               {"mcu", board.mcu().name()},
                               {"power", board.power()},
