@@ -29,9 +29,9 @@ Result<void> ClockStream::feed(std::span<const std::uint8_t> bytes) {
                                           " ns, which is no time since a machine's start: 8 bytes "
                                           "little-endian are expected");
     if (latest_ && Time(time) < *latest_)
-      return fail(Fault::environment,
-                  "the followed clock went back by " + std::to_string(latest_->count() - time) +
-                      " ns: it has to be a CLOCK_MONOTONIC");
+      return fail(Fault::environment, "the followed clock went back by " +
+                                          std::to_string(latest_->count() - time) +
+                                          " ns: it has to be a CLOCK_MONOTONIC");
     latest_ = Time(time);
   }
   return {};
@@ -54,7 +54,8 @@ Result<bool> FollowedClock::poll(Time patience) {
   }
   const bool first = !stream_.latest();
   std::array<std::uint8_t, 8> bytes{};
-  const ssize_t got = ::recv(client_.get(), bytes.data(), bytes.size() - stream_.part(), MSG_DONTWAIT);
+  const ssize_t got =
+      ::recv(client_.get(), bytes.data(), bytes.size() - stream_.part(), MSG_DONTWAIT);
   if (got > 0) KAZ_TRY(stream_.feed(std::span(bytes).first(static_cast<std::size_t>(got))));
   if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) client_ = Descriptor();
   if (!stream_.latest()) return false;

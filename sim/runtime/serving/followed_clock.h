@@ -1,14 +1,14 @@
 // The clock of another machine, which paces a simulation instead of this machine's.
 // SPDX-License-Identifier: Apache-2.0
 //
-// For a host program in a virtual machine (tests/system/guest): an emulated processor is slower than this one,
-// and its clock may stand still while it computes. A world paced by this machine's clock would run away from
-// it, and the board's watchdog would act on a host that is not late by its own clock.
+// For a host program in a virtual machine (tests/system/guest): an emulated processor is slower than this
+// one, and its clock may stand still while it computes. A world paced by this machine's clock would run away
+// from it, and the board's watchdog would act on a host that is not late by its own clock.
 //
 // A Unix stream socket; the one client sends its CLOCK_MONOTONIC in ns, 8 bytes little-endian, about once per
-// millisecond. The time stands still between two messages, before the first and while nobody is connected. One
-// message is read at a time, when the world has come to the one before: a client whose socket holds few bytes
-// waits for the world.
+// millisecond. The time stands still between two messages, before the first and while nobody is connected.
+// One message is read at a time, when the world has come to the one before: a client whose socket holds few
+// bytes waits for the world.
 #pragma once
 
 #include <array>
@@ -46,9 +46,9 @@ class FollowedClock {
   // Errors: those of UnixListener.
   static Result<std::unique_ptr<FollowedClock>> open(const std::string& path);
 
-  // Reads the next message. At most `patience` is waited for, by this machine's clock, and less if something comes.
-  // True: another clock than before, because a client has connected and sent its first time. Errors: those of
-  // ClockStream.
+  // Reads the next message. At most `patience` is waited for, by this machine's clock, and less if something
+  // comes. True: another clock than before, because a client has connected and sent its first time. Errors:
+  // those of ClockStream.
   Result<bool> poll(Time patience);
   // Zero before the first message.
   Time now() const { return now_; }

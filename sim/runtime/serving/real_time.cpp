@@ -11,6 +11,7 @@
 #include <deque>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "shared/protocol/message_info.h"
@@ -74,6 +75,7 @@ struct RealTimeServer::Parts {
   Result<void> plug(bool in);
   void report_overrun();
   std::string why_off() const;
+  bool joints_held() const;
   nlohmann::ordered_json status() const;
   void watch_touches();
   void collect_touches();
@@ -197,7 +199,8 @@ Result<void> RealTimeServer::Parts::wait(Time length, const std::atomic<bool>& s
   }
   const Time end = clock->now() + length;
   while (!stop && clock->now() < end) {
-    if (KAZ_TRY(clock->poll(longest_wait))) {  // of another machine, or of one that was started again
+    if (KAZ_TRY(
+            clock->poll(longest_wait))) {  // of another machine, or of one that was started again
       pacer.start(simulation.time(), clock->now());
       return {};
     }
@@ -255,6 +258,7 @@ void RealTimeServer::Parts::board_to_host() {
   // Looked up only when they go off.
   watch.drivers(simulation.time(), enabled, motors_on && !enabled ? why_off() : "");
   motors_on = enabled;
+  if (enabled && watch.may_hold(simulation.time()) && joints_held()) watch.held(simulation.time());
   std::array<std::uint8_t, adapter_bytes> buffer{};
   const std::size_t count = simulation.read(buffer);
   // Without a host the board's bytes are lost; a later host must not receive them.
@@ -302,24 +306,38 @@ void RealTimeServer::Parts::set_power(bool on) {
   if (options.report) options.report(on ? "board's power is on" : "board's power is off");
 }
 
+// Fields of the firmware's state in the emulated chip's memory; nothing for an image without symbols.
+std::optional<std::vector<std::uint32_t>> fields_of(const Mcu& mcu,
+                                                    std::initializer_list<std::string_view> names) {
+  const auto* h8 = dynamic_cast<const H8Mcu*>(&mcu);
+  const auto state =
+      h8 == nullptr ? std::vector<std::uint8_t>() : h8->global("kz_servo_state", kz_state_size_h8);
+  if (state.empty()) return std::nullopt;
+  std::vector<std::uint32_t> values;
+  const std::span all(kz_state_fields, kz_state_field_count);
+  for (const std::string_view name : names) {
+    const auto field = std::ranges::find(
+        all, name, [](const kz_state_field& one) { return std::string_view(one.name); });
+    values.push_back(field == all.end() ? 0 : h8_layout::number(state, field->offset, field->size));
+  }
+  return values;
+}
+
 // From the firmware's state: the reason of a latched shutdown, and its joint.
 std::string RealTimeServer::Parts::why_off() const {
   if (!simulation.board().power()) return "the board has no power";
   const Mcu& mcu = simulation.board().mcu();
   if (const kz_servo* servo = mcu.servo())
     return shutdown_words(servo->shutdown, servo->shutdown_detail);
-  const auto* h8 = dynamic_cast<const H8Mcu*>(&mcu);
-  const auto state =
-      h8 == nullptr ? std::vector<std::uint8_t>() : h8->global("kz_servo_state", kz_state_size_h8);
-  if (state.empty()) return "";  // an image without symbols
-  const auto field = [&](std::string_view name) {
-    for (std::size_t f = 0; f < kz_state_field_count; ++f) {
-      const kz_state_field& one = kz_state_fields[f];
-      if (name == one.name) return h8_layout::number(state, one.offset, one.size);
-    }
-    return std::uint32_t{0};
-  };
-  return shutdown_words(field("shutdown"), field("shutdown_detail"));
+  const auto fields = fields_of(mcu, {"shutdown", "shutdown_detail"});
+  return fields ? shutdown_words(fields->at(0), fields->at(1)) : "";
+}
+
+bool RealTimeServer::Parts::joints_held() const {
+  const Mcu& mcu = simulation.board().mcu();
+  if (const kz_servo* servo = mcu.servo()) return servo->holding != 0;
+  const auto fields = fields_of(mcu, {"holding"});
+  return fields && fields->at(0) != 0;
 }
 
 // At most once per second: on a slow machine every step is late.

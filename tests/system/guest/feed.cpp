@@ -2,14 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // feed clock: CLOCK_MONOTONIC, 8 bytes, each millisecond (sim/runtime/serving/followed_clock.h).
-// feed eyes PORT LEFT RIGHT: pairs of shared/base/camera_stream.hpp from PORT into two outputs of v4l2loopback,
-// with the middle of the exposure as time stamp, no sooner than the stream's latency allows.
+// feed slcan: CAN interfaces can0 and can1, joined by serial lines.
+// feed eyes PORT LEFT RIGHT: pairs of shared/base/camera_stream.hpp from PORT into two outputs of
+// v4l2loopback, with the middle of the exposure as time stamp, no sooner than the stream's latency allows.
 #include <fcntl.h>
+#include <linux/tty.h>
 #include <linux/videodev2.h>
+#include <poll.h>
 #include <sched.h>
 #include <sys/io.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <termios.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -158,7 +162,8 @@ int show_eyes(const char* port, const char* left_path, const char* right_path) {
   read_whole(fd, &header, sizeof header);
   if (std::memcmp(header.magic, kaz::kCameraStreamMagic, sizeof header.magic) != 0)
     die("what comes is no stream of a camera");
-  Output left(left_path, header.width, header.height), right(right_path, header.width, header.height);
+  Output left(left_path, header.width, header.height),
+      right(right_path, header.width, header.height);
   std::vector<std::uint8_t> left_picture(kaz::camera_picture_bytes(header.width, header.height)),
       right_picture(left_picture.size());
   while (true) {
@@ -174,12 +179,46 @@ int show_eyes(const char* port, const char* left_path, const char* right_path) {
   }
 }
 
+// A line discipline of the kernel makes a CAN interface out of a serial line with an adapter's text on it
+// (slcan): one at each end of a pair of joined pseudo-terminals, can0 and can1 where no others are.
+int join_slcan() {
+  std::array<pollfd, 2> masters{};
+  std::array<int, 2> slaves{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    masters.at(i) = {posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC), POLLIN, 0};
+    const int master = masters.at(i).fd;
+    if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0) die("no pseudo-terminal");
+    slaves.at(i) = open_or_die(ptsname(master), O_RDWR | O_NOCTTY);
+    termios settings{};
+    tcgetattr(slaves.at(i), &settings);
+    cfmakeraw(&settings);
+    tcsetattr(slaves.at(i), TCSANOW, &settings);
+    const int discipline = N_SLCAN;
+    if (ioctl(slaves.at(i), TIOCSETD, &discipline) != 0) die("no slcan");
+  }
+  while (poll(masters.data(), masters.size(), -1) > 0) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      std::array<char, 4096> bytes{};
+      if ((masters.at(i).revents & POLLIN) == 0) continue;
+      const ssize_t got = read(masters.at(i).fd, bytes.data(), bytes.size());
+      for (ssize_t done = 0; done < got;) {
+        const ssize_t put =
+            write(masters.at(1 - i).fd, bytes.data() + done, static_cast<std::size_t>(got - done));
+        if (put <= 0) die("a pseudo-terminal takes nothing");
+        done += put;
+      }
+    }
+  }
+  return 1;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   const std::string what = count > 1 ? arguments[1] : "";
   if (what == "clock" && count == 2) return send_clock();
   if (what == "eyes" && count == 5) return show_eyes(arguments[2], arguments[3], arguments[4]);
-  std::fprintf(stderr, "usage: feed clock | feed eyes PORT LEFT RIGHT\n");
+  if (what == "slcan" && count == 2) return join_slcan();
+  std::fprintf(stderr, "usage: feed clock | feed eyes PORT LEFT RIGHT | feed slcan\n");
   return 2;
 }

@@ -1,8 +1,8 @@
 // First process of a virtual machine: mounts, loads /modules, runs what the console says, one line at a time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The root of the machine outside, read-only, becomes the root for the commands; one folder of it, for results,
-// is /mnt. After each command EXIT:STATUS is printed; `poweroff` ends the machine (machine.py).
+// The root of the machine outside, read-only, becomes the root for the commands; one folder of it, for
+// results, is /mnt. After each command EXIT:STATUS is printed; `poweroff` ends the machine (machine.py).
 #include <fcntl.h>
 #include <sys/mount.h>
 #include <sys/reboot.h>
@@ -52,13 +52,13 @@ bool load_modules() {
 
 bool enter_root() {
   const char* const kOptions = "trans=virtio,version=9p2000.L,msize=262144";
-  bool good = mount_at("9p", "root", "/root", MS_RDONLY,
-                       (std::string(kOptions) + ",cache=loose").c_str()) &&
-              mount_at("9p", "out", "/root/mnt", 0, kOptions) &&
-              mount_at("proc", "proc", "/root/proc") && mount_at("sysfs", "sysfs", "/root/sys") &&
-              mount_at("devtmpfs", "devtmpfs", "/root/dev") &&
-              mount_at("devpts", "devpts", "/root/dev/pts", 0, "ptmxmode=0666") &&
-              mount_at("tmpfs", "tmpfs", "/root/dev/shm") && mount_at("tmpfs", "tmpfs", "/root/run");
+  bool good =
+      mount_at("9p", "root", "/root", MS_RDONLY,
+               (std::string(kOptions) + ",cache=loose").c_str()) &&
+      mount_at("9p", "out", "/root/mnt", 0, kOptions) && mount_at("proc", "proc", "/root/proc") &&
+      mount_at("sysfs", "sysfs", "/root/sys") && mount_at("devtmpfs", "devtmpfs", "/root/dev") &&
+      mount_at("devpts", "devpts", "/root/dev/pts", 0, "ptmxmode=0666") &&
+      mount_at("tmpfs", "tmpfs", "/root/dev/shm") && mount_at("tmpfs", "tmpfs", "/root/run");
   return good && chroot("/root") == 0 && chdir("/mnt") == 0;
 }
 
@@ -107,8 +107,9 @@ void serve() {
 
 int main() {
   if (getpid() != 1) {
-    std::fprintf(stderr,
-                 "this is the first process of a virtual machine: see tests/system/guest/machine.py\n");
+    std::fprintf(
+        stderr,
+        "this is the first process of a virtual machine: see tests/system/guest/machine.py\n");
     return 2;
   }
   open_console();

@@ -1,13 +1,13 @@
-# The behaviours' own program against the emulated board, over each kind of link and the kernel's video driver.
+# The behaviours' own program against the emulated board, over each kind of link and the kernel's video.
 # SPDX-License-Identifier: Apache-2.0
-"""One table. The virtual robot runs outside of the virtual machine and follows its clock; in the machine the same
-executable as outside is the host, with the kernel's drivers below it. Exit status: 0 passed, 1 failed, 77 something
-is missing (it says what).
+"""One table. The virtual robot runs outside of the virtual machine and follows its clock; in the machine the
+same executable as outside is the host, with the kernel's drivers below it. Exit status: 0 passed, 1 failed,
+77 something is missing (it says what).
 
-The machine's clock counts instructions (QEMU's -icount): one nanosecond each, and none while it waits. So neither
-the emulated processor's slowness nor a busy machine outside makes the host late, and the board's watchdog keeps
-its 90 ms. The world outside goes on only to times that the machine has sent (`kaz sim --clock`), and the machine
-waits where the world has not come to the last one."""
+The machine's clock counts instructions (QEMU's -icount): one nanosecond each, and none while it waits. So
+neither the emulated processor's slowness nor a busy machine outside makes the host late, and the board's
+watchdog keeps its 90 ms. The world outside goes on only to times that the machine has sent (`kaz sim
+--clock`), and the machine waits where the world has not come to the last one."""
 
 import argparse
 import contextlib
@@ -30,8 +30,8 @@ PATIENCE_S = 1500
 
 
 class Link:
-    """`devices`: QEMU's, with the board's line as the character device `board`. `before`: commands in the machine
-    that make the link. `robot`: as for --robot there."""
+    """`devices`: QEMU's, with the board's line as the character device `board`. `before`: commands in the
+    machine that make the link. `robot`: as for --robot there."""
 
     def __init__(self, name, what, robot, devices=("-serial", "chardev:board"), modules=(), before=()):
         self.name, self.what, self.robot = name, what, robot
@@ -39,12 +39,39 @@ class Link:
 
 
 USB = ["-device", "qemu-xhci,id=usb", "-device", "usb-serial,bus=usb.0,id=adapter,chardev=board"]
-# Their far end, in the machine, is `kaz can-bridge` on the board's UART.
-BRIDGE = "{kaz} can-bridge --port /dev/ttyS1 --can {can} >/mnt/bridge.txt 2>&1 & sleep 1"
+ISOTP = [("can_raw", ""), ("can_isotp", "")]
+CAN_PAIR = ["-object", "can-bus,id=bus", *(2 * ["-device", "kvaser_pci,canbus=bus"])]
+UART = ["-serial", "chardev:board"]
+
+
+def bridge(interface):
+    """The board's end of a bus: `kaz can-bridge` on its UART."""
+    return ("{kaz} can-bridge --port /dev/ttyS1 --can " + interface +
+            " >/mnt/bridge.txt 2>&1 & sleep 1; cat /mnt/bridge.txt")
+
+
+def up(interface, kind=""):
+    return f"ip link set {interface} up{kind}"
+
+
 LINKS = [
     Link("uart", "16550 UART (8250 driver)", "serial:/dev/ttyS1"),
     Link("usb", "USB serial adapter (ftdi_sio on xHCI)", "serial:/dev/ttyUSB0", USB,
-         [("xhci_pci", ""), ("ftdi_sio", "")], ["for i in 1 2 3 4 5 6; do [ -e /dev/ttyUSB0 ] || sleep 1; done"]),
+         [("xhci_pci", ""), ("ftdi_sio", "")],
+         ["for i in 1 2 3 4 5 6; do [ -e /dev/ttyUSB0 ] || sleep 1; done"]),
+    Link("vcan", "virtual CAN bus, ISO-TP, bridge to the UART", "can:vcan0", UART, [("vcan", ""), *ISOTP],
+         ["ip link add vcan0 type vcan", up("vcan0"), bridge("vcan0")]),
+    Link("can", "two Kvaser controllers (SJA1000) on one bus, ISO-TP, bridge", "can:can0", [*UART, *CAN_PAIR],
+         [("kvaser_pci", ""), *ISOTP],
+         [up(name, " txqueuelen 128 type can bitrate 1000000 restart-ms 100") for name in ("can0", "can1")] +
+         [bridge("can1")]),
+    Link("slcan", "two adapters of serial text (slcan) over joined ptys, ISO-TP, bridge", "can:can0", UART,
+         [("slcan", ""), *ISOTP],
+         ["{feed} slcan >/mnt/slcan.txt 2>&1 & sleep 1; cat /mnt/slcan.txt",
+          *(up(name, " txqueuelen 128") for name in ("can0", "can1")), bridge("can1")]),
+    Link("tcp", "TCP to socat on the UART", "tcp:127.0.0.1:2000",
+         before=["socat TCP-LISTEN:2000,reuseaddr,fork,nodelay FILE:/dev/ttyS1,raw,echo=0,b115200 "
+                 "2>/mnt/socat.txt & sleep 1"]),
 ]
 
 
@@ -57,8 +84,8 @@ class Robot:
             with contextlib.suppress(FileNotFoundError):
                 (self.folder / name).unlink()
         self.log = self.folder / "robot.txt"
-        command = [kaz, "sim", "--serial", "board", "--cameras", "eyes", *(["--clock", "clock"] if clock else []),
-                   "--eyes", "ideal", *arguments]
+        command = [kaz, "sim", "--serial", "board", "--cameras", "eyes", "--eyes", "ideal", *arguments]
+        command += ["--clock", "clock"] if clock else []
         with open(self.log, "w", encoding="utf-8") as log:
             self.process = subprocess.Popen(command, cwd=self.folder, stdout=log, stderr=log)
         end = time.monotonic() + 120
@@ -107,7 +134,7 @@ class Guest:
         clock.connect(str(robot.folder / "clock"))
         line = (robot.folder / "board").resolve()
         devices = [
-            "-icount", "shift=0,sleep=off",
+            *machine.COUNTED,
             "-chardev", f"socket,id=clock,fd={clock.fileno()}",
             "-device", "isa-debugcon,iobase=0xe9,chardev=clock",
             "-device", "virtio-serial-pci,id=ports",
@@ -121,13 +148,14 @@ class Guest:
         self.run = self.machine.run
         feed = options.bin / "guest_feed"
         self.run(f"{feed} clock >/mnt/clock.txt 2>&1 &")
-        self.start_eyes(feed)
+        self.feed = feed
+        self.start_eyes()
         self.run("ip link set lo up")
         for command in link.before:
-            self.run(command.format(kaz=options.kaz), PATIENCE_S)
+            self.run(command.format(kaz=options.kaz, feed=feed), PATIENCE_S)
 
-    def start_eyes(self, feed):
-        self.run(f"{feed} eyes $(ls /dev/vport*p2) /dev/video0 /dev/video1 >/mnt/eyes.txt 2>&1 &"
+    def start_eyes(self):
+        self.run(f"{self.feed} eyes $(ls /dev/vport*p2) /dev/video0 /dev/video1 >/mnt/eyes.txt 2>&1 &"
                  " echo $! >/mnt/eyes.pid; sleep 0.5; cat /mnt/eyes.txt")
 
     def __enter__(self):
@@ -152,6 +180,11 @@ def result_of(text):
     """The JSON object in what `kaz run --json` printed, or an error of the same form."""
     found = re.search(r"^\{$.*?^\}$", text, re.M | re.S)
     return json.loads(found.group(0)) if found else {"outcome": "failed", "sentence": text.strip()[-400:]}
+
+
+def without_motors(printed):
+    """Times of the robot, in s, at which the board switched its motors off, with the sentence of each."""
+    return re.findall(r"motors off at ([0-9.]+) s: (.*)", printed)
 
 
 def in_guest(options, link, behavior, seed, during=None):
@@ -193,7 +226,7 @@ def outside(options, name, behavior, seed):
         ran = subprocess.run(command, cwd=folder, text=True, capture_output=True, timeout=PATIENCE_S)
     result = result_of(ran.stdout)
     result.setdefault("sentence", ran.stderr[-400:])
-    return result, ""
+    return result
 
 
 def row(name, what, results):
@@ -206,27 +239,78 @@ def row(name, what, results):
     return f"| {name} | {what} | {good} of {len(results)} | {mean(trips)} | {retries} | {mean(ages)} |"
 
 
-def unplugged(options, link):
-    """The adapter is pulled out and comes back while the head follows the ball."""
-    def during(robot, guest):
-        while robot.command("status")["motors"] is False:
-            time.sleep(0.1)
-        robot.wait_until(robot.command("status")["time_s"] + 1.5)
-        guest.machine.qmp("device_del", id="adapter")
-        robot.wait_until(robot.command("status")["time_s"] + 1)
-        guest.machine.qmp("device_add", driver="usb-serial", bus="usb.0", id="adapter", chardev="board")
+class Loss:
+    """Something taken away for a second while the head follows the ball, and given back."""
 
-    return in_guest(options, link, "track-ball", 1, during)
+    def __init__(self, link, what, take, give, board=True):
+        self.link, self.what, self.take, self.give, self.board = link, what, take, give, board
+
+
+LOSSES = [
+    Loss("usb", "USB adapter unplugged", lambda guest: guest.machine.qmp("device_del", id="adapter"),
+         lambda guest: guest.machine.qmp("device_add", driver="usb-serial", bus="usb.0", id="adapter",
+                                         chardev="board")),
+    Loss("can", "CAN interface taken down", lambda guest: guest.run("ip link set can0 down"),
+         lambda guest: guest.run("ip link set can0 up")),
+    Loss("uart", "eyes unplugged", lambda guest: guest.run("kill $(cat /mnt/eyes.pid)"),
+         lambda guest: guest.start_eyes(), board=False),
+]
+
+
+def loss_row(options, loss, times):
+    """The table's row, and what is wrong with it, as sentences."""
+    link = next(link for link in LINKS if link.name == loss.link)
+    delays, wrong = [], []
+    # A camera counts as lost only 2 s after its last picture.
+    away_s = 1 if loss.board else 3.5
+
+    def during(robot, guest):
+        end = time.monotonic() + 600
+        while not robot.command("status")["motors"]:
+            if time.monotonic() > end:
+                raise RuntimeError("the motors are never on: " + guest.run("cat /mnt/run.txt")[1])
+            time.sleep(0.05)
+        began = robot.command("status")["time_s"] + 1
+        for number in range(times):
+            robot.wait_until(began + number * (away_s + 2.5))
+            loss.take(guest)
+            gone = robot.command("status")["time_s"]
+            robot.wait_until(gone + away_s)
+            if not robot.command("status")["motors"]:
+                wrong.append(f"{loss.what}: the motors are off")
+            loss.give(guest)
+
+    seconds, options.seconds = options.seconds, 3 + times * (away_s + 2.5)
+    result, printed = in_guest(options, link, "track-ball", 1, during)
+    options.seconds = seconds
+    delays = [int(ms) for ms in re.findall(r"joints held at .*? (\d+) ms after", printed)]
+    messages = [line for line in result["messages"].splitlines() if "kaz run: " in line]
+    back = [line for line in messages if "it answered again" in line or "are back" in line]
+    if loss.board and (len(delays) != times or max(delays, default=999) > 100):
+        wrong.append(f"{loss.what}: {times} times, and the board held its joints after {delays} ms")
+    if not loss.board and delays:
+        wrong.append(f"{loss.what}: the board heard nothing for its watchdog's time: {delays}")
+    if len(back) != times:
+        wrong.append(f"{loss.what}: {times} times, and {len(back)} reports of a return:\n"
+                     f"{result['messages']}")
+    # Whether the ball was in the middle often enough is not the question: it was away for seconds.
+    if "link" not in result:
+        wrong.append(f"{loss.what}: the run did not go on: {result['sentence']}")
+    print(f"| {loss.what} | {link.name} | {times} | {max(delays, default='-')} | {len(back)} |", flush=True)
+    return wrong
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--bin", type=pathlib.Path, required=True, help="folder with kaz, guest_init, guest_feed")
+    parser.add_argument("--bin", type=pathlib.Path, required=True,
+                        help="folder with kaz, guest_init, guest_feed")
     parser.add_argument("--kernels", type=pathlib.Path, required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--fetch", action="store_true", help="get a kernel if there is none")
-    parser.add_argument("--short", action="store_true", help="each link once, the head following the ball")
+    parser.add_argument("--short", action="store_true",
+                        help="only losses, one each: UART, USB, CAN and video within two minutes")
     parser.add_argument("--runs", type=int, default=10, help="of each behaviour over each link")
+    parser.add_argument("--losses", type=int, default=20, help="of the link or the eyes in one run")
     parser.add_argument("--only", default="", help="names of links, separated by commas")
     parser.add_argument("--behaviors", default="track-ball,catch-ball")
     parser.add_argument("--seconds", type=float, default=6, help="that the head follows the ball")
@@ -247,32 +331,46 @@ def main():
     subprocess.run([options.kaz, "sim", "--eyes", "ideal", "--write-calibration", options.calibration],
                    check=True, stdout=subprocess.DEVNULL)
     options.hash = hashlib.sha256(options.kaz.read_bytes()).hexdigest()
-    print(f"kaz: sha256 {options.hash}, the same file outside and in the machine\nkernel: {options.kernel.name}")
+    print(f"kaz: sha256 {options.hash}, the same file outside and in the machine\n"
+          f"kernel: {options.kernel.name}")
     only = [name for name in options.only.split(",") if name]
-    behaviors = ["track-ball"] if options.short else options.behaviors.split(",")
-    runs = 1 if options.short else options.runs
-    enough = 1 if options.short else -(-9 * runs // 10)  # 9 of 10
+    behaviors = [] if options.short else [name for name in options.behaviors.split(",") if name]
+    runs, enough = options.runs, -(-9 * options.runs // 10)  # 9 of 10
     if options.short:
-        options.seconds = 3
+        options.losses = 1
     bad = 0
-    names = [*(() if options.short else (("lockstep", "in one process"), ("pty", "in real time, two processes"))),
+    names = [("lockstep", "in one process"), ("pty", "in real time, two processes"),
              *((link.name, link.what) for link in LINKS)]
     for behavior in behaviors:
-        print(f"\n| {behavior} over | what it is | done | round trip, ms | repeated requests | age of pictures, ms |"
-              "\n|---|---|---|---|---|---|", flush=True)
+        print(f"\n| {behavior} over | what it is | done | round trip, ms | repeated requests | "
+              "age of pictures, ms |\n|---|---|---|---|---|---|", flush=True)
         for name, what in names:
             if only and name not in only:
                 continue
             results, began = [], time.monotonic()
             link = next((link for link in LINKS if link.name == name), None)
             for seed in range(1, runs + 1):
-                run = in_guest(options, link, behavior, seed) if link else outside(options, name, behavior, seed)
-                results.append(run[0])
-                if run[0]["outcome"] != "done":
-                    print(f"   {name}, seed {seed}: {run[0]['sentence']}", file=sys.stderr, flush=True)
+                if link:
+                    result, _ = in_guest(options, link, behavior, seed)
+                else:
+                    result = outside(options, name, behavior, seed)
+                results.append(result)
+                if result["outcome"] != "done":
+                    print(f"   {name}, seed {seed}: {result['sentence']}", file=sys.stderr, flush=True)
             print(row(name, what, results), flush=True)
             print(f"   {name}: {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
             bad += sum(result["outcome"] == "done" for result in results) < enough
+    losses = [loss for loss in LOSSES if not only or loss.link in only]
+    if losses and options.losses:
+        print("\n| track-ball, meanwhile | over | times | joints held after at most, ms | went on |\n"
+              "|---|---|---|---|---|", flush=True)
+    for loss in losses if options.losses else []:
+        began = time.monotonic()
+        wrong = loss_row(options, loss, options.losses)
+        for sentence in wrong:
+            print(f"   {sentence}", file=sys.stderr, flush=True)
+        print(f"   {loss.what}: {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+        bad += bool(wrong)
     print(f"\n{'passed' if bad == 0 else f'{bad} rows failed'}")
     return 0 if bad == 0 else 1
 

@@ -35,7 +35,8 @@ def main():
     binaries = options.bin.resolve()
     print(f"kernel: {kernel.name}", flush=True)
     start = time.monotonic()
-    with machine.Machine(binaries / "guest_init", kernel, options.out, [("vivid", VIVID)]) as guest:
+    with machine.Machine(binaries / "guest_init", kernel, options.out, [("vivid", VIVID)],
+                         machine.COUNTED) as guest:
         code, printed = guest.run(f"{binaries}/camera_guest --gtest_color=no", SECONDS, check=False)
     passed = re.findall(r"^\[       OK \] (\S+) \((\d+) ms\)", printed, re.M)
     for name, milliseconds in passed:

@@ -75,6 +75,17 @@ class RealBackend final : public SessionBackend {
   Result<void> open_camera() override {
     if (camera_path_ == "sim") return {};  // left out
     auto camera = KAZ_TRY(open_live_camera(camera_path_, calibration_));
+    if (is_real_camera(camera_path_))
+      camera.camera = std::make_unique<ReturningCamera>(
+          std::move(camera.camera),
+          [path = camera_path_, file = calibration_]() -> Result<std::unique_ptr<vision::Camera>> {
+            auto again = KAZ_TRY(open_live_camera(path, file));
+            return std::move(again.camera);
+          },
+          kCameraPatience,
+          [](const std::string& line) {
+            std::fprintf(stderr, "\n%s: %s\n", named_verb().c_str(), line.c_str());
+          });
     camera_ = std::move(camera);
     judged_.emplace(*camera_.camera);
     return {};

@@ -417,6 +417,7 @@ void Session::perform() {
   context.ball_radius_m = options_.vision.ball.radius_m;
   if (gated_floor_ && backend_->sees()) context.floor = &*gated_floor_;
   if (real()) context.camera = "camera " + options_.backend.camera;
+  if (is_real_camera(options_.backend.camera)) context.camera_patience = kCameraPatience;
   if (const auto* simulation = backend_->simulation())
     context.other_joints = other_joints(simulation->world());
   std::optional<RunProfiler> profiler;
