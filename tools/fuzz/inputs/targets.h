@@ -34,6 +34,7 @@ Complaint try_replies(Bytes bytes);        // a hostile board at the host's Robo
 Complaint try_flash_replies(Bytes bytes);  // a hostile board at kaz flash: boot mode and writer
 Complaint try_camera_stream(Bytes bytes);  // published cameras, at the reader
 Complaint try_raw_picture(Bytes bytes);    // pictures of a V4L2 camera
+Complaint try_clock(Bytes bytes);          // another machine's clock, at kaz sim
 Complaint try_control(Bytes bytes);        // the control socket of kaz sim, a motor stand behind it
 Complaint try_control_reply(Bytes bytes);  // its replies, at the host
 
@@ -59,6 +60,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"flash_replies", try_flash_replies},
                                            {"camera_stream", try_camera_stream},
                                            {"raw_picture", try_raw_picture},
+                                           {"clock", try_clock},
                                            {"control", try_control},
                                            {"control_reply", try_control_reply}};
 
