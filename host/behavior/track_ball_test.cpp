@@ -215,7 +215,7 @@ TEST_F(TrackBall, StandsStillWhileTheCameraIsLost) {
   TestBall ball(board, robot, swinging);
   ball.lost = [](Time t) { return t > 5s && t < 9s; };
   const auto behavior = find_behavior("track-ball");
-  auto options = OptionValues::parse(behavior->options, {{"seconds", "12"}});
+  auto options = OptionValues::parse(behavior->options, {{"seconds", "16"}});
   Context context{robot, board, &ball, recording, std::move(*options), seed};
   context.camera_patience = 10s;
   const auto outcome = behavior->run(context);

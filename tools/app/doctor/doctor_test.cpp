@@ -23,6 +23,7 @@ constexpr uid_t kSomebody = 4321;
 class Doctor : public testing::Test {
  protected:
   void SetUp() override {
+    files_.root = made_folder();
     files_.user = kSomebody;
     files_.cores = 4;
     files_.kernel = "6.1.0";
@@ -79,7 +80,7 @@ class Doctor : public testing::Test {
     return mkdtemp(name.data()) != nullptr ? name : "";
   }
 
-  MachineFiles files_{.root = made_folder()};
+  MachineFiles files_;
   std::string can_ = R"([{"linkinfo": {"info_kind": "can", "info_data":
       {"state": "ERROR-ACTIVE", "bittiming": {"bitrate": 500000}}}}])";
   VideoFormats video_{true, {"YUYV", "MJPG"}, ""};

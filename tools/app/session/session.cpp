@@ -23,6 +23,7 @@
 #include "tools/app/base/output.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/app/session/call_gate.h"
+#include "tools/app/session/live_camera.h"
 #include "tools/app/session/map_picture.h"
 #include "tools/app/session/moments.h"
 #include "tools/app/session/plugin_guard.h"
