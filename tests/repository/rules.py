@@ -124,7 +124,7 @@ LAYERS = {
     "tools/app": {
         "base": (), "doctor": ("base",), "kept": ("base",), "vision": ("base",),
         "session": ("base", "kept", "vision"),
-        "board": ("base", "kept"), "calibrate": ("base", "kept", "session"),
+        "board": ("base", "kept"), "bridge": ("base",), "calibrate": ("base", "kept", "session"),
         "monitor": ("base", "kept"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
         "sim": ("base", "session"),
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),

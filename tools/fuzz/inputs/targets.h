@@ -38,6 +38,11 @@ Complaint try_clock(Bytes bytes);          // another machine's clock, at kaz si
 Complaint try_control(Bytes bytes);        // the control socket of kaz sim, a motor stand behind it
 Complaint try_control_reply(Bytes bytes);  // its replies, at the host
 
+// Buses and networks (links.cpp).
+Complaint try_can(Bytes bytes);     // ISO-TP messages and error frames
+Complaint try_telnet(Bytes bytes);  // RFC 2217, both ends
+Complaint try_boards(Bytes bytes);  // files of boards
+
 inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"world", try_world},
                                            {"motor", try_motor},
@@ -62,6 +67,9 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"raw_picture", try_raw_picture},
                                            {"clock", try_clock},
                                            {"control", try_control},
-                                           {"control_reply", try_control_reply}};
+                                           {"control_reply", try_control_reply},
+                                           {"can", try_can},
+                                           {"telnet", try_telnet},
+                                           {"boards", try_boards}};
 
 }  // namespace kaz::fuzz
