@@ -5,6 +5,7 @@
 // feed slcan: CAN interfaces can0 and can1, joined by serial lines.
 // feed eyes PORT LEFT RIGHT: pairs of shared/base/camera_stream.hpp from PORT into two outputs of
 // v4l2loopback, with the middle of the exposure as time stamp, no sooner than the stream's latency allows.
+// SIGUSR1: the outputs are closed, as if the cameras were unplugged; once more: opened again.
 #include <fcntl.h>
 #include <linux/tty.h>
 #include <linux/videodev2.h>
@@ -19,10 +20,12 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -122,10 +125,20 @@ class Output {
                          static_cast<off_t>(buffer.m.offset));
       if (start == MAP_FAILED) die("mapping a buffer");
       starts_.at(i) = start;
+      length_ = buffer.length;
     }
     int type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
     control(VIDIOC_STREAMON, &type, "its stream");
   }
+
+  ~Output() {
+    int type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
+    ioctl(fd_, VIDIOC_STREAMOFF, &type);
+    for (void* start : starts_) munmap(start, length_);
+    close(fd_);
+  }
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
 
   void show(const std::vector<std::uint8_t>& picture, std::int64_t exposure_ns) {
     v4l2_buffer buffer = one(next_);
@@ -153,8 +166,11 @@ class Output {
 
   int fd_;
   std::uint32_t next_ = 0;
+  std::size_t length_ = 0;
   std::array<void*, kBuffers> starts_{};
 };
+
+volatile std::sig_atomic_t unplugged = 0;
 
 int show_eyes(const char* port, const char* left_path, const char* right_path) {
   const int fd = open_or_die(port, O_RDONLY);
@@ -174,8 +190,17 @@ int show_eyes(const char* port, const char* left_path, const char* right_path) {
     read_whole(fd, left_picture.data(), left_picture.size());
     read_whole(fd, right_picture.data(), right_picture.size());
     sleep_until(pair.exposure_ns + header.latency_ns);
-    left.show(left_picture, pair.exposure_ns);
-    right.show(right_picture, pair.exposure_ns);
+    if (unplugged != 0) {
+      left.reset();
+      right.reset();
+      continue;
+    }
+    if (!left) {
+      left.emplace(left_path, header.width, header.height);
+      right.emplace(right_path, header.width, header.height);
+    }
+    left->show(left_picture, pair.exposure_ns);
+    right->show(right_picture, pair.exposure_ns);
   }
 }
 

@@ -148,15 +148,11 @@ class Guest:
         self.run = self.machine.run
         feed = options.bin / "guest_feed"
         self.run(f"{feed} clock >/mnt/clock.txt 2>&1 &")
-        self.feed = feed
-        self.start_eyes()
+        self.run(f"{feed} eyes $(ls /dev/vport*p2) /dev/video0 /dev/video1 >/mnt/eyes.txt 2>&1 &"
+                 " echo $! >/mnt/eyes.pid; sleep 0.5; cat /mnt/eyes.txt")
         self.run("ip link set lo up")
         for command in link.before:
             self.run(command.format(kaz=options.kaz, feed=feed), PATIENCE_S)
-
-    def start_eyes(self):
-        self.run(f"{self.feed} eyes $(ls /dev/vport*p2) /dev/video0 /dev/video1 >/mnt/eyes.txt 2>&1 &"
-                 " echo $! >/mnt/eyes.pid; sleep 0.5; cat /mnt/eyes.txt")
 
     def __enter__(self):
         self.machine.__enter__()
@@ -182,12 +178,7 @@ def result_of(text):
     return json.loads(found.group(0)) if found else {"outcome": "failed", "sentence": text.strip()[-400:]}
 
 
-def without_motors(printed):
-    """Times of the robot, in s, at which the board switched its motors off, with the sentence of each."""
-    return re.findall(r"motors off at ([0-9.]+) s: (.*)", printed)
-
-
-def in_guest(options, link, behavior, seed, during=None):
+def in_guest(options, link, behavior, seed, during=None, before=None):
     """One run over a link in the machine: (result, what the robot's simulator printed)."""
     folder = options.out / link.name
     folder.mkdir(parents=True, exist_ok=True)
@@ -195,6 +186,8 @@ def in_guest(options, link, behavior, seed, during=None):
     with Robot(options.kaz, folder, world, True) as robot, Guest(options, folder, robot, link) as guest:
         if (inside := guest.run(f"sha256sum {options.kaz}", 300)[1].split()[0]) != options.hash:
             raise RuntimeError(f"the machine runs another program: {inside}")
+        if before:
+            before(guest)
         command = (f"{options.kaz} run {command_of(behavior, seed, options.seconds)} --robot {link.robot} "
                    f"--camera {EYES} --calibration {options.calibration} >/mnt/result.json 2>/mnt/run.txt")
         if during is None:
@@ -240,21 +233,32 @@ def row(name, what, results):
 
 
 class Loss:
-    """Something taken away for a second while the head follows the ball, and given back."""
+    """Something taken away for a second while the head follows the ball, and given back. `found`: what `kaz
+    doctor` has to report of it before, (subject, part of the text)."""
 
-    def __init__(self, link, what, take, give, board=True):
-        self.link, self.what, self.take, self.give, self.board = link, what, take, give, board
+    def __init__(self, link, what, found, take, give, board=True):
+        self.link, self.what, self.found, self.take, self.give = link, what, found, take, give
+        self.board = board
 
 
 LOSSES = [
-    Loss("usb", "USB adapter unplugged", lambda guest: guest.machine.qmp("device_del", id="adapter"),
+    Loss("usb", "USB adapter unplugged", ("/dev/ttyUSB0", "USB adapter 0403:6001"),
+         lambda guest: guest.machine.qmp("device_del", id="adapter"),
          lambda guest: guest.machine.qmp("device_add", driver="usb-serial", bus="usb.0", id="adapter",
                                          chardev="board")),
-    Loss("can", "CAN interface taken down", lambda guest: guest.run("ip link set can0 down"),
+    Loss("can", "CAN interface taken down", ("can0", "1000000 bit/s, ERROR-ACTIVE"),
+         lambda guest: guest.run("ip link set can0 down"),
          lambda guest: guest.run("ip link set can0 up")),
-    Loss("uart", "eyes unplugged", lambda guest: guest.run("kill $(cat /mnt/eyes.pid)"),
-         lambda guest: guest.start_eyes(), board=False),
+    Loss("uart", "eyes unplugged", ("/dev/video0", "RGB3"),
+         lambda guest: guest.run("kill -USR1 $(cat /mnt/eyes.pid)"),
+         lambda guest: guest.run("kill -USR1 $(cat /mnt/eyes.pid)"), board=False),
 ]
+
+
+def doctor(options, guest):
+    """Findings of `kaz doctor` in the machine, as (subject, text)."""
+    _, text = guest.run(f"{options.kaz} doctor --json", PATIENCE_S, check=False)
+    return [(one.get("subject"), one["text"]) for one in result_of(text).get("findings", [])]
 
 
 def loss_row(options, loss, times):
@@ -263,6 +267,11 @@ def loss_row(options, loss, times):
     delays, wrong = [], []
     # A camera counts as lost only 2 s after its last picture.
     away_s = 1 if loss.board else 3.5
+
+    def before(guest):
+        findings = doctor(options, guest)
+        if not any(subject == loss.found[0] and loss.found[1] in text for subject, text in findings):
+            wrong.append(f"{loss.what}: kaz doctor does not report {loss.found}: {findings}")
 
     def during(robot, guest):
         end = time.monotonic() + 600
@@ -281,7 +290,7 @@ def loss_row(options, loss, times):
             loss.give(guest)
 
     seconds, options.seconds = options.seconds, 3 + times * (away_s + 2.5)
-    result, printed = in_guest(options, link, "track-ball", 1, during)
+    result, printed = in_guest(options, link, "track-ball", 1, during, before)
     options.seconds = seconds
     delays = [int(ms) for ms in re.findall(r"joints held at .*? (\d+) ms after", printed)]
     messages = [line for line in result["messages"].splitlines() if "kaz run: " in line]
