@@ -178,8 +178,8 @@ int show_eyes(const char* port, const char* left_path, const char* right_path) {
   read_whole(fd, &header, sizeof header);
   if (std::memcmp(header.magic, kaz::kCameraStreamMagic, sizeof header.magic) != 0)
     die("what comes is no stream of a camera");
-  Output left(left_path, header.width, header.height),
-      right(right_path, header.width, header.height);
+  std::signal(SIGUSR1, [](int) { unplugged = unplugged != 0 ? 0 : 1; });
+  std::optional<Output> left, right;
   std::vector<std::uint8_t> left_picture(kaz::camera_picture_bytes(header.width, header.height)),
       right_picture(left_picture.size());
   while (true) {
