@@ -87,7 +87,8 @@ class Robot:
         command = [kaz, "sim", "--serial", "board", "--cameras", "eyes", "--eyes", "ideal", *arguments]
         command += ["--clock", "clock"] if clock else []
         with open(self.log, "w", encoding="utf-8") as log:
-            self.process = subprocess.Popen(command, cwd=self.folder, stdout=log, stderr=log)
+            self.process = subprocess.Popen(command, cwd=self.folder, stdout=log, stderr=log,
+                                            preexec_fn=machine.die_with_parent)
         end = time.monotonic() + 120
         while "ready: " not in self.printed():
             if self.process.poll() is not None or time.monotonic() > end:
@@ -145,6 +146,13 @@ class Guest:
             self.machine = machine.Machine(options.bin / "guest_init", options.kernel, folder,
                                            [LOOPBACK, *link.modules], devices, files=[clock.fileno()],
                                            patience_s=300)
+        try:
+            self.prepare(options, link)
+        except BaseException:
+            self.machine.stop()
+            raise
+
+    def prepare(self, options, link):
         self.run = self.machine.run
         feed = options.bin / "guest_feed"
         self.run(f"{feed} clock >/mnt/clock.txt 2>&1 &")
@@ -249,7 +257,7 @@ LOSSES = [
     Loss("can", "CAN interface taken down", ("can0", "1000000 bit/s, ERROR-ACTIVE"),
          lambda guest: guest.run("ip link set can0 down"),
          lambda guest: guest.run("ip link set can0 up")),
-    Loss("uart", "eyes unplugged", ("/dev/video0", "RGB3"),
+    Loss("uart", "eyes unplugged", ("/dev/video0", "in use by process"),
          lambda guest: guest.run("kill -USR1 $(cat /mnt/eyes.pid)"),
          lambda guest: guest.run("kill -USR1 $(cat /mnt/eyes.pid)"), board=False),
 ]

@@ -5,12 +5,14 @@ memory with the first process and modules. Programs are those of this machine: i
 only (9P), with one folder for results."""
 
 import contextlib
+import ctypes
 import json
 import lzma
 import pathlib
 import queue
 import re
 import shutil
+import signal
 import socket
 import stat
 import struct
@@ -25,6 +27,11 @@ FAMILIES = ("drivers/media/", "drivers/usb/", "drivers/net/can/", "net/can/", "d
             "fs/9p/", "fs/netfs/", "fs/fscache/", "drivers/char/", "drivers/input/", "drivers/hid/",
             "crypto/", "lib/", "drivers/base/")
 LOOPBACK = "v4l2loopback"
+
+
+def die_with_parent():
+    """In a new process: it ends when the one that started it does, however that ends (prctl(2))."""
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
 
 
 class Missing(Exception):
@@ -204,7 +211,8 @@ class Machine:
             "-device", "virtio-9p-pci,fsdev=out,mount_tag=out",
             "-qmp", f"unix:{self.monitor_path},server=on,wait=off", *devices]
         self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT, pass_fds=files)
+                                        stderr=subprocess.STDOUT, pass_fds=files,
+                                        preexec_fn=die_with_parent)
         self.console = []  # every line that it printed
         self._lines = queue.Queue()
         threading.Thread(target=self._read, daemon=True).start()

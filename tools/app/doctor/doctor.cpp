@@ -245,12 +245,12 @@ void examine_cores(const MachineFiles& files, Findings& findings) {
   const double free = files.cores - load;
   char sentence[120];
   std::snprintf(sentence, sizeof sentence, "%d, load %.1f in the last minute", files.cores, load);
-  if (free >= 1) {
+  if (free >= 0.5) {
     findings.push_back({Level::good, "cores", "", sentence, ""});
   } else {
     findings.push_back({Level::note, "cores", "",
                         std::string(sentence) +
-                            ": less than one is free, and a host that is late trips the "
+                            ": less than half of one is free, and a host that is late trips the "
                             "board's watchdog; end what runs",
                         "top -o %CPU"});
   }
