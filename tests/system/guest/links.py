@@ -51,7 +51,8 @@ def bridge(interface):
 
 
 def up(interface, kind=""):
-    return f"ip link set {interface} up{kind}"
+    # The kernel reports a new carrier as running within a second.
+    return f"ip link set {interface} up{kind} && sleep 1.5"
 
 
 LINKS = [
@@ -256,7 +257,7 @@ LOSSES = [
                                          chardev="board")),
     Loss("can", "CAN interface taken down", ("can0", "1000000 bit/s, ERROR-ACTIVE"),
          lambda guest: guest.run("ip link set can0 down"),
-         lambda guest: guest.run("ip link set can0 up")),
+         lambda guest: guest.run(up("can0"))),
     Loss("uart", "eyes unplugged", ("/dev/video0", "in use by process"),
          lambda guest: guest.run("kill -USR1 $(cat /mnt/eyes.pid)"),
          lambda guest: guest.run("kill -USR1 $(cat /mnt/eyes.pid)"), board=False),
