@@ -50,7 +50,7 @@ double median(std::vector<double> values) {
 
 // Median position over at least kMinDetections images, or the newest one if the ball rolls. Nothing if
 // images came for kLost without a detection. A camera without new images is waited for, up to
-// ControlCycle::kBlind.
+// Context::camera_patience.
 Result<std::optional<Observation>> observe(BodyControl& body) {
   std::vector<double> x, y, t;
   const Time start = body.now();

@@ -82,7 +82,7 @@ Result<std::vector<vision::BallObservation>> TestBall::poll(Time now) {
   if (failure) return tl::unexpected(*failure);
   std::vector<vision::BallObservation> seen;
   while (exposure_of(next_) + options_.latency <= now) {
-    seen.push_back(observe(exposure_of(next_)));
+    if (!lost(exposure_of(next_))) seen.push_back(observe(exposure_of(next_)));
     ++next_;
   }
   return seen;

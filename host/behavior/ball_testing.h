@@ -36,6 +36,7 @@ class TestBall final : public BallDetector {
 
   std::function<bool(Time)> visible = [](Time) { return true; };
   std::optional<Error> failure;
+  std::function<bool(Time)> lost = [](Time) { return false; };  // no images
 
  private:
   Eigen::Vector3d in_eye(Time t) const;

@@ -35,6 +35,8 @@ struct Context {
   std::vector<std::string> other_joints = {};
   double ball_radius_m = 0.020;       // of the ball that `detector` detects
   std::string camera = "the camera";  // as messages name it
+  // Without an image for this long a behaviour fails. Before that it waits, standing (kLostCamera).
+  Time camera_patience = std::chrono::seconds(2);
   // Null without a camera and for behaviours without needs_floor.
   FloorDetector* floor = nullptr;
 };

@@ -71,6 +71,15 @@ host::Gaze BodyControl::head() {
 }
 
 Result<void> BodyControl::step() {
+  KAZ_TRY(step_once());
+  if (!camera_lost() || fallen()) return {};
+  phase("wait for the camera");
+  motion_.stop();
+  while (camera_lost() && !fallen()) KAZ_TRY(step_once());
+  return {};
+}
+
+Result<void> BodyControl::step_once() {
   const auto legs = motion_.step(now(), input_.posture);
   if (fallen()) {
     phase("fallen");

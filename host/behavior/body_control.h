@@ -28,7 +28,8 @@ class BodyControl {
   void track_ball() { tracks_ball_ = true; }
 
   // Runs one control cycle with the leg targets of Motion. If the robot falls, the motors are disabled
-  // and fallen() returns true.
+  // and fallen() returns true. While the camera is lost (ControlCycle::kLostCamera) it does not return:
+  // Motion is stopped, and the robot stands.
   Result<void> step();
   // Runs one control cycle with these angles for all joints but the neck's; Motion is suspended. Poses
   // must start at home() and return to it; then call restart() before the next step().
@@ -69,6 +70,8 @@ class BodyControl {
   static constexpr Time kFrozen = std::chrono::milliseconds(400);
   BodyControl(Context& context, std::string_view behavior, const motion::Motion& motion);
   host::Gaze head();
+  Result<void> step_once();
+  bool camera_lost() const { return now() - newest_exposure_ > ControlCycle::kLostCamera; }
   Result<void> run_cycle(std::vector<host::JointTarget> targets);
   void process_observations();
   void detect_fall();

@@ -31,8 +31,9 @@ class Deadline final : public host::Clock {
 // The same context with another clock. Binds every member: after one more is added to Context, this does
 // not compile until it is passed on, too.
 Context with_clock(const Context& context, host::Clock& clock) {
-  const auto& [robot, own_clock, detector, sink, options, seed, joints, radius_m, camera, floor] = context;
-  return {robot, clock, detector, sink, options, seed, joints, radius_m, camera, floor};
+  const auto& [robot, own_clock, detector, sink, options, seed, joints, radius_m, camera, patience,
+               floor] = context;
+  return {robot, clock, detector, sink, options, seed, joints, radius_m, camera, patience, floor};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "host/behavior/control_cycle.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <string>
 
 namespace kaz::behavior {
@@ -40,8 +41,11 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
   auto observations = KAZ_TRY(context_.detector->poll(input.now));
   input.observations = std::move(observations);
   if (!input.observations.empty()) last_image_ = input.now;
-  if (input.now - last_image_ > kBlind) {
-    return fail(Fault::environment, "no image came for 2 s: check " + context_.camera);
+  if (input.now - last_image_ > context_.camera_patience) {
+    char text[40];
+    std::snprintf(text, sizeof text, "no image came for %.3g s: check ",
+                  seconds(context_.camera_patience));
+    return fail(Fault::environment, text + context_.camera);
   }
   return input;
 }

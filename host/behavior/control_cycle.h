@@ -20,8 +20,8 @@ class ControlCycle {
   // Delay from a behaviour's decision to the start of the board's ramp: 19 bytes on the wire, half a
   // tick until they are processed, one tick until the pins follow.
   static constexpr Time kSendDelay = std::chrono::microseconds(3150);
-  // No image for this time is an error.
-  static constexpr Time kBlind = std::chrono::seconds(2);
+  // Without an image for this long the behaviours that look for the ball stand still until the next one.
+  static constexpr Time kLostCamera = std::chrono::seconds(1);
 
   // The context must outlive this.
   explicit ControlCycle(Context& context);
@@ -37,7 +37,7 @@ class ControlCycle {
   // Sends the targets (empty: only reads the state), waits for the start of the next cycle, and returns
   // the newest state and observations. `ramp`: time in which the targets are reached.
   // Fails when robot, clock or camera fail, when the board has switched the motors off, and when no
-  // image came for kBlind.
+  // image came for Context::camera_patience.
   Result<Input> next(std::span<const host::JointTarget> targets, Time ramp = kRamp);
 
  private:

@@ -24,6 +24,14 @@ Result<HeadControl> HeadControl::begin(Context& context, std::string_view behavi
 }
 
 Result<void> HeadControl::step(const host::Gaze& target) {
+  KAZ_TRY(step_once(target));
+  if (!camera_lost()) return {};
+  phase("wait for the camera");
+  while (camera_lost()) KAZ_TRY(step_once(target));
+  return {};
+}
+
+Result<void> HeadControl::step_once(const host::Gaze& target) {
   const host::Gaze reachable = host::within_limits(target, kMargin);
   CycleRow row;
   row.time = now();

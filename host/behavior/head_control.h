@@ -24,7 +24,8 @@ class HeadControl {
   static Result<HeadControl> begin(Context& context, std::string_view behavior);
 
   void phase(std::string_view phase) { context_->sink.phase(now(), behavior_, phase); }
-  // Sends a target, limited to the joints' range, and waits for the next control cycle.
+  // Sends a target, limited to the joints' range, and waits for the next control cycle. While the camera is
+  // lost (ControlCycle::kLostCamera) it does not return, and the head stays there.
   Result<void> step(const host::Gaze& target);
 
   Time now() const { return input_.now; }
@@ -41,6 +42,10 @@ class HeadControl {
 
  private:
   HeadControl(Context& context, std::string_view behavior);
+  Result<void> step_once(const host::Gaze& target);
+  bool camera_lost() const {
+    return newest_exposure_ > Time{} && now() - newest_exposure_ > ControlCycle::kLostCamera;
+  }
   void process(const std::vector<vision::BallObservation>& observations);
 
   Context* context_;

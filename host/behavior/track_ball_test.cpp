@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "host/behavior/ball_testing.h"
 #include "host/behavior/behavior.h"
@@ -206,6 +208,28 @@ TEST_F(TrackBall, EndsWhenNoPicturesCome) {
   const auto outcome = run(ball, "track-ball", 20);
   ASSERT_FALSE(outcome);
   EXPECT_NE(outcome.error().message.find("no image came for 2 s"), std::string::npos);
+}
+
+// A lost camera is waited for with the head where it is and the motors on.
+TEST_F(TrackBall, StandsStillWhileTheCameraIsLost) {
+  TestBall ball(board, robot, swinging);
+  ball.lost = [](Time t) { return t > 5s && t < 9s; };
+  const auto behavior = find_behavior("track-ball");
+  auto options = OptionValues::parse(behavior->options, {{"seconds", "16"}});
+  Context context{robot, board, &ball, recording, std::move(*options), seed};
+  context.camera_patience = 10s;
+  const auto outcome = behavior->run(context);
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_GT(ball.share_within(3 * kDegree, board.now() - 2s, board.now()), 0.95);
+  EXPECT_TRUE(std::ranges::any_of(
+      recording.phases, [](const auto& one) { return one.phase == "wait for the camera"; }));
+  std::optional<double> held;
+  for (const CycleRow& row : recording.cycles) {
+    if (row.time < 7s || row.time > 9s) continue;
+    EXPECT_EQ(row.pan_target, held.value_or(row.pan_target));
+    held = row.pan_target;
+  }
+  EXPECT_TRUE(held);
 }
 
 TEST_F(TrackBall, EndsWhenTheBoardSwitchesTheMotorsOff) {

@@ -315,7 +315,9 @@ Result<V4l2Device::Taken> V4l2Device::take(RawFrame& frame) {
                     "; plug it in and start again");
   };
   if (number != 0) return stopped(number);
-  if (last_sequence_) lost_ += buffer.sequence - *last_sequence_ - 1;
+  // Some drivers leave the number alone; it counts no lost pictures then.
+  if (last_sequence_ && buffer.sequence > *last_sequence_)
+    lost_ += buffer.sequence - *last_sequence_ - 1;
   last_sequence_ = buffer.sequence;
 
   const bool valid = !(buffer.flags & V4L2_BUF_FLAG_ERROR) && buffer.bytesused > 0 &&

@@ -15,42 +15,17 @@
 // after what follows it, as the tick in the reply shows.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <functional>
 #include <list>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "host/link/exchanger.h"
 #include "host/link/frame_log.h"
-#include "host/link/link.h"
-#include "host/link/link_statistics.h"
-#include "shared/protocol/messages.h"
 
 namespace kaz::host {
-
-struct Fields {
-  std::array<std::uint8_t, KZ_PAYLOAD_MAX> bytes{};
-  std::uint8_t length = 0;
-};
-
-struct Request {
-  std::uint8_t type = 0;  // KZ_TYPE_*
-  Fields fields;
-};
-
-struct Reply {
-  bool refused = false;  // the fields are those of kz_refused
-  Fields fields;
-  // For the clock relation: of the transmission that was answered first. Not `timed` if the request
-  // was repeated, for then the reply may be to either transmission.
-  bool timed = false;
-  Time sent{};  // when its first byte could leave
-  Time received{};
-  int bytes_out = 0, bytes_in = 0;
-};
 
 struct RequesterOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
@@ -60,51 +35,29 @@ struct RequesterOptions {
   int retries = 5;                               // tries after the first
 };
 
-class Requester {
+class Requester final : public Exchanger {
  public:
   Requester(Link& link, Clock& clock, const RequesterOptions& options);
-  ~Requester();
+  ~Requester() override;
 
-  // Posts all requests and waits for all replies, which are in the order of the requests. Fails
-  // when one has no reply after all its tries, and when the link fails or is interrupted; then
-  // nothing is under way any more.
-  Result<std::vector<Reply>> exchange(std::span<const Request> requests);
+  Result<std::vector<Reply>> exchange(std::span<const Request> requests) override;
+  Result<Ticket> post(const Request& request) override;
+  Result<std::optional<Reply>> collect(Ticket ticket, Time deadline) override;
+  Result<Reply> exchange_at_once(const Request& request) override;
+  Result<void> send(const Request& request) override;
+  Result<bool> listen(Time deadline) override;
+  void on_telemetry(Telemetry receiver) override { telemetry_ = std::move(receiver); }
+  void start_anew() override;
+  void limit_tries(std::optional<int> tries) override { tries_limit_ = tries; }
 
-  // The same in two steps, so that requests leave while replies to earlier ones come.
-  using Ticket = std::uint64_t;
-  Result<Ticket> post(const Request& request);
-  // Waits for the reply until `deadline`; nothing if it has not come until then. Each ticket gives
-  // its reply once.
-  Result<std::optional<Reply>> collect(Ticket ticket, Time deadline);
-
-  // Sends ahead of all waiting and outstanding requests: for `stop`.
-  Result<Reply> exchange_at_once(const Request& request);
-
-  // Writes a request without waiting for a reply.
-  Result<void> send(const Request& request);
-
-  // Reads until `deadline` or until a telemetry frame has come.
-  Result<bool> listen(Time deadline);
-  // Called with each telemetry frame: type, fields, when it was read.
-  using Telemetry = std::function<void(std::uint8_t, std::span<const std::uint8_t>, Time)>;
-  void on_telemetry(Telemetry receiver) { telemetry_ = std::move(receiver); }
-
-  // Discards pending requests and partially received frames, and continues with other sequence numbers.
-  void start_anew();
-  // While set, each request has so many tries: for looking whether a board is there at all.
-  void limit_tries(std::optional<int> tries) { tries_limit_ = tries; }
-
-  const LinkStatistics& statistics() const;
+  const LinkStatistics& statistics() const override;
   const FrameLog& frames() const { return frames_; }
-  Link& link() { return link_; }
-  // Bytes received since the last valid frame, up to 64, for diagnosing what replies there.
-  std::span<const std::uint8_t> noise() const { return noise_; }
-  // The last failure was that no reply came, not that the link is gone.
-  bool timed_out() const { return timed_out_; }
-  // A request of ours came back: the line echoes.
-  bool heard_echo() const { return heard_echo_; }
-  // When the last request was written.
-  Time last_sent() const { return last_sent_; }
+  std::string recent_frames() const override { return frames_.text(); }
+  Link& link() override { return link_; }
+  std::span<const std::uint8_t> noise() const override { return noise_; }
+  bool timed_out() const override { return timed_out_; }
+  bool heard_echo() const override { return heard_echo_; }
+  Time last_sent() const override { return last_sent_; }
 
  private:
   struct Waiting;

@@ -12,8 +12,8 @@ namespace kaz::host {
 // Device paths at which a board may sit: USB serial adapters and UARTs that exist, sorted.
 std::vector<std::string> serial_port_candidates();
 
-// Whether the adapter's driver hands received bytes over at once.
-enum class LowLatency { set, refused, pseudo_terminal };
+// Whether the adapter's driver hands received bytes over at once; `bus` and `network` are no serial ports.
+enum class LowLatency { set, refused, pseudo_terminal, bus, network };
 struct OpenPort {
   int descriptor = -1;  // the caller closes it
   LowLatency low_latency = LowLatency::refused;

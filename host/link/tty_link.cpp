@@ -1,27 +1,18 @@
-// Non-blocking reads and writes on a serial port, waiting in poll().
+// A serial port as a link: rate, modem lines, and the same adapter again after it was unplugged.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/link/tty_link.h"
 
-#include <poll.h>
 #include <sys/ioctl.h>
 #include <termios.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
 
+#include "host/link/serial_identity.h"
 #include "host/link/serial_port.h"
-#include "host/link/wall_clock.h"
 
 namespace kaz::host {
-
-namespace {
-
-constexpr std::size_t kMaxPending = 65536;
-
-}  // namespace
 
 Result<std::unique_ptr<TtyLink>> TtyLink::open(const std::string& path, int baud,
                                                const Interrupt* interrupt) {
@@ -31,21 +22,29 @@ Result<std::unique_ptr<TtyLink>> TtyLink::open(const std::string& path, int baud
 
 TtyLink::TtyLink(std::string path, int baud, const OpenPort& port, const Interrupt* interrupt)
     : path_(std::move(path)),
+      identity_(serial_identity(path_)),
       baud_(baud),
-      fd_(port.descriptor),
       low_latency_(port.low_latency),
-      interrupt_(interrupt) {}
+      interrupt_(interrupt),
+      stream_(path_,
+              "port " + path_ + " was closed: the board was unplugged or the simulator ended",
+              interrupt) {
+  stream_.attach(Descriptor(port.descriptor));
+}
 
-TtyLink::~TtyLink() {
-  if (fd_ >= 0) close(fd_);
+Result<std::string> TtyLink::path_now() const {
+  if (identity_.empty() || serial_identity(path_) == identity_) return path_;
+  if (const auto found = find_serial_port(identity_)) return *found;
+  return fail(Fault::environment, "the adapter of " + path_ + " (USB " + identity_ +
+                                      ") is not plugged in: plug it in again");
 }
 
 Result<void> TtyLink::reopen() {
   if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
-  if (fd_ >= 0) close(std::exchange(fd_, -1));
-  pending_.clear();
-  const auto port = KAZ_TRY(open_serial_port(path_, baud_));
-  fd_ = port.descriptor;
+  stream_.detach();
+  const auto path = KAZ_TRY(path_now());
+  const auto port = KAZ_TRY(open_serial_port(path, baud_));
+  stream_.attach(Descriptor(port.descriptor));
   low_latency_ = port.low_latency;
   return {};
 }
@@ -55,82 +54,31 @@ Time TtyLink::byte_time() const {
 }
 
 Result<void> TtyLink::set_baud(int baud) {
-  if (fd_ < 0) return tl::unexpected(closed());
-  if (auto set = set_serial_rate(fd_, path_, baud); !set) return set;
+  if (!stream_.is_open()) return tl::unexpected(stream_.closed());
+  if (auto set = set_serial_rate(stream_.descriptor(), path_, baud); !set) return set;
   baud_ = baud;
   return {};
 }
 
 Result<void> TtyLink::set_dtr_rts(bool dtr, bool rts) {
-  if (fd_ < 0) return tl::unexpected(closed());
+  if (!stream_.is_open()) return tl::unexpected(stream_.closed());
   if (low_latency_ == LowLatency::pseudo_terminal)
     return fail(Fault::environment,
                 path_ + " is a pseudo-terminal, which has no lines DTR and RTS");
   int lines = 0;
-  bool done = ioctl(fd_, TIOCMGET, &lines) == 0;
+  bool done = ioctl(stream_.descriptor(), TIOCMGET, &lines) == 0;
   lines = with_dtr_rts(lines, dtr, rts);
-  done = done && ioctl(fd_, TIOCMSET, &lines) == 0;
+  done = done && ioctl(stream_.descriptor(), TIOCMSET, &lines) == 0;
   if (done) return {};
   return fail(Fault::environment, path_ + " has no lines DTR and RTS: " + std::strerror(errno));
 }
 
-Error TtyLink::closed() const {
-  return Error{Fault::environment,
-               "port " + path_ + " was closed: the board was unplugged or the simulator ended"};
-}
-
 Result<void> TtyLink::write(std::span<const std::uint8_t> bytes) {
-  if (pending_.size() + bytes.size() > kMaxPending) {
-    return fail(Fault::environment, "port " + path_ + " takes no bytes: check the adapter");
-  }
-  if (fd_ < 0) return tl::unexpected(closed());
-  pending_.insert(pending_.end(), bytes.begin(), bytes.end());
-  return flush();
-}
-
-Result<void> TtyLink::flush() {
-  std::size_t done = 0;
-  while (done < pending_.size()) {
-    const ssize_t n = ::write(fd_, pending_.data() + done, pending_.size() - done);
-    if (n > 0) {
-      done += static_cast<std::size_t>(n);
-    } else if (n < 0 && errno == EAGAIN) {
-      break;
-    } else if (n < 0 && errno != EINTR) {
-      return tl::unexpected(closed());
-    }
-  }
-  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
-  return {};
+  return stream_.write(bytes);
 }
 
 Result<std::size_t> TtyLink::read(std::span<std::uint8_t> bytes, Time deadline) {
-  const WallClock clock;
-  if (fd_ < 0) return tl::unexpected(closed());
-  while (true) {
-    if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
-    const Time left = std::max(deadline - clock.now(), Time::zero());
-    const Time now_left = interrupt_ ? interrupt_->max_wait(left) : left;
-    const timespec wait{static_cast<time_t>(now_left.count() / 1'000'000'000),
-                        static_cast<long>(now_left.count() % 1'000'000'000)};
-    pollfd watched[2] = {{fd_, static_cast<short>(pending_.empty() ? POLLIN : POLLIN | POLLOUT), 0},
-                         {interrupt_ ? interrupt_->descriptor() : -1, POLLIN, 0}};
-    const int ready = ppoll(watched, 2, &wait, nullptr);
-    if (ready < 0 && errno != EINTR) {
-      return fail(Fault::environment, "cannot wait for " + path_ + ": " + std::strerror(errno));
-    }
-    if (ready == 0 && now_left == left) return 0;
-    if (ready <= 0) continue;
-
-    if (watched[0].revents & POLLOUT) {
-      KAZ_TRY(flush());
-    }
-    if (watched[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) {
-      const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
-      if (n > 0) return static_cast<std::size_t>(n);
-      if (n == 0 || (errno != EAGAIN && errno != EINTR)) return tl::unexpected(closed());
-    }
-  }
+  return stream_.read(bytes, deadline);
 }
 
 }  // namespace kaz::host

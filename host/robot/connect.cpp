@@ -15,7 +15,7 @@ namespace {
 // that a program recognises a board of another one.
 constexpr std::size_t kVersionAt = 4;
 
-Error no_board(const Requester& requester, const LinkStatistics& before, const std::string& port) {
+Error no_board(const Exchanger& requester, const LinkStatistics& before, const std::string& port) {
   const LinkStatistics& statistics = requester.statistics();
   const auto bytes_in = statistics.bytes_in - before.bytes_in;
   if (requester.heard_echo()) {
@@ -51,16 +51,17 @@ Error no_board(const Requester& requester, const LinkStatistics& before, const s
 
 }  // namespace
 
-Result<kz_identify_reply> identify_board(Requester& requester) {
-  const std::string port = requester.link().name();
+Result<kz_identify_reply> identify_board(Exchanger& requester) {
   const LinkStatistics before = requester.statistics();
   Request request;
   request.type = KZ_TYPE_identify;
   const auto replies = requester.exchange({&request, 1});
   if (!replies) {
-    return tl::unexpected(requester.timed_out() ? no_board(requester, before, port)
-                                                : replies.error());
+    return tl::unexpected(requester.timed_out()
+                              ? no_board(requester, before, requester.failed_name())
+                              : replies.error());
   }
+  const std::string port = requester.link().name();
 
   const Reply& reply = replies->front();
   const int version = reply.fields.length > kVersionAt ? reply.fields.bytes[kVersionAt] : -1;

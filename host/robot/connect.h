@@ -4,14 +4,14 @@
 
 #include <string>
 
-#include "host/link/requester.h"
+#include "host/link/exchanger.h"
 
 namespace kaz::host {
 
 // Succeeds if a Kaz board of this program's protocol version answers. Else one error sentence for each
 // case: no reply; a reply of something other than a Kaz board, with its first bytes; the line echoes; another
 // protocol version or number of joints.
-Result<kz_identify_reply> identify_board(Requester& requester);
+Result<kz_identify_reply> identify_board(Exchanger& requester);
 // Lateness of either end that a healthy board's identification bears, with all tries of RequesterOptions: a
 // reply waits in the port until it is read, and one of an earlier try is taken too. So nothing fails before
 // all tries, 0.95 s, have passed; half of it.

@@ -4,6 +4,7 @@
 
 #include "host/link/board_testing.h"
 #include "host/link/lateness.h"
+#include "host/link/requester.h"
 #include "host/link/stalling_testing.h"
 #include "host/robot/connect.h"
 #include "host/robot/robot.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "host/link/requester.h"
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
 #include "host/robot/typed_request.h"

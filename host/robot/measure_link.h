@@ -4,8 +4,7 @@
 
 #include <string>
 
-#include "host/link/serial_port.h"
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
 #include "host/robot/robot.h"
 
 namespace kaz::host {
@@ -17,7 +16,7 @@ struct RoundTripCheck {
   std::string sentence;     // "round trip on /dev/kaz: 4.1 ms", and what to do if it is slow
 };
 
-Result<RoundTripCheck> measure_round_trip(Robot& robot, const TtyLink& port);
+Result<RoundTripCheck> measure_round_trip(Robot& robot, const PortLink& port);
 
 // The evaluation alone, for tests of all kinds of ports.
 RoundTripCheck judge_round_trip(const std::string& port, double round_trip_s, Time byte_time,

@@ -49,17 +49,25 @@ Robot& Robot::operator=(Robot&&) noexcept = default;
 Robot::~Robot() = default;
 
 Result<Robot> Robot::connect(Link& link, Clock& clock, const ConnectOptions& options) {
+  const RobotBoard board{&link, options.address, kAllJoints};
+  return connect({&board, 1}, clock, options);
+}
+
+Result<Robot> Robot::connect(std::span<const RobotBoard> boards, Clock& clock,
+                             const ConnectOptions& options) {
+  KAZ_TRY(check_boards(boards));
   const auto watchdog_10ms = to_wire<u8>(seconds(options.watchdog) * 100);
   if (!watchdog_10ms || *watchdog_10ms > 100) {
     return fail(Fault::usage, "the link watchdog's limit must be 10 ms to 1 s");
   }
-  auto parts = std::make_unique<Parts>(link, clock, options);
+  auto parts = std::make_unique<Parts>(boards, clock, options);
   if (auto found = identify_board(parts->requester); !found) {
     parts->frames_at_loss =
-        parts->requester.statistics().bytes_in ? parts->requester.frames().text() : std::string();
+        parts->requester.statistics().bytes_in ? parts->requester.recent_frames() : std::string();
     Error error = parts->for_good(found.error());
-    if (parts->requester.timed_out())
-      error = explain_silence(link, clock, options.address, std::move(error));
+    if (parts->requester.timed_out() && boards.size() == 1)
+      error =
+          explain_silence(*boards.front().link, clock, boards.front().address, std::move(error));
     return tl::unexpected(std::move(error));
   }
   // Once more: this answer also relates the clocks.
@@ -200,7 +208,7 @@ Result<std::optional<Posture>> Robot::receive_cycle(Time deadline) {
   }
   if (parts_->cycles.empty()) return fail(Fault::usage, "no cycle was sent that could be received");
   Parts::Cycle& cycle = parts_->cycles.front();
-  const auto collect = [&](std::optional<Requester::Ticket> ticket, std::optional<Reply>& reply,
+  const auto collect = [&](std::optional<Exchanger::Ticket> ticket, std::optional<Reply>& reply,
                            std::uint8_t type) -> Result<void> {
     if (!ticket || reply) return {};
     auto collected = KAZ_TRY(parts_->requester.collect(*ticket, deadline));
@@ -246,7 +254,7 @@ const LinkStatistics& Robot::statistics() const {
   return parts_->requester.statistics();
 }
 std::string Robot::recent_frames() const {
-  return parts_->requester.frames().text();
+  return parts_->requester.recent_frames();
 }
 
 void Robot::disable_all() noexcept {

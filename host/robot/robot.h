@@ -41,6 +41,10 @@ class Robot {
   // answers (boards at other addresses are named), or if its protocol version is another.
   // `link` and `clock` must outlive the robot.
   static Result<Robot> connect(Link& link, Clock& clock, const ConnectOptions& options = {});
+  // Several boards that drive one robot (board_group.h); ConnectOptions::address is not used. Errors also:
+  // those of check_boards.
+  static Result<Robot> connect(std::span<const RobotBoard> boards, Clock& clock,
+                               const ConnectOptions& options = {});
   Robot(Robot&&) noexcept;
   Robot& operator=(Robot&&) noexcept;
   ~Robot();  // leaves the motors as they are; see disable_all

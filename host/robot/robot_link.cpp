@@ -37,7 +37,7 @@ const char* text(Resumption::Cause cause) {
 
 Result<void> Robot::Parts::resume(const Error* error) {
   const Time lost = clock.now();
-  frames_at_loss = requester.frames().text();
+  frames_at_loss = requester.recent_frames();
   // An interrupt, and whatever else is no fault of the environment, stays what it is.
   if (error && error->fault != Fault::environment) return tl::unexpected(*error);
   if (options.reconnect == Time::zero()) return tl::unexpected(for_good(*error));

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/robot_parts.h"
 
+#include "host/link/requester.h"
+#include "host/robot/board_group.h"
+
 namespace kaz::host {
 
 namespace {
@@ -13,6 +16,15 @@ std::uint32_t big_endian(std::span<const std::uint8_t> bytes) {
   std::uint32_t value = 0;
   for (const std::uint8_t byte : bytes) value = value << 8 | byte;
   return value;
+}
+
+std::unique_ptr<Exchanger> make_requester(std::span<const RobotBoard> boards, Clock& clock,
+                                          int retries) {
+  const RobotBoard& first = boards.front();
+  if (boards.size() == 1)
+    return std::make_unique<Requester>(
+        *first.link, clock, RequesterOptions{.address = first.address, .retries = retries});
+  return std::make_unique<BoardGroup>(std::vector(boards.begin(), boards.end()), clock, retries);
 }
 
 }  // namespace
@@ -29,14 +41,14 @@ Result<void> check_mask(std::uint32_t mask) {
               "a mask of joints has bits 0 to " + std::to_string(KZ_JOINTS - 1) + ", at least one");
 }
 
-Robot::Parts::Parts(Link& link, Clock& on_clock, const ConnectOptions& connect_options)
+Robot::Parts::Parts(std::span<const RobotBoard> boards, Clock& on_clock,
+                    const ConnectOptions& connect_options)
     : options(connect_options),
       clock(on_clock),
       keeping_clock(*this),
-      requester(
-          link, on_clock,
-          RequesterOptions{.address = connect_options.address, .retries = connect_options.retries}),
-      relation(link.byte_time()) {
+      owned_requester(make_requester(boards, on_clock, connect_options.retries)),
+      requester(*owned_requester),
+      relation(boards.front().link->byte_time()) {
   requester.on_telemetry([this](std::uint8_t type, std::span<const std::uint8_t> fields, Time now) {
     take_telemetry(type, fields, now);
   });
@@ -69,7 +81,8 @@ void Robot::Parts::observe(std::uint8_t request, const Reply& reply) {
     relation.add({reply.sent, reply.received, reply.bytes_out, reply.bytes_in, tick});
   }
 
-  const bool back = last_tick && static_cast<std::int32_t>(tick - *last_tick) < -kTickSlack;
+  const bool back = requester.take_restart() ||
+                    (last_tick && static_cast<std::int32_t>(tick - *last_tick) < -kTickSlack);
   last_tick = tick;
   const int reason = status >> 8;
   if (back || (on != 0 && reason == KZ_SHUTDOWN_NONE && !(status & KZ_STATUS_ENABLED))) {

@@ -6,12 +6,13 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "host/link/clock_relation.h"
-#include "host/link/requester.h"
+#include "host/link/exchanger.h"
 #include "host/robot/posture_history.h"
 #include "host/robot/robot.h"
 #include "host/robot/typed_request.h"
@@ -41,7 +42,7 @@ Result<void> check_joint(int joint);
 enum class AfterLoss { repeat, report };
 
 struct Robot::Parts {
-  Parts(Link& link, Clock& on_clock, const ConnectOptions& options);
+  Parts(std::span<const RobotBoard> boards, Clock& on_clock, const ConnectOptions& options);
 
   // Sends requests and returns their replies; observes the replies and reconnects if the link is lost
   // (`resumed` is then set).
@@ -98,7 +99,8 @@ struct Robot::Parts {
   ConnectOptions options;
   Clock& clock;
   KeepingClock keeping_clock;
-  Requester requester;
+  std::unique_ptr<Exchanger> owned_requester;
+  Exchanger& requester;
   ClockRelation relation;
   PostureHistory history;
   kz_identify_reply identity{};
@@ -119,7 +121,7 @@ struct Robot::Parts {
   std::deque<Resumption> resumptions;
 
   struct Cycle {
-    std::optional<Requester::Ticket> move, state;
+    std::optional<Exchanger::Ticket> move, state;
     std::optional<Reply> move_reply, state_reply;
     std::vector<JointTarget> targets;
   };

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
+#include "host/link/link.h"
 #include "host/robot/posture.h"
 #include "shared/protocol/messages.h"
 
@@ -124,6 +126,17 @@ struct ConnectOptions {
   // or "-" for standard error; empty: nowhere (Robot::recent_frames).
   std::string frames_path = {};
 };
+
+// One of the boards that drive a robot together.
+struct RobotBoard {
+  Link* link = nullptr;
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
+  std::uint32_t joints = 0;  // mask
+};
+
+// Whether each joint is on exactly one board, and each board has a joint and an address of its own. Errors
+// (usage) name the joints.
+Result<void> check_boards(std::span<const RobotBoard> boards);
 
 // "the board was reset"
 const char* text(Resumption::Cause cause);

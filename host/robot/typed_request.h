@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "host/link/requester.h"
+#include "host/link/exchanger.h"
 #include "host/robot/robot.h"
 
 namespace kaz::host {

@@ -122,8 +122,9 @@ LAYERS = {
         "fuzz": ("lockstep", "app"), "kaz": ("figure", "app", "fuzz"), "benchmark": ("lockstep",),
     },
     "tools/app": {
-        "base": (), "kept": ("base",), "vision": ("base",), "session": ("base", "kept", "vision"),
-        "board": ("base", "kept"), "calibrate": ("base", "kept", "session"),
+        "base": (), "doctor": ("base",), "kept": ("base",), "vision": ("base",),
+        "session": ("base", "kept", "vision"),
+        "board": ("base", "kept"), "bridge": ("base",), "calibrate": ("base", "kept", "session"),
         "monitor": ("base", "kept"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
         "sim": ("base", "session"),
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
@@ -141,7 +142,8 @@ LAYERS = {
     "tests/studies": {"common": ()} | {name: ("common",) for name in (
         "dynamics_table", "figure7", "gait", "joints", "step_length", "vision_table", "walking")},
     "tests/system": {
-        "campaign": (), "catching": (), "planted": (), "v4l2": (), "virtual_robot": (), "flash": (),
+        "campaign": (), "catching": (), "guest": (), "planted": (), "v4l2": (), "virtual_robot": (),
+        "flash": (),
         "command_line": ("flash",), "recording_reader": ("command_line",),
     },
     "tests/system/command_line": {".": (), "plugins": ()},

@@ -12,7 +12,8 @@
 #include "hil/fuzz/search.h"
 #include "host/link/faulty_link.h"
 #include "host/link/lateness.h"
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
+#include "host/link/requester.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
 #include "shared/base/counted.hpp"
@@ -49,7 +50,8 @@ class PortTarget {
  public:
   static Result<std::unique_ptr<PortTarget>> open(const FuzzOptions& options,
                                                   host::Interrupt& interrupt) {
-    auto link = KAZ_TRY(host::TtyLink::open(options.target, 115200, &interrupt));
+    const auto address = KAZ_TRY(host::parse_port_address("--target", options.target));
+    auto link = KAZ_TRY(host::open_port(address, &interrupt));
     std::unique_ptr<PortTarget> port(new PortTarget(std::move(link), options, interrupt));
     auto kept = KAZ_TRY(KeptRun::begin(*port->link_, port->clock_, interrupt,
                                        {.verb = "kaz fuzz",
@@ -95,7 +97,7 @@ class PortTarget {
     return hil::fuzz::run_case(faulty, meter_, hil::fuzz::events_of(genome, grammar), runner);
   }
 
-  PortTarget(std::unique_ptr<host::TtyLink> link, const FuzzOptions& options,
+  PortTarget(std::unique_ptr<host::PortLink> link, const FuzzOptions& options,
              host::Interrupt& interrupt)
       : link_(std::move(link)),
         interrupt_(interrupt),
@@ -116,7 +118,7 @@ class PortTarget {
     return kept_->put_back();
   }
 
-  std::unique_ptr<host::TtyLink> link_;
+  std::unique_ptr<host::PortLink> link_;
   const host::Interrupt& interrupt_;
   host::WallClock clock_;
   host::LatenessMeter meter_;
@@ -197,7 +199,8 @@ class Fuzzing {
     const std::string& path = arguments_.target;
     std::error_code none;
     if (std::filesystem::exists(path, none)) return {};
-    auto opened = host::TtyLink::open(path, 115200, &interrupt_);
+    const auto address = KAZ_TRY(host::parse_port_address("--target", path));
+    auto opened = host::open_port(address, &interrupt_);
     if (opened) return {};
     Error error = opened.error();
     error.message += suggestion(path, enum_names(sim::kMcuKinds));

@@ -155,9 +155,7 @@ void add_motor_options(CLI::App& verb, BackendOptions& options) {
 }
 
 void add_port(CLI::App& verb, std::string& port) {
-  verb.add_option("--port,PORT", port, "serial port or pty of the board")
-      ->type_name("PATH[@BAUD]")
-      ->required();
+  verb.add_option("--port,PORT", port, kPortText)->type_name("PORT")->required();
 }
 
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {

@@ -103,6 +103,14 @@ void add_imu(CLI::App& verb, bool& imu);
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text);
 // --motor-file, --motor, --disc: the motors on a virtual motor stand.
 void add_motor_options(CLI::App& verb, BackendOptions& options);
+// What the values of --port and --robot can be (host/link/port_address.h).
+inline constexpr const char* kPortText =
+    "port of the board: PATH[@BAUD] of a serial port or pty, can:INTERFACE, tcp:HOST:PORT or "
+    "rfc2217:HOST:PORT[@BAUD]";
+inline constexpr const char* kRobotText =
+    "sim, a board at a port (serial:PATH[@BAUD], can:INTERFACE, tcp:HOST:PORT or "
+    "rfc2217:HOST:PORT[@BAUD]), or boards:FILE, which says which joint is on which board";
+
 // --port, which may also be given as a word, for verbs that need one.
 void add_port(CLI::App& verb, std::string& port);
 // --address N, for every verb that opens a port.

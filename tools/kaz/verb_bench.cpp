@@ -14,7 +14,7 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
   auto* port = verb.add_option("--port", arguments.target.port,
                                "serial port or pty of a board; without it an emulated one on a "
                                "virtual motor stand, in simulated time")
-                   ->type_name("PATH[@BAUD]");
+                   ->type_name("PORT");
   add_address(verb, arguments.target.address)->needs(port);
   add_choice(verb, "--mcu", sim::kMcuKinds, arguments.target.backend.mcu,
              "microcontroller of the emulated board: h8 executes the firmware image, native runs "

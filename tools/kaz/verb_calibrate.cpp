@@ -75,8 +75,8 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
   options.backend.world = "empty";
   options.backend.imu = true;
   options.backend.sensors = sim::SensorSet::as_built;
-  verb.add_option("--robot", options.backend.robot, "sim, or a board at a port")
-      ->type_name("sim|serial:PATH[@BAUD]")
+  verb.add_option("--robot", options.backend.robot, kRobotText)
+      ->type_name("sim|PORT")
       ->capture_default_str();
   add_address(verb, options.backend.address);
   verb.add_option(

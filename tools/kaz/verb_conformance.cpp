@@ -14,7 +14,7 @@ void add_conformance(CLI::App& program, Action& action) {
       "conformance", "check case by case that a board does what docs/reference/protocol.md says");
   auto arguments = std::make_shared<ConformanceOptions>();
   auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
-                   ->type_name("PATH[@BAUD]");
+                   ->type_name("PORT");
   add_address(*verb, arguments->address)->needs(port);
   add_choice(*verb, "--virtual", sim::kMcuKinds, arguments->mcu,
              "a virtual board on a bench, in simulated time: h8 executes the firmware image, "

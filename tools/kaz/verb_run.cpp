@@ -45,8 +45,8 @@ constexpr const char* kVirtualOnly[] = {
 Result<void> check_given(const CLI::App& verb, const std::string& robot) {
   if (robot == "sim" && verb.count("--address") > 0)
     return fail(Fault::usage,
-                "--address is for --robot serial:PATH; the virtual board has address 1");
-  if (!robot.starts_with("serial:")) return {};
+                "--address is for a port, as --robot serial:PATH; the virtual board has address 1");
+  if (robot == "sim") return {};
   for (const char* option : kVirtualOnly) {
     if (verb.count(option) > 0)
       return fail(Fault::usage, std::string(option) +
@@ -86,8 +86,8 @@ void add_run(CLI::App& program, Action& action) {
                    "one of: " + behavior_names() + "; or a plug-in, ./NAME.so")
       ->required()
       ->type_name("");
-  verb->add_option("--robot", session.backend.robot, "sim, or a board at a port")
-      ->type_name("sim|serial:PATH[@BAUD]")
+  verb->add_option("--robot", session.backend.robot, kRobotText)
+      ->type_name("sim|PORT")
       ->capture_default_str();
   add_address(*verb, session.backend.address);
   verb->add_option("--camera", session.backend.camera,

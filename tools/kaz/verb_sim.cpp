@@ -49,7 +49,13 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--cameras", arguments->real_time.cameras_path,
                    "where to publish the stereo pairs (a Unix socket)")
       ->type_name("PATH");
-  verb->add_flag("--fast", arguments->real_time.fast, "as fast as the machine can, not real time");
+  auto* fast = verb->add_flag("--fast", arguments->real_time.fast,
+                              "as fast as the machine can, not real time");
+  verb->add_option("--clock", arguments->real_time.clock_path,
+                   "follow another machine's clock, which comes over a Unix socket made there; the "
+                   "world stands still between its messages")
+      ->type_name("PATH")
+      ->excludes(fast);
   verb->add_option("--memory", arguments->memory,
                    "file that keeps the board's calibration and address from one run to the next; "
                    "written at the end (Ctrl-C, SIGTERM, SIGHUP), not if the simulator is killed")

@@ -155,7 +155,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->check(between(1, 100000000))
       ->type_name("N");
   verb->add_option("--robot", options->robot,
-                   "of a live camera: the robot that has it (serial:PATH[@BAUD]), whose posture "
+                   "of a live camera: the robot that has it (a PORT, as in serial:/dev/ttyUSB0), "
+                   "whose posture "
                    "determines which plane is the floor")
       ->type_name("ROBOT");
   add_address(*verb, options->address)->needs("--robot");

@@ -41,7 +41,7 @@ void HostWatch::presence(Time now, bool present, long baud) {
 void HostWatch::bytes_came(Time now) {
   if (silent_) say("host talks again");
   heard_ = true;
-  silent_ = false;
+  silent_ = held_ = false;
   last_byte_ = now;
 }
 
@@ -72,6 +72,15 @@ void HostWatch::drivers(Time now, bool enabled, const std::string& why) {
     text += at + why;
   }
   if (heard_) text += ", " + milliseconds(now - last_byte_) + " after the host's last byte";
+  say(text);
+}
+
+void HostWatch::held(Time now) {
+  held_ = true;
+  char text[120];
+  std::snprintf(text, sizeof text,
+                "joints held at %.3f s: link watchdog, %s after the host's last byte", seconds(now),
+                milliseconds(now - last_byte_).c_str());
   say(text);
 }
 

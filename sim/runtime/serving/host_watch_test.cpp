@@ -36,8 +36,23 @@ TEST(HostWatch, ReportsWhyTheMotorsAreOff) {
   heard.watch.drivers(milliseconds(1234), false, "shutdown, motor stalled (l_knee)");
   heard.watch.drivers(milliseconds(1300), false, "not said");
   EXPECT_EQ(heard.lines,
+            (std::vector<std::string>{"motors on",
+                                      "motors off at 1.234 s: shutdown, motor stalled (l_knee)"}));
+}
+
+TEST(HostWatch, ReportsHeldJointsOnceForEachSilence) {
+  Heard heard;
+  EXPECT_FALSE(heard.watch.may_hold(milliseconds(50)));  // no host yet
+  heard.watch.bytes_came(milliseconds(100));
+  EXPECT_FALSE(heard.watch.may_hold(milliseconds(109)));
+  EXPECT_TRUE(heard.watch.may_hold(milliseconds(110)));
+  heard.watch.held(milliseconds(191));
+  EXPECT_FALSE(heard.watch.may_hold(milliseconds(300)));
+  heard.watch.bytes_came(milliseconds(400));
+  EXPECT_TRUE(heard.watch.may_hold(milliseconds(490)));
+  EXPECT_EQ(heard.lines,
             (std::vector<std::string>{
-                "motors on", "motors off at 1.234 s: shutdown, motor stalled (l_knee)"}));
+                "joints held at 0.191 s: link watchdog, 91 ms after the host's last byte"}));
 }
 
 TEST(HostWatch, ReportsSilenceOnce) {

@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 
+#include "shared/base/descriptor.hpp"
 #include "shared/base/result.hpp"
-#include "sim/runtime/serving/descriptor.h"
 
 namespace kaz::sim {
 

@@ -1,4 +1,4 @@
-// The loop of `kaz sim`: bytes in, one step, bytes and pictures out, wait for the wall clock.
+// The loop of `kaz sim`: bytes in, one step, bytes and pictures out, wait for the clock.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/serving/real_time.h"
 
@@ -8,8 +8,10 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <deque>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "shared/protocol/message_info.h"
@@ -19,6 +21,7 @@
 #include "sim/mcu/h8_mcu.h"
 #include "sim/runtime/serving/camera_server.h"
 #include "sim/runtime/serving/control_server.h"
+#include "sim/runtime/serving/followed_clock.h"
 #include "sim/runtime/serving/host_watch.h"
 #include "sim/runtime/serving/pacer.h"
 #include "sim/runtime/serving/pty.h"
@@ -31,6 +34,8 @@ constexpr Time tolerance = std::chrono::milliseconds(20);
 constexpr Time echo_of_a_host = std::chrono::milliseconds(50);
 // Buffer size of a USB adapter, beyond which it blocks its writer.
 constexpr std::size_t adapter_bytes = 256;
+// Between two looks at `stop` and the control socket while a followed clock stands still.
+constexpr Time longest_wait = std::chrono::milliseconds(50);
 
 Time monotonic_now() {
   timespec t{};
@@ -59,6 +64,10 @@ struct RealTimeServer::Parts {
       : simulation(s), options(o), watch(o.serial_path, o.report) {}
 
   void keep_hung();
+  // By the clock that paces the world.
+  Time now() const { return clock ? clock->now() : monotonic_now(); }
+  Result<void> wait(Time length, const std::atomic<bool>& stop);
+  Result<void> wait_for_first_time(const std::atomic<bool>& stop);
   void host_to_board();
   void board_to_host();
   void pictures();
@@ -66,6 +75,7 @@ struct RealTimeServer::Parts {
   Result<void> plug(bool in);
   void report_overrun();
   std::string why_off() const;
+  bool joints_held() const;
   nlohmann::ordered_json status() const;
   void watch_touches();
   void collect_touches();
@@ -83,6 +93,14 @@ struct RealTimeServer::Parts {
   std::unique_ptr<ControlServer> control;
   std::unique_ptr<Pty> pty;
   std::unique_ptr<CameraServer> cameras;
+  std::unique_ptr<FollowedClock> clock;  // null: the wall clock
+  // With a followed clock: pictures that the world waits for at a time, so that some of their latency is left
+  // for the way to their reader.
+  struct Drawing {
+    Time until;
+    decltype(vision::StereoPair::images) images;
+  };
+  std::deque<Drawing> drawing;
 };
 
 Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulation,
@@ -125,6 +143,10 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
                                               from_seconds(simulation.camera().latency_s)));
     parts->cameras = std::move(cameras);
   }
+  if (!options.clock_path.empty()) {
+    auto clock = KAZ_TRY(FollowedClock::open(options.clock_path));
+    parts->clock = std::move(clock);
+  }
   if (options.keep_hung) p->keep_hung();
   simulation.board().mcu().on_watchdog_reset([p](States) {
     p->watch.board_restarted(
@@ -146,7 +168,8 @@ RealTimeServer::~RealTimeServer() {
 Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
   Parts& p = *parts_;
   const Time begin = p.simulation.time();
-  p.pacer.start(begin, monotonic_now());
+  KAZ_TRY(p.wait_for_first_time(stop));
+  p.pacer.start(begin, p.now());
   while (!stop) {
     p.control->poll();
     p.host_to_board();
@@ -158,15 +181,40 @@ Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
       p.pacer.start(p.simulation.time(), monotonic_now());
       continue;
     }
-    const Time wait = p.pacer.step_done(p.simulation.time(), monotonic_now());
+    const Time wait = p.pacer.step_done(p.simulation.time(), p.now());
     p.report_overrun();
-    if (wait > Time::zero()) sleep_for(wait);
+    if (wait > Time::zero()) KAZ_TRY(p.wait(wait, stop));
   }
   return RealTimeStatistics{.simulated_s = seconds(p.simulation.time() - begin),
                             .overruns = p.pacer.overruns(),
                             .lost_s = seconds(p.pacer.lost()),
                             .worst_late_s = seconds(p.pacer.worst_late()),
                             .pairs_dropped = p.simulation.pairs_dropped()};
+}
+
+Result<void> RealTimeServer::Parts::wait(Time length, const std::atomic<bool>& stop) {
+  if (!clock) {
+    sleep_for(length);
+    return {};
+  }
+  const Time end = clock->now() + length;
+  while (!stop && clock->now() < end) {
+    if (KAZ_TRY(
+            clock->poll(longest_wait))) {  // of another machine, or of one that was started again
+      pacer.start(simulation.time(), clock->now());
+      return {};
+    }
+    control->poll();
+  }
+  return {};
+}
+
+Result<void> RealTimeServer::Parts::wait_for_first_time(const std::atomic<bool>& stop) {
+  while (clock && !stop) {
+    if (KAZ_TRY(clock->poll(longest_wait))) return {};
+    control->poll();
+  }
+  return {};
 }
 
 void RealTimeServer::Parts::keep_hung() {
@@ -210,6 +258,7 @@ void RealTimeServer::Parts::board_to_host() {
   // Looked up only when they go off.
   watch.drivers(simulation.time(), enabled, motors_on && !enabled ? why_off() : "");
   motors_on = enabled;
+  if (enabled && watch.may_hold(simulation.time()) && joints_held()) watch.held(simulation.time());
   std::array<std::uint8_t, adapter_bytes> buffer{};
   const std::size_t count = simulation.read(buffer);
   // Without a host the board's bytes are lost; a later host must not receive them.
@@ -234,6 +283,7 @@ Result<void> RealTimeServer::Parts::plug(bool in) {
 
 void RealTimeServer::Parts::pictures() {
   if (!cameras) return;
+  const Time half_latency = from_seconds(simulation.camera().latency_s / 2);
   if (cameras->readers() > 0) {
     simulation.open_eyes();
   } else {
@@ -241,7 +291,13 @@ void RealTimeServer::Parts::pictures() {
   }
   while (auto pair = simulation.next_exposed_pair()) {
     const Time exposure = pacer.wall_of(pair->info.exposure);
+    if (clock) drawing.push_back({pair->info.exposure + half_latency, pair->images});
     cameras->publish(std::move(*pair), exposure);
+  }
+  // Drawing takes this machine's time, which the followed clock does not count.
+  while (!drawing.empty() && drawing.front().until <= simulation.time()) {
+    drawing.front().images.wait();
+    drawing.pop_front();
   }
 }
 
@@ -250,24 +306,38 @@ void RealTimeServer::Parts::set_power(bool on) {
   if (options.report) options.report(on ? "board's power is on" : "board's power is off");
 }
 
+// Fields of the firmware's state in the emulated chip's memory; nothing for an image without symbols.
+std::optional<std::vector<std::uint32_t>> fields_of(const Mcu& mcu,
+                                                    std::initializer_list<std::string_view> names) {
+  const auto* h8 = dynamic_cast<const H8Mcu*>(&mcu);
+  const auto state =
+      h8 == nullptr ? std::vector<std::uint8_t>() : h8->global("kz_servo_state", kz_state_size_h8);
+  if (state.empty()) return std::nullopt;
+  std::vector<std::uint32_t> values;
+  const std::span all(kz_state_fields, kz_state_field_count);
+  for (const std::string_view name : names) {
+    const auto field = std::ranges::find(
+        all, name, [](const kz_state_field& one) { return std::string_view(one.name); });
+    values.push_back(field == all.end() ? 0 : h8_layout::number(state, field->offset, field->size));
+  }
+  return values;
+}
+
 // From the firmware's state: the reason of a latched shutdown, and its joint.
 std::string RealTimeServer::Parts::why_off() const {
   if (!simulation.board().power()) return "the board has no power";
   const Mcu& mcu = simulation.board().mcu();
   if (const kz_servo* servo = mcu.servo())
     return shutdown_words(servo->shutdown, servo->shutdown_detail);
-  const auto* h8 = dynamic_cast<const H8Mcu*>(&mcu);
-  const auto state =
-      h8 == nullptr ? std::vector<std::uint8_t>() : h8->global("kz_servo_state", kz_state_size_h8);
-  if (state.empty()) return "";  // an image without symbols
-  const auto field = [&](std::string_view name) {
-    for (std::size_t f = 0; f < kz_state_field_count; ++f) {
-      const kz_state_field& one = kz_state_fields[f];
-      if (name == one.name) return h8_layout::number(state, one.offset, one.size);
-    }
-    return std::uint32_t{0};
-  };
-  return shutdown_words(field("shutdown"), field("shutdown_detail"));
+  const auto fields = fields_of(mcu, {"shutdown", "shutdown_detail"});
+  return fields ? shutdown_words(fields->at(0), fields->at(1)) : "";
+}
+
+bool RealTimeServer::Parts::joints_held() const {
+  const Mcu& mcu = simulation.board().mcu();
+  if (const kz_servo* servo = mcu.servo()) return servo->holding != 0;
+  const auto fields = fields_of(mcu, {"holding"});
+  return fields && fields->at(0) != 0;
 }
 
 // At most once per second: on a slow machine every step is late.
@@ -347,7 +417,7 @@ void RealTimeServer::Parts::collect_touches() {
 
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
-  const Time lost = pacer.lost_until(simulation.time(), monotonic_now());
+  const Time lost = pacer.lost_until(simulation.time(), now());
   nlohmann::ordered_json json{{"time_s", seconds(simulation.time())},
                               {"mcu", board.mcu().name()},
                               {"power", board.power()},

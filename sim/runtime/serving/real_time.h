@@ -1,4 +1,4 @@
-// The server of `kaz sim`: a simulation paced by the wall clock for other processes.
+// The server of `kaz sim`: a simulation for other processes, paced by the wall clock or another machine's.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The serial line is a pty, stereo pairs come from a Unix socket, a control socket is beside the pty
@@ -20,7 +20,9 @@ namespace kaz::sim {
 struct RealTimeOptions {
   std::string serial_path;   // symbolic link to the pty; the control socket is serial_path + ".ctl"
   std::string cameras_path;  // Unix socket of shared/base/camera_stream.hpp; none if empty
-  bool fast = false;         // as fast as the machine allows instead of paced
+  std::string
+      clock_path;  // Unix socket of the clock that paces it (followed_clock.h); the wall's if empty
+  bool fast = false;  // as fast as the machine allows instead of paced
   // True: an illegal operation of the firmware hangs the board until reset instead of ending run().
   bool keep_hung = false;
   // Motor stand: handles `stand ...` on the control socket (control_server.h).

@@ -20,8 +20,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/descriptor.hpp"
 #include "sim/mcu/host_testing.h"
-#include "sim/runtime/serving/descriptor.h"
 #include "sim/runtime/serving/socket_testing.h"
 #include "sim/runtime/simulation/world_testing.h"
 

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string>
 
-#include "sim/runtime/serving/descriptor.h"
+#include "shared/base/descriptor.hpp"
 
 namespace kaz::sim {
 

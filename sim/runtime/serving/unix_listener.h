@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "shared/base/descriptor.hpp"
 #include "shared/base/result.hpp"
-#include "sim/runtime/serving/descriptor.h"
 
 namespace kaz::sim {
 

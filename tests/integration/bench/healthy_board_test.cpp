@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "hil/bench/report.h"
+#include "host/link/requester.h"
 #include "host/robot/connect.h"
 #include "tests/integration/bench/measured_testing.h"
 #include "tests/integration/bench/rewriting_link_testing.h"

@@ -88,7 +88,7 @@ TEST(Cli, HelpSaysHowAnOptionIsTyped) {
   EXPECT_NE(help({"conformance"}).find("\n  --json [FILE]  "), std::string::npos);
   // One that is a word too.
   EXPECT_NE(help({"recover"}).find("\n  PORT  "), std::string::npos);
-  EXPECT_NE(help({"recover"}).find("\n  --port PATH[@BAUD]  "), std::string::npos);
+  EXPECT_NE(help({"recover"}).find("\n  --port PORT  "), std::string::npos);
   // Bounds beside the placeholder, in digits.
   EXPECT_NE(help({"demo"}).find("\n  --supply V  "), std::string::npos);
   EXPECT_NE(help({"demo"}).find("(1 to 20 V; default: 10)"), std::string::npos);
@@ -283,7 +283,7 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
                    "--ticks 0: give a whole number from 1 to 1000000000000"));
   EXPECT_TRUE(says({"mcu", "run", "image", "--max-states", "0"},
                    "--max-states 0: give a whole number from 1 to 999999999999999999"));
-  EXPECT_TRUE(says({"monitor"}, "--port is missing; give --port PATH[@BAUD]"));
+  EXPECT_TRUE(says({"monitor"}, "--port is missing; give --port PORT"));
   EXPECT_TRUE(says({"mcu", "run", "image", "--format", "hex"},
                    "--format hex: give coff, elf, ihex, raw or srec"));
   EXPECT_TRUE(

@@ -216,6 +216,11 @@ const std::vector<Row>& table() {
        SIGINT,
        {},
        "seen/result.json"},
+      {"serve_port",
+       {"serve-port", "--port", "PORT", "--listen", "127.0.0.1:47217"},
+       "ready",
+       SIGTERM,
+       0},
   };
   return all;
 }

@@ -32,11 +32,11 @@ std::vector<TypedOption> options_of(const std::string& help) {
 // picture (arguments_test.cpp, vision_verb_test.cpp).
 bool is_text(const std::string& value) {
   static const std::string kTexts =
-      " FILE [FILE] DIR PATH PATH[@BAUD] NAME NAME|FILE NAME,NAME NAMES PNG PATTERN PICTURE SOURCE "
+      " FILE [FILE] DIR PATH PORT NAME NAME|FILE NAME,NAME NAMES PNG PATTERN PICTURE SOURCE "
       "CAMERA "
       "ROBOT HOW NAME=VALUE REGEX LIST BEGIN,END X,Y,W,H COLUMNSxROWS I/N native|h8|PATH "
       "PORT|PATH|- "
-      "X,Y[,DEGREES]|ball reduced|exact|quickN ctl:PATH|manual sim|serial:PATH[@BAUD] ";
+      "X,Y[,DEGREES]|ball reduced|exact|quickN ctl:PATH|manual sim|PORT HOST:PORT ";
   return kTexts.find(" " + value.substr(0, value.find(" ...")) + " ") != std::string::npos;
 }
 

@@ -268,7 +268,7 @@ TEST_F(Cameras, PicturesThatAreNeverPairsStopAfterTheStatedTime) {
   ASSERT_TRUE(camera);
   EXPECT_EQ(watch(*camera, 1, 10s).error,
             "cameras /dev/video0 and /dev/video1 stopped: pictures come, but for 1 s no two were "
-            "sound and at most 1e-06 ms apart; try another format or fps");
+            "valid and at most 1e-06 ms apart; try another format or fps");
   EXPECT_GT(camera->statistics().without_partner, 10u);  // of about 50
 }
 

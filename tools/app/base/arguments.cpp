@@ -5,17 +5,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "shared/base/number_text.hpp"
-
 namespace kaz::tools {
 
-Result<std::pair<std::string, int>> parse_port(const std::string& text) {
-  const auto at = text.rfind('@');
-  if (at == std::string::npos) return std::pair(text, 115200);
-  const auto baud = parse_number<int>(std::string_view(text).substr(at + 1));
-  if (!baud || *baud <= 0 || at == 0)
-    return fail(Fault::usage, "--port " + text + ": give PATH or PATH@BAUD");
-  return std::pair(text.substr(0, at), *baud);
+Result<host::PortAddress> parse_port(const std::string& text) {
+  return host::parse_port_address("--port", text);
 }
 
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts) {

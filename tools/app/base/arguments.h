@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "host/link/port_address.h"
 #include "shared/base/result.hpp"
 #include "tools/trials/statistics.h"
 
@@ -15,8 +15,8 @@ namespace kaz::tools {
 
 // Errors of all: usage, with the option and an example.
 
-// --port PATH[@BAUD]; 115200 Bd without it.
-Result<std::pair<std::string, int>> parse_port(const std::string& text);
+// --port, as host/link/port_address.h has it.
+Result<host::PortAddress> parse_port(const std::string& text);
 // --set NAME=VALUE, each; a name only once.
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
 // Two numbers, none below 0, the smaller one first; `otherwise` if none are given.

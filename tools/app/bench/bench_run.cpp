@@ -18,6 +18,7 @@
 #include "hil/bench/report.h"
 #include "hil/bench/report/numbers.h"
 #include "hil/bench/tick_bench.h"
+#include "host/link/requester.h"
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"

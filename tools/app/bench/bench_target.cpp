@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/control_socket.h"
 #include "tools/app/base/arguments.h"
@@ -35,7 +35,7 @@ class VirtualTarget final : public BenchTarget {
 
 class PortTarget final : public BenchTarget {
  public:
-  PortTarget(std::unique_ptr<host::TtyLink> link, host::Interrupt& interrupt)
+  PortTarget(std::unique_ptr<host::PortLink> link, host::Interrupt& interrupt)
       : link_(std::move(link)),
         clock_(&interrupt),
         meter_(*link_, clock_, time_lost_behind(link_->name(), interrupt)) {}
@@ -48,7 +48,7 @@ class PortTarget final : public BenchTarget {
   void put(std::unique_ptr<hil::Stand> stand) { stand_ = std::move(stand); }
 
  private:
-  std::unique_ptr<host::TtyLink> link_;
+  std::unique_ptr<host::PortLink> link_;
   host::WallClock clock_;
   host::LatenessMeter meter_;
   std::unique_ptr<hil::Stand> stand_;
@@ -101,7 +101,7 @@ Result<std::unique_ptr<BenchTarget>> BenchTarget::open(const BenchTargetOptions&
                                                        host::Interrupt& interrupt) {
   if (options.port.empty()) return open_virtual(options, interrupt);
   const auto port = KAZ_TRY(parse_port(options.port));
-  auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
+  auto link = KAZ_TRY(host::open_port(port, &interrupt));
   auto target = std::make_unique<PortTarget>(std::move(link), interrupt);
   auto stand = KAZ_TRY(make_stand(options, target->meter(), interrupt));
   target->put(std::move(stand));

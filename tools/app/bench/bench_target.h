@@ -18,7 +18,7 @@
 namespace kaz::tools {
 
 struct BenchTargetOptions {
-  std::string port;                           // PATH[@BAUD]; empty: the virtual stand
+  std::string port;                           // as parse_port_address() has it; empty: the virtual stand
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // at a port
   std::string stand;                          // at a port: "", "manual" or "ctl:PATH"
   BackendOptions backend;  // of the virtual stand: mcu, image, motor, disc, sensors, seed

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/flash/diagnostic.h"
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
 #include "host/robot/robot.h"
@@ -108,13 +108,13 @@ Result<bool> print_status(const StatusOptions& arguments) {
   const auto port = KAZ_TRY(parse_port(arguments.port));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
+  auto link = KAZ_TRY(host::open_port(port, &interrupt));
   host::WallClock clock(&interrupt);
   // The link watchdog stays as it is, with its reaction.
   auto robot = host::Robot::connect(
       *link, clock,
       {.address = arguments.address, .watchdog = Time::zero(), .reconnect = Time::zero()});
-  if (!robot) return tl::unexpected(with_earlier_notes(robot.error(), port.first));
+  if (!robot) return tl::unexpected(with_earlier_notes(robot.error(), port.name()));
   const auto health = KAZ_TRY(robot->health());
   const auto test = KAZ_TRY(robot->self_test());
   const auto counts = KAZ_TRY(robot->board_statistics());
@@ -126,7 +126,7 @@ Result<bool> print_status(const StatusOptions& arguments) {
     std::printf("%s\n", host::board_text(robot->identity()).c_str());
     print(now, health.shutdown.empty() ? "" : robot->describe_fault(health.status));
   }
-  for (const std::string& sentence : earlier_notes(port.first))
+  for (const std::string& sentence : earlier_notes(port.name()))
     std::fprintf(stderr, "kaz status: %s\n", sentence.c_str());
   return health.shutdown.empty();
 }

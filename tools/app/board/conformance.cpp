@@ -10,7 +10,7 @@
 
 #include "hil/conformance/report.h"
 #include "host/link/interrupt.h"
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "shared/base/counted.hpp"
 #include "shared/base/files.hpp"
@@ -155,15 +155,15 @@ Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFac
 Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts& facts,
                                 host::Interrupt& interrupt) {
   const auto port = KAZ_TRY(parse_port(arguments.port));
-  auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
+  auto link = KAZ_TRY(host::open_port(port, &interrupt));
   host::WallClock clock(&interrupt);
-  facts.port = port.first;
-  host::LatenessMeter meter(*link, clock, time_lost_behind(port.first, interrupt));
+  facts.port = port.name();
+  host::LatenessMeter meter(*link, clock, time_lost_behind(port.name(), interrupt));
   arguments.run.lateness = &meter;
   arguments.run.address = arguments.address;
   const auto kept = KAZ_TRY(KeptRun::begin(*link, clock, interrupt,
                                            {.verb = "kaz conformance",
-                                            .port = port.first,
+                                            .port = port.name(),
                                             .address = arguments.address,
                                             .flash = arguments.allow_flash,
                                             .reset = true,
@@ -171,10 +171,10 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
   if (kept->before().shared_line)
     return fail(
         Fault::environment,
-        "the board on " + port.first +
+        "the board on " + port.name() +
             " is set to share its line, where it refuses telemetry: the suite is for a board "
             "alone on its line, which `kaz recover " +
-            port.first + " --address " + std::to_string(arguments.address) +
+            port.name() + " --address " + std::to_string(arguments.address) +
             " --shared-line off` makes it");
   auto report = hil::run_suite(meter, meter, nullptr, kPortSlack, arguments.run);
   auto left = kept->end();

@@ -8,7 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
+#include "host/link/requester.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
@@ -148,30 +149,30 @@ Result<bool> recover(const RecoverOptions& options) {
   const auto kept = KAZ_TRY(read_notes(options.from));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
+  auto link = KAZ_TRY(host::open_port(port, &interrupt));
   host::WallClock clock(&interrupt);
   const auto recovered = recover_board(*link, clock, options, kept);
   // Also a failure because of the signal.
   if (!recovered && interrupt.requested() && recovered.error().fault != Fault::usage)
     return fail(Fault::interrupted,
-                "interrupted while it searched for the board on " + port.first +
+                "interrupted while it searched for the board on " + port.name() +
                     ", of which nothing was changed; give the same command again");
   const auto result = KAZ_TRY(recovered);
   const bool ok = result.left.empty() && shutdown(result.status).empty();
   const bool cut_short = interrupt.requested() && !result.left.empty();
   if (options.json) {
-    auto json = as_json(result, port.first, ok);
+    auto json = as_json(result, port.name(), ok);
     if (cut_short) mark_interrupted(json);
     json["provenance"] = provenance_json();
     print_json(json);
   } else {
-    print(result, port.first);
+    print(result, port.name());
   }
   if (cut_short)
-    return fail(Fault::interrupted, "interrupted before the board on " + port.first +
+    return fail(Fault::interrupted, "interrupted before the board on " + port.name() +
                                         " was as it should be; give the same command again");
   if (result.left.empty()) remove_notes(options.from);
-  for (const std::string& sentence : earlier_notes(port.first))
+  for (const std::string& sentence : earlier_notes(port.name()))
     std::fprintf(stderr, "kaz recover: %s\n", sentence.c_str());
   return ok;
 }

@@ -14,7 +14,7 @@
 namespace kaz::tools {
 
 struct RecoverOptions {
-  std::string port = {};                      // PATH[@BAUD]
+  std::string port = {};                      // as parse_port_address() has it
   std::optional<std::uint8_t> address = {};   // where it is to be; that of the notes, else 1
   std::optional<std::uint8_t> found_at = {};  // which board, where there are several
   std::optional<bool> shared_line = {};       // as in the notes, else as it is

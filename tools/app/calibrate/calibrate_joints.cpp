@@ -134,6 +134,10 @@ class Calibration {
     if (!options_.memory.empty() && port())
       return fail(Fault::usage,
                   "--memory is for the virtual robot; a board at a port keeps its own");
+    if (options_.backend.robot.starts_with("boards:"))
+      return fail(Fault::usage,
+                  "--robot " + options_.backend.robot +
+                      ": boards are calibrated one by one: give its port and --address");
     const InterruptSignals signals(interrupt_);
     if (!options_.out.empty()) folder_ = KAZ_TRY(OutputFolder::open(options_.out, joints_output()));
     if (!options_.memory.empty()) {

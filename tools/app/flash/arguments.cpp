@@ -45,11 +45,12 @@ Result<void> check(const FlashArguments& arguments) {
     return fail(Fault::usage, "the flash ends at 0x01ffff; give --from and --length within it");
   if (arguments.port.empty() && !arguments.dry_run)
     return fail(Fault::usage, "--port is missing: the board's serial port");
-  if (const auto port = KAZ_TRY(parse_port(arguments.port)); port.first != arguments.port)
+  const std::string port = KAZ_TRY(parse_port(arguments.port)).name();
+  if (arguments.port != port && arguments.port != "serial:" + port)
     return fail(Fault::usage, "--port " + arguments.port +
                                   ": the loader is at 115,200 baud, boot mode at --boot-baud; give "
                                   "--port " +
-                                  port.first);
+                                  port);
   if (!arguments.writer.empty() && arguments.reset.empty())
     return fail(
         Fault::usage,

@@ -84,7 +84,8 @@ Result<void> FlashSession::read_writer() {
 
 Result<void> FlashSession::open() {
   if (auto read = read_writer(); !read) return read;
-  auto link = KAZ_TRY(host::TtyLink::open(port(), 115200, &interrupt_));
+  const auto address = KAZ_TRY(parse_port(port()));
+  auto link = KAZ_TRY(host::open_port(address, &interrupt_));
   link_ = std::move(link);
   if (simulated_mcu(port(), interrupt_) == "native")
     return fail(Fault::usage, "the simulator at " + port() +

@@ -8,7 +8,7 @@
 
 #include "host/flash/flasher.h"
 #include "host/link/lateness.h"
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
 #include "shared/protocol/messages.h"
@@ -60,7 +60,7 @@ class FlashSession {
   host::WallClock clock_;
   host::Interrupt& interrupt_;
   Progress progress_;
-  std::unique_ptr<host::TtyLink> link_;
+  std::unique_ptr<host::PortLink> link_;
   std::unique_ptr<host::LatenessMeter> meter_;
   std::unique_ptr<host::BoardReset> reset_;
   std::vector<std::uint8_t> program_;

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "host/link/port_address.h"
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
 #include "tools/app/base/interrupt_signals.h"
@@ -26,10 +27,10 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
-// "/dev/ttyUSB0" as a part of a file's name.
+// "/dev/ttyUSB0" or "can:can0" as a part of a file's name.
 std::string file_name_of(const std::string& port) {
   std::error_code error;
-  std::string name = fs::absolute(port, error).string();
+  std::string name = host::names_port_kind(port) ? "_" + port : fs::absolute(port, error).string();
   for (char& c : name) {
     const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
     if (!plain) c = '_';

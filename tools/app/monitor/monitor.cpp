@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
 #include "shared/base/angle.hpp"
@@ -28,22 +28,18 @@ constexpr Time kWatchdog = std::chrono::seconds(1);
 
 class Monitor {
  public:
-  Monitor(std::string port, int baud, std::uint8_t address, host::Interrupt& interrupt)
-      : port_(std::move(port)),
-        baud_(baud),
-        address_(address),
-        interrupt_(interrupt),
-        clock_(&interrupt) {
-    view_.port = port_;
+  Monitor(host::PortAddress port, std::uint8_t address, host::Interrupt& interrupt)
+      : port_(std::move(port)), address_(address), interrupt_(interrupt), clock_(&interrupt) {
+    view_.port = port_.name();
   }
 
   // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
   Result<void> run() {
     if (auto connected = connect(); !connected) {
       if (interrupt_.requested()) return {};
-      return tl::unexpected(with_earlier_notes(connected.error(), port_));
+      return tl::unexpected(with_earlier_notes(connected.error(), port_.name()));
     }
-    if (!earlier_notes(port_).empty())
+    if (!earlier_notes(port_.name()).empty())
       said_ = "looks only; an earlier run was cut off and left notes: q prints what to do";
     auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
@@ -64,7 +60,7 @@ class Monitor {
 
  private:
   Result<void> connect() {
-    auto link = KAZ_TRY(host::TtyLink::open(port_, baud_, &interrupt_));
+    auto link = KAZ_TRY(host::open_port(port_, &interrupt_));
     link_ = std::move(link);
     // Nothing of the board is changed by looking at it.
     auto robot = host::Robot::connect(
@@ -214,12 +210,11 @@ class Monitor {
     return {};
   }
 
-  std::string port_;
-  int baud_;
+  host::PortAddress port_;
   std::uint8_t address_;
   host::Interrupt& interrupt_;
   host::WallClock clock_;
-  std::unique_ptr<host::TtyLink> link_;
+  std::unique_ptr<host::PortLink> link_;
   std::optional<host::Robot> robot_;
   BoardView view_;
   int selected_ = 0, round_ = 0, rounds_ = 0;
@@ -234,9 +229,9 @@ Result<bool> monitor(const MonitorOptions& options) {
   const auto port = KAZ_TRY(parse_port(options.port));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  KAZ_TRY(Monitor(port.first, port.second, options.address, interrupt).run());
+  KAZ_TRY(Monitor(port, options.address, interrupt).run());
   // After the screen is gone, which would cover them.
-  for (const std::string& sentence : earlier_notes(port.first))
+  for (const std::string& sentence : earlier_notes(port.name()))
     std::fprintf(stderr, "kaz monitor: %s\n", sentence.c_str());
   return true;
 }

@@ -11,7 +11,7 @@
 namespace kaz::tools {
 
 struct MonitorOptions {
-  std::string port;  // PATH[@BAUD]
+  std::string port;  // as parse_port_address() has it
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
 };
 

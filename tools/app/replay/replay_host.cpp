@@ -57,7 +57,9 @@ class ReplayBackend final : public SessionBackend {
         clock_(raw_clock_, interrupt),
         link_(raw_link_, raw_clock_, interrupt),
         camera_(board, run, options) {}
-  host::Link& link() override { return link_; }
+  std::vector<host::RobotBoard> boards() override {
+    return {{&link_, KZ_ADDRESS_DEFAULT, host::kAllJoints}};
+  }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override { return {}; }
   bool sees() const override { return board_.run().has_pictures; }

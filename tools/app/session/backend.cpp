@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "host/link/faulty_link.h"
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
 #include "shared/base/hex_text.hpp"
@@ -18,13 +18,12 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/version.h"
+#include "tools/app/session/board_file.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::tools {
 namespace {
-
-constexpr std::string_view kSerial = "serial:";
 
 class LockstepBackend final : public SessionBackend {
  public:
@@ -32,7 +31,9 @@ class LockstepBackend final : public SessionBackend {
       : simulation_(std::move(simulation)),
         clock_(raw_clock_, interrupt),
         link_(raw_link_, raw_clock_, interrupt) {}
-  host::Link& link() override { return link_; }
+  std::vector<host::RobotBoard> boards() override {
+    return {{&link_, KZ_ADDRESS_DEFAULT, host::kAllJoints}};
+  }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override { return {}; }
   bool sees() const override { return simulation_->has_eyes(); }
@@ -55,26 +56,62 @@ class LockstepBackend final : public SessionBackend {
   lockstep::LockstepCamera camera_{*simulation_};
 };
 
+// A board at a port, and the faults of its line, if there are any.
+struct RealLine {
+  std::unique_ptr<host::PortLink> port;
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
+  std::uint32_t joints = host::kAllJoints;
+  std::unique_ptr<host::FaultyLink> faulty = {};
+};
+
 class RealBackend final : public SessionBackend {
  public:
-  RealBackend(std::unique_ptr<host::TtyLink> link, const BackendOptions& options,
-              faults::Schedule faults, const host::Interrupt& interrupt)
-      : link_(std::move(link)),
+  RealBackend(std::vector<RealLine> lines, const BackendOptions& options,
+              const faults::Schedule& faults, const host::Interrupt& interrupt)
+      : lines_(std::move(lines)),
         camera_path_(options.camera),
         calibration_(options.calibration),
         clock_(&interrupt) {
-    if (!faults.empty()) faulty_.emplace(*link_, clock_, std::move(faults), options.seed);
+    std::uint64_t seed = options.seed;
+    for (RealLine& line : lines_) {
+      if (!faults.empty())
+        line.faulty = std::make_unique<host::FaultyLink>(*line.port, clock_, faults, seed++);
+    }
   }
   ~RealBackend() override {
     if (const std::string summary = camera_.summary(); !summary.empty())
       std::fprintf(stderr, "%s: cameras: %s\n", named_verb().c_str(), summary.c_str());
+    for (const RealLine& line : lines_) {
+      if (const std::string counts = line.port->counts(); !counts.empty())
+        std::fprintf(stderr, "%s: %s: %s\n", named_verb().c_str(), line.port->name().c_str(),
+                     counts.c_str());
+    }
   }
-  host::Link& link() override { return faulty_ ? static_cast<host::Link&>(*faulty_) : *link_; }
-  const host::TtyLink* port() const override { return link_.get(); }
+  std::vector<host::RobotBoard> boards() override {
+    std::vector<host::RobotBoard> all;
+    for (const RealLine& line : lines_) {
+      host::Link* link = line.port.get();
+      if (line.faulty) link = line.faulty.get();
+      all.push_back({link, line.address, line.joints});
+    }
+    return all;
+  }
+  const host::PortLink* port() const override { return lines_.front().port.get(); }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override {
     if (camera_path_ == "sim") return {};  // left out
     auto camera = KAZ_TRY(open_live_camera(camera_path_, calibration_));
+    if (is_real_camera(camera_path_))
+      camera.camera = std::make_unique<ReturningCamera>(
+          std::move(camera.camera),
+          [path = camera_path_, file = calibration_]() -> Result<std::unique_ptr<vision::Camera>> {
+            auto again = KAZ_TRY(open_live_camera(path, file));
+            return std::move(again.camera);
+          },
+          kCameraPatience,
+          [](const std::string& line) {
+            std::fprintf(stderr, "\n%s: %s\n", named_verb().c_str(), line.c_str());
+          });
     camera_ = std::move(camera);
     judged_.emplace(*camera_.camera);
     return {};
@@ -88,34 +125,45 @@ class RealBackend final : public SessionBackend {
   Time camera_latency() const override { return camera_.latency; }
   sim::Simulation* simulation() override { return nullptr; }
   std::vector<faults::Fault> faults_not_begun() const override {
-    return faulty_ ? faulty_->schedule().not_begun(faulty_->age()) : std::vector<faults::Fault>();
+    const auto& faulty = lines_.front().faulty;
+    return faulty ? faulty->schedule().not_begun(faulty->age()) : std::vector<faults::Fault>();
   }
 
  private:
-  std::unique_ptr<host::TtyLink> link_;
+  std::vector<RealLine> lines_;
   std::string camera_path_, calibration_;
   LiveCamera camera_;
   std::optional<JudgedCamera> judged_;
   NoCamera no_camera_;
   host::WallClock clock_;
-  std::optional<host::FaultyLink> faulty_;
 };
 
-struct SerialAddress {
-  std::string path;
-  int baud = 115200;
-};
+constexpr std::string_view kBoards = "boards:";
 
-Result<SerialAddress> parse_robot(const std::string& text) {
-  const auto wrong = [&](const std::string& why) {
-    return fail(Fault::usage, "--robot " + text + ": " + why +
-                                  "; give sim, or serial:PATH[@BAUD] as in serial:/dev/ttyUSB0");
-  };
-  if (text.rfind(kSerial, 0) != 0) return wrong("no such kind of robot");
-  const auto port = parse_port(text.substr(kSerial.size()));
-  if (!port) return wrong("its port is no PATH or PATH@BAUD");
-  if (port->first.empty()) return wrong("the path of the port is missing");
-  return SerialAddress{port->first, port->second};
+// The boards of --robot, which is not `sim`.
+Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
+  const std::string& text = options.robot;
+  if (host::names_port_kind(text))
+    return std::vector{BoardOfFile{KAZ_TRY(host::parse_port_address("--robot", text)),
+                                   options.address, host::kAllJoints}};
+  if (!text.starts_with(kBoards))
+    return fail(Fault::usage, "--robot " + text +
+                                  ": no such kind of robot; give sim, serial:PATH[@BAUD] as in "
+                                  "serial:/dev/ttyUSB0, can:INTERFACE, tcp:HOST:PORT, "
+                                  "rfc2217:HOST:PORT or boards:FILE");
+  if (options.address != KZ_ADDRESS_DEFAULT)
+    return fail(Fault::usage, "--address: each board of --robot " + text +
+                                  " has its address in the file; leave it out");
+  return read_boards(text.substr(kBoards.size()));
+}
+
+Result<std::vector<RealLine>> open_lines(const std::vector<BoardOfFile>& boards,
+                                         const host::Interrupt& interrupt) {
+  std::vector<RealLine> lines;
+  for (const BoardOfFile& board : boards)
+    lines.push_back(
+        {KAZ_TRY(host::open_port(board.port, &interrupt)), board.address, board.joints});
+  return lines;
 }
 
 // For a port: no other faults can be made there.
@@ -135,14 +183,14 @@ Result<faults::Schedule> line_faults(const BackendOptions& options) {
 Result<void> check(const BackendOptions& options) {
   const bool sim_robot = options.robot == "sim";
   if (!sim_robot) {
-    KAZ_TRY(parse_robot(options.robot));
+    KAZ_TRY(parse_robot(options));
   }
   const bool blind = !sim_robot && options.camera == "sim" && !options.needs_camera;
   if (!blind && sim_robot != (options.camera == "sim")) {
     return fail(Fault::usage,
                 sim_robot ? "--robot sim sees through its own eyes: leave --camera out"
                           : "--camera is missing, or sim, which goes with --robot sim alone: for a "
-                            "robot on a serial port give the path of a camera socket, as `kaz sim "
+                            "robot at a port give the path of a camera socket, as `kaz sim "
                             "--cameras PATH` makes it, or "
                             "real cameras "
                             "(v4l2:/dev/video0,/dev/video2)");
@@ -264,10 +312,9 @@ Result<std::unique_ptr<SessionBackend>> SessionBackend::open(const BackendOption
     auto simulation = KAZ_TRY(make_simulation(options, sim::FramePolicy::wait));
     return std::make_unique<LockstepBackend>(std::move(simulation), interrupt);
   }
-  auto faults = KAZ_TRY(line_faults(options));
-  const auto address = parse_robot(options.robot);
-  auto link = KAZ_TRY(host::TtyLink::open(address->path, address->baud, &interrupt));
-  return std::make_unique<RealBackend>(std::move(link), options, std::move(faults), interrupt);
+  const auto faults = KAZ_TRY(line_faults(options));
+  auto lines = KAZ_TRY(open_lines(KAZ_TRY(parse_robot(options)), interrupt));
+  return std::make_unique<RealBackend>(std::move(lines), options, faults, interrupt);
 }
 
 }  // namespace kaz::tools

@@ -9,7 +9,8 @@
 
 #include "host/link/interrupt.h"
 #include "host/link/link.h"
-#include "host/link/tty_link.h"
+#include "host/link/port_link.h"
+#include "host/robot/robot.h"
 #include "shared/base/result.hpp"
 #include "shared/faults/faults.h"
 #include "sim/runtime/simulation/simulation.h"
@@ -27,10 +28,13 @@ class SessionBackend {
                                                       host::Interrupt& interrupt);
   virtual ~SessionBackend() = default;
 
-  virtual host::Link& link() = 0;
+  // Of the robot's boards: one with all joints, but for --robot boards:FILE.
+  virtual std::vector<host::RobotBoard> boards() = 0;
+  // That of the first board.
+  host::Link& link() { return *boards().front().link; }
   virtual host::Clock& clock() = 0;
-  // The port; null where the robot is simulated in this process.
-  virtual const host::TtyLink* port() const { return nullptr; }
+  // The port of the first board; null where the robot is simulated in this process.
+  virtual const host::PortLink* port() const { return nullptr; }
   // To be called once, before camera() and camera_latency(): apart from open(), so that a board that does
   // not answer is reported before a camera that is not there.
   virtual Result<void> open_camera() = 0;

@@ -17,7 +17,7 @@ namespace kaz::tools {
 constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
 
 struct BackendOptions {
-  std::string robot = "sim";        // "sim" or "serial:PATH[@BAUD]"
+  std::string robot = "sim";        // "sim", a port as parse_port_address() has it, or boards:FILE
   std::uint8_t address = 1;         // of the board at a port
   std::string camera = "sim";       // "sim", or as open_live_camera() has it
   std::string calibration;          // file; of real cameras

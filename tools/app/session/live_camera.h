@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <future>
 #include <memory>
 #include <string>
 
@@ -9,6 +11,9 @@
 #include "vision/image/frame.h"
 
 namespace kaz::tools {
+
+// How long a lost real camera is waited for.
+inline constexpr Time kCameraPatience = std::chrono::seconds(60);
 
 struct LiveCamera {
   std::unique_ptr<vision::Camera> camera;
@@ -24,6 +29,35 @@ bool is_real_camera(const std::string& where);
 Result<void> check_live_camera(const std::string& where, const std::string& calibration);
 // `where`: real cameras, or else the path of a camera socket.
 Result<LiveCamera> open_live_camera(const std::string& where, const std::string& calibration);
+
+// Two real cameras that come back: when one is lost there are no pairs, and both are opened again until that
+// succeeds. One line on standard error for each loss and each return.
+class ReturningCamera final : public vision::Camera {
+ public:
+  using Open = std::function<Result<std::unique_ptr<vision::Camera>>()>;
+  // `open` opens it again, in another thread; `report` gets the lines. `patience` is named in them: how long
+  // their user waits.
+  ReturningCamera(std::unique_ptr<vision::Camera> camera, Open open, Time patience,
+                  std::function<void(const std::string&)> report);
+  ~ReturningCamera() override;
+
+  const vision::CameraModel& model() const override { return model_; }
+  Result<std::optional<vision::StereoPair>> poll() override;
+  // Null while it is lost.
+  const vision::Camera* camera() const { return camera_.get(); }
+
+ private:
+  void try_again(Time now);
+
+  std::unique_ptr<vision::Camera> camera_;
+  const vision::CameraModel model_;
+  const Open open_;
+  const Time patience_;
+  const std::function<void(const std::string&)> report_;
+  std::future<Result<std::unique_ptr<vision::Camera>>> opening_;
+  Time lost_{}, tried_{};
+  std::uint64_t first_sequence_ = 0, next_sequence_ = 0;  // of the pairs passed on
+};
 
 // Passes the pairs of another one on, and judges whether left and right are exchanged.
 class JudgedCamera final : public vision::Camera {

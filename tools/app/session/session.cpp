@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@
 #include "host/behavior/behavior.h"
 #include "host/behavior/plugin.h"
 #include "host/camera/capture.h"
+#include "host/link/requester.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
@@ -23,6 +25,7 @@
 #include "tools/app/base/output.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/app/session/call_gate.h"
+#include "tools/app/session/live_camera.h"
 #include "tools/app/session/map_picture.h"
 #include "tools/app/session/moments.h"
 #include "tools/app/session/plugin_guard.h"
@@ -254,6 +257,8 @@ class Session {
   void check_outcome();
   std::string abandon(const PluginEnd& end);
   std::string leave_board();
+  bool leave(const host::RobotBoard& board);
+  void end_kept();
 
   bool plugin() const { return behavior::names_plugin(options_.behavior); }
   CallGate* gate() { return plugin() ? &gate_ : nullptr; }
@@ -270,10 +275,10 @@ class Session {
   host::Interrupt interrupt_;
   std::optional<InterruptSignals> signals_;
   std::unique_ptr<SessionBackend> backend_;
-  std::unique_ptr<KeptRun> kept_;
+  std::vector<std::unique_ptr<KeptRun>> kept_;  // of each board at a port
   CallGate gate_;
   std::optional<WatchedClock> clock_;
-  std::optional<GatedLink> link_;
+  std::deque<GatedLink> links_;
   std::optional<host::Robot> robot_;
   std::optional<RememberingCamera> camera_;
   std::optional<host::Capture> capture_;
@@ -349,21 +354,21 @@ Result<void> Session::connect() {
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
   };
   if (real()) {
-    auto begun = KAZ_TRY(KeptRun::begin(backend_->link(), backend_->clock(), interrupt_,
-                                        {.verb = options_.label,
-                                         .port = backend_->port()->name(),
-                                         .address = options_.backend.address,
-                                         .motors_off = false,
-                                         .notes = false}));
-    kept_ = std::move(begun);
+    for (const host::RobotBoard& board : backend_->boards())
+      kept_.push_back(KAZ_TRY(KeptRun::begin(*board.link, backend_->clock(), interrupt_,
+                                             {.verb = options_.label,
+                                              .port = board.link->name(),
+                                              .address = board.address,
+                                              .motors_off = false,
+                                              .notes = false})));
   }
   clock_.emplace(backend_->clock(), gate(), backend_->simulation(), options_.onlooker,
                  options_.until, interrupt_);
-  link_.emplace(backend_->link(), gate());
+  std::vector<host::RobotBoard> boards = backend_->boards();
+  for (host::RobotBoard& board : boards) board.link = &links_.emplace_back(*board.link, gate());
   auto robot = KAZ_TRY(
-      host::Robot::connect(*link_, *clock_,
-                           {.address = options_.backend.address,
-                            .on_resumed = report_resumption,
+      host::Robot::connect(boards, *clock_,
+                           {.on_resumed = report_resumption,
                             .frames_path = real() ? temporary_file("frames.txt") : std::string()}));
   robot_ = std::move(robot);
   if (!real()) return {};
@@ -424,10 +429,11 @@ void Session::perform() {
   if (gated_floor_ && backend_->sees()) context.floor = &*gated_floor_;
   if (real()) context.camera = "camera " + options_.backend.camera;
   context.other_joints = options_.backend.joints;
+  if (is_real_camera(options_.backend.camera)) context.camera_patience = kCameraPatience;
   std::optional<RunProfiler> profiler;
   if (options_.profile) profiler.emplace();
   // Also where the link is lost and comes back when the run has given up.
-  if (kept_) kept_->switch_motors_off();
+  for (const auto& kept : kept_) kept->switch_motors_off();
   if (real()) lateness_meter_.emplace(backend_->link(), interrupt_);
   {
     const ProfileScope host("behaviour and link");
@@ -524,8 +530,27 @@ std::string Session::abandon(const PluginEnd& end) {
 // Motors off, by requests of its own: another thread may be in the midst of one.
 std::string Session::leave_board() {
   const host::CleanUp clean_up(interrupt_);
-  host::Requester requester(backend_->link(), backend_->clock(),
-                            {.address = options_.backend.address});
+  bool answered = true;
+  for (const host::RobotBoard& board : backend_->boards()) answered = leave(board) && answered;
+  if (!real()) return {};
+  std::string rest = answered ? "; the motors are off"
+                              : "; the board does not answer, its link watchdog makes it hold: "
+                                "switch it off";
+  end_kept();
+  if (!left_) rest += "; " + left_.error().message;
+  return rest;
+}
+
+void Session::end_kept() {
+  for (const auto& kept : kept_) {
+    auto ended = kept->end();
+    if (!ended && left_) left_ = std::move(ended);
+  }
+}
+
+// False: it does not answer.
+bool Session::leave(const host::RobotBoard& board) {
+  host::Requester requester(*board.link, backend_->clock(), {.address = board.address});
   requester.limit_tries(3);
   const host::Request requests[] = {
       host::make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable),
@@ -536,13 +561,7 @@ std::string Session::leave_board() {
   } else {
     for (int i = 0; i < 3; ++i) (void)requester.send(requests[0]);  // the wire may still carry it
   }
-  if (!real()) return {};
-  std::string rest = replies ? "; the motors are off"
-                             : "; the board does not answer, its link watchdog makes it hold: "
-                               "switch it off";
-  if (kept_) left_ = kept_->end();
-  if (!left_) rest += "; " + left_.error().message;
-  return rest;
+  return replies.has_value();
 }
 
 // The time of SessionOptions::until has come.
@@ -579,7 +598,7 @@ void Session::settle() {
   if (lateness_meter_ && (outcome_ || interrupted())) lateness_ = lateness_meter_->end();
   excuse_failure();
   progress_->done();
-  if (kept_) left_ = kept_->end();
+  end_kept();
   pipeline_->finish();
   if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
 }

@@ -62,6 +62,7 @@ Result<void> check_distinct(const ServeOptions& arguments) {
       {"--serial", serial},
       {"the control socket of --serial", serial.empty() ? "" : serial + ".ctl"},
       {"--cameras", arguments.real_time.cameras_path},
+      {"--clock", arguments.real_time.clock_path},
       {"--record", arguments.backend.recording},
       {"--memory", arguments.memory},
       {"--write-calibration", arguments.calibration}};
@@ -87,6 +88,7 @@ Result<bool> serve(ServeOptions arguments) {
   KAZ_TRY(check_distinct(arguments));
   KAZ_TRY(check_place("--serial", arguments.real_time.serial_path));
   KAZ_TRY(check_place("--cameras", arguments.real_time.cameras_path));
+  KAZ_TRY(check_place("--clock", arguments.real_time.clock_path));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   std::optional<OutputFile> calibration, recording, memory;

@@ -223,12 +223,13 @@ struct LiveSource {
     }
     BackendOptions rig_options;
     rig_options.robot = options.robot;
+    rig_options.address = options.address;
     rig_options.camera = options.in;
     rig_options.calibration = options.calibration;
     auto opened = KAZ_TRY(SessionBackend::open(rig_options, interrupt));
     backend = std::move(opened);
-    auto connected = host::Robot::connect(backend->link(), backend->clock(),
-                                          {.address = options.address, .watchdog = Time::zero()});
+    auto connected = host::Robot::connect(backend->boards(), backend->clock(),
+                                          {.watchdog = Time::zero()});
     const std::string port = backend->port() ? backend->port()->name() : "";
     if (!connected) return tl::unexpected(with_earlier_notes(connected.error(), port));
     for (const std::string& sentence : earlier_notes(port))

@@ -157,8 +157,11 @@ Complaint try_arguments(Bytes bytes) {
   if (text.find('\n') != std::string::npos) return std::nullopt;
   if (const auto port = tools::parse_port(text); !port) {
     if (auto wrong = judge_error(port.error(), "--port")) return wrong;
-  } else if (port->second <= 0) {
-    return "a baud rate that is none";
+  } else if (port->baud <= 0 || port->place.empty()) {
+    return "a port that is none";
+  } else if (const auto again = tools::parse_port(port->name());
+             !again || again->name() != port->name()) {
+    return "the name of a port is another port";
   }
   if (const auto source = host::parse_v4l2_source(text); !source) {
     if (auto wrong = judge_error(source.error(), "v4l2:")) return wrong;
@@ -170,10 +173,10 @@ Complaint try_arguments(Bytes bytes) {
   } else if (modules->empty()) {
     return "no modules";
   }
-  constexpr behavior::Option kOptions[] = {{"seconds", "10", "", 0, 100, "how long"},
-                                           {"end", "keep", "keep|home", 0, 0, "what then"},
-                                           {"goal", "1,0", "X,Y or ball", 0, 0, "where to", false,
-                                            behavior::is_navigation_goal}};
+  constexpr behavior::Option kOptions[] = {
+      {"seconds", "10", "", 0, 100, "how long"},
+      {"end", "keep", "keep|home", 0, 0, "what then"},
+      {"goal", "1,0", "X,Y or ball", 0, 0, "where to", false, behavior::is_navigation_goal}};
   const std::size_t equals = text.find('=');
   const auto values = behavior::OptionValues::parse(
       kOptions,

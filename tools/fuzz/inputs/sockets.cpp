@@ -18,6 +18,7 @@
 #include "host/robot/control_socket.h"
 #include "shared/base/camera_stream.hpp"
 #include "sim/runtime/serving/control_server.h"
+#include "sim/runtime/serving/followed_clock.h"
 #include "sim/stand/stand_commands.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
@@ -182,6 +183,22 @@ Complaint try_camera_stream(Bytes bytes) {
         return "a picture of another size";
     }
   }
+  return std::nullopt;
+}
+
+Complaint try_clock(Bytes bytes) {
+  sim::ClockStream whole, pieces;
+  const bool accepted = whole.feed(bytes).has_value();
+  bool all = true;
+  std::optional<Time> before;
+  for (std::size_t i = 0; i < bytes.size() && all; ++i) {
+    all = pieces.feed(bytes.subspan(i, 1)).has_value();
+    if (before && *pieces.latest() < *before) return "the clock went back";
+    before = pieces.latest();
+  }
+  if (all != accepted || pieces.latest() != whole.latest())
+    return "a stream in pieces is another one";
+  if (before && *before < Time::zero()) return "a time before the start";
   return std::nullopt;
 }
 

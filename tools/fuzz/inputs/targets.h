@@ -34,8 +34,14 @@ Complaint try_replies(Bytes bytes);        // a hostile board at the host's Robo
 Complaint try_flash_replies(Bytes bytes);  // a hostile board at kaz flash: boot mode and writer
 Complaint try_camera_stream(Bytes bytes);  // published cameras, at the reader
 Complaint try_raw_picture(Bytes bytes);    // pictures of a V4L2 camera
+Complaint try_clock(Bytes bytes);          // another machine's clock, at kaz sim
 Complaint try_control(Bytes bytes);        // the control socket of kaz sim, a motor stand behind it
 Complaint try_control_reply(Bytes bytes);  // its replies, at the host
+
+// Buses and networks (links.cpp).
+Complaint try_can(Bytes bytes);     // ISO-TP messages and error frames
+Complaint try_telnet(Bytes bytes);  // RFC 2217, both ends
+Complaint try_boards(Bytes bytes);  // files of boards
 
 inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"world", try_world},
@@ -59,7 +65,11 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"flash_replies", try_flash_replies},
                                            {"camera_stream", try_camera_stream},
                                            {"raw_picture", try_raw_picture},
+                                           {"clock", try_clock},
                                            {"control", try_control},
-                                           {"control_reply", try_control_reply}};
+                                           {"control_reply", try_control_reply},
+                                           {"can", try_can},
+                                           {"telnet", try_telnet},
+                                           {"boards", try_boards}};
 
 }  // namespace kaz::fuzz

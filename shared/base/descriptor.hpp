@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace kaz::sim {
+namespace kaz {
 
 class Descriptor {
  public:
@@ -28,4 +28,4 @@ class Descriptor {
   int fd_ = -1;
 };
 
-}  // namespace kaz::sim
+}  // namespace kaz

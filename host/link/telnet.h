@@ -1,0 +1,96 @@
+// Telnet (RFC 854) with COM-PORT-OPTION (RFC 2217): bytes of a serial port, and commands between them.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace kaz::host::telnet {
+
+// RFC 854
+inline constexpr std::uint8_t kSe = 240, kSb = 250, kWill = 251, kWont = 252, kDo = 253,
+                              kDont = 254, kIac = 255;
+// Options: RFC 856, 857, 858, 2217
+inline constexpr std::uint8_t kBinary = 0, kEcho = 1, kSuppressGoAhead = 3, kComPort = 44;
+
+// Commands of a client, RFC 2217 section 3; a server's replies are 100 more.
+enum ComPort : std::uint8_t {
+  kSignature = 0,
+  kBaudRate = 1,  // 4 bytes, big-endian; 0 asks for it
+  kDataSize = 2,  // 5..8
+  kParity = 3,    // 1 none
+  kStopSize = 4,  // 1 one
+  kControl = 5,   // below
+  kNotifyLineState = 6,
+  kNotifyModemState = 7,
+  kSuspend = 8,
+  kResume = 9,
+  kLineStateMask = 10,
+  kModemStateMask = 11,
+  kPurge = 12,  // 1 received, 2 unsent, 3 both
+  kReply = 100,
+};
+// Values of kControl.
+inline constexpr std::uint8_t kNoFlowControl = 1, kQueryDtr = 7, kDtrOn = 8, kDtrOff = 9,
+                              kQueryRts = 10, kRtsOn = 11, kRtsOff = 12;
+
+struct Command {
+  std::uint8_t verb = 0;           // kWill, kWont, kDo, kDont, or kSb for one of COM-PORT-OPTION
+  std::uint8_t what = 0;           // the option; for kSb the command, ComPort
+  std::vector<std::uint8_t> data;  // of kSb
+};
+
+// Takes bytes in pieces of any size. Its memory is bounded whatever comes.
+class Reader {
+ public:
+  static constexpr std::size_t kMaxData =
+      64;  // of one command; longer ones are dropped and counted
+
+  void take(std::span<const std::uint8_t> wire);
+  // What has come since the last call, in order.
+  std::vector<std::uint8_t> take_data();
+  std::vector<Command> take_commands();
+  // Sub-negotiations that were too long, of another option, or broken off.
+  std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  enum class State { data, iac, option, sub, sub_iac };
+  void take_byte(std::uint8_t byte);
+  void end_sub();
+
+  State state_ = State::data;
+  std::uint8_t verb_ = 0;
+  std::vector<std::uint8_t> sub_;  // option, command, data
+  bool too_long_ = false;
+  std::vector<std::uint8_t> data_;
+  std::vector<Command> commands_;
+  std::uint64_t dropped_ = 0;
+};
+
+// What goes on the wire.
+void put_data(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& wire);
+void put_option(std::uint8_t verb, std::uint8_t option, std::vector<std::uint8_t>& wire);
+void put_com_port(std::uint8_t command, std::span<const std::uint8_t> data,
+                  std::vector<std::uint8_t>& wire);
+std::vector<std::uint8_t> big_endian(std::uint32_t value);
+// Nothing below 4 bytes: 0.
+std::uint32_t read_big_endian(std::span<const std::uint8_t> data);
+
+// Either end's part of the negotiation: what both want is agreed to once, everything else declined once, so
+// that two ends never answer each other without end.
+class Options {
+ public:
+  // What this end offers and asks for, to be sent first.
+  void begin(std::vector<std::uint8_t>& wire);
+  void take(const Command& command, std::vector<std::uint8_t>& wire);
+  // Both ends have said that they speak RFC 2217; the other has said that it does not.
+  bool com_port() const { return com_port_; }
+  bool refused() const { return refused_; }
+
+ private:
+  std::vector<bool> answered_ = std::vector<bool>(4 * 256);
+  bool com_port_ = false, refused_ = false;
+};
+
+}  // namespace kaz::host::telnet

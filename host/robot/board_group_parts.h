@@ -1,0 +1,49 @@
+// Inside of BoardGroup: one of its boards, and a request that is under way to all.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "host/robot/board_group.h"
+
+namespace kaz::host {
+
+// "neck_pan, neck_tilt"
+std::string joint_names_of(std::uint32_t joints);
+
+struct BoardGroup::Member {
+  Member(const RobotBoard& of, Clock& clock, int retries)
+      : board(of),
+        requester(*of.link, clock, {.address = of.address, .retries = retries}),
+        relation(of.link->byte_time()) {}
+
+  // Tick and times of a reply, for the clock relation.
+  void relate(std::uint8_t request, const Reply& reply);
+
+  RobotBoard board;
+  Requester requester;
+  ClockRelation relation;
+  std::optional<std::uint32_t> last_tick;
+  std::uint16_t status = 0;
+  bool restarted = false;
+  std::uint32_t to_be_on = 0;  // joints that were switched on
+  bool link_lost = false;      // to be opened again
+  struct State {
+    Time time{};
+    std::array<s16, KZ_JOINTS> angle{};
+  };
+  std::optional<State> before, latest;  // its last two states
+  // Of the latest state, moved to another time: on the line through both, or as it is where they are too far
+  // apart.
+  s16 angle_at(std::size_t joint, Time t) const;
+};
+
+struct BoardGroup::Exchange {
+  struct Part {
+    bool concerned = false;  // else it got a heartbeat
+    Ticket ticket = 0;
+    std::optional<Reply> reply;
+  };
+  Request request;
+  std::vector<Part> parts;  // in the order of the members
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,76 @@
+// The clock of another machine: bytes, clients that come and go.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/serving/followed_clock.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <bit>
+
+#include "sim/runtime/serving/socket_testing.h"
+#include "sim/runtime/simulation/world_testing.h"
+
+namespace kaz::sim {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+std::array<std::uint8_t, 8> bytes_of(Time time) {
+  return std::bit_cast<std::array<std::uint8_t, 8>>(std::int64_t{time.count()});
+}
+
+TEST(ClockStream, TimesComeInAnyPieces) {
+  ClockStream stream;
+  const auto first = bytes_of(milliseconds(5)), second = bytes_of(milliseconds(7));
+  EXPECT_FALSE(stream.latest());
+  ASSERT_TRUE(stream.feed(std::span(first).first(3)));
+  EXPECT_FALSE(stream.latest());
+  ASSERT_TRUE(stream.feed(std::span(first).subspan(3)));
+  EXPECT_EQ(stream.latest(), milliseconds(5));
+  ASSERT_TRUE(stream.feed(second));
+  EXPECT_EQ(stream.latest(), milliseconds(7));
+}
+
+TEST(ClockStream, RefusesATimeThatIsNone) {
+  ClockStream back;
+  ASSERT_TRUE(back.feed(bytes_of(milliseconds(5))));
+  EXPECT_FALSE(back.feed(bytes_of(milliseconds(4))));
+  EXPECT_FALSE(ClockStream().feed(bytes_of(Time(-1))));
+  EXPECT_FALSE(ClockStream().feed(bytes_of(Time(INT64_MAX))));
+}
+
+TEST(FollowedClock, StandsStillWithoutMessagesAndFollowsTheNextClient) {
+  const TestFolder folder;
+  auto opened = FollowedClock::open(folder.file("clock"));
+  ASSERT_TRUE(opened) << opened.error().message;
+  FollowedClock& clock = **opened;
+  const auto next = [&clock] {  // up to 10 s on a busy machine
+    bool another = false;
+    const Time before = clock.now();
+    for (int i = 0; i < 200 && clock.now() == before && !another; ++i)
+      another = clock.poll(milliseconds(50)).value();
+    return another;
+  };
+  EXPECT_FALSE(clock.poll(Time(0)).value());
+  {
+    const Descriptor machine = connect_to(folder.file("clock"));
+    ASSERT_EQ(::send(machine.get(), bytes_of(seconds(9)).data(), 8, 0), 8);
+    EXPECT_TRUE(next()) << "the first time of a machine";
+    EXPECT_EQ(clock.now(), seconds(9));
+    EXPECT_FALSE(clock.poll(milliseconds(1)).value());
+    EXPECT_EQ(clock.now(), seconds(9));
+    ASSERT_EQ(::send(machine.get(), bytes_of(seconds(10)).data(), 8, 0), 8);
+    EXPECT_FALSE(next());
+    EXPECT_EQ(clock.now(), seconds(10));
+  }
+  EXPECT_FALSE(clock.poll(milliseconds(1)).value());
+  EXPECT_EQ(clock.now(), seconds(10));
+  const Descriptor another = connect_to(folder.file("clock"));
+  ASSERT_EQ(::send(another.get(), bytes_of(seconds(2)).data(), 8, 0), 8);
+  EXPECT_TRUE(next());
+  EXPECT_EQ(clock.now(), seconds(2));
+}
+
+}  // namespace
+}  // namespace kaz::sim

@@ -1,0 +1,166 @@
+// Links of `--robot` and `--port` but CAN: networks, foreign servers, lost peers, several boards.
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "shared/base/json_testing.h"
+#include "tests/system/command_line/process_testing.h"
+
+namespace kaz::test {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// Not that of another test at the same time.
+std::string some_port(int which) {
+  return std::to_string(20000 + (getpid() * 7 + which) % 12000);
+}
+
+struct Links : ::testing::Test {
+  void SetUp() override {
+    sim.emplace(kaz({"sim", "--mcu", "native", "--suspended", "--serial", board}));
+    ASSERT_TRUE(sim->wait_for_output("ready", seconds(30))) << sim->wait(seconds(0)).err;
+  }
+  // `kaz status` as JSON; empty where the board does not answer.
+  json status(const std::string& port) {
+    const Finished finished = run(kaz({"status", "--port", port, "--json"}));
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+    return finished.exit_code == 0 ? parse_json(finished.out) : json();
+  }
+  void expect_end(Process& server) {
+    server.signal(SIGTERM);
+    const Finished finished = server.wait(seconds(5));
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  }
+  TemporaryFolder folder;
+  std::string board = folder / "board";
+  std::optional<Process> sim;
+};
+
+TEST_F(Links, ServePortReachesTheBoardByRfc2217AndRaw) {
+  const std::string at = "127.0.0.1:" + some_port(1);
+  {
+    Process server(kaz({"serve-port", "--port", board, "--listen", at}));
+    ASSERT_TRUE(server.wait_for_output("ready: " + board + " as rfc2217:" + at, seconds(10)))
+        << server.wait(seconds(0)).err;
+    EXPECT_EQ(status("rfc2217:" + at)["motors"], "off");
+    // At another rate the virtual board understands nothing: the rate has crossed.
+    const Finished wrong = run(kaz({"status", "--port", "rfc2217:" + at + "@57600"}));
+    EXPECT_EQ(wrong.exit_code, 3) << wrong.out;
+    EXPECT_EQ(status("rfc2217:" + at)["motors"], "off");
+    expect_end(server);
+  }
+  Process server(kaz({"serve-port", "serial:" + board, "--raw", "--listen", at}));
+  ASSERT_TRUE(server.wait_for_output("ready: " + board + " as tcp:" + at, seconds(10)))
+      << server.wait(seconds(0)).err;
+  EXPECT_EQ(status("tcp:" + at)["motors"], "off");
+  const Finished wrong = run(kaz({"status", "--port", "rfc2217:" + at}));
+  EXPECT_EQ(wrong.exit_code, 3);
+  EXPECT_NE(wrong.err.find("does not speak RFC 2217: give tcp:" + at), std::string::npos)
+      << wrong.err;
+  expect_end(server);
+  const Finished refused = run(kaz({"status", "--port", "tcp:" + at}));
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.err.find("tcp:" + at + " refused the connection"), std::string::npos)
+      << refused.err;
+}
+
+TEST_F(Links, Ser2netIsAServerOfRfc2217) {
+  const std::string port = some_port(2), at = "127.0.0.1:" + port;
+  write_file(folder / "ser2net.yaml",
+             "%YAML 1.1\n---\nconnection: &board\n  accepter: telnet(rfc2217),tcp,"
+             "127.0.0.1," +
+                 port + "\n  connector: serialdev(nouucplock)," +
+                 std::filesystem::canonical(board).string() + ",115200n81,local\n");
+  Process server({"ser2net", "-n", "-c", folder / "ser2net.yaml"});
+  json found;
+  for (int i = 0; i < 50 && !found.is_object(); ++i) {
+    std::this_thread::sleep_for(milliseconds(100));
+    const Finished finished = run(kaz({"status", "--port", "rfc2217:" + at, "--json"}));
+    if (finished.exit_code == 0) found = parse_json(finished.out);
+    if (finished.err.find("refused the connection") == std::string::npos && finished.exit_code != 0)
+      FAIL() << finished.err;
+  }
+  ASSERT_TRUE(found.is_object()) << server.wait(seconds(0)).err;
+  EXPECT_EQ(found["motors"], "off");
+  EXPECT_EQ(status("rfc2217:" + at)["motors"], "off") << "again, after the first has left";
+}
+
+// The server of another program goes and comes back in the midst of a behaviour.
+TEST_F(Links, ALostPeerIsFoundAgainWithoutARestart) {
+  const std::string port = some_port(3), at = "127.0.0.1:" + port;
+  const std::vector<std::string> socat = {
+      "socat", "TCP-LISTEN:" + port + ",bind=127.0.0.1,reuseaddr",
+      std::filesystem::canonical(board).string() + ",raw,echo=0,b115200"};
+  std::optional<Process> server(std::in_place, socat);
+  std::this_thread::sleep_for(milliseconds(300));
+  Process behaviour(kaz({"run", "stand", "--robot", "tcp:" + at, "--duration", "6"}));
+  ASSERT_TRUE(sim->wait_for_output("motors on", seconds(20))) << behaviour.wait(seconds(0)).err;
+  std::this_thread::sleep_for(milliseconds(500));
+  server.reset();
+  std::this_thread::sleep_for(milliseconds(700));
+  server.emplace(socat);
+  const Finished finished = behaviour.wait(seconds(30));
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  const auto first = finished.err.find("it answered again");
+  ASSERT_NE(first, std::string::npos) << finished.err;
+  EXPECT_EQ(finished.err.find("it answered again", first + 1), std::string::npos) << finished.err;
+}
+
+TEST_F(Links, TwoBoardsDriveOneRobot) {
+  const std::string other = folder / "legs";
+  Process legs(kaz({"sim", "--mcu", "native", "--suspended", "--serial", other}));
+  ASSERT_TRUE(legs.wait_for_output("ready", seconds(30))) << legs.wait(seconds(0)).err;
+  json file;
+  file["boards"] = {{{"port", board},
+                     {"joints",
+                      {"neck_pan", "neck_tilt", "l_sh_pitch", "l_sh_roll", "l_elbow", "l_hand",
+                       "r_sh_pitch", "r_sh_roll", "r_elbow", "r_hand"}}},
+                    {{"port", other},
+                     {"joints",
+                      {"l_hip_roll", "l_hip_pitch", "l_knee", "l_ankle_pitch", "r_hip_roll",
+                       "r_hip_pitch", "r_knee", "r_ankle_pitch"}}}};
+  write_file(folder / "boards.json", file.dump());
+  Process behaviour(
+      kaz({"run", "stand", "--robot", "boards:" + (folder / "boards.json"), "--duration", "3"}));
+  EXPECT_TRUE(sim->wait_for_output("motors on", seconds(20)));
+  EXPECT_TRUE(legs.wait_for_output("motors on", seconds(20)));
+  const Finished finished = behaviour.wait(seconds(30));
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_TRUE(legs.wait_for_output("motors off", seconds(5)));
+
+  file["boards"][1]["joints"].erase(0);
+  write_file(folder / "boards.json", file.dump());
+  const Finished wrong =
+      run(kaz({"run", "stand", "--robot", "boards:" + (folder / "boards.json")}));
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("no board drives l_hip_roll"), std::string::npos) << wrong.err;
+}
+
+TEST(LinkMistakes, EachHasItsSentence) {
+  const std::pair<const char*, const char*> kMistakes[] = {
+      {"can:kaz-none", "no such CAN interface: kaz-none ("},
+      {"can:lo", "lo is a network interface, but none of CAN ("},
+      {"tcp:127.0.0.1", "the port number is missing"},
+      {"/dev/kaz-none", "no such port: /dev/kaz-none ("}};
+  for (const auto& [port, sentence] : kMistakes) {
+    const Finished finished = run(kaz({"status", "--port", port}));
+    EXPECT_NE(finished.exit_code, 0);
+    EXPECT_NE(finished.err.find(sentence), std::string::npos) << finished.err;
+  }
+  const Finished bridge = run(kaz({"can-bridge", "--port", "can:can0", "--can", "can0"}));
+  EXPECT_EQ(bridge.exit_code, 2);
+  EXPECT_NE(bridge.err.find("that is a CAN bus already"), std::string::npos) << bridge.err;
+}
+
+}  // namespace
+}  // namespace kaz::test

@@ -1,0 +1,150 @@
+// What comes over a bus or a network: CAN messages and error frames, telnet with RFC 2217, files of boards.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <vector>
+
+#include "hil/fuzz/choices.h"
+#include "host/link/can_link.h"
+#include "host/link/can_sockets_testing.h"
+#include "host/link/telnet.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/robot.h"
+#include "shared/protocol/frame.h"
+#include "tools/app/session/board_file.h"
+#include "tools/fuzz/inputs/input.h"
+#include "tools/fuzz/inputs/targets.h"
+
+namespace kaz::fuzz {
+namespace {
+
+using hil::fuzz::Choices;
+using Wire = std::vector<std::uint8_t>;
+
+Wire bytes_of(Choices& choices, unsigned length) {
+  Wire bytes;
+  for (unsigned k = 0; k < length; ++k) bytes.push_back(choices.byte());
+  return bytes;
+}
+
+Wire frame_to(std::uint8_t address) {
+  const std::uint8_t body[] = {address, KZ_TYPE_state, 7};
+  Wire wire(KZ_FRAME_MAX);
+  wire.resize(kz_frame_encode(body, sizeof body, wire.data()));
+  return wire;
+}
+
+// All that is there, and whether the link failed.
+bool read_all(host::CanLink& link, Wire& all) {
+  std::uint8_t some[64];
+  while (true) {
+    const auto count = link.read(some, host::WallClock().now());
+    if (!count) return false;
+    if (*count == 0) return true;
+    all.insert(all.end(), some, some + *count);
+  }
+}
+
+}  // namespace
+
+// A hostile bus at either end of the link: after it a frame passes both ways.
+Complaint try_can(Bytes bytes) {
+  Choices choices(bytes);
+  host::TestBus bus;
+  const bool board = choices.below(2) == 1;
+  host::CanLink::Options options;
+  if (board) options = {.end = host::CanLink::End::board, .addresses = {1, 3}};
+  auto link = host::CanLink::open(std::make_unique<host::TestCanSockets>(bus), options);
+  if (!link) return link.error().message;
+  const std::uint32_t send_id = (board ? host::kCanReplies : host::kCanRequests) + 1;
+  if (!(*link)->write(frame_to(1))) return "the first frame was not taken";
+  while (!choices.ended()) {
+    Wire expected, got;
+    bool failed = false;
+    switch (choices.below(4)) {
+      case 0: {  // a message
+        const Wire message = bytes_of(choices, choices.below(128) + 1);
+        if (bus.far[send_id] && bus.deliver(send_id, message)) {
+          expected.push_back(0);
+          expected.insert(expected.end(), message.begin(), message.end());
+          expected.push_back(0);
+        }
+        break;
+      }
+      case 1:
+        (void)bus.error_frame(choices.word() & CAN_ERR_MASK, choices.byte());
+        break;
+      case 2:
+        failed = !(*link)->write(bytes_of(choices, choices.below(200)));
+        break;
+      default:  // the sockets close, as those of an interface that is unplugged
+        bus.far.erase(send_id);
+        break;
+    }
+    failed = !read_all(**link, got) || failed;
+    if (!failed && got != expected) return "other bytes came than were delivered";
+    if (failed && (*link)->read({}, host::WallClock().now())) return "a lost link reads";
+    if (failed && !(*link)->reopen()) return "an interface that is there was not opened again";
+    if (!bus.far[send_id] && !(*link)->write(frame_to(1))) return "a new socket takes no frame";
+  }
+  // One that ends what was begun; then a whole one.
+  if (!(*link)->write(Wire{0})) return "a zero was not taken";
+  while (!bus.received(send_id).empty()) continue;
+  const Wire frame = frame_to(1);
+  if (!(*link)->write(frame)) return "a frame was not taken";
+  if (bus.received(send_id) != Wire(frame.begin() + 1, frame.end() - 1))
+    return "the frame did not arrive";
+  Wire back;
+  if (!bus.deliver(send_id, Wire(frame.begin() + 1, frame.end() - 1)) || !read_all(**link, back) ||
+      back != frame)
+    return "the frame did not come back";
+  return std::nullopt;
+}
+
+Complaint try_telnet(Bytes bytes) {
+  using namespace host::telnet;
+  Reader whole, pieces;
+  whole.take(bytes);
+  for (const std::uint8_t byte : bytes) pieces.take({&byte, 1});
+  const auto data = whole.take_data();
+  const auto commands = whole.take_commands();
+  if (data != pieces.take_data() || whole.dropped() != pieces.dropped())
+    return "pieces are read as other bytes";
+  if (data.size() > bytes.size()) return "more bytes than came";
+  Options options;
+  Wire answer;
+  for (const Command& command : commands) {
+    if (command.data.size() > Reader::kMaxData) return "a command longer than its bound";
+    options.take(command, answer);
+    (void)read_big_endian(command.data);
+  }
+  if (answer.size() > 3 * commands.size()) return "more answers than commands";
+  // Whatever was begun ends, and the next command is understood.
+  whole.take(Wire{kIac, kSe, kIac, kSe});
+  (void)whole.take_data();
+  (void)whole.take_commands();
+  Wire wire;
+  put_com_port(kBaudRate, big_endian(57600), wire);
+  put_data(bytes, wire);
+  whole.take(wire);
+  const auto next = whole.take_commands();
+  if (next.size() != 1 || next[0].what != kBaudRate || read_big_endian(next[0].data) != 57600)
+    return "a command after it is not understood";
+  if (!std::ranges::equal(whole.take_data(), bytes))
+    return "bytes do not come back as they were put";
+  return std::nullopt;
+}
+
+Complaint try_boards(Bytes bytes) {
+  const auto boards = tools::parse_boards("kaz.boards", text_of(bytes));
+  if (!boards) return judge_error(boards.error(), "kaz.boards");
+  std::uint32_t all = 0;
+  for (const auto& board : *boards) {
+    if (board.address < 1 || board.address > KZ_ADDRESS_LAST || board.port.place.empty())
+      return "a board that is none";
+    if ((all & board.joints) != 0) return "a joint on two boards";
+    all |= board.joints;
+  }
+  return all == host::kAllJoints ? std::nullopt : Complaint("a joint on no board");
+}
+
+}  // namespace kaz::fuzz

@@ -1,0 +1,50 @@
+// `kaz can-bridge`: puts a board's serial line on a CAN bus.
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include "tools/app/bridge/can_bridge.h"
+#include "tools/kaz/options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+
+void add_can_bridge(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "can-bridge",
+      "put a board's serial line, real or emulated, on a CAN bus (SocketCAN, ISO-TP)");
+  auto arguments = std::make_shared<CanBridgeOptions>();
+  verb->add_option("--port,--robot,PORT", arguments->port,
+                   "the board's line: PATH[@BAUD] of a serial port or pty, tcp:HOST:PORT or "
+                   "rfc2217:HOST:PORT[@BAUD]")
+      ->type_name("PORT")
+      ->required();
+  verb->add_option("--can", arguments->interface, "CAN interface, which is up")
+      ->type_name("NAME")
+      ->required();
+  verb->add_option_function<std::vector<int>>(
+          "--address",
+          [arguments](const std::vector<int>& all) {
+            arguments->addresses.assign(all.begin(), all.end());
+          },
+          "addresses of the boards on this line, each on one bridge of the bus only")
+      ->check(between(1, KZ_ADDRESS_LAST))
+      ->delimiter(',')
+      ->type_name("N")
+      ->default_str("1");
+  verb->footer(
+      "Then `--robot can:can0` and `--port can:can0` reach the board from every machine on the "
+      "bus. "
+      "docs/reference/links.md lists the identifiers and what cannot cross. A line or a bus that "
+      "goes "
+      "away is looked for until it is there again.\n"
+      "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port or interface "
+      "error.\n"
+      "Examples:\n"
+      "  sudo ip link set can0 up type can bitrate 1000000 restart-ms 100\n"
+      "  kaz can-bridge --port /dev/ttyUSB0 --can can0\n"
+      "  kaz can-bridge --port /dev/ttyUSB1 --can can0 --address 2,3\n"
+      "  kaz status --port can:can0");
+  verb->callback([&action, arguments] { action = [arguments] { return bridge_can(*arguments); }; });
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,39 @@
+// `kaz serve-port`: the port of a board for clients on other machines.
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include "tools/app/bridge/serve_port.h"
+#include "tools/kaz/options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+
+void add_serve_port(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "serve-port", "serve a board's port, real or emulated, to one client on the network");
+  auto arguments = std::make_shared<ServePortOptions>();
+  verb->add_option("--port,--robot,PORT", arguments->port, kPortText)
+      ->type_name("PORT")
+      ->required();
+  verb->add_option("--listen", arguments->listen,
+                   "address of this machine and port; other machines reach 0.0.0.0, not 127.0.0.1")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  verb->add_flag("--raw", arguments->raw,
+                 "bytes alone, for tcp:HOST:PORT; without it RFC 2217, for rfc2217:HOST:PORT");
+  verb->footer(
+      "Nothing protects the port: whoever can connect moves the robot. Keep it on 127.0.0.1 and "
+      "let "
+      "ssh carry it, or on a network of the robot's own. One client at a time; others are refused. "
+      "A "
+      "port that goes away is looked for until it is there again.\n"
+      "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port error.\n"
+      "Examples:\n"
+      "  kaz serve-port --port /dev/ttyUSB0\n"
+      "  kaz serve-port --port board --raw --listen 0.0.0.0:7000   # of kaz sim --serial board\n"
+      "  ssh -L 7217:localhost:7217 robot kaz serve-port --port /dev/ttyUSB0\n"
+      "  kaz run track-ball --robot rfc2217:localhost:7217 --camera board.eyes");
+  verb->callback([&action, arguments] { action = [arguments] { return serve_port(*arguments); }; });
+}
+
+}  // namespace kaz::tools
