@@ -27,7 +27,8 @@ std::string some_port(int which) {
 
 struct Links : ::testing::Test {
   void SetUp() override {
-    sim.emplace(kaz({"sim", "--mcu", "native", "--suspended", "--serial", board}));
+    sim.emplace(kaz({"sim", "--mcu", "native", "--suspended", "--serial", board, "--cameras",
+                     folder / "eyes"}));
     ASSERT_TRUE(sim->wait_for_output("ready", seconds(30))) << sim->wait(seconds(0)).err;
   }
   // `kaz status` as JSON; empty where the board does not answer.
@@ -81,7 +82,7 @@ TEST_F(Links, Ser2netIsAServerOfRfc2217) {
              "127.0.0.1," +
                  port + "\n  connector: serialdev(nouucplock)," +
                  std::filesystem::canonical(board).string() + ",115200n81,local\n");
-  Process server({"ser2net", "-n", "-c", folder / "ser2net.yaml"});
+  Process server({"/usr/sbin/ser2net", "-n", "-c", folder / "ser2net.yaml"});
   json found;
   for (int i = 0; i < 50 && !found.is_object(); ++i) {
     std::this_thread::sleep_for(milliseconds(100));
@@ -99,18 +100,20 @@ TEST_F(Links, Ser2netIsAServerOfRfc2217) {
 TEST_F(Links, ALostPeerIsFoundAgainWithoutARestart) {
   const std::string port = some_port(3), at = "127.0.0.1:" + port;
   const std::vector<std::string> socat = {
-      "socat", "TCP-LISTEN:" + port + ",bind=127.0.0.1,reuseaddr",
+      "/usr/bin/socat", "TCP-LISTEN:" + port + ",bind=127.0.0.1,reuseaddr,nodelay",
       std::filesystem::canonical(board).string() + ",raw,echo=0,b115200"};
   std::optional<Process> server(std::in_place, socat);
   std::this_thread::sleep_for(milliseconds(300));
-  Process behaviour(kaz({"run", "stand", "--robot", "tcp:" + at, "--duration", "6"}));
+  Process behaviour(kaz({"run", "track-ball", "--robot", "tcp:" + at, "--camera", folder / "eyes",
+                         "--duration", "6"}));
   ASSERT_TRUE(sim->wait_for_output("motors on", seconds(20))) << behaviour.wait(seconds(0)).err;
   std::this_thread::sleep_for(milliseconds(500));
   server.reset();
   std::this_thread::sleep_for(milliseconds(700));
   server.emplace(socat);
   const Finished finished = behaviour.wait(seconds(30));
-  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  // Whether the ball was found in so short a time is another question.
+  EXPECT_LE(finished.exit_code, 1) << finished.err;
   const auto first = finished.err.find("it answered again");
   ASSERT_NE(first, std::string::npos) << finished.err;
   EXPECT_EQ(finished.err.find("it answered again", first + 1), std::string::npos) << finished.err;
@@ -130,8 +133,7 @@ TEST_F(Links, TwoBoardsDriveOneRobot) {
                       {"l_hip_roll", "l_hip_pitch", "l_knee", "l_ankle_pitch", "r_hip_roll",
                        "r_hip_pitch", "r_knee", "r_ankle_pitch"}}}};
   write_file(folder / "boards.json", file.dump());
-  Process behaviour(
-      kaz({"run", "stand", "--robot", "boards:" + (folder / "boards.json"), "--duration", "3"}));
+  Process behaviour(kaz({"run", "stand", "--robot", "boards:" + (folder / "boards.json")}));
   EXPECT_TRUE(sim->wait_for_output("motors on", seconds(20)));
   EXPECT_TRUE(legs.wait_for_output("motors on", seconds(20)));
   const Finished finished = behaviour.wait(seconds(30));
