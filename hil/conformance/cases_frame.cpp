@@ -305,27 +305,31 @@ void add_counts(Chapter& to) {
         equal("count of line_errors", after["line_errors"], 1);
       },
       kBench);
-  to.add("idle", "A frame in which no byte comes for 20 ms is given up and counted.", "FRAME-11",
-         [](Board& b) {
-           const Reply before = b.statistics();
-           std::uint8_t sequence;
-           const Bytes wire = valid_frame(b, sequence);
-           b.write({wire.begin(), wire.begin() + 4});
-           b.wait(24);
-           b.write({wire.begin() + 4, wire.end()});
-           b.silence(20);
-           const Reply after = b.statistics();
-           equal("count of idle", after["idle"] - before["idle"], 1);
-           equal("count of bad_check", after["bad_check"] - before["bad_check"], 0);
-         });
-  to.add("idle-then-whole", "The next frame behind one that was given up is received.", "FRAME-11",
-         [](Board& b) {
-           std::uint8_t sequence;
-           const Bytes wire = valid_frame(b, sequence);
-           b.write({wire.begin(), wire.begin() + 6});
-           b.wait(40);
-           b.done("identify");
-         });
+  to.add(
+      "idle", "A frame in which no byte comes for 20 ms is given up and counted.", "FRAME-11",
+      [](Board& b) {
+        const Reply before = b.statistics();
+        std::uint8_t sequence;
+        const Bytes wire = valid_frame(b, sequence);
+        b.write({wire.begin(), wire.begin() + 4});
+        b.wait(24);
+        b.write({wire.begin() + 4, wire.end()});
+        b.silence(20);
+        const Reply after = b.statistics();
+        equal("count of idle", after["idle"] - before["idle"], 1);
+        equal("count of bad_check", after["bad_check"] - before["bad_check"], 0);
+      },
+      kPauses);
+  to.add(
+      "idle-then-whole", "The next frame behind one that was given up is received.", "FRAME-11",
+      [](Board& b) {
+        std::uint8_t sequence;
+        const Bytes wire = valid_frame(b, sequence);
+        b.write({wire.begin(), wire.begin() + 6});
+        b.wait(40);
+        b.done("identify");
+      },
+      kPauses);
 }
 
 void add_contents(Chapter& to) {
@@ -365,15 +369,17 @@ void add_contents(Chapter& to) {
              b.refused_type(KZ_TYPE_identify, random_bytes(b, length, 0), KZ_REFUSED_LENGTH);
            }
          });
-  to.add("slow-bytes", "Bytes with pauses of 10 ms between them make a frame.", "FRAME-13",
-         [](Board& b) {
-           std::uint8_t sequence;
-           for (const std::uint8_t byte : valid_frame(b, sequence)) {
-             b.write({byte});
-             b.wait(10);
-           }
-           b.take("heartbeat", sequence);
-         });
+  to.add(
+      "slow-bytes", "Bytes with pauses of 10 ms between them make a frame.", "FRAME-13",
+      [](Board& b) {
+        std::uint8_t sequence;
+        for (const std::uint8_t byte : valid_frame(b, sequence)) {
+          b.write({byte});
+          b.wait(10);
+        }
+        b.take("heartbeat", sequence);
+      },
+      kPauses);
   to.add(
       "slowest-bytes", "Bytes with pauses of 18 ms between them make a frame.", "FRAME-13",
       [](Board& b) {
@@ -384,7 +390,7 @@ void add_contents(Chapter& to) {
         }
         b.take("heartbeat", sequence);
       },
-      kExact);
+      kExact | kPauses);
 }
 
 }  // namespace

@@ -126,6 +126,7 @@ std::string missing_text(unsigned missing) {
   add(kBench, "a bench that can disturb supply, sensors and line");
   add(kExact, "the board's own clock");
   add(kDefaultAddress, "a board whose address was never set, which is 1");
+  add(kPauses, "a link on which pauses between bytes arrive");
   return text;
 }
 
@@ -161,6 +162,7 @@ Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, 
   Board board(link, clock, bench, slack, options.seed, options.address);
   RunOptions of_case = options;
   if (options.address == KZ_ADDRESS_DEFAULT) of_case.allowed |= kDefaultAddress;
+  if (!options.whole_frames) of_case.allowed |= kPauses;
   try {
     board.begin(0);
     report.board = describe(board);

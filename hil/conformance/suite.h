@@ -21,6 +21,7 @@ enum Need : unsigned {
   kBench = 4,            // Bench
   kExact = 8,            // a clock without slack
   kDefaultAddress = 16,  // a board at address 1; run_suite() knows
+  kPauses = 32,          // a line on which pauses between bytes arrive; RunOptions::whole_frames
 };
 
 struct Case {
@@ -54,6 +55,8 @@ struct RunOptions {
   std::uint64_t seed = 1;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   unsigned allowed = 0;  // Need, those that are to be had
+  // The link carries whole frames only, as a CAN bus does: kPauses is not to be had, else it is.
+  bool whole_frames = false;
   // The link and the clock of the run, where they are real: a case that fails while this machine is
   // late is repeated, and undecided if it was late each time.
   host::LatenessMeter* lateness = nullptr;

@@ -4,14 +4,20 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 namespace kaz::tools {
 namespace {
 
 TEST(Port, HasABaudRateOfItsOwnOr115200) {
-  EXPECT_EQ(parse_port("/dev/ttyUSB0").value(),
-            (std::pair<std::string, int>("/dev/ttyUSB0", 115200)));
-  EXPECT_EQ(parse_port("board@38400").value(), (std::pair<std::string, int>("board", 38400)));
-  EXPECT_EQ(parse_port("a@b@9600").value(), (std::pair<std::string, int>("a@b", 9600)));
+  const std::tuple<const char*, const char*, int> kPorts[] = {
+      {"/dev/ttyUSB0", "/dev/ttyUSB0", 115200},
+      {"board@38400", "board", 38400},
+      {"a@b@9600", "a@b", 9600}};
+  for (const auto& [text, place, baud] : kPorts) {
+    EXPECT_EQ(parse_port(text).value().place, place);
+    EXPECT_EQ(parse_port(text).value().baud, baud);
+  }
 }
 
 TEST(Port, RefusesWhatIsNoBaudRate) {

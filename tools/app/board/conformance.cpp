@@ -43,7 +43,8 @@ std::vector<std::string> needs_of(const hil::Case& one) {
   for (const auto& [need, word] :
        {std::pair(hil::kMotion, "motion"), std::pair(hil::kFlash, "flash"),
         std::pair(hil::kBench, "bench"), std::pair(hil::kExact, "exact clock"),
-        std::pair(hil::kDefaultAddress, "default address")}) {
+        std::pair(hil::kDefaultAddress, "default address"),
+        std::pair(hil::kPauses, "pauses between bytes")}) {
     if (one.needs & need) words.emplace_back(word);
   }
   return words;
@@ -235,8 +236,11 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
   if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
   if (arguments.mcu) arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
-  const unsigned address = arguments.address == KZ_ADDRESS_DEFAULT ? hil::kDefaultAddress : 0U;
-  KAZ_TRY(check_needs(taken, arguments.run.allowed | address, arguments.run.filter));
+  if (!arguments.port.empty())
+    arguments.run.whole_frames = KAZ_TRY(parse_port(arguments.port)).kind == host::PortKind::can;
+  const unsigned line = (arguments.address == KZ_ADDRESS_DEFAULT ? hil::kDefaultAddress : 0U) |
+                        (arguments.run.whole_frames ? 0U : hil::kPauses);
+  KAZ_TRY(check_needs(taken, arguments.run.allowed | line, arguments.run.filter));
   auto reports = KAZ_TRY(Reports::open(arguments));
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
   hil::ReportFacts facts;
