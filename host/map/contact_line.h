@@ -37,8 +37,8 @@ class ContactLine {
   // A point of the current row that stands there.
   void add(int u, float votes);
 
-  // Between neighbouring columns that stand, `stride` or more apart: a face, if what is between ends the floor
-  // along a straight line and has no floor above it up to `low_m`, nor pixels of `own`.
+  // Between neighbouring columns that stand, `stride` or more apart: a face, if what is between ends the
+  // floor along a straight line and has no floor above it up to `low_m`, nor pixels of `own`.
   const std::vector<Filled>& plain_faces(int stride, double low_m,
                                          const std::vector<std::uint8_t>& own);
 

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kLevelShare = 0.1;  // of the picture, that shows the floor's plane
 
-// Turns and lifts the eye so that the largest floor segment, of points p with n . p = -d in the optical frame, is
-// z = 0: the least turn of R n onto z, and the height d.
+// Turns and lifts the eye so that the largest floor segment, of points p with n . p = -d in the optical
+// frame, is z = 0: the least turn of R n onto z, and the height d.
 void level(Isometry3d& eye, const vision::PlaneSegments& planes) {
   const vision::PlaneSegment* largest = nullptr;
   for (const vision::PlaneSegment& s : planes.segments) {

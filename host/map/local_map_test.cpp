@@ -183,8 +183,8 @@ TEST(LocalMap, FloorThatEndsRaggedlyBetweenTwoThingsIsNoFace) {
   }
 }
 
-// The posture says that the eye looks a degree higher and is 1 cm lower than it does: the floor's plane in the
-// picture says otherwise.
+// The posture says that the eye looks a degree higher and is 1 cm lower than it does: the floor's plane in
+// the picture says otherwise.
 TEST(LocalMap, LevelsTheEyeByTheFloor) {
   Isometry3d wrong = test_eye(0, 0.5 - 0.0175);
   wrong.translation().z() -= 0.01;

@@ -141,7 +141,8 @@ void LocalMap::mask(const OwnPart& part, const vision::FrameInfo& info) {
 // (error below 0.01 mm). A point counts if its height is within (obstacle_m, robot_m) and above 3 standard
 // deviations of its own error, dz = z^2 / (f B) dd times the ray's slope. Depth errors scatter points behind
 // an edge over visible floor: such a point is moved up to 2 standard deviations along the ray to a cell that
-// is not. A point that agrees with the end of the floor below it stands there. Each adds share min(z^2, z0^2): the area of a pixel at depth z in cells.
+// is not. A point that agrees with the end of the floor below it stands there. Each adds share
+// min(z^2, z0^2): the area of a pixel at depth z in cells.
 void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& planes,
                              const vision::DepthImage& depth, const Vector2d& foot) {
   const vision::CameraModel& c = view.camera;

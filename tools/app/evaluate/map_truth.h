@@ -21,8 +21,8 @@ namespace kaz::tools {
 // Obstacles: points of their outlines, 1 cm apart, that lay in both eyes' pictures within 1 m, hidden by
 // nothing, for half a second or more; found are those with an obstacle's cell of the map within 2.5 cm.
 // Floor: cells within 1 m that the map knows, 2 cm or more from anything that stands there; wrong are those
-// that it has as obstacles. A cell's state is the one by which paths are planned, LocalMap::certain(). Counted
-// at every report.
+// that it has as obstacles. A cell's state is the one by which paths are planned, LocalMap::certain().
+// Counted at every report.
 class MapTruth {
  public:
   // Those that slide or roll are left out, and so is what is near them.
