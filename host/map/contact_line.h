@@ -1,8 +1,8 @@
 // Where things meet the floor in a picture, column by column. Internal to host/map.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Depth errs by centimetres a metre away, and a plain face has none but at its edges. The row in which a thing
-// meets the floor is exact to a pixel, and its ray meets the floor at the horizontal distance
+// Depth errs by centimetres a metre away, and a plain face has none but at its edges. The row in which a
+// thing meets the floor is exact to a pixel, and its ray meets the floor at the horizontal distance
 // h |r_xy| / -r_z, with h the height of the eye and r the ray, map frame.
 #pragma once
 
