@@ -35,7 +35,7 @@ TEST(Figure7, EdgesOfTheFloorAreWithinACellWithFrameInformationOnly) {
   const double cell = options.map.cell_m;
   const EdgeScore with = shown("with", run->with, *run);
   EXPECT_GT(with.points, 150);
-  EXPECT_LE(with.max_m, cell);
+  EXPECT_LE(with.max_m, cell + 1e-9);  // edges are sought in steps of a millimetre
   EXPECT_LE(std::abs(with.mean_m), 0.5 * cell);
   // At 60 degrees/s the head has gone 18 degrees on: 19 cm at 0.6 m. Only in the turning points is
   // a picture of any use.

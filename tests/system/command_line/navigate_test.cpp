@@ -74,8 +74,10 @@ TEST(Navigate, RefusesThePapersTurnsWithOmpl) {
 
 // The map shows the edge before the robot is there; beyond it the floor is half a metre below.
 TEST(Navigate, StopsBeforeTheEdgeOfATable) {
-  const Finished finished = run(kaz({"run", "navigate", "--goal", "1.3,0", "--world", "table",
-                                     "--eyes", "real", "--imu", "--mcu", "native"}));
+  const Finished finished =
+      run(kaz({"run", "navigate", "--goal", "1.3,0", "--world", "table", "--eyes", "real", "--imu",
+               "--mcu", "native"}),
+          std::chrono::seconds(180));  // of a busy machine, for 140 of the robot
   EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
   EXPECT_NE(finished.out.find("no path: "), std::string::npos) << finished.out;
 }

@@ -37,7 +37,7 @@ class Doctor : public testing::Test {
     put("/sys/devices/usb1/1-1/1-1:1.0/ttyUSB0/latency_timer", "1");
     put("/sys/devices/usb1/1-1/1-1:1.0/bInterfaceClass", "ff");
     link("../../../devices/usb1/1-1/1-1:1.0/ttyUSB0", "/sys/class/tty/ttyUSB0/device");
-    link("../../../../devices/usb1/1-1/1-1:1.0/ttyUSB0", "/sys/bus/usb-serial/devices/ttyUSB0");
+    link("../../../devices/usb1/1-1/1-1:1.0/ttyUSB0", "/sys/bus/usb-serial/devices/ttyUSB0");
     put("/sys/class/tty/ttyS0/type", "4");
     put("/sys/class/tty/ttyS9/type", "0");
     device("/dev/ttyUSB0");
@@ -153,7 +153,7 @@ TEST_F(Doctor, FindsWhatIsWrongWithCan) {
 
 TEST_F(Doctor, FindsWhatIsWrongWithCameras) {
   video_.formats = {"H264"};
-  EXPECT_EQ(about("/dev/video0").substr(0, 35), "wrong Left eye, formats H264: none t");
+  EXPECT_EQ(about("/dev/video0").substr(0, 36), "wrong Left eye, formats H264: none t");
   video_ = {false, {}, ""};
   EXPECT_EQ(about("/dev/video0"), "");
   video_.error = "Input/output error";

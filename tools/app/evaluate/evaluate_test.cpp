@@ -262,7 +262,7 @@ TEST_F(Summary, HasNothingThatWasNotMeasured) {
   EXPECT_FALSE(one.contains("rtf_median"));
   EXPECT_FALSE(one.contains("unconverged_steps"));
   EXPECT_TRUE(one["provenance"].contains("date"));
-  EXPECT_NE(read("episodes.csv").find("6,1006,0,crashed,,,"), std::string::npos)
+  EXPECT_NE(read("episodes.csv").find("6,1006,0,0,crashed,,,"), std::string::npos)
       << read("episodes.csv");
   ASSERT_TRUE(summarize({{"behavior", "stand"}}, {}, {}, folder_, false));
   const Json none = Json::parse(read("result.json"));

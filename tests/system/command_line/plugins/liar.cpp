@@ -28,12 +28,20 @@ constexpr behavior::Option kOptions[] = {
 
 Result<Outcome> run(Context& context) {
   const std::string_view claim = context.options.choice("claims");
-  // Motors stay off where the truth is that a robot with motors on stands.
-  if (claim != "stand" && claim != "get-up") KAZ_TRY(behavior::hold_still(context.robot));
+  // It lies at the start of get-up, and without motors it stays so.
+  if (claim != "get-up") KAZ_TRY(behavior::hold_still(context.robot));
   context.sink.phase(context.clock.now(), "liar", "wait");
   behavior::ControlCycle cycle(context);
   const Time end = context.clock.now() + from_seconds(context.options.number("seconds"));
-  while (context.clock.now() < end) KAZ_TRY(cycle.next({}));
+  // A robot that does nothing stands; this one leans until it falls.
+  constexpr host::JointTarget kLean[] = {{host::l_ankle_pitch, 0.6}, {host::r_ankle_pitch, 0.6}};
+  while (context.clock.now() < end) {
+    if (claim == "stand") {
+      KAZ_TRY(cycle.next(kLean, std::chrono::milliseconds(300)));
+    } else {
+      KAZ_TRY(cycle.next({}));
+    }
+  }
   // Numbers as the honest ones report them: a ball straight before the eye, at arm's length, in the hand.
   return Outcome{true,
                  "all is done",
