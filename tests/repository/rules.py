@@ -128,6 +128,7 @@ LAYERS = {
         "monitor": ("base", "kept"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
         "sim": ("base", "session"),
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
+        "compare": ("base", "session"),
         "evaluate": ("base", "vision", "session"),
         "vision_run": ("base", "kept", "vision", "session", "replay"),
         "figures": ("base", "vision", "session", "replay"),

@@ -13,7 +13,7 @@ void add_fuzz(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "fuzz", "send hostile requests to a board and check that motors and replies stay in order");
   auto arguments = std::make_shared<FuzzOptions>();
-  verb->add_option("--target", arguments->target,
+  verb->add_option("--target,--port", arguments->target,
                    "native or h8, simulated in this process, or a serial port or pty")
       ->capture_default_str()
       ->type_name("native|h8|PATH");

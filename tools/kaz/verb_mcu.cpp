@@ -44,7 +44,7 @@ void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
     verb.get_option(name)->excludes(wire);
 }
 
-void add_compare(CLI::App& mcu, Action& action) {
+void add_mcu_compare(CLI::App& mcu, Action& action) {
   auto* verb = mcu.add_subcommand(
       "compare", "compare native with h8: equal inputs of the servo tick must give equal outputs");
   auto arguments = std::make_shared<CompareArguments>();
@@ -230,7 +230,7 @@ void add_mcu(CLI::App& program, Action& action) {
       "  kaz mcu run --flat --semihost --count program.coff\n"
       "  kaz mcu compare --ticks 100000 --seed 7");
   add_bare_run(*mcu, action);
-  add_compare(*mcu, action);
+  add_mcu_compare(*mcu, action);
 }
 
 }  // namespace kaz::tools

@@ -130,6 +130,11 @@ Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const s
     if (topic == "/board/pins") run.end = std::max(run.end, sim::states_of(time));
     if (!valid) return unusable("a message of " + topic + " does not fit its schema");
   }
+  // One made at a port has no steps of a world: all that is there is whole.
+  if (!recording.has_messages("/board/pins")) {
+    run.end =
+        sim::states_of(Time(static_cast<std::int64_t>(recording.end_ns()))) + KZ_STATES_PER_TICK;
+  }
   for (auto& [sequence, pair] : pairs) run.pairs.push_back(std::move(pair));
   run.has_pictures = !run.pairs.empty();
   if (run.cut_off) end_where_it_is_whole(run);

@@ -405,8 +405,9 @@ void RealTimeServer::Parts::collect_touches() {
   };
   for (const ContactPoint& contact : simulation.world().contacts()) {
     if (robots(contact.a) == robots(contact.b)) continue;
-    const auto& [thing, by] =
-        robots(contact.b) ? std::tie(contact.a, contact.b) : std::tie(contact.b, contact.a);
+    const bool by_robot = robots(contact.b);
+    const std::string& thing = by_robot ? contact.a : contact.b;
+    const std::string& by = by_robot ? contact.b : contact.a;
     const bool known = std::ranges::any_of(touched, [&](const nlohmann::ordered_json& one) {
       return one["thing"] == thing && one["by"] == by;
     });

@@ -130,9 +130,9 @@ Recorder::Recorder(std::unique_ptr<McapWriter> file) : file_(std::move(file)) {
   const auto numbers = [this](const char* topic, std::uint16_t schema) {
     return file_->add_channel(schema, topic, "ros1");
   };
-  const auto wire_bytes = file_->add_schema("kaz/WireBytes", "ros1msg", wire_schema);
-  to_board_ = numbers("/wire/to_board", wire_bytes);
-  to_host_ = numbers("/wire/to_host", wire_bytes);
+  wire_bytes_ = file_->add_schema("kaz/WireBytes", "ros1msg", wire_schema);
+  const auto to_board = numbers("/wire/to_board", wire_bytes_);
+  lines_.push_back({to_board, numbers("/wire/to_host", wire_bytes_)});
   pins_ = numbers("/board/pins", file_->add_schema("kaz/Pins", "ros1msg", pins_schema));
   analog_ = numbers("/board/analog", file_->add_schema("kaz/Analog", "ros1msg", analog_schema));
   joints_ = numbers("/truth/joints", file_->add_schema("kaz/Joints", "ros1msg", joints_schema));
@@ -157,8 +157,14 @@ void Recorder::put(std::uint16_t channel, Time time) {
   file_->add_message(channel, static_cast<std::uint64_t>(time.count()), data_);
 }
 
-void Recorder::wire(Direction direction, States step_start, std::span<const SerialByte> bytes) {
+void Recorder::wire(Direction direction, States step_start, std::span<const SerialByte> bytes,
+                    std::size_t line) {
   if (bytes.empty()) return;
+  while (lines_.size() <= line) {
+    const std::string topic = "/wire/" + std::to_string(lines_.size() + 1);
+    const auto to_board = file_->add_channel(wire_bytes_, topic + "/to_board", "ros1");
+    lines_.push_back({to_board, file_->add_channel(wire_bytes_, topic + "/to_host", "ros1")});
+  }
   data_.clear();
   LittleEndian to(data_);
   const auto count = static_cast<std::uint32_t>(bytes.size());
@@ -168,7 +174,8 @@ void Recorder::wire(Direction direction, States step_start, std::span<const Seri
   for (const SerialByte& byte : bytes) to.number(static_cast<std::uint16_t>(byte.at - step_start));
   to.number(count);
   for (const SerialByte& byte : bytes) to.number(static_cast<std::uint8_t>(byte.framing_error));
-  put(direction == Direction::to_board ? to_board_ : to_host_,
+  const Line& channels = lines_[line];
+  put(direction == Direction::to_board ? channels.to_board : channels.to_host,
       time_of(step_start + KZ_STATES_PER_TICK));
 }
 

@@ -28,8 +28,10 @@ class Recorder {
                                                   const McapWriter::Metadata& facts);
 
   enum class Direction { to_board, to_host };
-  // Bytes whose stop bit ended in the step that began at `step_start`.
-  void wire(Direction direction, States step_start, std::span<const SerialByte> bytes);
+  // Bytes whose stop bit ended in the step that began at `step_start`. `line`: 0, or that of one of several
+  // boards, which has topics of its own (/wire/2/to_board of line 1).
+  void wire(Direction direction, States step_start, std::span<const SerialByte> bytes,
+            std::size_t line = 0);
   void pins(States at, const PinLevels& pins);
   // A/D codes that a firmware tick used.
   void analog(States at, const kz_tick_input& input);
@@ -62,8 +64,12 @@ class Recorder {
                std::span<const std::uint8_t> png);
 
   std::unique_ptr<McapWriter> file_;
-  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, supply_, contacts_,
-      link_forces_, joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
+  struct Line {
+    std::uint16_t to_board, to_host;
+  };
+  std::vector<Line> lines_;
+  std::uint16_t wire_bytes_, pins_, analog_, joints_, ball_, supply_, contacts_, link_forces_,
+      joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
   // From the first map on.
   struct MapChannels {
     std::uint16_t map, path, robot;

@@ -306,6 +306,9 @@ TEST(VisionVerb, RefusesInOneSentence) {
   expect_refusal(look({"--in", "v4l2:/dev/a,/dev/b", "--calibration", folder / "grey.ppm"}), 2,
                  {"grey.ppm", "image_width"});
   expect_refusal(look({"--in", folder / "empty", "--view", "60"}), 2, {"holds no picture"});
+  write_file(folder / "nothing.png", "");
+  expect_refusal(look({"--in", folder / "nothing.png", "--view", "60"}), 2,
+                 {"nothing.png", "the file is empty"});
   expect_refusal(look({"--in", folder / "bad"}), 2, {"--calibration", "--view"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--modules",
                        "depth,depth"}),

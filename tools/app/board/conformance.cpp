@@ -273,9 +273,9 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   if (report->interrupted) facts.signal = received_signal_name();
   KAZ_TRY(reports.write(*report, facts));
   if (!quiet) {
-    std::printf("%s on %s: %s, %d passed, %d failed, %d left out, %d undecided\n",
-                report->board.c_str(), facts.port.c_str(),
-                counted(report->results.size(), "case").c_str(),
+    const char* board = report->board.empty() ? "not identified" : report->board.c_str();
+    std::printf("%s on %s: %s, %d passed, %d failed, %d left out, %d undecided\n", board,
+                facts.port.c_str(), counted(report->results.size(), "case").c_str(),
                 report->count(hil::Verdict::passed), report->count(hil::Verdict::failed),
                 report->count(hil::Verdict::left_out), report->count(hil::Verdict::undecided));
   }

@@ -316,7 +316,7 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   std::filesystem::remove(older);
   const Error silent{Fault::environment, "no board answers"};
   EXPECT_EQ(with_earlier_notes(silent, "test-port", folder_).message,
-            "no board answers; " + sentences[0]);
+            sentences[0] + "; no board answers");
   EXPECT_EQ(with_earlier_notes({Fault::usage, "wrong"}, "test-port", folder_).message, "wrong");
   EXPECT_EQ(with_earlier_notes(silent, "other-port", folder_).message, "no board answers");
   // A killed run has left the board at address 9.

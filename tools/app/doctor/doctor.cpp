@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "shared/base/counted.hpp"
 #include "shared/base/number_text.hpp"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
@@ -294,7 +295,10 @@ Result<bool> run_doctor(const DoctorOptions& options) {
                 one.subject.empty() ? "" : ": ", one.text.c_str());
     if (!one.remedy.empty()) std::printf("                  %s\n", one.remedy.c_str());
   }
-  std::printf("%s\n", wrong == 0 ? "nothing is wrong" : (std::to_string(wrong) + " wrong").c_str());
+  const auto notes = std::ranges::count(findings, Level::note, &Finding::level);
+  std::string sum = wrong == 0 ? "nothing is wrong" : std::to_string(wrong) + " wrong";
+  if (notes > 0) sum += ", " + counted(notes, "note");
+  std::printf("%s\n", sum.c_str());
   return wrong == 0;
 }
 

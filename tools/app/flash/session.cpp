@@ -14,6 +14,7 @@
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
+#include "tools/app/base/arguments.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/time_lost.h"
 #include "tools/app/kept/kept_run.h"

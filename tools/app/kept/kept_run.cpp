@@ -94,7 +94,10 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
 
 Error with_earlier_notes(Error error, const std::string& port, const std::string& folder) {
   if (error.fault != Fault::environment) return error;
-  for (const std::string& sentence : earlier_notes(port, folder)) error.message += "; " + sentence;
+  // In front: it is the likeliest cause, and the command that ends it.
+  std::string notes;
+  for (const std::string& sentence : earlier_notes(port, folder)) notes += sentence + "; ";
+  error.message.insert(0, notes);
   return error;
 }
 

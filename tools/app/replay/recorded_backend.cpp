@@ -57,6 +57,10 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
     return fail(Fault::usage,
                 name + ": " + why + "; give a recording of this version's `kaz run` or `kaz demo`");
   };
+  if (const std::string port = fact("port"); !port.empty())
+    return fail(Fault::usage, name + ": it was recorded at the port " + port +
+                                  ": what a board and its world did there cannot be run again; "
+                                  "kaz compare sets it beside another run");
   const Json backend = object_of(fact("backend")), settings = object_of(fact("settings"));
   RecordedBackend result;
   result.behavior = fact("behavior");

@@ -70,6 +70,8 @@ class ReplayBackend final : public SessionBackend {
   Time camera_latency() const override { return board_.run().camera_latency; }
   sim::Simulation* simulation() override { return nullptr; }
   void record_behavior(const std::string& json) override { board_.think(json); }
+  Result<std::string> finish_recording(const std::string&) override { return std::string(); }
+  bool recording_failed() const override { return false; }
 
  private:
   ReplayedBoard& board_;

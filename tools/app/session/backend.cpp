@@ -19,6 +19,7 @@
 #include "tools/app/base/paths.h"
 #include "tools/app/base/version.h"
 #include "tools/app/session/board_file.h"
+#include "tools/app/session/line_recorder.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/lockstep/lockstep.h"
 
@@ -46,6 +47,10 @@ class LockstepBackend final : public SessionBackend {
   }
   void record_behavior(const std::string& json) override { simulation_->record_behavior(json); }
   void record_map(const sim::RecordedMap& map) override { simulation_->record_map(map); }
+  Result<std::string> finish_recording(const std::string& interrupted_by) override {
+    return simulation_->finish_recording(interrupted_by);
+  }
+  bool recording_failed() const override { return simulation_->recording_failed(); }
 
  private:
   std::unique_ptr<sim::Simulation> simulation_;
@@ -62,6 +67,9 @@ struct RealLine {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   std::uint32_t joints = host::kAllJoints;
   std::unique_ptr<host::FaultyLink> faulty = {};
+  host::Link* recorded = nullptr;  // of the recorder; null without one
+
+  host::Link& link() const { return faulty ? static_cast<host::Link&>(*faulty) : *port; }
 };
 
 class RealBackend final : public SessionBackend {
@@ -78,6 +86,14 @@ class RealBackend final : public SessionBackend {
         line.faulty = std::make_unique<host::FaultyLink>(*line.port, clock_, faults, seed++);
     }
   }
+  Result<void> begin_recording(const BackendOptions& options) {
+    if (options.recording.empty()) return {};
+    sim::McapWriter::Metadata facts{{"kaz", kVersion}};
+    facts.insert(facts.end(), options.facts.begin(), options.facts.end());
+    recorder_ = KAZ_TRY(LineRecorder::create(options.recording, std::move(facts), clock_));
+    for (RealLine& line : lines_) line.recorded = recorder_->record(line.link());
+    return {};
+  }
   ~RealBackend() override {
     if (const std::string summary = camera_.summary(); !summary.empty())
       std::fprintf(stderr, "%s: cameras: %s\n", named_verb().c_str(), summary.c_str());
@@ -90,9 +106,8 @@ class RealBackend final : public SessionBackend {
   std::vector<host::RobotBoard> boards() override {
     std::vector<host::RobotBoard> all;
     for (const RealLine& line : lines_) {
-      host::Link* link = line.port.get();
-      if (line.faulty) link = line.faulty.get();
-      all.push_back({link, line.address, line.joints});
+      host::Link& link = line.recorded != nullptr ? *line.recorded : line.link();
+      all.push_back({&link, line.address, line.joints});
     }
     return all;
   }
@@ -128,6 +143,17 @@ class RealBackend final : public SessionBackend {
     const auto& faulty = lines_.front().faulty;
     return faulty ? faulty->schedule().not_begun(faulty->age()) : std::vector<faults::Fault>();
   }
+  void record_behavior(const std::string& json) override {
+    if (recorder_) recorder_->behavior(json);
+  }
+  void record_map(const sim::RecordedMap& map) override {
+    if (recorder_) recorder_->map(map);
+  }
+  Result<std::string> finish_recording(const std::string& interrupted_by) override {
+    if (!recorder_) return std::string();
+    return recorder_->finish(interrupted_by);
+  }
+  bool recording_failed() const override { return recorder_ && recorder_->failed(); }
 
  private:
   std::vector<RealLine> lines_;
@@ -136,6 +162,7 @@ class RealBackend final : public SessionBackend {
   std::optional<JudgedCamera> judged_;
   NoCamera no_camera_;
   host::WallClock clock_;
+  std::unique_ptr<LineRecorder> recorder_;  // refers to lines and clock
 };
 
 constexpr std::string_view kBoards = "boards:";
@@ -314,7 +341,9 @@ Result<std::unique_ptr<SessionBackend>> SessionBackend::open(const BackendOption
   }
   const auto faults = KAZ_TRY(line_faults(options));
   auto lines = KAZ_TRY(open_lines(KAZ_TRY(parse_robot(options)), interrupt));
-  return std::make_unique<RealBackend>(std::move(lines), options, faults, interrupt);
+  auto backend = std::make_unique<RealBackend>(std::move(lines), options, faults, interrupt);
+  KAZ_TRY(backend->begin_recording(options));
+  return backend;
 }
 
 }  // namespace kaz::tools

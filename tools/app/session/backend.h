@@ -55,6 +55,11 @@ class SessionBackend {
   // The state of the behaviour, as one JSON object, for a recording where there is one.
   virtual void record_behavior(const std::string& /*json*/) {}
   virtual void record_map(const sim::RecordedMap& /*map*/) {}
+  // Ends the recording, if there is one, and returns its SHA-256: of a virtual robot, or of a port.
+  // `interrupted_by`: a signal's name, or empty.
+  virtual Result<std::string> finish_recording(const std::string& interrupted_by = "") = 0;
+  // Something of it could not be written.
+  virtual bool recording_failed() const = 0;
 };
 
 // Checks what can be checked without opening anything.

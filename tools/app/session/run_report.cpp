@@ -255,13 +255,11 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     if (simulation->world().measures_convergence())
       result["unconverged_steps"] = diagnostics.unconverged_steps;
     if (diagnostics.unconverged_steps > 0) result["warning"] = diagnostics.summary();
-    const auto sha256 =
-        report.interrupted ? report.recording_sha256 : KAZ_TRY(simulation->finish_recording());
-    if (!sha256.empty()) result["recording_sha256"] = sha256;
   } else {
     result["robot"] = report.backend.robot;
     if (!report.camera_warning.empty()) result["warning"] = report.camera_warning;
   }
+  if (!report.recording_sha256.empty()) result["recording_sha256"] = report.recording_sha256;
   result["provenance"] = provenance_json();
   result["board"] = board_json(report);
   result["link"] = link_json(report.link);

@@ -37,7 +37,7 @@ struct RunReport {
   std::string vision_table = {};       // CSV, a line for each result
   bool interrupted = false;            // it is of the part before a signal
   std::optional<RunProfile> profile = {};
-  std::string recording_sha256 = {};  // of an interrupted run, whose recording is finished already
+  std::string recording_sha256 = {};  // empty: there is none
   std::string camera_warning = {};    // SessionBackend::camera_warning()
   std::optional<RunLateness> lateness = {};  // of a run at a port
   // The robot has not succeeded, and the machine was too late to blame it; outcome.sentence says so.
@@ -58,8 +58,8 @@ nlohmann::ordered_json broken_off_json(const char* outcome, const std::string& s
 // `duration_s` and `rtf`, rounded.
 void add_times(nlohmann::ordered_json& result, double run_s, double rtf);
 
-// Ends the recording and, where there is a folder, fills it, result.json last. `recorded`: the recording grew
-// there. Returns the content of result.json.
+// Where there is a folder, fills it, result.json last. `recorded`: a recording grew there, and has ended.
+// Returns the content of result.json.
 Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
                                             const Snapshots& snapshots, const OutputFolder* folder,
                                             bool recorded);

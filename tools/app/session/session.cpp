@@ -171,9 +171,8 @@ double expected_seconds(const behavior::OptionValues& values,
   return 10;
 }
 
-// What `kaz replay` runs it again with.
-std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
-  const BackendOptions& backend = options.backend;
+// The virtual robot, as one JSON object.
+std::string robot_facts(const BackendOptions& backend) {
   nlohmann::ordered_json robot{{"world", backend.world},
                                {"robot_file", backend.robot_file},
                                {"mcu", to_string(backend.mcu)},
@@ -190,10 +189,19 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
   if (!backend.memory.empty()) robot["memory"] = backend.memory;
   if (backend.suspended) robot["suspended"] = true;
   if (!backend.joints.empty()) robot["joints"] = backend.joints;
+  return robot.dump();
+}
+
+// What `kaz replay` runs it again with.
+std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
+  const BackendOptions& backend = options.backend;
   std::vector<std::pair<std::string, std::string>> facts{
-      {"behavior", options.behavior},
-      {"settings", nlohmann::json(options.settings).dump()},
-      {"backend", robot.dump()}};
+      {"behavior", options.behavior}, {"settings", nlohmann::json(options.settings).dump()}};
+  if (backend.robot != "sim") {
+    facts.emplace_back("port", backend.robot);
+  } else {
+    facts.emplace_back("backend", robot_facts(backend));
+  }
   // The ball that vision looks for, where it is not the usual one.
   if (const vision::BallOptions& ball = options.vision.ball; !is_usual(ball)) {
     nlohmann::ordered_json json = color_json(ball.color);
@@ -205,10 +213,10 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
 
 // What there is of a run that broke off is its recording up to there: it moves in all the same. `by`: what
 // broke it off, if not the robot.
-Error with_recording(Error error, sim::Simulation* simulation, const OutputFolder* folder,
+Error with_recording(Error error, SessionBackend& backend, const OutputFolder* folder,
                      bool recorded, const std::string& by) {
-  if (simulation == nullptr || folder == nullptr || !recorded) return error;
-  const auto ended = simulation->finish_recording(by);
+  if (folder == nullptr || !recorded) return error;
+  const auto ended = backend.finish_recording(by);
   if (!ended || ended->empty()) return error;
   if (const auto placed = place_recording(*folder))
     error.message += "; the recording up to there is " + *placed;
@@ -305,7 +313,7 @@ class Session {
   std::optional<RunProfile> profile_;
   Result<kz_statistics_reply> health_;
   Result<void> left_;           // the board, as it was found or not
-  Result<std::string> sha256_;  // of an interrupted run's recording
+  Result<std::string> sha256_;  // of the recording, once it has ended
 };
 
 // Checks and locks what can be without opening anything.
@@ -324,8 +332,7 @@ Result<void> Session::prepare() {
       return tl::unexpected(lost(opened.error()));
     results_ = KAZ_TRY(std::move(opened));
   }
-  recorded_ = results_ && options_.backend.robot == "sim" && options_.backend.recording.empty() &&
-              !options_.open_backend;
+  recorded_ = results_ && options_.backend.recording.empty() && !options_.open_backend;
   if (recorded_) options_.backend.recording = growing_recording(*results_);
   // Of a run that does not begin nothing is left.
   remove_recording_.emplace(recorded_ ? options_.backend.recording : "");
@@ -509,15 +516,14 @@ std::string Session::abandon(const PluginEnd& end) {
   take_times();
   if (options_.on_end) options_.on_end(outcome_, run_s_, run_s_ / wall_s_);
   std::string rest;
-  if (interrupt && backend_->simulation() != nullptr)
-    sha256_ = backend_->simulation()->finish_recording(end.by);
+  if (interrupt) sha256_ = backend_->finish_recording(end.by);
   if (real() || interrupt) rest = leave_board();
   if (interrupt && options_.keep_interrupted) {
     rest += "; " + (sha256_ ? report().error() : lost(sha256_.error())).message;
   } else if (interrupt) {
     rest += "; interrupted";
   } else {
-    Error error = with_recording(end.error, backend_->simulation(), folder(), recorded_, end.by);
+    Error error = with_recording(end.error, *backend_, folder(), recorded_, end.by);
     rest += error.message.substr(end.error.message.size());
     write_end("failed", "crashed", error.message);
   }
@@ -569,7 +575,7 @@ Result<bool> Session::end_in_time() {
   progress_->done();
   pipeline_->finish();
   if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
-  KAZ_TRY(backend_->simulation()->finish_recording());
+  KAZ_TRY(backend_->finish_recording());
   KAZ_TRY(show_moments());
   return false;
 }
@@ -586,8 +592,7 @@ void Session::settle() {
   std::optional<host::CleanUp> clean_up;
   if (interrupted()) {
     // What follows is no part of the run, and not recorded.
-    if (backend_->simulation() != nullptr)
-      sha256_ = backend_->simulation()->finish_recording(received_signal_name());
+    sha256_ = backend_->finish_recording(received_signal_name());
     clean_up.emplace(interrupt_);
   }
   if (outcome_ || interrupted()) health_ = robot_->board_statistics();
@@ -613,10 +618,9 @@ Result<void> Session::check_end() {
     return {};
   }
   if (!outcome_) {
-    const bool unrecorded =
-        backend_->simulation() != nullptr && backend_->simulation()->recording_failed();
-    Error error = with_recording(together(outcome_, left_).error(), backend_->simulation(),
-                                 folder(), recorded_, threw_ ? "an exception" : "");
+    const bool unrecorded = backend_->recording_failed();
+    Error error = with_recording(together(outcome_, left_).error(), *backend_, folder(), recorded_,
+                                 threw_ ? "an exception" : "");
     // For an evaluation nothing but the robot can fail to answer in lockstep, unless the recording
     // cannot be written; at a port it is the line, too.
     if ((real() || threw_ || unrecorded) && error.fault == Fault::environment)
@@ -661,6 +665,8 @@ Result<bool> Session::report() {
     if (recorded_) remove_recording_.emplace(options_.backend.recording);
     return outcome_->success;
   }
+  if (!interrupted()) sha256_ = backend_->finish_recording();
+  if (!sha256_) return tl::unexpected(lost(sha256_.error()));
   const behavior::Outcome cut_short{
       false, "ended by " + std::string(received_signal_name()), {}, {}};
   const RunReport report{options_.behavior,

@@ -228,8 +228,8 @@ struct LiveSource {
     rig_options.calibration = options.calibration;
     auto opened = KAZ_TRY(SessionBackend::open(rig_options, interrupt));
     backend = std::move(opened);
-    auto connected = host::Robot::connect(backend->boards(), backend->clock(),
-                                          {.watchdog = Time::zero()});
+    auto connected =
+        host::Robot::connect(backend->boards(), backend->clock(), {.watchdog = Time::zero()});
     const std::string port = backend->port() ? backend->port()->name() : "";
     if (!connected) return tl::unexpected(with_earlier_notes(connected.error(), port));
     for (const std::string& sentence : earlier_notes(port))
@@ -370,8 +370,12 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
 
 Result<bool> run_on_recording(const RecordedOptions& options) {
   const auto vision = KAZ_TRY(vision_options(options));
+  std::error_code unknown;
+  if (std::filesystem::file_size(options.in, unknown) == 0 && !unknown)
+    return fail(Fault::usage, options.in + ": the file is empty");
   if (!options.calibration.empty() || options.view_deg != 0)
-    return fail(Fault::usage, "a recording knows its eyes: leave --calibration and --view out");
+    return fail(Fault::usage,
+                options.in + ": a recording knows its eyes: leave --calibration and --view out");
   const auto recorded = KAZ_TRY(sim::McapRecording::load(options.in));
   if (!recorded.has_messages("/eyes/left"))
     return fail(Fault::usage, options.in + ": it has no pictures; record with --record-pictures");

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/runtime/formats/mcap_reader.h"
+#include "tools/app/compare/comparison.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/fuzz/inputs/input.h"
@@ -65,6 +66,12 @@ Complaint try_recording(Bytes bytes) {
         return "a message that differs from itself";
     }
     before = &message;
+  }
+  const auto trace = tools::RunTrace::of(*recording, "case.mcap");
+  if (!trace) {
+    if (auto wrong = judge_error(trace.error(), "case.mcap")) return wrong;
+  } else if (tools::compare(*trace, *trace).differing() != 0) {
+    return "a run that differs from itself";
   }
   const auto run = lockstep::RecordedRun::of(*recording, "case.mcap");
   if (!run) return judge_error(run.error(), "case.mcap");

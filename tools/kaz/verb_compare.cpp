@@ -1,0 +1,43 @@
+// `kaz compare`: two recordings side by side, and what differs.
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include "tools/app/compare/compare.h"
+#include "tools/kaz/options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+
+void add_compare(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "compare", "set two recordings side by side: joints, supply, link, pictures");
+  auto arguments = std::make_shared<CompareOptions>();
+  verb->add_option("A", arguments->a, "recording.mcap of a run, or the folder that has it")
+      ->required()
+      ->type_name("");
+  verb->add_option("B", arguments->b, "the other one")->required()->type_name("");
+  verb->add_option("--out", arguments->out, "folder for report.html, its plots and result.json")
+      ->type_name("DIR");
+  verb->add_flag("--all", arguments->all, "print also what does not differ");
+  verb->add_flag("--json", arguments->json, "print result.json instead");
+  verb->footer(
+      "For a real robot and a virtual one, or before and after a change. Only what passed the wire "
+      "and "
+      "what the behaviour reported is read, so both sides have the same: each joint's lag, offset "
+      "and "
+      "scatter against its command, supply, round trips, delays of pictures. A measure differs if "
+      "it "
+      "does so by more than its scatter within the runs explains (Welch's test, 0.1 %).\n"
+      "Exit status: 0 nothing differs, 1 something does, 2 wrong usage.\n"
+      "Examples:\n"
+      "  kaz run go-forward --set distance=0.1 --mcu native --out before\n"
+      "  kaz run go-forward --set distance=0.1 --mcu native --supply 8 --out weaker\n"
+      "  kaz compare before weaker --out difference");
+  verb->callback([&action, arguments] {
+    action = [arguments]() -> Result<Outcome> {
+      return Outcome(KAZ_TRY(compare_recordings(*arguments)));
+    };
+  });
+}
+
+}  // namespace kaz::tools
