@@ -98,6 +98,12 @@ void add_run(CLI::App& program, Action& action) {
           "--calibration", session.backend.calibration,
           "file of kaz calibrate stereo, for v4l2 cameras; it sets the size of their pictures")
       ->type_name("FILE");
+  verb->add_option("--reconnect", session.backend.reconnect_s,
+                   "at a port: how long a link that is lost is sought before the run ends; the "
+                   "joints are held meanwhile")
+      ->check(between(0, 3600))
+      ->capture_default_str()
+      ->type_name("SECONDS");
   add_out(*verb, *arguments, "; nothing is written if not given");
   add_duration(*verb, *arguments,
                "the same as --set seconds=SECONDS, of " + timed_behaviors() +

@@ -19,6 +19,7 @@ constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
 struct BackendOptions {
   std::string robot = "sim";        // "sim", a port as parse_port_address() has it, or boards:FILE
   std::uint8_t address = 1;         // of the board at a port
+  double reconnect_s = 3;           // how long a lost board is sought there
   std::string camera = "sim";       // "sim", or as open_live_camera() has it
   std::string calibration;          // file; of real cameras
   bool needs_camera = true;         // false: at a port the camera may be left out

@@ -375,7 +375,8 @@ Result<void> Session::connect() {
   for (host::RobotBoard& board : boards) board.link = &links_.emplace_back(*board.link, gate());
   auto robot = KAZ_TRY(
       host::Robot::connect(boards, *clock_,
-                           {.on_resumed = report_resumption,
+                           {.reconnect = from_seconds(options_.backend.reconnect_s),
+                            .on_resumed = report_resumption,
                             .frames_path = real() ? temporary_file("frames.txt") : std::string()}));
   robot_ = std::move(robot);
   if (!real()) return {};
