@@ -147,7 +147,12 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     beast::get_lowest_layer(socket_).socket().set_option(tcp::no_delay(true), ignored);
     beast::get_lowest_layer(socket_).expires_never();
     socket_.async_accept(request, [self = shared_from_this()](Error error) {
-      if (!error) self->greet();
+      if (error) return;
+      // Foxglove's mcap-record begins to listen a moment after it has connected.
+      self->greeting_.expires_after(std::chrono::milliseconds(20));
+      self->greeting_.async_wait([self](Error ended) {
+        if (!ended) self->greet();
+      });
     });
   }
 
@@ -367,6 +372,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   websocket::stream<beast::tcp_stream> socket_;
   std::shared_ptr<Counted> counted_;
   const bool control_;
+  asio::steady_timer greeting_{server_.io};
   beast::flat_buffer buffer_;
   int wrong_ = 0;
   // Below the server's mutex.
