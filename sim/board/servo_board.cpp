@@ -57,6 +57,10 @@ int signed_counts(const PinLevels& pins, const Wiring& wire) {
 
 }  // namespace
 
+double duty_of(const PinLevels& pins, std::size_t joint) {
+  return signed_counts(pins, wiring[joint]) / 256.0;
+}
+
 ServoBoard::ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options)
     : mcu_(std::move(mcu)), options_(options), heat_(options.params.driver), pins_(mcu_->pins()) {
   for (int j = 0; j < KZ_JOINTS; ++j) {

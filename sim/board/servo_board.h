@@ -49,6 +49,9 @@ struct PotFault {
   }
 };
 
+// -1..1, in the direction of the joint, whether the drivers are on or not.
+double duty_of(const PinLevels& pins, std::size_t joint);
+
 class ServoBoard {
  public:
   ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options);

@@ -119,7 +119,8 @@ LAYERS = {
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
     "tools": {
         "cmake": (), "trials": (), "figure": (), "lockstep": (), "app": ("trials", "figure", "lockstep"),
-        "fuzz": ("lockstep", "app"), "kaz": ("figure", "app", "fuzz"), "benchmark": ("lockstep",),
+        "view": (), "fuzz": ("lockstep", "app", "view"), "kaz": ("figure", "app", "fuzz", "view"),
+        "benchmark": ("lockstep",),
     },
     "tools/app": {
         "base": (), "doctor": ("base",), "kept": ("base",), "vision": ("base",),

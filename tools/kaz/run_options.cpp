@@ -74,6 +74,7 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
       ->check(between(0.005, 0.5))
       ->capture_default_str()
       ->type_name("M");
+  add_watch_options(verb, arguments.watch);
   verb.add_flag("--json", arguments.session.json,
                 "print the result as JSON on standard output, no progress");
 }
@@ -114,7 +115,7 @@ Result<bool> run_behavior(RunArguments arguments) {
     const auto color = KAZ_TRY(read_color(arguments.color));
     arguments.session.vision.ball.color = color;
   }
-  return run_session(arguments.session);
+  return run_watched(arguments.watch, arguments.session);
 }
 
 }  // namespace kaz::tools

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/app/session/session.h"
+#include "tools/kaz/watch_options.h"
 
 namespace kaz::tools {
 
@@ -18,6 +19,7 @@ struct RunArguments {
   std::string color;                  // file
   std::string goal;                   // of navigate
   std::string memory;                 // file
+  WatchArguments watch;
 };
 
 // Of both verbs; what they describe differently is added by the others.

@@ -4,6 +4,7 @@
 #include "tools/app/replay/replay.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
+#include "tools/kaz/watch_options.h"
 
 namespace kaz::tools {
 
@@ -14,6 +15,7 @@ void add_replay(CLI::App& program, Action& action) {
     ReplayOptions replay;
     std::vector<std::string> settings;
     bool host = false, whole = false;
+    WatchArguments watch;
   };
   auto arguments = std::make_shared<Arguments>();
   verb->add_option("FILE", arguments->replay.file, "recording.mcap of a run")
@@ -33,19 +35,29 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_option("--plugin", arguments->replay.plugin,
                    "the plug-in, if the run was of one: a recording loads no code by itself")
       ->type_name("FILE");
+  add_watch_options(*verb, arguments->watch);
+  for (const char* option : {"--host", "--whole", "--seed", "--set", "--plugin"})
+    verb->get_option("--view")->excludes(verb->get_option(option));
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output");
   verb->footer(
       "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
       "first difference is reported with time, place in the stream, and its message. Changed "
       "programs of the host are tried like this on what a virtual robot has met.\n"
-      "Exit status: 0 identical, 1 they differ.\n"
+      "With --view nothing runs again: the recording is played, with pause and jumps in the page, "
+      "until Ctrl-C.\n"
+      "Exit status: 0 identical, or played; 1 they differ.\n"
       "Examples:\n"
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz replay seen/recording.mcap\n"
       "  kaz replay seen/recording.mcap --set seconds=1 --json\n"
-      "  kaz replay seen/recording.mcap --whole");
+      "  kaz replay seen/recording.mcap --whole\n"
+      "  kaz replay seen/recording.mcap --view");
   verb->callback([&action, arguments] {
     action = [arguments]() -> Result<Outcome> {
+      if (arguments->watch.view) {
+        KAZ_TRY(play_recording(arguments->watch, arguments->replay.file));
+        return Outcome();
+      }
       const auto settings = KAZ_TRY(parse_settings(arguments->settings));
       arguments->replay.settings = settings;
       if (arguments->host) arguments->replay.mode = ReplayMode::host;

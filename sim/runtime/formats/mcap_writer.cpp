@@ -58,9 +58,12 @@ void put_pairs(LittleEndian& to, const std::vector<std::pair<A, B>>& pairs) {
 }  // namespace
 
 Result<std::unique_ptr<McapWriter>> McapWriter::create(const std::string& path,
-                                                       const std::string& library) {
+                                                       const std::string& library,
+                                                       MessageTap* tap) {
   std::unique_ptr<McapWriter> writer(new McapWriter);
   writer->path_ = path;
+  writer->tap_ = tap;
+  if (path.empty()) return writer;
   writer->file_.open(path, std::ios::binary | std::ios::trunc);
   if (!writer->file_)
     return fail(Fault::environment, "cannot write the recording " + path + ": " +
@@ -85,6 +88,7 @@ void McapWriter::put_bytes(std::span<const std::uint8_t> bytes) {
 
 // `crc`: of the bytes.
 void McapWriter::put_bytes(std::span<const std::uint8_t> bytes, std::uint32_t crc) {
+  if (path_.empty()) return;
   if (write_error_ == 0) errno = 0;
   file_.write(reinterpret_cast<const char*>(bytes.data()),
               static_cast<std::streamsize>(bytes.size()));
@@ -116,6 +120,7 @@ std::uint16_t McapWriter::add_schema(const std::string& name, const std::string&
   content_.clear();
   LittleEndian(content_).number(id).text(name).text(encoding).text(text);
   schemas_.push_back(content_);
+  if (tap_ != nullptr) tapped_.push_back({name, encoding, text});
   put(op_schema, content_);
   return id;
 }
@@ -129,11 +134,17 @@ std::uint16_t McapWriter::add_channel(std::uint16_t schema, const std::string& t
   put_map(record, {});
   channels_.push_back({content_, 0, {}});
   put(op_channel, content_);
+  if (tap_ != nullptr) {
+    const TappedSchema& of = tapped_[schema - 1u];
+    tap_->channel(id, topic, message_encoding, of.name, of.encoding, of.text);
+  }
   return id;
 }
 
 void McapWriter::add_message(std::uint16_t channel, std::uint64_t time_ns,
                              std::span<const std::uint8_t> data) {
+  if (tap_ != nullptr) tap_->message(channel, time_ns, data);
+  if (path_.empty()) return;
   Channel& of = channels_[channel];
   if (chunk_.empty()) chunk_first_ns_ = chunk_last_ns_ = time_ns;
   chunk_first_ns_ = std::min(chunk_first_ns_, time_ns);
@@ -248,6 +259,7 @@ Result<void> McapWriter::written() const {
 }
 
 Result<std::string> McapWriter::finish() {
+  if (path_.empty()) return std::string();
   end_chunk();
   content_.clear();
   LittleEndian(content_).number(crc_);  // of all so far: the data section

@@ -21,14 +21,28 @@ struct evp_md_ctx_st;  // OpenSSL's digest context
 
 namespace kaz::sim {
 
+// Hears what is written, in the order of the file, on the writer's thread.
+class MessageTap {
+ public:
+  virtual ~MessageTap() = default;
+  // Before the first message of the channel. `encoding`: of its messages, "ros1", "json".
+  virtual void channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
+                       const std::string& schema_name, const std::string& schema_encoding,
+                       const std::string& schema) = 0;
+  virtual void message(std::uint16_t channel, std::uint64_t time_ns,
+                       std::span<const std::uint8_t> data) = 0;
+};
+
 class McapWriter {
  public:
   using Metadata = std::vector<std::pair<std::string, std::string>>;
   static constexpr std::size_t chunk_bytes = 1 << 20;
 
-  // Replaces the file at `path`. `library` names the program and its version.
+  // Replaces the file at `path`. `library` names the program and its version. The tap, if there is one,
+  // must outlive the writer; without a path there is no file, only the tap.
   static Result<std::unique_ptr<McapWriter>> create(const std::string& path,
-                                                    const std::string& library);
+                                                    const std::string& library,
+                                                    MessageTap* tap = nullptr);
   ~McapWriter();
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
@@ -43,7 +57,8 @@ class McapWriter {
   void add_message(std::uint16_t channel, std::uint64_t time_ns,
                    std::span<const std::uint8_t> data);
 
-  // Finishes the file. Returns the SHA-256 of its bytes, in hexadecimal. Errors: writing failed.
+  // Finishes the file. Returns the SHA-256 of its bytes, in hexadecimal; empty without a file. Errors:
+  // writing failed.
   Result<std::string> finish();
   // Fails (environment) from the first write on that did not succeed.
   Result<void> written() const;
@@ -75,7 +90,13 @@ class McapWriter {
   void put_statistics();
   void put_summary();
 
-  std::string path_;
+  struct TappedSchema {
+    std::string name, encoding, text;
+  };
+
+  std::string path_;  // empty: no file
+  MessageTap* tap_ = nullptr;
+  std::vector<TappedSchema> tapped_;  // as schemas_
   std::ofstream file_;
   int write_error_ = 0;    // errno of the first write that failed
   std::uint64_t at_ = 0;   // bytes written

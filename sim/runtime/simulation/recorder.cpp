@@ -120,8 +120,9 @@ LittleEndian& put_stamp(LittleEndian& to, Time time, std::uint32_t sequence = 0)
 }  // namespace
 
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& path,
-                                                   const McapWriter::Metadata& facts) {
-  auto file = KAZ_TRY(McapWriter::create(path, "kaz"));
+                                                   const McapWriter::Metadata& facts,
+                                                   MessageTap* tap) {
+  auto file = KAZ_TRY(McapWriter::create(path, "kaz", tap));
   file->add_metadata("kaz", facts);
   return std::unique_ptr<Recorder>(new Recorder(std::move(file)));
 }

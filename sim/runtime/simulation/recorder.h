@@ -24,8 +24,10 @@ namespace kaz::sim {
 
 class Recorder {
  public:
+  // As McapWriter::create().
   static Result<std::unique_ptr<Recorder>> create(const std::string& path,
-                                                  const McapWriter::Metadata& facts);
+                                                  const McapWriter::Metadata& facts,
+                                                  MessageTap* tap = nullptr);
 
   enum class Direction { to_board, to_host };
   // Bytes whose stop bit ended in the step that began at `step_start`. `line`: 0, or that of one of several

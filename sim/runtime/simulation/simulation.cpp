@@ -14,6 +14,7 @@
 #include "shared/board/table.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/runtime/simulation/recorder.h"
+#include "sim/runtime/simulation/recording_tap.h"
 
 namespace kaz::sim {
 namespace {
@@ -121,7 +122,7 @@ Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions
   const auto ratio = KAZ_TRY(step_ratio(1000 * world->step_s()));
   std::unique_ptr<Simulation> simulation(
       new Simulation(options, std::move(mcu), std::move(world), camera, ratio));
-  if (!options.recording_path.empty()) {
+  if (!options.recording_path.empty() || options.tap != nullptr) {
     KAZ_TRY(simulation->start_recording(options.recording_path));
   }
   return simulation;
@@ -259,6 +260,7 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   if (eyes_) {
     for (const auto& digest : eyes_->take_digests(false)) recorder_->eyes(digest);
   }
+  if (options_.tap != nullptr) options_.tap->stepped(time(), *world_);
 }
 
 Error Simulation::no_eyes() {
@@ -331,7 +333,7 @@ Result<void> Simulation::start_recording(const std::string& path) {
       facts.push_back(std::move(fact));
   }
   if (options_.record_pictures && has_eyes()) facts.push_back({"camera", text_of(camera_)});
-  auto recorder = KAZ_TRY(Recorder::create(path, facts));
+  auto recorder = KAZ_TRY(Recorder::create(path, facts, options_.tap));
   recorder_ = std::move(recorder);
   world_->watch_contacts(true);
   if (eyes_) eyes_->keep(kept_of_pairs());

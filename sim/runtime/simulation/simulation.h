@@ -36,6 +36,7 @@
 namespace kaz::sim {
 
 class Recorder;
+class RecordingTap;
 struct RecordedMap;
 
 struct SimulationOptions {
@@ -58,6 +59,7 @@ struct SimulationOptions {
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;               // times since the start
   std::string recording_path;            // none if empty
+  RecordingTap* tap = nullptr;           // hears what is, or would be, recorded; must outlive this
   bool record_pictures = false;          // the eyes' pictures too, not only their digests
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
   RendererFactory renderer = maker_of(kDefaultRenderer);

@@ -73,10 +73,11 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
                                                           const World& world) {
   const auto& [mcu, image_path, world_path, robot_path, camera_path, seed, dynamics,
                physics_step_ms, suspended, sensors, sensor_params, imu, eyes, eye_width,
-               supply_volts, supply_ohms, frames, faults, recording_path, record_pictures,
+               supply_volts, supply_ohms, frames, faults, recording_path, tap, record_pictures,
                recording_facts, renderer, detour_every] = options;
   static_cast<void>(dynamics);        // the world returns it with the iterations
   static_cast<void>(recording_path);  // a recording changes nothing
+  static_cast<void>(tap);             // nor does who hears of it
   static_cast<void>(record_pictures);
   static_cast<void>(recording_facts);
   static_cast<void>(detour_every);  // nor does a detour

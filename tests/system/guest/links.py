@@ -199,7 +199,8 @@ def in_guest(options, link, behavior, seed, during=None, before=None):
             before(guest)
         command = (f"{options.kaz} run {command_of(behavior, seed, options.seconds)} --robot {link.robot} "
                    # A plug that comes back is found by the kernel only after seconds of this machine.
-                   f"--reconnect 20 --camera {EYES} --calibration {options.calibration} >/mnt/result.json 2>/mnt/run.txt")
+                   f"--reconnect 20 --camera {EYES} --calibration {options.calibration} "
+                   ">/mnt/result.json 2>/mnt/run.txt")
         if during is None:
             guest.run(command, PATIENCE_S, check=False)
         else:

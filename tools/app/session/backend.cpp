@@ -285,6 +285,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
   sim.imu = options.imu;
   sim.supply_volts = options.supply_volts;
   sim.recording_path = options.recording;
+  sim.tap = options.tap;
   sim.detour_every = std::chrono::milliseconds(std::llround(1000 * options.restore_every_s));
   sim.record_pictures = options.record_pictures;
   if (!options.faults.empty()) {

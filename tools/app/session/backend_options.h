@@ -12,6 +12,10 @@
 #include "sim/runtime/eyes/eye_kind.h"
 #include "sim/view/renderer_kind.h"
 
+namespace kaz::sim {
+class RecordingTap;
+}
+
 namespace kaz::tools {
 
 constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
@@ -44,9 +48,10 @@ struct BackendOptions {
   int eye_width = 0;                 // 320 or 640; 0: as in camera.json
   sim::RendererKind renderer = sim::kDefaultRenderer;
   std::uint64_t seed = 1;
-  std::string faults;          // file with a schedule of faults; none if empty
-  std::string recording;       // path of the recording; none if empty
-  double restore_every_s = 0;  // detours of the simulation; 0: none
+  std::string faults;                // file with a schedule of faults; none if empty
+  std::string recording;             // path of the recording; none if empty
+  sim::RecordingTap* tap = nullptr;  // SimulationOptions
+  double restore_every_s = 0;        // detours of the simulation; 0: none
   bool record_pictures = false;
   // Of what runs on it, for the recording: name and value.
   std::vector<std::pair<std::string, std::string>> facts;

@@ -390,7 +390,7 @@ Result<void> Session::begin_vision() {
   KAZ_TRY(backend_->open_camera());
   if (behavior_.needs_camera && !backend_->sees())
     return tl::unexpected(sim::Simulation::no_eyes());
-  camera_.emplace(backend_->camera());
+  camera_.emplace(backend_->camera(), options_.on_pair);
   capture_.emplace(*camera_, *robot_);
   pipeline_.emplace(vision::PipelineOptions{backend_->pace(), backend_->camera_latency()});
   VisionOptions modules = options_.vision;

@@ -34,9 +34,10 @@ struct SessionOptions {
   std::string label = "kaz run";                // begins progress lines
   VisionOptions vision;                         // always with the module color
   VisionWatcher* watcher = nullptr;             // must outlive the session
-  bool profile = false;                         // measures where the time goes
-  bool keep_interrupted = true;                 // writes what there is of an interrupted run
-  Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
+  std::function<void(const vision::StereoPair&)> on_pair;  // each that the host has got
+  bool profile = false;                                    // measures where the time goes
+  bool keep_interrupted = true;        // writes what there is of an interrupted run
+  Onlooker* onlooker = nullptr;        // of a simulated robot; must outlive the session
   behavior::Sink* listener = nullptr;  // hears what the behaviour reports; must outlive the session
   // Of a simulated robot: the run ends there as by Ctrl-C, which is no error; its result is false.
   std::optional<Time> until;

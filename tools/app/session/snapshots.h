@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/behavior/sink.h"
@@ -17,17 +19,23 @@ namespace kaz::tools {
 // Passes pairs through and remembers the newest.
 class RememberingCamera final : public vision::Camera {
  public:
-  explicit RememberingCamera(vision::Camera& camera) : camera_(camera) {}
+  explicit RememberingCamera(vision::Camera& camera,
+                             std::function<void(const vision::StereoPair&)> on_pair = {})
+      : camera_(camera), on_pair_(std::move(on_pair)) {}
   const vision::CameraModel& model() const override { return camera_.model(); }
   Result<std::optional<vision::StereoPair>> poll() override {
     auto pair = camera_.poll();
-    if (pair && *pair) newest_ = **pair;
+    if (pair && *pair) {
+      newest_ = **pair;
+      if (on_pair_) on_pair_(*newest_);
+    }
     return pair;
   }
   const std::optional<vision::StereoPair>& newest() const { return newest_; }
 
  private:
   vision::Camera& camera_;
+  std::function<void(const vision::StereoPair&)> on_pair_;
   std::optional<vision::StereoPair> newest_;
 };
 

@@ -43,6 +43,9 @@ Complaint try_can(Bytes bytes);     // ISO-TP messages and error frames
 Complaint try_telnet(Bytes bytes);  // RFC 2217, both ends
 Complaint try_boards(Bytes bytes);  // files of boards
 
+// Viewers of a run (viewers.cpp).
+Complaint try_viewer(Bytes bytes);  // requests; messages of a recording that is played
+
 inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"world", try_world},
                                            {"motor", try_motor},
@@ -70,6 +73,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"control_reply", try_control_reply},
                                            {"can", try_can},
                                            {"telnet", try_telnet},
-                                           {"boards", try_boards}};
+                                           {"boards", try_boards},
+                                           {"viewer", try_viewer}};
 
 }  // namespace kaz::fuzz

@@ -1,0 +1,132 @@
+// The page of --view in a real browser: live, played, with two viewers, after a restart.
+// SPDX-License-Identifier: Apache-2.0
+// node page.mjs KAZ FOLDER: pictures of the page go to FOLDER. Exit status 77: there is no chromium.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { existsSync, mkdirSync } from "node:fs";
+import { chromium } from "playwright-core";
+
+const [kaz, folder] = process.argv.slice(2);
+const browserPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find((path) => existsSync(path));
+if (!browserPath) {
+  console.log("skipped: chromium is not installed (apt-get install chromium)");
+  process.exit(77);
+}
+mkdirSync(folder, { recursive: true });
+
+const running = new Set();
+function start(...words) {
+  const child = spawn(kaz, words, { stdio: ["ignore", "ignore", "pipe"] });
+  running.add(child);
+  let text = "";
+  const ended = new Promise((resolve) => child.on("exit", (code) => { running.delete(child); resolve(code); }));
+  const url = new Promise((resolve, reject) => {
+    child.stderr.on("data", (data) => {
+      text += data;
+      const found = /watch it at (\S+)/.exec(text);
+      if (found) resolve(found[1]);
+    });
+    ended.then((code) => reject(new Error(`kaz ${words.join(" ")} ended with ${code}: ${text}`)));
+  });
+  return { child, url, ended, stop: () => { child.kill("SIGINT"); return ended; } };
+}
+const run = (port, ...more) => start("run", "track-ball", "--mcu", "native", "--set", "seconds=60", "--pace", "1",
+  ...more, "--view", `127.0.0.1:${port}`);
+
+const browser = await chromium.launch({ executablePath: browserPath,
+  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+const wrong = [];
+async function open(url, options = {}) {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
+  page.on("console", (message) => {
+    // The browser itself reports each attempt while the program is away.
+    if (message.type() === "error" && !message.text().includes("ERR_CONNECTION_REFUSED")) wrong.push(message.text());
+  });
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  const before = Date.now();
+  await page.goto(url);
+  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 20000 });
+  return { page, took: Date.now() - before };
+}
+const head = (page) => page.evaluate(() => window.kaz.pose("neck_tilt"));
+const differ = (a, b) => Math.max(...a.map((x, i) => Math.abs(x - b[i])));
+
+try {
+  // Live.
+  const recorded = `${folder}/run`;
+  const live = run(0, "--out", recorded);
+  const url = await live.url;
+  const { page, took } = await open(url);
+  console.log(`the page shows the robot ${took} ms after it was opened`);
+  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 60, null, { timeout: 20000 });
+  const [a, shot] = [await head(page), await page.locator("#view").screenshot()];
+  let moved = 0;
+  for (let i = 0; i < 40 && moved < 0.01; ++i) {
+    await page.waitForTimeout(100);
+    moved = differ(a, await head(page));
+  }
+  assert(moved >= 0.01, "the head does not move in the scene");
+  assert(!shot.equals(await page.locator("#view").screenshot()), "the picture of the robot does not change");
+  const trunk = await page.evaluate(() => window.kaz.pose("trunk"));
+  assert(trunk[2] > 0.1 && trunk[2] < 0.2, `the trunk is at a height of ${trunk[2]} m`);
+  const eye = await page.evaluate(() => document.getElementById("left").naturalWidth);
+  assert(eye >= 320, `the left eye's picture is ${eye} px wide`);
+  assert.match(await page.textContent("#phase"), /track-ball/);
+  assert.equal(await page.textContent("#connection"), "live");
+  await page.screenshot({ path: `${folder}/light.png` });
+  await page.click("#theme");
+  await page.waitForTimeout(200);
+  await page.screenshot({ path: `${folder}/dark.png` });
+
+  // A second viewer, in a narrow window: nothing is wider than it.
+  const second = await open(url, { viewport: { width: 390, height: 844 } });
+  const wide = await second.page.evaluate(() => document.documentElement.scrollWidth);
+  assert(wide <= 390, `the page is ${wide} px wide in a window of 390`);
+  await second.page.waitForFunction(() => window.kaz.pictures() > 1);
+  await second.page.screenshot({ path: `${folder}/narrow.png`, fullPage: true });
+  await second.page.close();
+
+  // The program ends and comes back at the same port.
+  const port = new URL(url).port;
+  await live.stop();
+  await page.waitForFunction(() => document.getElementById("connection").textContent.startsWith("not connected"));
+  const again = run(port);
+  await again.url;
+  await page.goto(await again.url);
+  await page.waitForFunction(() => document.getElementById("connection").textContent === "live", null, { timeout: 10000 });
+  await page.close();
+  const untold = await open((await again.url).replace(/\?.*/, ""));  // without the token: looking is free
+  await again.stop();
+  await untold.page.waitForFunction(() => document.getElementById("connection").textContent.startsWith("not connected"));
+  const third = run(port);
+  await untold.page.waitForFunction(() => document.getElementById("connection").textContent === "live", null,
+    { timeout: 15000 });
+  await third.stop();
+  await untold.page.close();
+
+  // Played: pause, jump, keys.
+  const played = start("replay", `${recorded}/recording.mcap`, "--view", "127.0.0.1:0");
+  const player = (await open(await played.url)).page;
+  const time = () => player.evaluate(() => window.kaz.time());
+  await player.click("#play");
+  await player.waitForFunction(() => !window.kaz.playing());
+  const paused = await time();
+  await player.waitForTimeout(400);
+  assert.equal(await time(), paused);
+  await player.locator("#scrub").fill("500");
+  await player.waitForFunction((before) => Math.abs(window.kaz.time() - before) > 0.3, paused);
+  const middle = await time();
+  await player.locator("#view").focus();
+  await player.keyboard.press(",");
+  await player.waitForFunction((before) => window.kaz.time() < before - 0.5, middle);
+  await player.keyboard.press(" ");
+  await player.waitForFunction(() => window.kaz.playing());
+  await player.waitForFunction((before) => window.kaz.time() > before, middle);
+  await player.screenshot({ path: `${folder}/player.png` });
+  assert.equal(await played.stop(), 0, "the player's exit status");
+  assert.deepEqual(wrong.filter((text) => !text.includes("WebSocket connection")), [], "errors in the console");
+  console.log("live, two viewers, restart and player: as they should be");
+} finally {
+  for (const child of running) child.kill("SIGKILL");
+  await browser.close();
+}

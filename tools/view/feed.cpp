@@ -1,0 +1,455 @@
+// What viewers get beside the recorded channels.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/view/feed.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "shared/base/files.hpp"
+#include "shared/picture/jpeg.h"
+#include "shared/protocol/message_info.h"
+#include "shared/protocol/messages.h"
+#include "sim/board/servo_board.h"
+#include "sim/runtime/formats/little_endian.h"
+
+namespace kaz::watch {
+namespace {
+
+using sim::LittleEndian;
+using sim::LittleEndianFields;
+
+#define KAZ_MSG                                                                        \
+  "================================================================================\n" \
+  "MSG: "
+#define KAZ_HEADER KAZ_MSG "std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
+#define KAZ_VECTOR KAZ_MSG "geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n"
+#define KAZ_QUATERNION \
+  KAZ_MSG "geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"
+#define KAZ_POINT KAZ_MSG "geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n"
+
+constexpr char kTf[] =
+    "geometry_msgs/TransformStamped[] transforms\n" KAZ_MSG
+    "geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
+    "geometry_msgs/Transform transform\n" KAZ_HEADER KAZ_MSG
+    "geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
+    "geometry_msgs/Quaternion rotation\n" KAZ_VECTOR KAZ_QUATERNION;
+constexpr char kJointState[] =
+    "# True angles and the motors' torques.\nstd_msgs/Header header\nstring[] name\n"
+    "float64[] position\nfloat64[] velocity\nfloat64[] effort\n" KAZ_HEADER;
+constexpr char kText[] = "string data\n";
+constexpr char kMarkers[] =
+    "visualization_msgs/Marker[] markers\n" KAZ_MSG
+    "visualization_msgs/Marker\nuint8 ARROW=0\nuint8 CUBE=1\nuint8 SPHERE=2\nuint8 CYLINDER=3\n"
+    "uint8 ADD=0\nuint8 DELETEALL=3\nstd_msgs/Header header\nstring ns\nint32 id\nint32 type\n"
+    "int32 action\ngeometry_msgs/Pose pose\ngeometry_msgs/Vector3 scale\nstd_msgs/ColorRGBA color\n"
+    "duration lifetime\nbool frame_locked\ngeometry_msgs/Point[] points\n"
+    "std_msgs/ColorRGBA[] colors\nstring text\nstring mesh_resource\n"
+    "bool mesh_use_embedded_materials\n" KAZ_HEADER KAZ_MSG
+    "geometry_msgs/Pose\ngeometry_msgs/Point position\n"
+    "geometry_msgs/Quaternion orientation\n" KAZ_POINT KAZ_QUATERNION KAZ_VECTOR KAZ_MSG
+    "std_msgs/ColorRGBA\nfloat32 r\nfloat32 g\nfloat32 b\nfloat32 a\n";
+constexpr char kBoard[] =
+    "# What passes between host and board, and what the pins do, by joint number.\n"
+    "std_msgs/Header header\n"
+    "string[18] name\n"
+    "float64[18] target    # rad, of the last request that had the joint\n"
+    "float64[18] measured  # rad, by the board's potentiometers, as its last reply states\n"
+    "float64[18] duty      # -1..1, of the PWM pins\n"
+    "uint16 status         # KZ_STATUS_* flags, and the reason of a shutdown in the upper byte\n"
+    "string shutdown       # that reason; empty: none\n"
+    "float64 supply_v      # as the board measures it\n" KAZ_HEADER;
+constexpr char kCameraInfo[] =
+    "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\nfloat64[] D\n"
+    "float64[9] K\nfloat64[9] R\nfloat64[12] P\nuint32 binning_x\nuint32 binning_y\n"
+    "sensor_msgs/RegionOfInterest roi\n" KAZ_HEADER KAZ_MSG
+    "sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\n"
+    "bool do_rectify\n";
+constexpr char kPicture[] = "std_msgs/Header header\nstring format\nuint8[] data\n" KAZ_HEADER;
+
+constexpr int kArrow = 0, kCube = 1, kSphere = 2, kCylinder = 3;
+constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr double kMetresPerNewton = 0.01;
+
+LittleEndian& header(LittleEndian& to, std::uint64_t time_ns, std::string_view frame,
+                     std::uint32_t sequence = 0) {
+  return to.number(sequence)
+      .number(static_cast<std::uint32_t>(time_ns / kSecond))
+      .number(static_cast<std::uint32_t>(time_ns % kSecond))
+      .text(frame);
+}
+
+void real32(LittleEndian& to, double value) {
+  to.number(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+}
+
+void pose(LittleEndian& to, const Eigen::Isometry3d& at) {
+  const Eigen::Vector3d place = at.translation();
+  const Eigen::Quaterniond turn(at.rotation());
+  to.reals({place.data(), 3});
+  to.real(turn.x()).real(turn.y()).real(turn.z()).real(turn.w());
+}
+
+struct Marker {
+  std::string frame = "world", space;
+  std::uint32_t id = 0;
+  int type = kCube;
+  Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  sim::Rgb color = {};
+  bool removes_all = false;
+};
+
+void put(LittleEndian& to, std::uint64_t time_ns, const Marker& marker) {
+  header(to, time_ns, marker.frame).text(marker.space);
+  to.number(marker.id).number(static_cast<std::uint32_t>(marker.type));
+  to.number(static_cast<std::uint32_t>(marker.removes_all ? 3 : 0));
+  pose(to, marker.at);
+  to.reals({marker.scale.data(), 3});
+  for (const float part : {marker.color.r, marker.color.g, marker.color.b, 1.0f})
+    real32(to, static_cast<double>(part));
+  to.number(std::uint32_t{0}).number(std::uint32_t{0});  // lifetime: for ever
+  to.number(std::uint8_t{1});                            // frame_locked
+  to.number(std::uint32_t{0}).number(std::uint32_t{0});  // points, colors
+  to.text("").text("").number(std::uint8_t{0});
+}
+
+// Marker of a shape; nothing for meshes, which only the robot has.
+std::optional<Marker> marker_of(const sim::Visual& visual) {
+  Marker marker;
+  marker.at = visual.in_frame;
+  marker.color = visual.color;
+  const Eigen::Vector3d& size = visual.shape.size;
+  switch (visual.shape.kind) {
+    case sim::Shape::Kind::box:
+      marker.scale = size;
+      return marker;
+    case sim::Shape::Kind::sphere:
+      marker.type = kSphere;
+      marker.scale = Eigen::Vector3d::Constant(2 * size.x());
+      return marker;
+    case sim::Shape::Kind::cylinder:
+    case sim::Shape::Kind::capsule:
+      marker.type = kCylinder;
+      marker.scale = {2 * size.x(), 2 * size.x(), size.y()};
+      return marker;
+    case sim::Shape::Kind::plane:  // thin, and no wider than a viewer has use for
+      marker.scale = {std::clamp(size.x(), 0.1, 10.0), std::clamp(size.y(), 0.1, 10.0), 1e-4};
+      marker.at.translation() -= marker.at.linear() * Eigen::Vector3d(0, 0, 1e-3);
+      return marker;
+    case sim::Shape::Kind::mesh:
+      break;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<Feed> Feed::create(Server& server, const std::string& robot_path, double rate_hz) {
+  auto model = KAZ_TRY(sim::load_robot(robot_path));
+  Feed feed(server, std::move(model), rate_hz);
+  const std::string urdf = KAZ_TRY(read_whole_file(robot_path, 16 << 20));
+  LittleEndian(feed.data_).text(urdf);
+  server.publish(feed.channels_.description, 0, feed.data_, true);
+  return feed;
+}
+
+Feed::Feed(Server& server, sim::RobotModel model, double rate_hz)
+    : server_(server),
+      model_(std::move(model)),
+      period_ns_(static_cast<std::uint64_t>(1e9 / rate_hz)) {
+  const auto add = [&server](const char* topic, const char* name, const char* schema) {
+    return server.add_channel({0, topic, "ros1", name, "ros1msg", schema}, true);
+  };
+  channels_.tf = add("/tf", "tf2_msgs/TFMessage", kTf);
+  channels_.joint_states = add("/joint_states", "sensor_msgs/JointState", kJointState);
+  channels_.description = add("/robot_description", "std_msgs/String", kText);
+  channels_.scene = add("/scene", "visualization_msgs/MarkerArray", kMarkers);
+  channels_.contacts = add("/contacts", "visualization_msgs/MarkerArray", kMarkers);
+  channels_.board = add("/board/state", "kaz/BoardState", kBoard);
+  channels_.left = add("/eyes/left", "sensor_msgs/CompressedImage", kPicture);
+  channels_.right = add("/eyes/right", "sensor_msgs/CompressedImage", kPicture);
+  channels_.left_info = add("/eyes/left/camera_info", "sensor_msgs/CameraInfo", kCameraInfo);
+  channels_.right_info = add("/eyes/right/camera_info", "sensor_msgs/CameraInfo", kCameraInfo);
+  restart();
+}
+
+void Feed::restart() {
+  next_ns_.reset();
+  next_contacts_ns_ = next_picture_ns_ = 0;
+  for (kz_receiver& receiver : receivers_) kz_receiver_init(&receiver);
+  target_.fill(0);
+  measured_.fill(0);
+  status_ = 0;
+}
+
+bool Feed::due(std::uint64_t time_ns) {
+  if (next_ns_ && time_ns < *next_ns_) return false;
+  next_ns_ = time_ns - time_ns % period_ns_ + period_ns_;
+  return true;
+}
+
+void Feed::message(std::string_view topic, std::uint64_t time_ns,
+                   std::span<const std::uint8_t> data) {
+  if (topic == "/truth/joints") return joints(time_ns, data);
+  if (topic == "/truth/contacts") return contacts(time_ns, data);
+  if (topic == "/wire/to_board") return wire(true, data);
+  if (topic == "/wire/to_host") return wire(false, data);
+  if (topic == "/truth/ball") {
+    LittleEndianFields fields(data);
+    Eigen::Vector3d at;
+    for (double& x : at) x = std::bit_cast<double>(fields.number<std::uint64_t>());
+    for (auto& [name, pose] : objects_) {
+      if (fields.good() && (name == "ball" || name.starts_with("ball/"))) pose.translation() = at;
+    }
+    return;
+  }
+  if (topic != "/board/pins" || !server_.wanted(channels_.board)) return;
+  LittleEndianFields fields(data);
+  sim::PinLevels pins;
+  for (auto& counts : pins.pw) counts = fields.number<std::uint16_t>();
+  for (auto& counts : pins.tmo) counts = fields.number<std::uint16_t>();
+  for (auto* port : {&pins.p3, &pins.p4, &pins.p5, &pins.p6}) *port = fields.number<std::uint8_t>();
+  if (!fields.good()) return;
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) duty_[j] = sim::duty_of(pins, j);
+}
+
+void Feed::joints(std::uint64_t time_ns, std::span<const std::uint8_t> data) {
+  if (!due(time_ns)) return;
+  LittleEndianFields fields(data);
+  for (double& angle : angle_) angle = std::bit_cast<double>(fields.number<std::uint64_t>());
+  for (double& torque : torque_) torque = std::bit_cast<double>(fields.number<std::uint64_t>());
+  if (!fields.good()) return;
+  server_.publish_time(time_ns);
+  if (server_.wanted(channels_.joint_states)) {
+    data_.clear();
+    LittleEndian to(data_);
+    const std::size_t count = std::min<std::size_t>(KZ_JOINTS, model_.joints.size());
+    const auto size = static_cast<std::uint32_t>(count);
+    header(to, time_ns, "").number(size);
+    for (std::size_t j = 0; j < count; ++j) to.text(model_.joints[j].name);
+    to.number(size).reals(std::span(angle_).first(count));
+    to.number(std::uint32_t{0});
+    to.number(size).reals(std::span(torque_).first(count));
+    server_.publish(channels_.joint_states, time_ns, data_);
+  }
+  board_state(time_ns);
+  poses_due_ = true;
+  if (!has_world_) poses_of_joints(time_ns);
+}
+
+void Feed::board_state(std::uint64_t time_ns) {
+  if (!server_.wanted(channels_.board)) return;
+  data_.clear();
+  LittleEndian to(data_);
+  header(to, time_ns, "");
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j)
+    to.text(j < model_.joints.size() ? model_.joints[j].name : std::string());
+  to.reals(target_).reals(measured_).reals(duty_);
+  const auto reason = static_cast<u8>(status_ >> 8);
+  to.number(status_).text(reason == 0 ? "" : kz_shutdown_text(reason)).real(supply_v_);
+  server_.publish(channels_.board, time_ns, data_);
+}
+
+void Feed::wire(bool to_board, std::span<const std::uint8_t> data) {
+  LittleEndianFields fields(data);
+  const auto values = fields.array();
+  kz_receiver& receiver = receivers_[to_board ? 0 : 1];
+  const auto radians = [](s16 angle) {
+    return static_cast<double>(angle) / static_cast<double>(KZ_ANGLE_PER_RAD);
+  };
+  const auto take = [&](const auto& state) {
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j) measured_[j] = radians(state.angle[j]);
+    status_ = state.status;
+    supply_v_ = state.supply_mv * 1e-3;
+  };
+  for (const std::uint8_t value : values) {
+    if (kz_receive(&receiver, value, 0) != KZ_RECEIVE_FRAME || receiver.length < KZ_HEADER_SIZE)
+      continue;
+    const u8* body = receiver.body + KZ_HEADER_SIZE;
+    const u8 size = static_cast<u8>(receiver.length - KZ_HEADER_SIZE);
+    const u8 type = receiver.body[KZ_BODY_TYPE];
+    if (to_board && type == KZ_TYPE_targets) {
+      kz_targets targets{};
+      if (!kz_unpack_targets(&targets, body, size)) continue;
+      for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+        if ((targets.mask >> j & 1) != 0) target_[j] = radians(targets.angle[j]);
+      }
+    } else if (!to_board && type == KZ_TYPE_state_reply) {
+      kz_state_reply state{};
+      if (kz_unpack_state_reply(&state, body, size)) take(state);
+    } else if (!to_board && type == KZ_TYPE_telemetry_state) {
+      kz_telemetry_state state{};
+      if (kz_unpack_telemetry_state(&state, body, size)) take(state);
+    }
+  }
+}
+
+void Feed::contacts(std::uint64_t time_ns, std::span<const std::uint8_t> data) {
+  if (!server_.wanted(channels_.contacts) || time_ns < next_contacts_ns_) return;
+  next_contacts_ns_ = time_ns + period_ns_;
+  LittleEndianFields fields(data);
+  const auto count = std::min<std::uint32_t>(fields.number<std::uint32_t>(), 200);
+  std::vector<Marker> markers;
+  Marker& clear = markers.emplace_back();
+  clear.space = "contacts";
+  clear.removes_all = true;
+  for (std::uint32_t i = 0; i < count && fields.good(); ++i) {
+    fields.text();
+    fields.text();
+    Eigen::Vector3d at, force;
+    for (double& x : at) x = std::bit_cast<double>(fields.number<std::uint64_t>());
+    for (double& x : force) x = std::bit_cast<double>(fields.number<std::uint64_t>());
+    const double newtons = force.norm();
+    if (!fields.good() || !(newtons > 0.05) || !std::isfinite(newtons)) continue;
+    Marker& marker = markers.emplace_back();
+    marker.space = "contacts";
+    marker.id = i;
+    marker.type = kArrow;
+    marker.at.translation() = at;
+    marker.at.linear() =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), force).toRotationMatrix();
+    marker.scale = {std::min(0.3, kMetresPerNewton * newtons), 0.003, 0.006};
+    marker.color = {0.90f, 0.62f, 0.0f};
+  }
+  data_.clear();
+  LittleEndian to(data_);
+  to.number(static_cast<std::uint32_t>(markers.size()));
+  for (const Marker& marker : markers) put(to, time_ns, marker);
+  server_.publish(channels_.contacts, time_ns, data_);
+}
+
+void Feed::begin_at(const sim::World& world) {
+  scene(0, world);
+  const sim::ScenePose poses = world.pose();
+  const auto& names = world.scene().frames;
+  for (std::size_t i = 1; i < names.size() && i < poses.frames.size(); ++i) {
+    if (!model_.frames.contains(names[i])) objects_[names[i]] = poses.frames[i];
+  }
+  for (const auto& [name, frame] : model_.frames) {
+    if (frame.link == 0) root_ = world.link_pose(name) * frame.in_link.inverse();
+  }
+}
+
+void Feed::world(std::uint64_t time_ns, const sim::World& world) {
+  has_world_ = true;
+  if (!has_scene_) scene(time_ns, world);
+  if (!std::exchange(poses_due_, false) || !server_.wanted(channels_.tf)) return;
+  const sim::ScenePose poses = world.pose();
+  const auto& names = world.scene().frames;
+  data_.clear();
+  LittleEndian to(data_);
+  std::uint32_t count = 0;
+  to.number(count);
+  const auto transform = [&](const std::string& name, const Eigen::Isometry3d& at) {
+    header(to, time_ns, "world").text(name);
+    pose(to, at);
+    ++count;
+  };
+  for (std::size_t i = 1; i < names.size() && i < poses.frames.size(); ++i) {
+    if (!model_.frames.contains(names[i])) transform(names[i], poses.frames[i]);
+  }
+  for (const auto& [name, frame] : model_.frames) transform(name, world.link_pose(name));
+  for (std::size_t i = 0; i < 4; ++i) data_[i] = static_cast<std::uint8_t>(count >> (8 * i));
+  server_.publish(channels_.tf, time_ns, data_);
+}
+
+void Feed::poses_of_joints(std::uint64_t time_ns) {
+  if (!server_.wanted(channels_.tf)) return;
+  std::vector<Eigen::Isometry3d> links(model_.links.size(), Eigen::Isometry3d::Identity());
+  if (!links.empty()) links[0] = root_;
+  for (std::size_t i = 1; i < links.size(); ++i) {
+    const sim::RobotLink& link = model_.links[i];
+    const auto parent = static_cast<std::size_t>(link.parent);
+    links[i] = links[parent] * model_.links[parent].at_zero.inverse() * link.at_zero;
+    if (link.joint < 0 || link.joint >= KZ_JOINTS) continue;
+    const auto j = static_cast<std::size_t>(link.joint);
+    const Eigen::Vector3d axis = link.at_zero.linear().transpose() * model_.joints[j].axis;
+    links[i].rotate(Eigen::AngleAxisd(angle_[j], axis));
+  }
+  data_.clear();
+  LittleEndian to(data_);
+  to.number(static_cast<std::uint32_t>(model_.frames.size() + objects_.size()));
+  for (const auto& [name, at] : objects_) {
+    header(to, time_ns, "world").text(name);
+    pose(to, at);
+  }
+  for (const auto& [name, frame] : model_.frames) {
+    header(to, time_ns, "world").text(name);
+    pose(to, links[static_cast<std::size_t>(frame.link)] * frame.in_link);
+  }
+  server_.publish(channels_.tf, time_ns, data_);
+}
+
+void Feed::scene(std::uint64_t time_ns, const sim::World& world) {
+  has_scene_ = true;
+  std::vector<Marker> markers;
+  const sim::Scene& scene = world.scene();
+  for (const sim::Visual& visual : scene.visuals) {
+    const auto frame = static_cast<std::size_t>(visual.frame);
+    const std::string& name = scene.frames[frame];
+    if (frame != 0 && model_.frames.contains(name)) continue;  // the robot has its own description
+    auto marker = marker_of(visual);
+    if (!marker) continue;
+    marker->frame = frame == 0 ? "world" : name;
+    marker->space = visual.name;
+    marker->id = static_cast<std::uint32_t>(markers.size());
+    markers.push_back(std::move(*marker));
+  }
+  data_.clear();
+  LittleEndian to(data_);
+  to.number(static_cast<std::uint32_t>(markers.size()));
+  for (const Marker& marker : markers) put(to, time_ns, marker);
+  server_.publish(channels_.scene, time_ns, data_, true);
+}
+
+void Feed::camera(std::uint64_t time_ns, const vision::CameraModel& model) {
+  for (const bool right : {false, true}) {
+    const auto channel = right ? channels_.right_info : channels_.left_info;
+    if (!server_.wanted(channel)) continue;
+    data_.clear();
+    LittleEndian to(data_);
+    header(to, time_ns, right ? "right_eye" : "left_eye");
+    to.number(static_cast<std::uint32_t>(model.height))
+        .number(static_cast<std::uint32_t>(model.width));
+    to.text("plumb_bob").number(std::uint32_t{5}).reals(std::array<double, 5>{});
+    to.reals(std::array{model.fx, 0.0, model.cx, 0.0, model.fy, model.cy, 0.0, 0.0, 1.0});
+    to.reals(std::array{1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
+    to.reals(std::array{model.fx, 0.0, model.cx, right ? -model.fx * model.baseline_m : 0.0, 0.0,
+                        model.fy, model.cy, 0.0, 0.0, 0.0, 1.0, 0.0});
+    for (int i = 0; i < 6; ++i) to.number(std::uint32_t{0});  // binning, region of interest
+    to.number(std::uint8_t{0});
+    server_.publish(channel, time_ns, data_);
+  }
+}
+
+void Feed::pictures(const vision::StereoPair& pair, bool pixels) {
+  const auto time_ns =
+      static_cast<std::uint64_t>(std::max<std::int64_t>(0, pair.info.exposure.count()));
+  if (time_ns < next_picture_ns_) return;
+  // Half of the eyes' pictures: coding them takes most of what a viewer costs.
+  next_picture_ns_ = time_ns + kSecond / 16;
+  camera(time_ns, pair.info.camera);
+  const bool left = server_.wanted(channels_.left), right = server_.wanted(channels_.right);
+  if (!pixels || (!left && !right)) return;
+  const auto images = pair.images.get();
+  if (!images) return;
+  for (const bool second : {false, true}) {
+    if (!(second ? right : left)) continue;
+    const vision::Image& image = second ? images->right : images->left;
+    const auto coded =
+        picture::encode_jpeg({image.width, image.height, 3, 8, image.rgb}, {80, false});
+    if (!coded) continue;
+    data_.clear();
+    LittleEndian to(data_);
+    header(to, time_ns, second ? "right_eye" : "left_eye",
+           static_cast<std::uint32_t>(pair.info.sequence))
+        .text("jpeg")
+        .number(static_cast<std::uint32_t>(coded->size()))
+        .bytes(*coded);
+    server_.publish(second ? channels_.right : channels_.left, time_ns, data_);
+  }
+}
+
+}  // namespace kaz::watch

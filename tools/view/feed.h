@@ -1,0 +1,75 @@
+// What viewers get beside the recorded channels, made of these: poses, joint states, markers, the board.
+// SPDX-License-Identifier: Apache-2.0
+//
+// docs/howto/watch.md lists the channels. Nothing of it is in a recording.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "shared/board/board.h"
+#include "shared/protocol/frame.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/world/world.h"
+#include "tools/view/server.h"
+#include "vision/image/frame.h"
+
+namespace kaz::watch {
+
+class Feed {
+ public:
+  // `rate_hz`: of poses and states, in the run's time. The server must outlive it.
+  static Result<Feed> create(Server& server, const std::string& robot_path, double rate_hz = 30);
+
+  // A message of a recorded channel.
+  void message(std::string_view topic, std::uint64_t time_ns, std::span<const std::uint8_t> data);
+  // Of a recording that is played: the world as it begins. Only its ball moves, and the robot's joints; the
+  // robot stands where the run began.
+  void begin_at(const sim::World& world);
+  // The simulated world.
+  void world(std::uint64_t time_ns, const sim::World& world);
+  // A pair of the host's: calibration and, with `pixels`, as JPEG in the channels of recorded pictures.
+  void pictures(const vision::StereoPair& pair, bool pixels);
+  // Of a player that goes back: what was derived counts no more.
+  void restart();
+
+ private:
+  Feed(Server& server, sim::RobotModel model, double rate_hz);
+  bool due(std::uint64_t time_ns);
+  void joints(std::uint64_t time_ns, std::span<const std::uint8_t> data);
+  void contacts(std::uint64_t time_ns, std::span<const std::uint8_t> data);
+  void wire(bool to_board, std::span<const std::uint8_t> data);
+  void board_state(std::uint64_t time_ns);
+  void poses_of_joints(std::uint64_t time_ns);
+  void scene(std::uint64_t time_ns, const sim::World& world);
+  void camera(std::uint64_t time_ns, const vision::CameraModel& model);
+
+  struct Channels {
+    std::uint32_t tf, joint_states, description, scene, contacts, board, left, right, left_info,
+        right_info;
+  };
+  Server& server_;
+  sim::RobotModel model_;
+  std::uint64_t period_ns_;
+  Channels channels_{};
+  std::optional<std::uint64_t> next_ns_;
+  std::uint64_t next_contacts_ns_ = 0;
+  bool has_world_ = false, has_scene_ = false, poses_due_ = false;
+  std::map<std::string, Eigen::Isometry3d> objects_;  // of a recording, by frame
+  Eigen::Isometry3d root_ = Eigen::Isometry3d::Identity();
+  std::vector<std::uint8_t> data_;  // of the message under way
+
+  std::array<double, KZ_JOINTS> angle_{}, torque_{}, target_{}, measured_{}, duty_{};
+  std::array<kz_receiver, 2> receivers_{};
+  std::uint16_t status_ = 0;
+  double supply_v_ = 0;
+  std::uint64_t next_picture_ns_ = 0;
+};
+
+}  // namespace kaz::watch

@@ -1,0 +1,86 @@
+// A client of Foxglove's WebSocket protocol, with the player's control of its SDK. It comes back by itself.
+// SPDX-License-Identifier: Apache-2.0
+import { Reader } from "./ros1";
+
+export interface PlaybackState { status: number; seconds: number; speed: number }
+export interface Info { capabilities: string[]; end: number | undefined }
+type Handler = (reader: Reader, seconds: number, data: DataView) => void;
+
+export class Client {
+  onState: (open: boolean) => void = () => {};
+  onInfo: (info: Info) => void = () => {};
+  onPlayback: (state: PlaybackState) => void = () => {};
+  onTime: (seconds: number) => void = () => {};
+  onRefusal: (sentence: string) => void = () => {};
+  private readonly handlers = new Map<string, Handler>();
+  private topics = new Map<number, string>();
+  private socket: WebSocket | undefined;
+  private delay = 250;
+
+  constructor(private readonly url: string) {}
+
+  on(topic: string, handler: Handler): void { this.handlers.set(topic, handler); }
+
+  open(): void {
+    const socket = new WebSocket(this.url, ["foxglove.sdk.v1", "foxglove.websocket.v1"]);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    this.topics = new Map();
+    socket.onopen = () => { this.delay = 250; this.onState(true); };
+    socket.onclose = () => {
+      this.onState(false);
+      setTimeout(() => this.open(), this.delay);
+      this.delay = Math.min(2 * this.delay, 4000);
+    };
+    socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
+      if (typeof data === "string") this.text(data);
+      else this.binary(new DataView(data));
+    };
+  }
+
+  control(play: boolean, speed: number, seek?: number): void {
+    if (this.socket?.readyState !== WebSocket.OPEN) return;
+    const view = new DataView(new ArrayBuffer(19));
+    view.setUint8(0, 3);
+    view.setUint8(1, play ? 0 : 1);
+    view.setFloat32(2, speed, true);
+    view.setUint8(6, seek === undefined ? 0 : 1);
+    view.setBigUint64(7, BigInt(Math.round((seek ?? 0) * 1e9)), true);
+    this.socket.send(view.buffer);
+  }
+
+  private text(data: string): void {
+    const message = JSON.parse(data) as {
+      op: string; capabilities?: string[]; dataEndTime?: { sec: number; nsec: number }; message?: string;
+      channels?: { id: number; topic: string }[];
+    };
+    if (message.op === "serverInfo") {
+      const end = message.dataEndTime;
+      this.onInfo({ capabilities: message.capabilities ?? [], end: end && end.sec + 1e-9 * end.nsec });
+    } else if (message.op === "advertise") {
+      const wanted = (message.channels ?? []).filter(({ topic }) => this.handlers.has(topic));
+      for (const { id, topic } of wanted) this.topics.set(id, topic);
+      if (wanted.length === 0) return;
+      const subscriptions = wanted.map(({ id }) => ({ id, channelId: id }));
+      this.socket?.send(JSON.stringify({ op: "subscribe", subscriptions }));
+    } else if (message.op === "status") {
+      this.onRefusal(message.message ?? "");
+    }
+  }
+
+  private binary(view: DataView): void {
+    const seconds = (at: number) => Number(view.getBigUint64(at, true)) * 1e-9;
+    switch (view.getUint8(0)) {
+      case 1: {
+        const topic = this.topics.get(view.getUint32(1, true));
+        const data = new DataView(view.buffer, 13);
+        if (topic !== undefined) this.handlers.get(topic)?.(new Reader(data), seconds(5), data);
+        break;
+      }
+      case 2: this.onTime(seconds(1)); break;
+      case 5:
+        this.onPlayback({ status: view.getUint8(1), seconds: seconds(2), speed: view.getFloat32(10, true) });
+        break;
+    }
+  }
+}

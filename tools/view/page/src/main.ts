@@ -1,0 +1,143 @@
+// The page: one client of the server, no more privileged than others.
+// SPDX-License-Identifier: Apache-2.0
+import { Client } from "./client";
+import { drawMap } from "./map";
+import { Plot } from "./plot";
+import { type Grid, type Pose, readBoard, readGrid, readMarkers, readPath, readPicture, readPoseStamped,
+  readTransforms, type Reader } from "./ros1";
+import { Scene } from "./scene";
+
+function element<T extends HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no element ${id}`);
+  return found as T;
+}
+const output = (id: string, text: string) => { element(id).textContent = text; };
+
+const dark = localStorage.getItem("theme") === "dark"
+  || (localStorage.getItem("theme") === null && matchMedia("(prefers-color-scheme: dark)").matches);
+document.documentElement.classList.toggle("dark", dark);
+element("theme").onclick = () => {
+  const now = document.documentElement.classList.toggle("dark");
+  localStorage.setItem("theme", now ? "dark" : "light");
+  plotDue = true;
+};
+
+const token = new URLSearchParams(location.search).get("token");
+const client = new Client(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${
+  token === null ? "" : `?token=${encodeURIComponent(token)}`}`);
+const scene = new Scene(element<HTMLCanvasElement>("view"));
+const plot = new Plot(element<HTMLCanvasElement>("plot"));
+let plotDue = true;
+let time = 0;
+let forces = true;
+let end: number | undefined;
+let playing = true;
+let grid: Grid | undefined;
+let path: Pose[] = [];
+let robot: Pose | undefined;
+let pictures = 0;
+
+client.onState = (open) => {
+  output("connection", open ? "live" : "not connected: trying again");
+  element("player").hidden = true;
+};
+client.onInfo = (info) => {
+  end = info.capabilities.includes("playbackControl") ? info.end : undefined;
+  element("player").hidden = end === undefined;
+  if (end !== undefined) output("connection", "recording");
+  element("locked").hidden = token !== null;
+};
+client.onTime = (seconds) => { time = seconds; };
+client.onRefusal = (sentence) => output("connection", sentence);
+client.on("/robot_description", (r) => scene.setRobot(r.text()));
+client.on("/tf", (r) => scene.setPoses(readTransforms(r)));
+client.on("/scene", (r) => scene.setObjects(readMarkers(r)));
+client.on("/contacts", (r) => scene.setForces(readMarkers(r), forces));
+client.on("/faults", (r) => output("fault", r.text()));
+client.on("/behavior", (_r, _s, data) => {
+  const state = JSON.parse(new TextDecoder().decode(data)) as { behavior?: string; phase?: string };
+  if (state.phase !== undefined) output("phase", `${state.behavior ?? ""}: ${state.phase}`);
+});
+
+const joints = element<HTMLSelectElement>("joint");
+joints.onchange = () => { plot.joint = joints.selectedIndex; plotDue = true; };
+client.on("/board/state", (r) => {
+  const state = readBoard(r);
+  if (joints.options.length === 0) {
+    for (const name of state.names) if (name !== "") joints.add(new Option(name));
+    const pan = state.names.indexOf("neck_pan");
+    joints.selectedIndex = plot.joint = Math.max(0, pan);
+  }
+  plot.add(state);
+  plotDue = true;
+  output("supply", state.supply > 0 ? `${state.supply.toFixed(2)} V` : "–");
+  const flags = ["motors on", "moving", "holding", "unlocked", "raw drive", "telemetry", "uncalibrated", "missed a tick"];
+  output("status", flags.filter((_, i) => (state.status >> i & 1) !== 0).join(", ") || "motors off");
+  output("shutdown", state.shutdown || "no");
+});
+
+function showPicture(id: string, r: Reader): void {
+  const picture = readPicture(r);
+  const image = element<HTMLImageElement>(id);
+  const url = URL.createObjectURL(new Blob([new Uint8Array(picture.data)], { type: `image/${picture.format}` }));
+  const old = image.src;
+  image.src = url;
+  if (old.startsWith("blob:")) URL.revokeObjectURL(old);
+  element("no-eyes").hidden = true;
+  ++pictures;
+}
+client.on("/eyes/left", (r) => showPicture("left", r));
+client.on("/eyes/right", (r) => showPicture("right", r));
+
+function showMap(): void {
+  if (!grid) return;
+  element("map-section").hidden = false;
+  drawMap(element<HTMLCanvasElement>("map"), grid, path, robot);
+}
+client.on("/map", (r) => { grid = readGrid(r); scene.setMap(grid); showMap(); });
+client.on("/map/path", (r) => { path = readPath(r); showMap(); });
+client.on("/map/robot", (r) => { robot = readPoseStamped(r); showMap(); });
+
+const scrub = element<HTMLInputElement>("scrub");
+const speed = element<HTMLSelectElement>("speed");
+const control = (play: boolean, seek?: number) => client.control(play, Number(speed.value), seek);
+client.onPlayback = (state) => {
+  playing = state.status === 0;
+  time = state.seconds;
+  output("play", playing ? "pause" : "play");
+};
+element("play").onclick = () => control(!playing);
+speed.onchange = () => control(playing);
+scrub.oninput = () => { if (end !== undefined) control(playing, end * Number(scrub.value) / 1000); };
+element<HTMLInputElement>("follow").onchange = (event) => { scene.follow = (event.target as HTMLInputElement).checked; };
+element<HTMLInputElement>("forces").onchange = (event) => {
+  forces = (event.target as HTMLInputElement).checked;
+  if (!forces) scene.setForces([], false);
+};
+addEventListener("keydown", (event) => {
+  if (event.target instanceof HTMLSelectElement || event.target instanceof HTMLInputElement
+    || event.target instanceof HTMLButtonElement || end === undefined) return;
+  if (event.key === " ") control(!playing);
+  else if (event.key === ",") control(playing, Math.max(0, time - 1));
+  else if (event.key === ".") control(playing, Math.min(end, time + 1));
+  else return;
+  event.preventDefault();
+});
+
+function draw(): void {
+  output("time", `${time.toFixed(2)} s`);
+  if (end !== undefined && document.activeElement !== scrub) scrub.value = String(1000 * time / end);
+  if (plotDue) { plotDue = false; plot.draw(); }
+  scene.draw();
+  requestAnimationFrame(draw);
+}
+client.open();
+requestAnimationFrame(draw);
+
+// What tests read.
+declare global { interface Window { kaz: object } }
+window.kaz = {
+  pose: (link: string) => scene.pose(link), frames: () => scene.frames, plotted: () => plot.count(),
+  pictures: () => pictures, time: () => time, playing: () => playing,
+};

@@ -1,0 +1,168 @@
+// The robot by its URDF, what stands around it, forces, the map on the floor.
+// SPDX-License-Identifier: Apache-2.0
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import URDFLoader, { type URDFRobot } from "urdf-loader";
+import type { Grid, Marker, Pose, Transform } from "./ros1";
+
+export class Scene {
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(40, 1, 0.01, 50);
+  follow = true;
+  frames = 0;
+  robot: URDFRobot | undefined;
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private readonly world = new THREE.Group();  // z up, as the robot has it
+  private readonly nodes = new Map<string, THREE.Object3D>();
+  private readonly objects = new THREE.Group();
+  private readonly forces = new THREE.Group();
+  private readonly floor = new THREE.Group();
+  private last = new THREE.Vector3();
+  private dirty = true;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer.shadowMap.enabled = true;
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(1.05, -0.85, 0.55);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.target.set(0.2, 0, 0.13);
+    this.controls.listenToKeyEvents(canvas);
+    this.controls.addEventListener("change", () => { this.dirty = true; });
+    this.controls.update();
+    const sun = new THREE.DirectionalLight(0xffffff, 2.2);
+    sun.position.set(1.1, -1, 2);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(1024, 1024);
+    const across = sun.shadow.camera;
+    across.left = across.bottom = -1.2;
+    across.right = across.top = 1.2;
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8f98, 1.6), sun, sun.target, this.world);
+    this.world.add(this.objects, this.forces, this.floor);
+    new ResizeObserver(() => { this.dirty = true; }).observe(canvas);
+  }
+
+  setRobot(urdf: string): void {
+    const loader = new URDFLoader();
+    loader.packages = { kaz: new URL("robot", document.baseURI).href };
+    loader.workingPath = new URL("robot/", document.baseURI).href;
+    if (this.robot) this.world.remove(...Object.values(this.robot.links));
+    this.robot = loader.parse(urdf);
+    this.nodes.clear();
+    // Each link is placed by itself: poses come in the world's frame.
+    for (const [name, link] of Object.entries(this.robot.links)) {
+      link.matrixAutoUpdate = true;
+      this.nodes.set(name, link);
+    }
+    for (const link of this.nodes.values()) this.world.add(link);
+    for (const link of this.nodes.values()) {
+      for (const child of [...link.children]) if ("isURDFJoint" in child) link.remove(child);
+      link.traverse((part) => { part.castShadow = true; });
+    }
+    this.dirty = true;
+  }
+
+  setObjects(markers: Marker[]): void {
+    this.objects.clear();
+    for (const [name, node] of this.nodes) if (node.parent === this.objects) this.nodes.delete(name);
+    for (const marker of markers) {
+      const flat = marker.scale[2] < 1e-3;
+      const mesh = new THREE.Mesh(shapeOf(marker), new THREE.MeshStandardMaterial({
+        color: new THREE.Color(marker.color[0], marker.color[1], marker.color[2]), roughness: 0.8 }));
+      mesh.castShadow = !flat;
+      mesh.receiveShadow = true;
+      place(mesh, marker.pose);
+      this.frame(marker.frame).add(mesh);
+    }
+    this.dirty = true;
+  }
+
+  setForces(markers: Marker[], shown: boolean): void {
+    for (const child of this.forces.children) (child as THREE.ArrowHelper).dispose();
+    this.forces.clear();
+    for (const marker of shown ? markers : []) {
+      if (marker.type !== 0 || marker.action !== 0) continue;
+      const turn = new THREE.Quaternion(...marker.pose.turn);
+      const along = new THREE.Vector3(1, 0, 0).applyQuaternion(turn);
+      this.forces.add(new THREE.ArrowHelper(along, new THREE.Vector3(...marker.pose.position), marker.scale[0],
+        0xe69f00, 0.012, 0.008));
+    }
+    this.dirty = true;
+  }
+
+  setPoses(transforms: Transform[]): void {
+    for (const transform of transforms) {
+      const node = this.nodes.get(transform.child);
+      if (node) place(node, transform);
+    }
+    const root = this.robot && this.nodes.get(this.robot.urdfName) ? this.nodes.get(this.robot.urdfName)
+      : this.nodes.get("trunk");
+    if (root) {
+      if (this.follow) {
+        const moved = root.position.clone().sub(this.last).setZ(0);
+        this.camera.position.add(moved);
+        this.controls.target.add(moved);
+      }
+      this.last.copy(root.position);
+    }
+    this.dirty = true;
+  }
+
+  setMap(grid: Grid): void {
+    const pixels = new Uint8Array(4 * grid.width * grid.height);
+    grid.cells.forEach((cell, i) => {
+      pixels.set(cell < 0 ? [0, 0, 0, 0] : cell > 50 ? [213, 94, 0, 200] : [0, 114, 178, 50], 4 * i);
+    });
+    const texture = new THREE.DataTexture(pixels, grid.width, grid.height);
+    texture.needsUpdate = true;
+    const [w, h] = [grid.width * grid.resolution, grid.height * grid.resolution];
+    const plane = new THREE.Mesh(new THREE.PlaneGeometry(w, h),
+      new THREE.MeshBasicMaterial({ map: texture, transparent: true, depthWrite: false }));
+    plane.position.set(grid.origin.position[0] + w / 2, grid.origin.position[1] + h / 2, 0.002);
+    this.floor.clear();
+    this.floor.add(plane);
+    this.dirty = true;
+  }
+
+  pose(link: string): number[] | undefined {
+    const node = this.nodes.get(link);
+    return node && [...node.position.toArray(), ...node.quaternion.toArray()];
+  }
+
+  draw(): void {
+    if (!this.dirty) return;
+    this.dirty = false;
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.renderer.render(this.scene, this.camera);
+    ++this.frames;
+  }
+
+  private frame(name: string): THREE.Object3D {
+    if (name === "world") return this.objects;
+    let node = this.nodes.get(name);
+    if (!node) {
+      node = new THREE.Group();
+      this.objects.add(node);
+      this.nodes.set(name, node);
+    }
+    return node;
+  }
+}
+
+function place(node: THREE.Object3D, pose: Pose): void {
+  node.position.set(...pose.position);
+  node.quaternion.set(...pose.turn);
+}
+
+function shapeOf(marker: Marker): THREE.BufferGeometry {
+  const [x, y, z] = marker.scale;
+  if (marker.type === 2) return new THREE.SphereGeometry(x / 2, 32, 20);
+  if (marker.type === 3) return new THREE.CylinderGeometry(x / 2, x / 2, z, 40).rotateX(Math.PI / 2);
+  return new THREE.BoxGeometry(x, y, z);
+}

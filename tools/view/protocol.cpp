@@ -1,0 +1,220 @@
+// Foxglove's WebSocket protocol.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/view/protocol.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/base/json_depth.hpp"
+#include "sim/runtime/formats/little_endian.h"
+
+namespace kaz::watch {
+namespace {
+
+using nlohmann::json;
+using sim::LittleEndian;
+using sim::LittleEndianFields;
+
+constexpr std::uint8_t kPlaybackRequest = 3;  // opcode of a viewer's frame
+constexpr std::uint8_t kMessage = 1, kTime = 2, kAsset = 4, kPlaybackState = 5;  // of the server's
+constexpr std::size_t kLongestName = 4096;
+
+Result<std::uint32_t> number_of(const json& object, const char* name) {
+  const auto at = object.is_object() ? object.find(name) : object.end();
+  if (!object.is_object() || at == object.end() || !at->is_number_unsigned() ||
+      at->get<std::uint64_t>() > 0xffffffff)
+    return fail(Fault::usage, std::string("`") + name + "` must be a whole number of 32 bits");
+  return at->get<std::uint32_t>();
+}
+
+Result<const json*> list_of(const json& object, const char* name) {
+  const auto at = object.find(name);
+  if (at == object.end() || !at->is_array() || at->size() > kMostEntries)
+    return fail(Fault::usage, std::string("`") + name + "` must be a list of at most " +
+                                  std::to_string(kMostEntries) + " entries");
+  return &*at;
+}
+
+}  // namespace
+
+Result<Request> parse_text(std::string_view text) {
+  if (text.size() > kLongestRequest || json_too_deep(text))
+    return fail(Fault::usage, "the request is too long or nests too deeply");
+  const json object = json::parse(text, nullptr, false);
+  if (!object.is_object()) return fail(Fault::usage, "the request is no JSON object");
+  const auto op = object.find("op");
+  if (op == object.end() || !op->is_string())
+    return fail(Fault::usage, "the request has no `op`, which names what is asked for");
+  const std::string& name = op->get_ref<const std::string&>();
+  Request request;
+  if (name == "subscribe") {
+    const json* list = KAZ_TRY(list_of(object, "subscriptions"));
+    for (const json& entry : *list) {
+      const auto id = KAZ_TRY(number_of(entry, "id"));
+      const auto channel = KAZ_TRY(number_of(entry, "channelId"));
+      request.subscribe.push_back({id, channel});
+    }
+    return request;
+  }
+  if (name == "unsubscribe") {
+    request.kind = Request::Kind::unsubscribe;
+    const json* list = KAZ_TRY(list_of(object, "subscriptionIds"));
+    for (const json& entry : *list) {
+      const auto id = KAZ_TRY(number_of(json{{"id", entry}}, "id"));
+      request.unsubscribe.push_back(id);
+    }
+    return request;
+  }
+  if (name == "fetchAsset") {
+    request.kind = Request::Kind::fetch_asset;
+    request.asset_request = KAZ_TRY(number_of(object, "requestId"));
+    const auto uri = object.find("uri");
+    if (uri == object.end() || !uri->is_string() ||
+        uri->get_ref<const std::string&>().size() > kLongestName)
+      return fail(Fault::usage,
+                  "`uri` must be a text of at most " + std::to_string(kLongestName) + " bytes");
+    request.uri = uri->get<std::string>();
+    return request;
+  }
+  if (name == "getParameters") {
+    request.kind = Request::Kind::parameters;
+    const json* list = KAZ_TRY(list_of(object, "parameterNames"));
+    for (const json& entry : *list) {
+      if (!entry.is_string()) return fail(Fault::usage, "a parameter's name must be a text");
+      request.parameters.push_back(entry.get<std::string>());
+    }
+    if (const auto id = object.find("id"); id != object.end() && id->is_string())
+      request.parameters_request = id->get<std::string>();
+    return request;
+  }
+  // They never change: there is nothing to tell.
+  if (name == "subscribeParameterUpdates" || name == "unsubscribeParameterUpdates") {
+    request.kind = Request::Kind::watch_parameters;
+    return request;
+  }
+  if (name == "setParameters")
+    return fail(Fault::usage, "parameters state how the run is; they cannot be set");
+  return fail(Fault::usage,
+              "there is no such request here: subscribe, unsubscribe, fetchAsset and getParameters "
+              "are");
+}
+
+Result<Request> parse_binary(std::span<const std::uint8_t> bytes) {
+  LittleEndianFields fields(bytes);
+  if (fields.number<std::uint8_t>() != kPlaybackRequest)
+    return fail(Fault::usage, "there is no such binary request here: that of a player is");
+  Request request;
+  request.kind = Request::Kind::playback;
+  Playback& playback = request.playback;
+  const auto command = fields.number<std::uint8_t>();
+  playback.command = Playback::Command{command};
+  playback.speed = std::bit_cast<float>(fields.number<std::uint32_t>());
+  const auto seek = fields.number<std::uint8_t>();
+  playback.seek = seek != 0;
+  playback.seek_ns = fields.number<std::uint64_t>();
+  playback.request = fields.text();
+  if (!fields.good() || !fields.rest().empty() || command > 1 || seek > 1 ||
+      playback.request.size() > kLongestName || !(playback.speed >= 0.01) ||
+      !(playback.speed <= 100.01))
+    return fail(Fault::usage,
+                "the request to the player has a wrong length or value: its speed is "
+                "from 0.01 to 100");
+  return request;
+}
+
+std::string_view chosen_subprotocol(std::string_view offered) {
+  for (const std::string_view ours : kSubprotocols) {
+    for (std::string_view rest = offered; !rest.empty();) {
+      const auto comma = rest.find(',');
+      std::string_view word = rest.substr(0, comma);
+      rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
+      const auto begin = word.find_first_not_of(" \t");
+      if (begin == std::string_view::npos) continue;
+      word = word.substr(begin, word.find_last_not_of(" \t") + 1 - begin);
+      if (word == ours) return ours;
+    }
+  }
+  return {};
+}
+
+std::string server_info(const std::string& name, const std::string& session,
+                        const std::vector<std::string>& capabilities, std::uint64_t start_ns,
+                        std::uint64_t end_ns) {
+  nlohmann::ordered_json info{{"op", "serverInfo"},           {"name", name},
+                              {"capabilities", capabilities}, {"supportedEncodings", json::array()},
+                              {"metadata", json::object()},   {"sessionId", session}};
+  const auto time = [](std::uint64_t ns) {
+    return json{{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}};
+  };
+  if (end_ns > 0) {
+    info["dataStartTime"] = time(start_ns);
+    info["dataEndTime"] = time(end_ns);
+  }
+  return info.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string advertisement(std::span<const Channel> channels) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Channel& channel : channels)
+    list.push_back({{"id", channel.id},
+                    {"topic", channel.topic},
+                    {"encoding", channel.encoding},
+                    {"schemaName", channel.schema_name},
+                    {"schema", channel.schema},
+                    {"schemaEncoding", channel.schema_encoding}});
+  return nlohmann::ordered_json{{"op", "advertise"}, {"channels", list}}.dump();
+}
+
+std::string parameter_values(const std::map<std::string, std::string>& values,
+                             const std::string& request) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& [name, value] : values) list.push_back({{"name", name}, {"value", value}});
+  nlohmann::ordered_json reply{{"op", "parameterValues"}, {"parameters", list}};
+  if (!request.empty()) reply["id"] = request;
+  return reply.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string status_error(const std::string& sentence) {
+  return nlohmann::ordered_json{{"op", "status"}, {"level", 2}, {"message", sentence}}.dump(
+      -1, ' ', false, json::error_handler_t::replace);
+}
+
+Bytes message_frame(std::uint32_t subscription, std::uint64_t time_ns,
+                    std::span<const std::uint8_t> data) {
+  Bytes frame;
+  frame.reserve(13 + data.size());
+  LittleEndian(frame).number(kMessage).number(subscription).number(time_ns).bytes(data);
+  return frame;
+}
+
+Bytes time_frame(std::uint64_t time_ns) {
+  Bytes frame;
+  LittleEndian(frame).number(kTime).number(time_ns);
+  return frame;
+}
+
+Bytes asset_frame(std::uint32_t request, const Result<Bytes>& asset) {
+  Bytes frame;
+  LittleEndian to(frame);
+  to.number(kAsset).number(request).number(static_cast<std::uint8_t>(asset ? 0 : 1));
+  to.text(asset ? std::string() : asset.error().message);
+  if (asset) to.bytes(*asset);
+  return frame;
+}
+
+Bytes playback_frame(const PlaybackState& state) {
+  Bytes frame;
+  LittleEndian(frame)
+      .number(kPlaybackState)
+      .number(static_cast<std::uint8_t>(state.status))
+      .number(state.time_ns)
+      .number(std::bit_cast<std::uint32_t>(static_cast<float>(state.speed)))
+      .number(static_cast<std::uint8_t>(state.sought))
+      .text(state.request);
+  return frame;
+}
+
+}  // namespace kaz::watch

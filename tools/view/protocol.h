@@ -1,0 +1,89 @@
+// Foxglove's WebSocket protocol: what viewers send, and the frames that they get.
+// SPDX-License-Identifier: Apache-2.0
+//
+// https://github.com/foxglove/ws-protocol (`foxglove.websocket.v1`), and that of Foxglove's SDK, which adds
+// the control of a player (`foxglove.sdk.v1`). Viewers are not trusted: everything is checked here.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::watch {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// Those that are accepted, the preferred one first.
+inline constexpr std::array<std::string_view, 2> kSubprotocols = {"foxglove.sdk.v1",
+                                                                  "foxglove.websocket.v1"};
+// The longest message that a viewer may send.
+inline constexpr std::size_t kLongestRequest = 64 << 10;
+// The most that one message may ask for.
+inline constexpr std::size_t kMostEntries = 1024;
+
+struct Channel {
+  std::uint32_t id = 0;
+  std::string topic, encoding, schema_name, schema_encoding, schema;
+};
+
+struct Subscription {
+  std::uint32_t id = 0, channel = 0;
+};
+
+struct Playback {
+  enum class Command : std::uint8_t { play = 0, pause = 1 };
+  Command command = Command::play;
+  double speed = 1;  // 0.01 to 100
+  bool seek = false;
+  std::uint64_t seek_ns = 0;
+  std::string request;  // its name, which the state that answers repeats
+};
+
+struct PlaybackState {
+  enum class Status : std::uint8_t { playing = 0, paused = 1, buffering = 2, ended = 3 };
+  Status status = Status::paused;
+  std::uint64_t time_ns = 0;
+  double speed = 1;
+  bool sought = false;
+  std::string request;
+};
+
+struct Request {
+  enum class Kind { subscribe, unsubscribe, fetch_asset, playback, parameters, watch_parameters };
+  Kind kind = Kind::subscribe;
+  std::vector<Subscription> subscribe;
+  std::vector<std::uint32_t> unsubscribe;  // subscriptions
+  std::string uri;                         // of an asset
+  std::uint32_t asset_request = 0;
+  Playback playback;
+  std::vector<std::string> parameters;  // names; none: all
+  std::string parameters_request;       // its name, which the reply repeats
+};
+
+// Errors: one sentence for the viewer.
+Result<Request> parse_text(std::string_view text);
+Result<Request> parse_binary(std::span<const std::uint8_t> bytes);
+
+// The first of kSubprotocols that is in the list of a handshake, "a, b"; empty if there is none.
+std::string_view chosen_subprotocol(std::string_view offered);
+
+std::string server_info(const std::string& name, const std::string& session,
+                        const std::vector<std::string>& capabilities, std::uint64_t start_ns,
+                        std::uint64_t end_ns);
+std::string advertisement(std::span<const Channel> channels);
+std::string parameter_values(const std::map<std::string, std::string>& values,
+                             const std::string& request);
+std::string status_error(const std::string& sentence);
+Bytes message_frame(std::uint32_t subscription, std::uint64_t time_ns,
+                    std::span<const std::uint8_t> data);
+Bytes time_frame(std::uint64_t time_ns);
+Bytes asset_frame(std::uint32_t request, const Result<Bytes>& asset);
+Bytes playback_frame(const PlaybackState& state);
+
+}  // namespace kaz::watch

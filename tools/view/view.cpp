@@ -1,0 +1,193 @@
+// `--view`: a run, live, for viewers.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/view/view.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+#include <utility>
+
+#include <boost/asio/ip/address.hpp>
+
+#include "shared/base/files.hpp"
+#include "shared/base/number_text.hpp"
+
+namespace kaz::watch {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestFile = 64 << 20;
+constexpr const char* kNoPage =
+    "<!doctype html><title>kaz</title><p>The page is not built: install npm and build again "
+    "(docs/howto/watch.md). Foxglove and Lichtblick can open this address as it is: "
+    "ws://, and what is behind http:// above.</p>\n";
+
+const char* type_of(const fs::path& path) {
+  const std::string end = path.extension().string();
+  if (end == ".html") return "text/html; charset=utf-8";
+  if (end == ".js") return "text/javascript";
+  if (end == ".css") return "text/css";
+  if (end == ".svg") return "image/svg+xml";
+  if (end == ".png") return "image/png";
+  if (end == ".urdf") return "application/xml";
+  return "application/octet-stream";
+}
+
+bool of_a_robot(const fs::path& path) {
+  const std::string end = path.extension().string();
+  for (const char* one : {".urdf", ".stl", ".STL", ".obj", ".mtl", ".dae", ".png", ".jpg"}) {
+    if (end == one) return true;
+  }
+  return false;
+}
+
+// All of a folder, by "PREFIX/path in it".
+Result<std::map<std::string, ServedFile>> files_of(const fs::path& folder,
+                                                   const std::string& prefix, bool robot) {
+  std::map<std::string, ServedFile> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end;
+       at.increment(error)) {
+    if (at.depth() > 3) at.disable_recursion_pending();
+    std::error_code ignored;
+    if (!at->is_regular_file(ignored) || (robot && !of_a_robot(at->path()))) continue;
+    const std::string bytes = KAZ_TRY(read_whole_file(at->path().string(), kLargestFile));
+    files[prefix + "/" + at->path().lexically_relative(folder).generic_string()] = {
+        type_of(at->path()), Bytes(bytes.begin(), bytes.end())};
+  }
+  return files;
+}
+
+}  // namespace
+
+bool lasts(std::string_view topic, std::span<const std::uint8_t> data) {
+  if (topic.starts_with("/map")) return true;
+  const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
+  return topic == "/behavior" && text.find("\"phase\"") != std::string_view::npos;
+}
+
+Result<Where> parse_where(const std::string& text) {
+  Where where;
+  if (text.empty()) return where;
+  const auto colon = text.rfind(':');
+  const bool only_port = colon == std::string::npos;
+  const auto port =
+      parse_number<std::uint16_t>(std::string_view(text).substr(only_port ? 0 : colon + 1));
+  if (!only_port) {
+    where.address = text.substr(0, colon);
+    if (where.address.starts_with('[') && where.address.ends_with(']'))
+      where.address = where.address.substr(1, where.address.size() - 2);
+  }
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(where.address, error);
+  if (!port || error)
+    return fail(Fault::usage, "--view " + text +
+                                  ": give a port, or address and port in numbers, as 8765, "
+                                  "127.0.0.1:8765 or 0.0.0.0:8765");
+  where.port = *port;
+  where.loopback = address.is_loopback();
+  return where;
+}
+
+Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uint64_t start_ns,
+                                            std::uint64_t end_ns, std::string& url) {
+  const Where where = KAZ_TRY(parse_where(options.where));
+  ServerOptions server;
+  server.address = where.address;
+  server.port = where.port;
+  server.token = make_token();
+  server.token_to_look = !where.loopback;
+  server.parameters = {{"robot", options.robot_path},
+                       {"source", end_ns > 0 ? "recording" : "simulation"}};
+  server.start_ns = start_ns;
+  server.end_ns = end_ns;
+  if (!options.page_folder.empty()) server.page = KAZ_TRY(files_of(options.page_folder, "", false));
+  if (server.page.empty()) {
+    const std::string_view text = kNoPage;
+    server.page["/index.html"] = {"text/html; charset=utf-8", Bytes(text.begin(), text.end())};
+  }
+  const fs::path robot(options.robot_path);
+  server.robot = KAZ_TRY(
+      files_of(robot.has_parent_path() ? robot.parent_path() : fs::path("."), "/robot", true));
+  const std::string urdf = KAZ_TRY(read_whole_file(options.robot_path, kLargestFile));
+  server.robot["/robot.urdf"] = {"application/xml", Bytes(urdf.begin(), urdf.end())};
+  const std::string token = server.token;
+  auto opened = KAZ_TRY(Server::open(std::move(server)));
+  const bool v6 = where.address.find(':') != std::string::npos;
+  url = "http://" + (v6 ? "[" + where.address + "]" : where.address) + ":" +
+        std::to_string(opened->port()) + "/?token=" + token;
+  return opened;
+}
+
+Result<std::unique_ptr<View>> View::open(ViewOptions options) {
+  std::string url;
+  auto server = KAZ_TRY(open_server(options, 0, 0, url));
+  auto feed = KAZ_TRY(Feed::create(*server, options.robot_path));
+  return std::unique_ptr<View>(
+      new View(std::move(options), std::move(server), std::move(feed), std::move(url)));
+}
+
+View::View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url)
+    : options_(std::move(options)),
+      server_(std::move(server)),
+      feed_(std::move(feed)),
+      url_(std::move(url)) {}
+
+View::~View() {
+  server_->drain(2);
+}
+
+void View::picture(const vision::StereoPair& pair) {
+  feed_.pictures(pair, !options_.recorded_pictures);
+}
+
+void View::channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
+                   const std::string& schema_name, const std::string& schema_encoding,
+                   const std::string& schema) {
+  tapped_[number] = {
+      server_->add_channel({0, topic, encoding, schema_name, schema_encoding, schema}), topic};
+}
+
+void View::message(std::uint16_t channel, std::uint64_t time_ns,
+                   std::span<const std::uint8_t> data) {
+  if (options_.wait && !waited_) wait_for_viewer();
+  const Tapped& tapped = tapped_[channel];
+  server_->publish(tapped.channel, time_ns, data, lasts(tapped.topic, data));
+  feed_.message(tapped.topic, time_ns, data);
+}
+
+void View::stepped(Time time, const sim::World& world) {
+  feed_.world(static_cast<std::uint64_t>(time.count()), world);
+  if (options_.pace > 0) keep_pace(time);
+}
+
+// Until a viewer has subscribed, and for a moment no other subscription comes: viewers send several.
+void View::wait_for_viewer() {
+  waited_ = true;
+  std::size_t before = 0;
+  int quiet = 0;
+  while (!options_.stopped() && quiet < 10) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const std::size_t now = server_->subscriptions();
+    quiet = now > 0 && now == before ? quiet + 1 : 0;
+    before = now;
+  }
+}
+
+void View::keep_pace(Time time) {
+  using Clock = std::chrono::steady_clock;
+  const auto now = Clock::now();
+  if (!pace_start_) pace_start_.emplace(now, time);
+  const auto due =
+      pace_start_->first +
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::nano>(
+          static_cast<double>((time - pace_start_->second).count()) / options_.pace));
+  // What was late is not made up for.
+  if (now > due + std::chrono::milliseconds(100)) pace_start_.emplace(now, time);
+  while (Clock::now() < due && !options_.stopped())
+    std::this_thread::sleep_for(
+        std::min<Clock::duration>(due - Clock::now(), std::chrono::milliseconds(50)));
+}
+
+}  // namespace kaz::watch

@@ -1,0 +1,196 @@
+// A run that is watched: the same as one that is not, and what viewers see of it.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/view/view.h"
+
+#include <atomic>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+#include "sim/runtime/formats/little_endian.h"
+#include "sim/runtime/formats/mcap_reader.h"
+#include "sim/runtime/simulation/simulation.h"
+#include "sim/runtime/simulation/world_testing.h"
+#include "tools/view/client_testing.h"
+#include "tools/view/player.h"
+
+namespace kaz::watch {
+namespace {
+
+const std::string kTree = KAZ_TREE;
+const std::string kRobot = kTree + "/shared/robot/kaz/kaz.urdf";
+
+std::unique_ptr<View> opened(bool wait = false) {
+  ViewOptions options;
+  options.where = "127.0.0.1:0";
+  options.robot_path = kRobot;
+  options.wait = wait;
+  auto view = View::open(options);
+  EXPECT_TRUE(view.has_value()) << view.error().message;
+  return std::move(*view);
+}
+
+// SHA-256 of the recording of 0.3 s.
+std::string recorded(const std::string& path, View* view) {
+  sim::SimulationOptions options;
+  options.world_path = kTree + "/sim/worlds/ball.sdf";
+  options.robot_path = kRobot;
+  options.camera_path = kTree + "/shared/robot/kaz/camera.json";
+  options.recording_path = path;
+  options.tap = view;
+  auto simulation = sim::Simulation::create(options);
+  EXPECT_TRUE(simulation.has_value()) << simulation.error().message;
+  for (int i = 0; i < 300; ++i) EXPECT_TRUE((*simulation)->step().has_value());
+  const auto hash = (*simulation)->finish_recording();
+  return hash ? *hash : hash.error().message;
+}
+
+nlohmann::json subscriptions(const std::vector<std::uint32_t>& channels) {
+  auto list = nlohmann::json::array();
+  for (const auto channel : channels) list.push_back({{"id", channel}, {"channelId", channel}});
+  return {{"op", "subscribe"}, {"subscriptions", list}};
+}
+
+struct Received {
+  std::uint64_t time_ns = 0;
+  Bytes data;
+  bool operator==(const Received&) const = default;
+};
+
+Received received(const Bytes& frame) {
+  sim::LittleEndianFields fields(frame);
+  fields.number<std::uint8_t>();
+  fields.number<std::uint32_t>();
+  Received message;
+  message.time_ns = fields.number<std::uint64_t>();
+  message.data.assign(fields.rest().begin(), fields.rest().end());
+  return message;
+}
+
+TEST(View, WatchedOrNotTheRecordingIsTheSameAndAReaderThatKeepsUpHasAllOfIt) {
+  const sim::TestFolder folder;
+  const std::string alone = recorded(folder.file("alone.mcap"), nullptr);
+  const auto view = opened(true);
+  std::vector<Received> joints, wire;
+  int poses = 0, boards = 0, scenes = 0;
+  std::thread viewer([&, port = view->server().port()] {
+    Client client(port);
+    ASSERT_TRUE(client.open("foxglove.sdk.v1"));
+    const auto joint_channel = client.channel("/truth/joints"), tf = client.channel("/tf"),
+               board = client.channel("/board/state"), scene = client.channel("/scene"),
+               pins = client.channel("/board/pins");
+    client.send(subscriptions({joint_channel, tf, board, scene, pins}));
+    while (joints.size() < 300) {
+      const auto frame = client.next_frame(1);
+      ASSERT_TRUE(frame);
+      const std::uint32_t id = (*frame)[1];
+      if (id == joint_channel) joints.push_back(received(*frame));
+      if (id == pins) wire.push_back(received(*frame));
+      poses += id == tf;
+      boards += id == board;
+      scenes += id == scene;
+    }
+  });
+  const std::string watched = recorded(folder.file("watched.mcap"), view.get());
+  viewer.join();
+  EXPECT_EQ(watched, alone);
+  const auto file = sim::McapRecording::load(folder.file("watched.mcap"));
+  ASSERT_TRUE(file.has_value());
+  std::vector<Received> in_file;
+  for (const auto& message : file->messages) {
+    if (file->topics.at(message.channel) == "/truth/joints")
+      in_file.push_back({message.time_ns, message.data});
+  }
+  EXPECT_EQ(joints, in_file);
+  EXPECT_GE(wire.size(), 299u);
+  EXPECT_GE(poses, 8);  // 30 Hz
+  EXPECT_GE(boards, 8);
+  EXPECT_EQ(scenes, 1);
+}
+
+TEST(View, WithoutAFileTheSameIsHeard) {
+  const auto view = opened(true);
+  std::atomic<int> heard = 0;
+  std::thread viewer([&, port = view->server().port()] {
+    Client client(port);
+    ASSERT_TRUE(client.open("foxglove.websocket.v1"));
+    client.send(subscriptions({client.channel("/truth/joints")}));
+    while (heard < 300 && client.next_frame(1)) ++heard;
+  });
+  EXPECT_EQ(recorded("", view.get()), "");
+  viewer.join();
+  EXPECT_EQ(heard, 300);
+}
+
+TEST(View, ARecordingIsPlayedWithPausesAndJumps) {
+  const sim::TestFolder folder;
+  recorded(folder.file("run.mcap"), nullptr);
+  const auto recording = sim::McapRecording::load(folder.file("run.mcap"));
+  ASSERT_TRUE(recording.has_value());
+  std::atomic<bool> stop = false;
+  std::atomic<int> port = 0;
+  std::string token;
+  PlayOptions options;
+  options.view.where = "127.0.0.1:0";
+  options.view.robot_path = kRobot;
+  options.view.wait = true;
+  options.view.stopped = [&] { return stop.load(); };
+  options.world_path = kTree + "/sim/worlds/ball.sdf";
+  options.on_open = [&](const std::string& url) {
+    token = url.substr(url.find('?'));
+    port = std::stoi(url.substr(url.find(':', 6) + 1));
+  };
+  std::thread player([&] { EXPECT_TRUE(play(*recording, options).has_value()); });
+  while (port == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  {
+    Client client(static_cast<std::uint16_t>(port.load()));
+    ASSERT_TRUE(client.open("foxglove.sdk.v1", "/" + token));
+    EXPECT_EQ(client.next_op("serverInfo")["capabilities"].back(), "playbackControl");
+    client.send(subscriptions({client.channel("/tf"), client.channel("/truth/joints")}));
+    EXPECT_TRUE(client.next_frame(1));
+    // Paused at 0.1 s: the state says so.
+    client.send(
+        Bytes{3, 1, 0, 0, 0x80, 0x3f, 1, 0x00, 0xe1, 0xf5, 0x05, 0, 0, 0, 0, 1, 0, 0, 0, 'x'});
+    std::optional<Bytes> state;
+    do {
+      state = client.next_frame(5);
+      ASSERT_TRUE(state);
+    } while (state->back() != 'x');
+    EXPECT_EQ((*state)[1], 1);  // paused
+    EXPECT_EQ((Bytes(state->begin() + 2, state->begin() + 10)),
+              (Bytes{0x00, 0xe1, 0xf5, 0x05, 0, 0, 0, 0}));
+    // Played from 0.2 s to the end.
+    client.send(Bytes{3, 0, 0, 0, 0x80, 0x3f, 1, 0x00, 0xc2, 0xeb, 0x0b, 0, 0, 0, 0, 0, 0, 0, 0});
+    do {
+      state = client.next_frame(5);
+      ASSERT_TRUE(state);
+    } while ((*state)[1] != 3);
+  }
+  stop = true;
+  player.join();
+}
+
+TEST(View, AddressesAreUnderstoodOrRefused) {
+  EXPECT_EQ(parse_where("")->port, 8765);
+  EXPECT_EQ(parse_where("9000")->address, "127.0.0.1");
+  EXPECT_TRUE(parse_where("127.0.0.1:1")->loopback);
+  EXPECT_FALSE(parse_where("0.0.0.0:1")->loopback);
+  EXPECT_TRUE(parse_where("[::1]:80")->loopback);
+  for (const char* wrong : {"x", "localhost:80", "127.0.0.1:", "1.2.3.4:70000", ":80", "-1"})
+    EXPECT_FALSE(parse_where(wrong).has_value()) << wrong;
+}
+
+TEST(View, WithoutAViewerItCostsNothing) {
+  const sim::TestFolder folder;
+  const auto view = opened();
+  const auto before = view->server().cpu_ns();
+  recorded("", view.get());
+  EXPECT_LT(view->server().cpu_ns() - before, 5'000'000u);
+}
+
+}  // namespace
+}  // namespace kaz::watch
