@@ -42,6 +42,13 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments) {
       "show it in a browser, or in Foxglove, at this address and port (default: "
       "127.0.0.1:8765); of another address than this machine's own whoever looks needs the token "
       "that is printed");
+  view->check(CLI::Validator(
+      [](std::string& text) {
+        return watch::parse_where(text) ? std::string()
+                                        : "give a port, or address and port in numbers, as 8765, "
+                                          "127.0.0.1:8765 or 0.0.0.0:8765";
+      },
+      ""));
   view->expected(0, 1)->type_name("[ADDRESS:]PORT")->trigger_on_parse();
   verb.add_flag("--view-wait", arguments.wait, "begin when the first viewer is there")->needs(view);
   verb.add_option("--pace", arguments.pace,

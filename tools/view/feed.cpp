@@ -179,9 +179,6 @@ void Feed::restart() {
   next_ns_.reset();
   next_contacts_ns_ = next_picture_ns_ = 0;
   for (kz_receiver& receiver : receivers_) kz_receiver_init(&receiver);
-  target_.fill(0);
-  measured_.fill(0);
-  status_ = 0;
 }
 
 bool Feed::due(std::uint64_t time_ns) {

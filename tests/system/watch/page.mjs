@@ -3,7 +3,7 @@
 // node page.mjs KAZ FOLDER: pictures of the page go to FOLDER. Exit status 77: there is no chromium.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { existsSync, mkdirSync } from "node:fs";
+import { existsSync, mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { chromium } from "playwright-core";
 
 const [kaz, folder] = process.argv.slice(2);
@@ -36,8 +36,13 @@ const run = (port, ...more) => start("run", "track-ball", "--mcu", "native", "--
 const browser = await chromium.launch({ executablePath: browserPath,
   args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 const wrong = [];
+let lapStart = Date.now();
+function lap(what) {
+  console.log(`${what}: ${Date.now() - lapStart} ms`);
+  lapStart = Date.now();
+}
 async function open(url, options = {}) {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
+  const page = await browser.newPage({ viewport: { width: 1000, height: 600 }, ...options });
   page.on("console", (message) => {
     // The browser itself reports each attempt while the program is away.
     if (message.type() === "error" && !message.text().includes("ERR_CONNECTION_REFUSED")) wrong.push(message.text());
@@ -47,6 +52,15 @@ async function open(url, options = {}) {
   await page.goto(url);
   await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 20000 });
   return { page, took: Date.now() - before };
+}
+// CPU time of the server's thread, s.
+function serverTime(pid) {
+  for (const task of readdirSync(`/proc/${pid}/task`)) {
+    const stat = readFileSync(`/proc/${pid}/task/${task}/stat`, "utf8");
+    const [, name, rest] = /\((.*)\) (.*)/.exec(stat);
+    if (name === "view") return (Number(rest.split(" ")[11]) + Number(rest.split(" ")[12])) / 100;
+  }
+  throw new Error("the server has no thread");
 }
 const head = (page) => page.evaluate(() => window.kaz.pose("neck_tilt"));
 const differ = (a, b) => Math.max(...a.map((x, i) => Math.abs(x - b[i])));
@@ -58,26 +72,35 @@ try {
   const url = await live.url;
   const { page, took } = await open(url);
   console.log(`the page shows the robot ${took} ms after it was opened`);
-  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 60, null, { timeout: 20000 });
-  const [a, shot] = [await head(page), await page.locator("#view").screenshot()];
+  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 30, null, { timeout: 20000 });
+  const pixels = () => page.evaluate(() => document.getElementById("view").toDataURL());
+  const [a, shot] = [await head(page), await pixels()];
   let moved = 0;
   for (let i = 0; i < 40 && moved < 0.01; ++i) {
     await page.waitForTimeout(100);
     moved = differ(a, await head(page));
   }
   assert(moved >= 0.01, "the head does not move in the scene");
-  assert(!shot.equals(await page.locator("#view").screenshot()), "the picture of the robot does not change");
+  assert(shot.length > 5000 && shot !== await pixels(), "the picture of the robot does not change");
+  const [cpu, begun, shown] = [serverTime(live.child.pid), Date.now(), await page.evaluate(() => window.kaz.plotted())];
+  await page.waitForTimeout(3000);
+  const share = 100 * (serverTime(live.child.pid) - cpu) / ((Date.now() - begun) / 1000);
+  console.log(`the server takes ${share.toFixed(1)} % of a core with one viewer`);
+  assert(share < 10, `the server takes ${share} % of a core`);
+  assert(await page.evaluate(() => window.kaz.plotted()) > shown, "no state of the board came in that time");
   const trunk = await page.evaluate(() => window.kaz.pose("trunk"));
   assert(trunk[2] > 0.1 && trunk[2] < 0.2, `the trunk is at a height of ${trunk[2]} m`);
-  const eye = await page.evaluate(() => document.getElementById("left").naturalWidth);
-  assert(eye >= 320, `the left eye's picture is ${eye} px wide`);
+  // 0 for the moment in which the next one is being decoded.
+  await page.waitForFunction(() => document.getElementById("left").naturalWidth >= 320);
   assert.match(await page.textContent("#phase"), /track-ball/);
   assert.equal(await page.textContent("#connection"), "live");
+  lap("live");
   await page.screenshot({ path: `${folder}/light.png` });
   await page.click("#theme");
   await page.waitForTimeout(200);
   await page.screenshot({ path: `${folder}/dark.png` });
 
+  lap("pictures");
   // A second viewer, in a narrow window: nothing is wider than it.
   const second = await open(url, { viewport: { width: 390, height: 844 } });
   const wide = await second.page.evaluate(() => document.documentElement.scrollWidth);
@@ -86,6 +109,7 @@ try {
   await second.page.screenshot({ path: `${folder}/narrow.png`, fullPage: true });
   await second.page.close();
 
+  lap("second viewer");
   // The program ends and comes back at the same port.
   const port = new URL(url).port;
   await live.stop();
@@ -101,9 +125,11 @@ try {
   const third = run(port);
   await untold.page.waitForFunction(() => document.getElementById("connection").textContent === "live", null,
     { timeout: 15000 });
+  await third.url;
   await third.stop();
   await untold.page.close();
 
+  lap("restart");
   // Played: pause, jump, keys.
   const played = start("replay", `${recorded}/recording.mcap`, "--view", "127.0.0.1:0");
   const player = (await open(await played.url)).page;
@@ -125,6 +151,7 @@ try {
   await player.screenshot({ path: `${folder}/player.png` });
   assert.equal(await played.stop(), 0, "the player's exit status");
   assert.deepEqual(wrong.filter((text) => !text.includes("WebSocket connection")), [], "errors in the console");
+  lap("player");
   console.log("live, two viewers, restart and player: as they should be");
 } finally {
   for (const child of running) child.kill("SIGKILL");
