@@ -38,7 +38,11 @@ class Link:
         self.devices, self.modules, self.before = devices, modules, before
 
 
-USB = ["-device", "qemu-xhci,id=usb", "-device", "usb-serial,bus=usb.0,id=adapter,chardev=board"]
+# A serial number of its own: QEMU would make one out of the socket, another one after replugging.
+ADAPTER = {"driver": "usb-serial", "bus": "usb.0", "id": "adapter", "serial": "KAZ0001", "chardev": "board"}
+USB = ["-device", "qemu-xhci,id=usb",
+       "-device", ",".join([ADAPTER["driver"], *(f"{key}={value}" for key, value in ADAPTER.items()
+                                                 if key != "driver")])]
 ISOTP = [("can_raw", ""), ("can_isotp", "")]
 CAN_PAIR = ["-object", "can-bus,id=bus", *(2 * ["-device", "kvaser_pci,canbus=bus"])]
 UART = ["-serial", "chardev:board"]
@@ -255,8 +259,7 @@ class Loss:
 LOSSES = [
     Loss("usb", "USB adapter unplugged", ("/dev/ttyUSB0", "USB adapter 0403:6001"),
          lambda guest: guest.machine.qmp("device_del", id="adapter"),
-         lambda guest: guest.machine.qmp("device_add", driver="usb-serial", bus="usb.0", id="adapter",
-                                         chardev="board")),
+         lambda guest: guest.machine.qmp("device_add", **ADAPTER)),
     Loss("can", "CAN interface taken down", ("can0", "1000000 bit/s, ERROR-ACTIVE"),
          lambda guest: guest.run("ip link set can0 down"),
          lambda guest: guest.run(up("can0"))),
