@@ -4,6 +4,15 @@ set(prefix ${BINARY}/prefix)
 file(REMOVE_RECURSE ${BINARY})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}
                 COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+file(STRINGS ${BUILD}/install_manifest.txt installed)
+foreach(file IN LISTS installed)
+  if(NOT file MATCHES "^${prefix}/")
+    message(FATAL_ERROR "installed outside of the prefix ${prefix}: ${file}")
+  endif()
+endforeach()
+if(EXISTS ${BUILD}/view/index.html AND NOT EXISTS ${prefix}/share/kaz/view/index.html)
+  message(FATAL_ERROR "the page of --view was built and is not installed")
+endif()
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/tests/repository/consumer -B ${BINARY}/consumer -G Ninja
                         -DCMAKE_PREFIX_PATH=${prefix}
                 COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)

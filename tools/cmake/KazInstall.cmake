@@ -31,6 +31,8 @@ if(TARGET kaz)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim/worlds ${PROJECT_SOURCE_DIR}/sim/robots
                     ${PROJECT_SOURCE_DIR}/examples
           DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz PATTERN __pycache__ EXCLUDE PATTERN build EXCLUDE)
+  # The page of --view, if there was npm to build it.
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/view DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz OPTIONAL)
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/tools/udev/70-kaz.rules DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/udev)
 install(FILES ${PROJECT_SOURCE_DIR}/shared/protocol/wireshark/kaz.lua
