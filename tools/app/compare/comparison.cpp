@@ -223,9 +223,10 @@ class Measurer {
       measures_.push_back(
           {std::string(joint_name(j)) + "." + what, unit, meaning, resolution, of(a), of(b)});
     };
-    // Resolutions: a tick; half a code of the potentiometer (190 degrees in 1,024 codes).
+    // Resolutions: a tick; half of the gears' play of 0.4 degrees, within which an unloaded joint stays for a
+    // run where it came to rest; half a code of the potentiometer (190 degrees in 1,024 codes).
     add_of("lag", "ms", "by how much the joint is later than its command", 1, 1e3, &Following::lag);
-    add_of("offset", "deg", "mean of angle less command", 0.1, 1 / kDegree, &Following::offset);
+    add_of("offset", "deg", "mean of angle less command", 0.2, 1 / kDegree, &Following::offset);
     add_of("scatter", "deg", "what lag and offset leave of it, root mean square", 0.1, 1 / kDegree,
            &Following::rest);
   }
