@@ -92,6 +92,10 @@ class Client {
   std::map<std::string, std::uint32_t> channels_;
 };
 
+inline std::string get(const std::string& path) {
+  return "GET " + path + " HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n";
+}
+
 // The whole answer to `request`, as text, up to the connection's end.
 inline std::string answer(std::uint16_t port, const std::string& request) {
   boost::asio::io_context io;

@@ -42,10 +42,6 @@ bool eventually(const std::function<bool()>& holds) {
   return holds();
 }
 
-std::string get(const std::string& path) {
-  return "GET " + path + " HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n";
-}
-
 std::string handshake(const std::string& path, const std::string& offered) {
   return "GET " + path +
          " HTTP/1.1\r\nHost: a\r\nConnection: Upgrade\r\nUpgrade: "

@@ -11,6 +11,7 @@
 
 #include "shared/base/files.hpp"
 #include "shared/base/number_text.hpp"
+#include "sim/body/description/robot_model.h"
 
 namespace kaz::watch {
 namespace {
@@ -34,27 +35,40 @@ const char* type_of(const fs::path& path) {
   return "application/octet-stream";
 }
 
-bool of_a_robot(const fs::path& path) {
-  const std::string end = path.extension().string();
-  for (const char* one : {".urdf", ".stl", ".STL", ".obj", ".mtl", ".dae", ".png", ".jpg"}) {
-    if (end == one) return true;
-  }
-  return false;
+Result<ServedFile> served(const fs::path& path) {
+  const std::string bytes = KAZ_TRY(read_whole_file(path.string(), kLargestFile));
+  return ServedFile{type_of(path), Bytes(bytes.begin(), bytes.end())};
 }
 
-// All of a folder, by "PREFIX/path in it".
-Result<std::map<std::string, ServedFile>> files_of(const fs::path& folder,
-                                                   const std::string& prefix, bool robot) {
+// All of the page's folder, by "/path in it".
+Result<std::map<std::string, ServedFile>> page_files(const fs::path& folder) {
   std::map<std::string, ServedFile> files;
   std::error_code error;
   for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end;
        at.increment(error)) {
-    if (at.depth() > 3) at.disable_recursion_pending();
     std::error_code ignored;
-    if (!at->is_regular_file(ignored) || (robot && !of_a_robot(at->path()))) continue;
-    const std::string bytes = KAZ_TRY(read_whole_file(at->path().string(), kLargestFile));
-    files[prefix + "/" + at->path().lexically_relative(folder).generic_string()] = {
-        type_of(at->path()), Bytes(bytes.begin(), bytes.end())};
+    if (!at->is_regular_file(ignored)) continue;
+    files["/" + at->path().lexically_relative(folder).generic_string()] =
+        KAZ_TRY(served(at->path()));
+  }
+  return files;
+}
+
+// The robot's file and the meshes that it names. Nothing else of their folder is anybody's business.
+Result<std::map<std::string, ServedFile>> robot_files(const fs::path& urdf) {
+  std::map<std::string, ServedFile> files;
+  files["/robot.urdf"] = files["/robot/" + urdf.filename().generic_string()] =
+      KAZ_TRY(served(urdf));
+  const fs::path folder = fs::absolute(urdf).parent_path().lexically_normal();
+  const sim::RobotModel model = KAZ_TRY(sim::load_robot(urdf.string()));
+  for (const sim::RobotLink& link : model.links) {
+    for (const sim::Visual& visual : link.rigid.visuals) {
+      if (visual.shape.kind != sim::Shape::Kind::mesh) continue;
+      const fs::path inside = fs::path(visual.shape.mesh_path).lexically_relative(folder);
+      // A browser cannot ask for what is outside.
+      if (inside.empty() || *inside.begin() == "..") continue;
+      files["/robot/" + inside.generic_string()] = KAZ_TRY(served(visual.shape.mesh_path));
+    }
   }
   return files;
 }
@@ -102,16 +116,12 @@ Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uin
                        {"source", end_ns > 0 ? "recording" : "simulation"}};
   server.start_ns = start_ns;
   server.end_ns = end_ns;
-  if (!options.page_folder.empty()) server.page = KAZ_TRY(files_of(options.page_folder, "", false));
+  if (!options.page_folder.empty()) server.page = KAZ_TRY(page_files(options.page_folder));
   if (server.page.empty()) {
     const std::string_view text = kNoPage;
     server.page["/index.html"] = {"text/html; charset=utf-8", Bytes(text.begin(), text.end())};
   }
-  const fs::path robot(options.robot_path);
-  server.robot = KAZ_TRY(
-      files_of(robot.has_parent_path() ? robot.parent_path() : fs::path("."), "/robot", true));
-  const std::string urdf = KAZ_TRY(read_whole_file(options.robot_path, kLargestFile));
-  server.robot["/robot.urdf"] = {"application/xml", Bytes(urdf.begin(), urdf.end())};
+  server.robot = KAZ_TRY(robot_files(options.robot_path));
   const std::string token = server.token;
   auto opened = KAZ_TRY(Server::open(std::move(server)));
   const bool v6 = where.address.find(':') != std::string::npos;

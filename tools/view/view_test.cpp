@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "shared/base/files.hpp"
 #include "sim/runtime/formats/little_endian.h"
 #include "sim/runtime/formats/mcap_reader.h"
 #include "sim/runtime/simulation/simulation.h"
@@ -172,6 +174,43 @@ TEST(View, ARecordingIsPlayedWithPausesAndJumps) {
   }
   stop = true;
   player.join();
+}
+
+// A robot's file may lie anywhere, as in somebody's home.
+TEST(View, OfTheRobotsFolderOnlyWhatItsFileNamesIsServed) {
+  const std::filesystem::path folder =
+      std::filesystem::path(::testing::TempDir()) / "kaz-view-robot";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "meshes");
+  const std::string mesh =
+      "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\n"
+      "vertex 0 0.1 0\nendloop\nendfacet\nendsolid one\n";
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(folder / name) << text;
+  };
+  write("meshes/part.stl", mesh);
+  write("meshes/private.stl", mesh);
+  write("holiday.png", "private");
+  std::string arm = *read_whole_file(kTree + "/sim/robots/arm/arm.urdf", 1 << 20);
+  const std::string plate = R"(<cylinder radius="0.06" length="0.02"/>)";
+  ASSERT_NE(arm.find(plate), std::string::npos);
+  arm.replace(arm.find(plate), plate.size(), R"(<mesh filename="meshes/part.stl"/>)");
+  write("arm.urdf", arm);
+  ViewOptions options;
+  options.where = "127.0.0.1:0";
+  options.robot_path = (folder / "arm.urdf").string();
+  std::string url;
+  const auto server = open_server(options, 0, 0, url);
+  ASSERT_TRUE(server.has_value()) << server.error().message;
+  const auto found = [&](const std::string& path) {
+    return answer((*server)->port(), get(path)).find(" 200 ") != std::string::npos;
+  };
+  EXPECT_TRUE(found("/robot.urdf"));
+  EXPECT_TRUE(found("/robot/arm.urdf"));
+  EXPECT_TRUE(found("/robot/meshes/part.stl"));
+  EXPECT_FALSE(found("/robot/meshes/private.stl"));
+  EXPECT_FALSE(found("/robot/holiday.png"));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(View, AddressesAreUnderstoodOrRefused) {
