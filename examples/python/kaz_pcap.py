@@ -11,7 +11,7 @@ capture; 3 the port is in use, or cannot be read or written
 examples:
   kaz_pcap.py /dev/ttyUSB1 line.pcap --seconds 10
   kaz_pcap.py recorded.bin line.pcap
-  wireshark -X lua_script:shared/protocol/wireshark/kaz.lua line.pcap
+  wireshark -X lua_script:shared/protocol/wireshark/kaz.lua line.pcap    # installed: share/kaz/wireshark
 """
 import argparse
 import fcntl

@@ -69,8 +69,8 @@ TEST(PortAddress, EachMistakeHasItsSentence) {
 class Sysfs : public ::testing::Test {
  protected:
   void SetUp() override {
-    char name[] = "/tmp/kaz-sysfs-XXXXXX";
-    ASSERT_NE(mkdtemp(name), nullptr);
+    std::string name = (fs::temp_directory_path() / "kaz-sysfs-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
     root_ = name;
     fs::create_directories(root_ / "class/tty");
   }

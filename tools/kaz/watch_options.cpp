@@ -50,7 +50,9 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments) {
       },
       ""));
   view->expected(0, 1)->type_name("[ADDRESS:]PORT")->trigger_on_parse();
-  verb.add_flag("--view-wait", arguments.wait, "begin when the first viewer is there")->needs(view);
+  verb.add_flag("--view-wait", arguments.wait,
+                "begin when the first viewer has subscribed to a channel")
+      ->needs(view);
   verb.add_option("--pace", arguments.pace,
                   "with --view: simulated seconds in a second at most (default: as fast as it "
                   "goes; of a recording 1)")

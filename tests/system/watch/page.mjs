@@ -119,15 +119,15 @@ try {
   await page.goto(await again.url);
   await page.waitForFunction(() => document.getElementById("connection").textContent === "live", null, { timeout: 10000 });
   await page.close();
-  const untold = await open((await again.url).replace(/\?.*/, ""));  // without the token: looking is free
+  const tokenless = await open((await again.url).replace(/\?.*/, ""));  // without the token: looking is free
   await again.stop();
-  await untold.page.waitForFunction(() => document.getElementById("connection").textContent.startsWith("not connected"));
+  await tokenless.page.waitForFunction(() => document.getElementById("connection").textContent.startsWith("not connected"));
   const third = run(port);
-  await untold.page.waitForFunction(() => document.getElementById("connection").textContent === "live", null,
+  await tokenless.page.waitForFunction(() => document.getElementById("connection").textContent === "live", null,
     { timeout: 15000 });
   await third.url;
   await third.stop();
-  await untold.page.close();
+  await tokenless.page.close();
 
   lap("restart");
   // Played: pause, jump, keys.
