@@ -82,7 +82,10 @@ void PortServer::drop_client(const std::string& why) {
   options_.report(peer_ + " " + why);
 }
 
+// A client whose connection stands gets every byte that the board says from then on, even where
+// this server did not come to accept it yet.
 Result<void> PortServer::write(std::span<const std::uint8_t> bytes) {
+  accept_clients();
   if (!has_client()) return {};
   std::vector<std::uint8_t> wire;
   if (options_.protocol == Protocol::raw) {

@@ -126,7 +126,7 @@ LAYERS = {
         "base": (), "doctor": ("base",), "kept": ("base",), "vision": ("base",),
         "session": ("base", "kept", "vision"),
         "board": ("base", "kept"), "bridge": ("base",), "calibrate": ("base", "kept", "session"),
-        "monitor": ("base", "kept"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
+        "monitor": ("base", "kept", "session"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
         "sim": ("base", "session"),
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
         "compare": ("base", "session"),

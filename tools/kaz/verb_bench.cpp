@@ -6,6 +6,7 @@
 #include "tools/app/bench/bench_run.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
+#include "tools/kaz/watch_options.h"
 
 namespace kaz::tools {
 namespace {
@@ -87,6 +88,8 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   arguments->out += std::string("-") + name;
   add_common(*verb, *arguments);
   if (arguments->motor) add_motor_arguments(*verb, *arguments);
+  auto watch = std::make_shared<WatchArguments>();
+  add_watch_options(*verb, *watch);
   auto* motion = verb->add_flag(
       "--allow-motion", arguments->allow_motion,
       arguments->motor
@@ -104,15 +107,15 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
                "error, or this "
                "machine was too late to judge.\nExamples:\n" +
                footer);
-  verb->callback([&action, arguments, verb] {
-    action = [arguments, verb]() -> Result<Outcome> {
+  verb->callback([&action, arguments, watch, verb] {
+    action = [arguments, watch, verb]() -> Result<Outcome> {
       const BenchTargetOptions& target = arguments->target;
       if (arguments->motor && verb->count("--disc") > 0 && !target.port.empty() &&
           target.stand != "manual")
         return fail(Fault::usage,
                     "--disc is that of the virtual stand, or of yours with --stand manual: the "
                     "stand of kaz sim has a --disc of its own; leave it out");
-      return run_bench(*arguments);
+      return bench_watched(*watch, *arguments);
     };
   });
   return verb;

@@ -8,6 +8,7 @@
 #include "tools/app/evaluate/given_options.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
+#include "tools/kaz/watch_options.h"
 
 namespace kaz::tools {
 namespace {
@@ -69,7 +70,8 @@ std::vector<std::string> given_options(const CLI::App& verb) {
   return given;
 }
 
-Result<Outcome> start(Arguments a, const std::vector<std::string>& options) {
+Result<Outcome> start(Arguments a, const WatchArguments& watch,
+                      const std::vector<std::string>& options) {
   CampaignOptions& c = a.campaign;
   const auto settings = KAZ_TRY(parse_settings(a.settings));
   c.settings = settings;
@@ -106,7 +108,7 @@ Result<Outcome> start(Arguments a, const std::vector<std::string>& options) {
   KAZ_TRY(no_repetition("--colors", c.variation.colors));
   KAZ_TRY(no_repetition("--radii", c.variation.radii_m));
   KAZ_TRY(check_given(c, options));
-  const auto succeeded = KAZ_TRY(run_campaign(c));
+  const auto succeeded = KAZ_TRY(evaluate_watched(watch, c));
   return Outcome(succeeded);
 }
 
@@ -242,6 +244,8 @@ void add_evaluate(CLI::App& program, Action& action) {
                  "in real time, kaz sim and kaz run as processes of their own with a pty between "
                  "them; needs two processors for each job");
   verb->add_flag("--json", c.json, "print result.json, no progress");
+  auto watch = std::make_shared<WatchArguments>();
+  add_watch_options(*verb, *watch);
   verb->footer(
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
       "supply and ball (place, radius, colour), all from --seed and the episode's number. Success "
@@ -250,6 +254,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       std::string(kExitStatus) +
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
+      "  kaz evaluate catch-ball --episodes 5 --out caught --pace 1 --view   # in a browser\n"
       "  kaz evaluate ./wave.so --episodes 4 --out waved\n"
       "  kaz evaluate ./my_catch.so --judge catch-ball --episodes 20 --out mine\n"
       "  kaz evaluate catch-ball --props 3 10 --floors wood,plain --lamp 0.03 0.12 --shade 0.03 "
@@ -263,15 +268,15 @@ void add_evaluate(CLI::App& program, Action& action) {
       "  kaz evaluate navigate --worlds moving-box --episodes 400 --mcu native --out moving\n"
       "  kaz evaluate navigate --set goal=ball --obstacles 4 --episodes 10 --out caught\n"
       "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
-  verb->callback([&action, arguments, verb] {
+  verb->callback([&action, arguments, watch, verb] {
     if (!verb->get_subcommands().empty()) return;
-    action = [arguments, verb]() -> Result<Outcome> {
+    action = [arguments, watch, verb]() -> Result<Outcome> {
       if (arguments->campaign.behavior.empty())
         return fail(Fault::usage,
                     "say which behaviour, as in kaz evaluate search-ball --out found");
       if (arguments->campaign.out.empty())
         return fail(Fault::usage, "--out is missing: the folder for what is found");
-      return start(*arguments, given_options(*verb));
+      return start(*arguments, *watch, given_options(*verb));
     };
   });
   add_merge(*verb, action);

@@ -6,6 +6,7 @@
 #include "tools/app/monitor/monitor.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
+#include "tools/kaz/watch_options.h"
 
 namespace kaz::tools {
 
@@ -13,8 +14,11 @@ void add_monitor(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "monitor", "show a board in the terminal: joints, supply, tick, link; keys to move and stop");
   auto arguments = std::make_shared<MonitorOptions>();
+  auto watch = std::make_shared<WatchArguments>();
   add_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
+  add_watch_options(*verb, *watch, false);
+  verb->remove_option(verb->get_option("--view-wait"));
   verb->footer(
       "80 columns and 24 lines are enough; works over ssh. It reads only, until a key is pressed: "
       "e switches the selected joint on or off, E all on, left and right move it by a degree, [ "
@@ -28,8 +32,11 @@ void add_monitor(CLI::App& program, Action& action) {
       "  kaz monitor --port /dev/ttyUSB0\n"
       "  kaz sim --mcu native --serial board     # in another terminal, until it says ready\n"
       "  kaz monitor --port board\n"
+      "  kaz monitor --port board --view        # the robot in a browser, too\n"
       "  ssh workbench -t kaz monitor --port /dev/ttyUSB0");
-  verb->callback([&action, arguments] { action = [arguments] { return monitor(*arguments); }; });
+  verb->callback([&action, arguments, watch] {
+    action = [arguments, watch] { return monitor_watched(*watch, *arguments); };
+  });
 }
 
 }  // namespace kaz::tools

@@ -7,6 +7,7 @@
 #include "tools/app/sim/serve.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
+#include "tools/kaz/watch_options.h"
 
 namespace kaz::tools {
 namespace {
@@ -82,6 +83,8 @@ void add_sim(CLI::App& program, Action& action) {
   add_sim_options(*verb, arguments->backend);
   add_record_pictures(*verb, arguments->backend);
   verb->get_option("--record-pictures")->needs(record);
+  auto watch = std::make_shared<WatchArguments>();
+  add_watch_options(*verb, *watch, false);
   verb->footer(
       "The link behaves as a port with a board at the other end. The socket PATH.ctl (PATH of "
       "--serial) takes commands, one a line; `help` lists them (reset, mode, power, plug, fault, "
@@ -91,15 +94,16 @@ void add_sim(CLI::App& program, Action& action) {
       "  kaz sim --serial board --cameras board.eyes\n"
       "  kaz sim --serial board --erased   # kaz flash puts a firmware into it\n"
       "  kaz sim --serial board --stand   # kaz bench motor --port board --stand ctl:board.ctl\n"
+      "  kaz sim --serial board --view   # and in a browser\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
       "  kaz sim --serial board --record run.mcap   # Foxglove, PlotJuggler and `mcap info` "
       "open it\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes   # in another terminal");
-  verb->callback([&action, arguments, verb] {
+  verb->callback([&action, arguments, watch, verb] {
     const std::string wrong = arguments->backend.stand ? not_of_a_stand(*verb) : "";
-    action = [arguments, wrong]() -> Result<bool> {
+    action = [arguments, watch, wrong]() -> Result<bool> {
       if (!wrong.empty()) return fail(Fault::usage, wrong);
-      return serve(*arguments);
+      return serve_watched(*watch, *arguments);
     };
   });
 }

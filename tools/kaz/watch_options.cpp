@@ -32,7 +32,7 @@ void print_address(const std::string& label, const std::string& url) {
 
 }  // namespace
 
-void add_watch_options(CLI::App& verb, WatchArguments& arguments) {
+void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
   auto* view = verb.add_option_function<std::string>(
       "--view",
       [&arguments](const std::string& where) {
@@ -53,6 +53,7 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments) {
   verb.add_flag("--view-wait", arguments.wait,
                 "begin when the first viewer has subscribed to a channel")
       ->needs(view);
+  if (!paced) return;
   verb.add_option("--pace", arguments.pace,
                   "with --view: simulated seconds in a second at most (default: as fast as it "
                   "goes; of a recording 1)")
@@ -63,25 +64,104 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments) {
 
 Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session) {
   if (!arguments.view) return run_session(std::move(session));
-  if (session.backend.robot != "sim")
-    return fail(Fault::usage, "--view shows the virtual robot; leave it out with --robot " +
-                                  session.backend.robot);
+  const bool real = session.backend.robot != "sim";
+  if (real && arguments.pace > 0)
+    return fail(Fault::usage, "--pace: a robot at a port has its own time; leave it out");
   auto options = KAZ_TRY(view_of(arguments, session.backend.robot_file));
   options.recorded_pictures = session.backend.record_pictures;
+  if (real) options.source = "robot";
   const auto view = KAZ_TRY(watch::View::open(std::move(options)));
   print_address(session.label, view->url());
+  // A board that waited for its host within the run would switch its motors off.
+  if (real) view->wait();
   session.backend.tap = view.get();
   session.on_pair = [&view](const vision::StereoPair& pair) { view->picture(pair); };
   return run_session(std::move(session));
 }
 
+Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve_options) {
+  if (!arguments.view) return serve(std::move(serve_options));
+  auto options = KAZ_TRY(view_of(arguments, serve_options.backend.robot_file));
+  options.recorded_pictures = serve_options.backend.record_pictures;
+  options.joints_only = serve_options.backend.stand;
+  const auto view = KAZ_TRY(watch::View::open(std::move(options)));
+  print_address("kaz sim", view->url());
+  view->wait();
+  serve_options.backend.tap = view.get();
+  serve_options.real_time.on_pair = [&view](const vision::StereoPair& pair) {
+    view->picture(pair);
+  };
+  serve_options.real_time.wants_pairs = [&view] { return view->wants_pictures(); };
+  return serve(std::move(serve_options));
+}
+
+Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench) {
+  if (!arguments.view) return run_bench(bench);
+  const bool real = !bench.target.port.empty();
+  if (real && arguments.pace > 0)
+    return fail(Fault::usage, "--pace: a board at a port has its own time; leave it out");
+  auto options = KAZ_TRY(view_of(arguments, ""));
+  options.joints_only = true;
+  if (real) options.source = "robot";
+  const auto view = KAZ_TRY(watch::View::open(std::move(options)));
+  print_address("kaz bench", view->url());
+  if (real) view->wait();
+  bench.target.backend.tap = view.get();
+  return run_bench(bench);
+}
+
+Result<bool> monitor_watched(const WatchArguments& arguments, MonitorOptions options) {
+  if (!arguments.view) return monitor(options);
+  auto view_options = KAZ_TRY(view_of(arguments, ""));
+  view_options.source = "robot";
+  const auto view = KAZ_TRY(watch::View::open(std::move(view_options)));
+  print_address("kaz monitor", view->url());
+  options.watched_at = view->url();
+  options.tap = view.get();
+  return monitor(options);
+}
+
+// Each episode is a process of its own, which serves the page while it runs; the page connects to the
+// next by itself. Of several at the same time that one is shown which came first.
+Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions campaign) {
+  if (!arguments.view) return run_campaign(campaign);
+  if (campaign.realtime)
+    return fail(
+        Fault::usage,
+        "--view shows the episodes of this program; with --realtime each is two programs of "
+        "its own: leave one of them out");
+  auto options = KAZ_TRY(view_of(arguments, ""));
+  options.token = watch::make_token();
+  {
+    const auto where = KAZ_TRY(watch::parse_where(options.where));
+    if (where.port == 0)
+      return fail(Fault::usage,
+                  "--view: each episode serves at the same port, so give one, as in --view 8765");
+    // Whether it can be served, and the address; the episodes take it over.
+    print_address("kaz evaluate", KAZ_TRY(watch::View::open(options))->url());
+  }
+  campaign.watch = [options](SessionOptions& session) -> std::shared_ptr<void> {
+    auto opened = watch::View::open(options);
+    if (!opened) return nullptr;  // another episode has the port
+    const std::shared_ptr<watch::View> view = std::move(*opened);
+    session.backend.tap = view.get();
+    session.on_pair = [view](const vision::StereoPair& pair) { view->picture(pair); };
+    return view;
+  };
+  return run_campaign(campaign);
+}
+
 Result<void> play_recording(const WatchArguments& arguments, const std::string& file) {
   const auto recording = KAZ_TRY(sim::McapRecording::load(file));
-  auto recorded = KAZ_TRY(recorded_backend(recording, file));
-  find_beside(recorded.backend, file);
   watch::PlayOptions play;
-  play.view = KAZ_TRY(view_of(arguments, recorded.backend.robot_file));
-  if (const auto world = world_file(recorded.backend.world)) play.world_path = *world;
+  if (recording.facts.contains("port")) {  // no world is known
+    play.view = KAZ_TRY(view_of(arguments, ""));
+  } else {
+    auto recorded = KAZ_TRY(recorded_backend(recording, file));
+    find_beside(recorded.backend, file);
+    play.view = KAZ_TRY(view_of(arguments, recorded.backend.robot_file));
+    if (const auto world = world_file(recorded.backend.world)) play.world_path = *world;
+  }
   play.on_open = [](const std::string& url) {
     print_address("kaz replay", url);
     std::fprintf(stderr, "kaz replay: Ctrl-C ends it\n");

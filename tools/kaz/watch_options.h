@@ -7,8 +7,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/app/bench/bench_run.h"
+#include "tools/app/evaluate/campaign.h"
+#include "tools/app/monitor/monitor.h"
 #include "tools/app/replay/replay.h"
 #include "tools/app/session/session.h"
+#include "tools/app/sim/serve.h"
 
 namespace kaz::tools {
 
@@ -18,9 +22,14 @@ struct WatchArguments {
   double pace = 0;    // 0: as fast as it goes
 };
 
-void add_watch_options(CLI::App& verb, WatchArguments& arguments);
-// run_session(), for viewers if the options say so.
+// `paced`: with --pace, which only what has no time of its own can have.
+void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced = true);
+// run_session(), serve(), run_bench(), monitor() and run_campaign(), for viewers if the options say so.
 Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session);
+Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve);
+Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench);
+Result<bool> monitor_watched(const WatchArguments& arguments, MonitorOptions monitor);
+Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions campaign);
 // The recording, played for viewers until Ctrl-C.
 Result<void> play_recording(const WatchArguments& arguments, const std::string& file);
 

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "shared/base/files.hpp"
+#include "shared/base/number_text.hpp"
 #include "shared/picture/jpeg.h"
 #include "shared/protocol/message_info.h"
 #include "shared/protocol/messages.h"
@@ -68,6 +70,7 @@ constexpr char kCameraInfo[] =
     "bool do_rectify\n";
 constexpr char kPicture[] = "std_msgs/Header header\nstring format\nuint8[] data\n" KAZ_HEADER;
 
+constexpr std::string_view kWire = "/wire/";
 constexpr int kArrow = 0, kCube = 1, kSphere = 2, kCylinder = 3;
 constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr double kMetresPerNewton = 0.01;
@@ -177,8 +180,9 @@ Feed::Feed(Server& server, sim::RobotModel model, double rate_hz)
 
 void Feed::restart() {
   next_ns_.reset();
-  next_contacts_ns_ = next_picture_ns_ = 0;
-  for (kz_receiver& receiver : receivers_) kz_receiver_init(&receiver);
+  next_contacts_ns_ = 0;
+  has_scene_ = false;
+  lines_.clear();
 }
 
 bool Feed::due(std::uint64_t time_ns) {
@@ -191,8 +195,17 @@ void Feed::message(std::string_view topic, std::uint64_t time_ns,
                    std::span<const std::uint8_t> data) {
   if (topic == "/truth/joints") return joints(time_ns, data);
   if (topic == "/truth/contacts") return contacts(time_ns, data);
-  if (topic == "/wire/to_board") return wire(true, data);
-  if (topic == "/wire/to_host") return wire(false, data);
+  if (topic.starts_with(kWire)) {
+    const std::string_view end = topic.substr(kWire.size());
+    // /wire/to_host, and of the second board /wire/2/to_host
+    const std::size_t slash = end.find('/');
+    const auto line = slash == std::string_view::npos
+                          ? std::optional<std::size_t>(1)
+                          : parse_number<std::size_t>(end.substr(0, slash));
+    if (line && *line >= 1 && *line <= KZ_JOINTS)
+      wire(time_ns, *line - 1, end.ends_with("to_board"), data);
+    return;
+  }
   if (topic == "/truth/ball") {
     LittleEndianFields fields(data);
     Eigen::Vector3d at;
@@ -218,22 +231,43 @@ void Feed::joints(std::uint64_t time_ns, std::span<const std::uint8_t> data) {
   for (double& angle : angle_) angle = std::bit_cast<double>(fields.number<std::uint64_t>());
   for (double& torque : torque_) torque = std::bit_cast<double>(fields.number<std::uint64_t>());
   if (!fields.good()) return;
+  has_truth_ = true;
   server_.publish_time(time_ns);
-  if (server_.wanted(channels_.joint_states)) {
-    data_.clear();
-    LittleEndian to(data_);
-    const std::size_t count = std::min<std::size_t>(KZ_JOINTS, model_.joints.size());
-    const auto size = static_cast<std::uint32_t>(count);
-    header(to, time_ns, "").number(size);
-    for (std::size_t j = 0; j < count; ++j) to.text(model_.joints[j].name);
-    to.number(size).reals(std::span(angle_).first(count));
-    to.number(std::uint32_t{0});
-    to.number(size).reals(std::span(torque_).first(count));
-    server_.publish(channels_.joint_states, time_ns, data_);
-  }
+  joint_states(time_ns, angle_, torque_);
   board_state(time_ns);
   poses_due_ = true;
   if (!has_world_) poses_of_joints(time_ns);
+}
+
+// A board's state, where no simulator states more. The robot stands on its lower foot: where its trunk is
+// nobody knows.
+void Feed::measured(std::uint64_t time_ns) {
+  if (has_truth_ || !due(time_ns)) return;
+  server_.publish_time(time_ns);
+  joint_states(time_ns, measured_, {});
+  board_state(time_ns);
+  angle_ = measured_;
+  poses_of_joints(time_ns);
+}
+
+// Without `torques` none are stated.
+void Feed::joint_states(std::uint64_t time_ns, std::span<const double> angles,
+                        std::span<const double> torques) {
+  if (!server_.wanted(channels_.joint_states)) return;
+  data_.clear();
+  LittleEndian to(data_);
+  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, model_.joints.size());
+  const auto size = static_cast<std::uint32_t>(count);
+  header(to, time_ns, "").number(size);
+  for (std::size_t j = 0; j < count; ++j) to.text(model_.joints[j].name);
+  to.number(size).reals(angles.first(count));
+  to.number(std::uint32_t{0});
+  if (torques.empty()) {
+    to.number(std::uint32_t{0});
+  } else {
+    to.number(size).reals(torques.first(count));
+  }
+  server_.publish(channels_.joint_states, time_ns, data_);
 }
 
 void Feed::board_state(std::uint64_t time_ns) {
@@ -249,17 +283,27 @@ void Feed::board_state(std::uint64_t time_ns) {
   server_.publish(channels_.board, time_ns, data_);
 }
 
-void Feed::wire(bool to_board, std::span<const std::uint8_t> data) {
+void Feed::wire(std::uint64_t time_ns, std::size_t line, bool to_board,
+                std::span<const std::uint8_t> data) {
   LittleEndianFields fields(data);
   const auto values = fields.array();
-  kz_receiver& receiver = receivers_[to_board ? 0 : 1];
+  while (lines_.size() <= line) {
+    for (kz_receiver& receiver : lines_.emplace_back().receivers) kz_receiver_init(&receiver);
+  }
+  kz_receiver& receiver = lines_[line].receivers[to_board ? 0 : 1];
   const auto radians = [](s16 angle) {
     return static_cast<double>(angle) / static_cast<double>(KZ_ANGLE_PER_RAD);
   };
   const auto take = [&](const auto& state) {
-    for (std::size_t j = 0; j < KZ_JOINTS; ++j) measured_[j] = radians(state.angle[j]);
-    status_ = state.status;
-    supply_v_ = state.supply_mv * 1e-3;
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+      if (line_of_[j] == line) measured_[j] = radians(state.angle[j]);
+    }
+    if (line == 0 || state.status != 0) status_ = state.status;
+    if (line == 0) supply_v_ = state.supply_mv * 1e-3;
+    measured(time_ns);
+  };
+  const auto mine = [&](std::uint32_t mask, std::size_t j) {
+    return (mask >> j & 1) != 0 && line_of_[j] == line;
   };
   for (const std::uint8_t value : values) {
     if (kz_receive(&receiver, value, 0) != KZ_RECEIVE_FRAME || receiver.length < KZ_HEADER_SIZE)
@@ -271,8 +315,30 @@ void Feed::wire(bool to_board, std::span<const std::uint8_t> data) {
       kz_targets targets{};
       if (!kz_unpack_targets(&targets, body, size)) continue;
       for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
-        if ((targets.mask >> j & 1) != 0) target_[j] = radians(targets.angle[j]);
+        if ((targets.mask >> j & 1) == 0) continue;
+        target_[j] = radians(targets.angle[j]);
+        line_of_[j] = line;
       }
+    } else if (!to_board && type == KZ_TYPE_read_targets_reply) {
+      kz_read_targets_reply reply{};
+      if (!kz_unpack_read_targets_reply(&reply, body, size)) continue;
+      for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+        if (mine(reply.mask, j)) target_[j] = radians(reply.angle[j]);
+      }
+    } else if (!to_board && type == KZ_TYPE_joints_reply) {
+      kz_joints_reply reply{};
+      if (!kz_unpack_joints_reply(&reply, body, size)) continue;
+      for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+        if (!mine(reply.mask, j)) continue;
+        measured_[j] = radians(reply.angle[j]);
+        if (!has_truth_) duty_[j] = reply.duty[j] / 255.0;
+      }
+      if (line == 0 || reply.status != 0) status_ = reply.status;
+      measured(time_ns);
+    } else if (!to_board && type == KZ_TYPE_health_reply) {
+      kz_health_reply reply{};
+      if (line == 0 && kz_unpack_health_reply(&reply, body, size))
+        supply_v_ = reply.supply_mv * 1e-3;
     } else if (!to_board && type == KZ_TYPE_state_reply) {
       kz_state_reply state{};
       if (kz_unpack_state_reply(&state, body, size)) take(state);
@@ -355,7 +421,7 @@ void Feed::world(std::uint64_t time_ns, const sim::World& world) {
 void Feed::poses_of_joints(std::uint64_t time_ns) {
   if (!server_.wanted(channels_.tf)) return;
   std::vector<Eigen::Isometry3d> links(model_.links.size(), Eigen::Isometry3d::Identity());
-  if (!links.empty()) links[0] = root_;
+  if (!links.empty() && has_truth_) links[0] = root_;
   for (std::size_t i = 1; i < links.size(); ++i) {
     const sim::RobotLink& link = model_.links[i];
     const auto parent = static_cast<std::size_t>(link.parent);
@@ -364,6 +430,10 @@ void Feed::poses_of_joints(std::uint64_t time_ns) {
     const auto j = static_cast<std::size_t>(link.joint);
     const Eigen::Vector3d axis = link.at_zero.linear().transpose() * model_.joints[j].axis;
     links[i].rotate(Eigen::AngleAxisd(angle_[j], axis));
+  }
+  if (!has_truth_) {
+    const Eigen::Isometry3d root = standing(links);
+    for (Eigen::Isometry3d& link : links) link = root * link;
   }
   data_.clear();
   LittleEndian to(data_);
@@ -377,6 +447,40 @@ void Feed::poses_of_joints(std::uint64_t time_ns) {
     pose(to, links[static_cast<std::size_t>(frame.link)] * frame.in_link);
   }
   server_.publish(channels_.tf, time_ns, data_);
+}
+
+// Pose of the root, of which `links` are given, in which the lowest of the links that end a chain is level,
+// as it is at the zero posture, and the robot's lowest point is on the floor.
+Eigen::Isometry3d Feed::standing(const std::vector<Eigen::Isometry3d>& links) const {
+  if (model_.fixed_base || links.empty()) return Eigen::Isometry3d::Identity();
+  const auto bottom = [&](std::size_t i, const Eigen::Matrix3d& turn) {
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const sim::CollisionShape& shape : model_.links[i].rigid.collisions) {
+      const Eigen::Isometry3d at = Eigen::Isometry3d(turn) * links[i] * shape.in_link;
+      lowest = std::min(lowest, sim::extent(shape.shape, at).min().z());
+    }
+    return lowest;
+  };
+  std::vector<bool> carries(links.size(), false);
+  for (const sim::RobotLink& link : model_.links) {
+    if (link.parent >= 0) carries[static_cast<std::size_t>(link.parent)] = true;
+  }
+  std::size_t foot = 0;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < links.size(); ++i) {
+    const double at = carries[i] ? lowest : bottom(i, Eigen::Matrix3d::Identity());
+    if (at < lowest) {
+      lowest = at;
+      foot = i;
+    }
+  }
+  Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
+  root.linear() = model_.links[foot].at_zero.linear() * links[foot].linear().transpose();
+  double height = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < links.size(); ++i)
+    height = std::min(height, bottom(i, root.linear()));
+  if (std::isfinite(height)) root.translation().z() = -height;
+  return root;
 }
 
 void Feed::scene(std::uint64_t time_ns, const sim::World& world) {
@@ -401,12 +505,13 @@ void Feed::scene(std::uint64_t time_ns, const sim::World& world) {
   server_.publish(channels_.scene, time_ns, data_, true);
 }
 
-void Feed::camera(std::uint64_t time_ns, const vision::CameraModel& model) {
+void Feed::camera(std::uint64_t time_ns, const vision::CameraModel& model,
+                  std::vector<std::uint8_t>& data) {
   for (const bool right : {false, true}) {
     const auto channel = right ? channels_.right_info : channels_.left_info;
     if (!server_.wanted(channel)) continue;
-    data_.clear();
-    LittleEndian to(data_);
+    data.clear();
+    LittleEndian to(data);
     header(to, time_ns, right ? "right_eye" : "left_eye");
     to.number(static_cast<std::uint32_t>(model.height))
         .number(static_cast<std::uint32_t>(model.width));
@@ -417,17 +522,23 @@ void Feed::camera(std::uint64_t time_ns, const vision::CameraModel& model) {
                         model.fy, model.cy, 0.0, 0.0, 0.0, 1.0, 0.0});
     for (int i = 0; i < 6; ++i) to.number(std::uint32_t{0});  // binning, region of interest
     to.number(std::uint8_t{0});
-    server_.publish(channel, time_ns, data_);
+    server_.publish(channel, time_ns, data);
   }
+}
+
+bool Feed::wants_pictures() const {
+  return server_.wanted(channels_.left) || server_.wanted(channels_.right);
 }
 
 void Feed::pictures(const vision::StereoPair& pair, bool pixels) {
   const auto time_ns =
       static_cast<std::uint64_t>(std::max<std::int64_t>(0, pair.info.exposure.count()));
-  if (time_ns < next_picture_ns_) return;
+  // Earlier than the last by more than that: another run.
+  if (time_ns < next_picture_ns_ && time_ns + kSecond > next_picture_ns_) return;
   // Half of the eyes' pictures: coding them takes most of what a viewer costs.
   next_picture_ns_ = time_ns + kSecond / 16;
-  camera(time_ns, pair.info.camera);
+  std::vector<std::uint8_t> data;
+  camera(time_ns, pair.info.camera, data);
   const bool left = server_.wanted(channels_.left), right = server_.wanted(channels_.right);
   if (!pixels || (!left && !right)) return;
   const auto images = pair.images.get();
@@ -438,14 +549,14 @@ void Feed::pictures(const vision::StereoPair& pair, bool pixels) {
     const auto coded =
         picture::encode_jpeg({image.width, image.height, 3, 8, image.rgb}, {80, false});
     if (!coded) continue;
-    data_.clear();
-    LittleEndian to(data_);
+    data.clear();
+    LittleEndian to(data);
     header(to, time_ns, second ? "right_eye" : "left_eye",
            static_cast<std::uint32_t>(pair.info.sequence))
         .text("jpeg")
         .number(static_cast<std::uint32_t>(coded->size()))
         .bytes(*coded);
-    server_.publish(second ? channels_.right : channels_.left, time_ns, data_);
+    server_.publish(second ? channels_.right : channels_.left, time_ns, data);
   }
 }
 

@@ -35,20 +35,28 @@ class Feed {
   // The simulated world.
   void world(std::uint64_t time_ns, const sim::World& world);
   // A pair of the host's: calibration and, with `pixels`, as JPEG in the channels of recorded pictures.
+  // Waits until the pair is drawn. May run beside calls of the other functions.
   void pictures(const vision::StereoPair& pair, bool pixels);
-  // Of a player that goes back: what was derived counts no more.
+  bool wants_pictures() const;
+  // Of a player that goes back, or of the next run: what was derived counts no more.
   void restart();
 
  private:
   Feed(Server& server, sim::RobotModel model, double rate_hz);
   bool due(std::uint64_t time_ns);
   void joints(std::uint64_t time_ns, std::span<const std::uint8_t> data);
+  void joint_states(std::uint64_t time_ns, std::span<const double> angles,
+                    std::span<const double> torques);
   void contacts(std::uint64_t time_ns, std::span<const std::uint8_t> data);
-  void wire(bool to_board, std::span<const std::uint8_t> data);
+  void wire(std::uint64_t time_ns, std::size_t line, bool to_board,
+            std::span<const std::uint8_t> data);
+  void measured(std::uint64_t time_ns);
+  Eigen::Isometry3d standing(const std::vector<Eigen::Isometry3d>& links) const;
   void board_state(std::uint64_t time_ns);
   void poses_of_joints(std::uint64_t time_ns);
   void scene(std::uint64_t time_ns, const sim::World& world);
-  void camera(std::uint64_t time_ns, const vision::CameraModel& model);
+  void camera(std::uint64_t time_ns, const vision::CameraModel& model,
+              std::vector<std::uint8_t>& data);
 
   struct Channels {
     std::uint32_t tf, joint_states, description, scene, contacts, board, left, right, left_info,
@@ -63,13 +71,19 @@ class Feed {
   bool has_world_ = false, has_scene_ = false, poses_due_ = false;
   std::map<std::string, Eigen::Isometry3d> objects_;  // of a recording, by frame
   Eigen::Isometry3d root_ = Eigen::Isometry3d::Identity();
+  bool has_truth_ = false;          // false: at a port, where the board's angles are all there is
   std::vector<std::uint8_t> data_;  // of the message under way
 
   std::array<double, KZ_JOINTS> angle_{}, torque_{}, target_{}, measured_{}, duty_{};
-  std::array<kz_receiver, 2> receivers_{};
+  // Of each board's line. A joint is that board's whose host last set its target.
+  struct Line {
+    std::array<kz_receiver, 2> receivers{};
+  };
+  std::vector<Line> lines_;
+  std::array<std::size_t, KZ_JOINTS> line_of_{};
   std::uint16_t status_ = 0;
   double supply_v_ = 0;
-  std::uint64_t next_picture_ns_ = 0;
+  std::uint64_t next_picture_ns_ = 0;  // of pictures() alone
 };
 
 }  // namespace kaz::watch

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <future>
 #include <thread>
 #include <utility>
 
@@ -110,10 +111,10 @@ Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uin
   ServerOptions server;
   server.address = where.address;
   server.port = where.port;
-  server.token = make_token();
+  server.token = options.token.empty() ? make_token() : options.token;
   server.token_to_look = !where.loopback;
   server.parameters = {{"robot", options.robot_path},
-                       {"source", end_ns > 0 ? "recording" : "simulation"}};
+                       {"source", end_ns > 0 ? "recording" : options.source}};
   server.start_ns = start_ns;
   server.end_ns = end_ns;
   if (!options.page_folder.empty()) server.page = KAZ_TRY(page_files(options.page_folder));
@@ -142,14 +143,48 @@ View::View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::
     : options_(std::move(options)),
       server_(std::move(server)),
       feed_(std::move(feed)),
-      url_(std::move(url)) {}
+      url_(std::move(url)),
+      coder_([this] { code_pictures(); }) {}
 
 View::~View() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  changed_.notify_all();
+  coder_.join();
   server_->drain(2);
 }
 
 void View::picture(const vision::StereoPair& pair) {
-  feed_.pictures(pair, !options_.recorded_pictures);
+  constexpr std::size_t kMost = 2;
+  const std::lock_guard lock(mutex_);
+  pictures_.push_back(pair);
+  if (pictures_.size() > kMost) pictures_.pop_front();
+  changed_.notify_all();
+}
+
+void View::code_pictures() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return ended_ || !pictures_.empty(); });
+    if (pictures_.empty()) return;
+    const vision::StereoPair pair = std::move(pictures_.front());
+    pictures_.pop_front();
+    lock.unlock();
+    try {
+      feed_.pictures(pair, !options_.recorded_pictures);
+    } catch (const std::future_error&) {
+      // The run ended before the pair was drawn.
+    }
+    lock.lock();
+  }
+}
+
+void View::next_run() {
+  feed_.restart();
+  pace_start_.reset();
+  tapped_.clear();
 }
 
 void View::channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
@@ -161,19 +196,20 @@ void View::channel(std::uint16_t number, const std::string& topic, const std::st
 
 void View::message(std::uint16_t channel, std::uint64_t time_ns,
                    std::span<const std::uint8_t> data) {
-  if (options_.wait && !waited_) wait_for_viewer();
+  wait();
   const Tapped& tapped = tapped_[channel];
   server_->publish(tapped.channel, time_ns, data, lasts(tapped.topic, data));
   feed_.message(tapped.topic, time_ns, data);
 }
 
 void View::stepped(Time time, const sim::World& world) {
-  feed_.world(static_cast<std::uint64_t>(time.count()), world);
+  if (!options_.joints_only) feed_.world(static_cast<std::uint64_t>(time.count()), world);
   if (options_.pace > 0) keep_pace(time);
 }
 
 // Until a viewer has subscribed, and for a moment no other subscription comes: viewers send several.
-void View::wait_for_viewer() {
+void View::wait() {
+  if (!options_.wait || waited_) return;
   waited_ = true;
   std::size_t before = 0;
   int quiet = 0;

@@ -3,10 +3,14 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
+#include <deque>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "sim/runtime/simulation/recording_tap.h"
 #include "tools/view/feed.h"
@@ -16,10 +20,14 @@ namespace kaz::watch {
 
 struct ViewOptions {
   std::string where;  // ADDRESS:PORT or PORT; empty: 127.0.0.1:8765
+  std::string token;  // 32 hexadecimal digits; empty: a new one
   bool wait = false;  // the run begins with the first viewer
   double pace = 0;    // the run's time over real time, at most; 0: as fast as it goes
   std::string robot_path, page_folder;
   bool recorded_pictures = false;  // the recording has them: no others are sent
+  // The world is no robot's, as a motor stand: its joints turn a robot that hangs in the air.
+  bool joints_only = false;
+  std::string source = "simulation";                     // or "robot": a parameter that viewers may read
   std::function<bool()> stopped = [] { return false; };  // waiting ends
 };
 
@@ -46,7 +54,13 @@ class View final : public sim::RecordingTap {
   // Address of the page, with its token.
   const std::string& url() const { return url_; }
   Server& server() { return *server_; }
+  // From any thread. It is coded on a thread of its own; if that is behind, older ones are left out.
   void picture(const vision::StereoPair& pair);
+  bool wants_pictures() const { return feed_.wants_pictures(); }
+  // Until a viewer has subscribed, if the options say so: a run that cannot wait in its first message.
+  void wait();
+  // Another run follows, with another world and a time that begins anew.
+  void next_run();
 
   void channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
                const std::string& schema_name, const std::string& schema_encoding,
@@ -57,8 +71,8 @@ class View final : public sim::RecordingTap {
 
  private:
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
-  void wait_for_viewer();
   void keep_pace(Time time);
+  void code_pictures();
 
   ViewOptions options_;
   std::unique_ptr<Server> server_;
@@ -71,6 +85,12 @@ class View final : public sim::RecordingTap {
   std::map<std::uint16_t, Tapped> tapped_;
   bool waited_ = false;
   std::optional<std::pair<std::chrono::steady_clock::time_point, Time>> pace_start_;
+
+  std::mutex mutex_;  // of what follows
+  std::condition_variable changed_;
+  std::deque<vision::StereoPair> pictures_;
+  bool ended_ = false;
+  std::thread coder_;
 };
 
 }  // namespace kaz::watch

@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/view/view.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -13,8 +17,11 @@
 #include <boost/asio/write.hpp>
 
 #include "shared/base/files.hpp"
+#include "shared/protocol/messages.h"
+#include "sim/body/description/robot_model.h"
 #include "sim/runtime/formats/little_endian.h"
 #include "sim/runtime/formats/mcap_reader.h"
+#include "sim/runtime/simulation/recorder.h"
 #include "sim/runtime/simulation/simulation.h"
 #include "sim/runtime/simulation/world_testing.h"
 #include "tools/view/client_testing.h"
@@ -174,6 +181,90 @@ TEST(View, ARecordingIsPlayedWithPausesAndJumps) {
   }
   stop = true;
   player.join();
+}
+
+// What a board states, as the recording of a run at a port has it.
+TEST(View, ARobotAtAPortStandsOnItsLowerFootAtTheAnglesOfItsBoards) {
+  const auto view = opened();
+  const auto recorder = sim::Recorder::create("", {}, view.get());
+  ASSERT_TRUE(recorder.has_value());
+  Client client(view->server().port());
+  ASSERT_TRUE(client.open("foxglove.sdk.v1"));
+  const auto tf = client.channel("/tf"), states = client.channel("/joint_states");
+  client.send(subscriptions({tf, states}));
+  while (view->server().subscriptions() < 2)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+
+  sim::States at = 0;
+  const auto pass = [&](std::size_t line, u8 type, const auto& message, auto pack) {
+    std::array<u8, KZ_BODY_MAX> body{1, type, 1};
+    std::array<u8, KZ_FRAME_MAX> frame{};
+    const u8 size = pack(&message, body.data() + KZ_HEADER_SIZE);
+    const u8 length =
+        kz_frame_encode(body.data(), static_cast<u8>(KZ_HEADER_SIZE + size), frame.data());
+    std::vector<sim::SerialByte> bytes;
+    for (u8 i = 0; i < length; ++i) bytes.push_back({.value = frame[i], .at = at});
+    (*recorder)->wire(type == KZ_TYPE_targets ? sim::Recorder::Direction::to_board
+                                              : sim::Recorder::Direction::to_host,
+                      at, bytes, line);
+    at += 100 * KZ_STATES_PER_TICK;
+  };
+  const auto requested = [&](std::size_t line, std::uint32_t mask) {
+    kz_targets targets{};
+    targets.mask = mask;
+    pass(line, KZ_TYPE_targets, targets, kz_pack_targets);
+  };
+  const auto stated = [&](std::size_t line, double angle) {
+    kz_state_reply state{};
+    for (auto& one : state.angle) one = static_cast<s16>(std::lround(angle * KZ_ANGLE_PER_RAD));
+    pass(line, KZ_TYPE_state_reply, state, kz_pack_state_reply);
+  };
+  const auto names = sim::joint_names();
+  const auto joint = [&](const char* name) {
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  };
+  // The second board has the neck.
+  requested(1, 1u << joint("neck_pan"));
+  stated(0, 0.1);
+  stated(1, -0.3);
+  std::optional<Bytes> poses, angles;
+  for (int i = 0; i < 4; ++i) {
+    const auto frame = client.next_frame(1);
+    ASSERT_TRUE(frame);
+    ((*frame)[1] == tf ? poses : angles) = frame;
+  }
+  ASSERT_TRUE(poses && angles);
+  const auto reals = [](const Bytes& bytes, std::size_t offset) {
+    sim::LittleEndianFields fields({bytes.data() + offset, bytes.size() - offset});
+    return std::bit_cast<double>(fields.number<std::uint64_t>());
+  };
+  const Bytes content = received(*angles).data;
+  sim::LittleEndianFields fields(content);
+  for (int i = 0; i < 3; ++i) fields.number<std::uint32_t>();
+  fields.text();
+  const auto count = fields.number<std::uint32_t>();
+  ASSERT_EQ(count, std::uint32_t{KZ_JOINTS});
+  for (std::uint32_t i = 0; i < count; ++i) fields.text();
+  ASSERT_EQ(fields.number<std::uint32_t>(), count);
+  const std::size_t begin = content.size() - fields.rest().size();
+  EXPECT_NEAR(reals(content, begin + 8 * joint("neck_pan")), -0.3, 1e-3);
+  EXPECT_NEAR(reals(content, begin + 8 * joint("l_knee")), 0.1, 1e-3);
+
+  const Bytes all = received(*poses).data;
+  sim::LittleEndianFields links(all);
+  double trunk = 0;
+  for (auto left = links.number<std::uint32_t>(); left > 0; --left) {
+    for (int i = 0; i < 3; ++i) links.number<std::uint32_t>();
+    links.text();
+    const bool is_trunk = links.text() == "trunk";
+    for (int i = 0; i < 7; ++i) {
+      const double x = std::bit_cast<double>(links.number<std::uint64_t>());
+      if (is_trunk && i == 2) trunk = x;
+    }
+  }
+  EXPECT_TRUE(links.good());
+  EXPECT_GT(trunk, 0.1);
+  EXPECT_LT(trunk, 0.2);
 }
 
 // A robot's file may lie anywhere, as in somebody's home.

@@ -282,9 +282,10 @@ Result<void> RealTimeServer::Parts::plug(bool in) {
 }
 
 void RealTimeServer::Parts::pictures() {
-  if (!cameras) return;
+  if (!cameras && !options.on_pair) return;
   const Time half_latency = from_seconds(simulation.camera().latency_s / 2);
-  if (cameras->readers() > 0) {
+  const bool watched = options.on_pair && options.wants_pairs && options.wants_pairs();
+  if (watched || (cameras && cameras->readers() > 0)) {
     simulation.open_eyes();
   } else {
     simulation.close_eyes();
@@ -292,7 +293,8 @@ void RealTimeServer::Parts::pictures() {
   while (auto pair = simulation.next_exposed_pair()) {
     const Time exposure = pacer.wall_of(pair->info.exposure);
     if (clock) drawing.push_back({pair->info.exposure + half_latency, pair->images});
-    cameras->publish(std::move(*pair), exposure);
+    if (watched) options.on_pair(*pair);
+    if (cameras) cameras->publish(std::move(*pair), exposure);
   }
   // Drawing takes this machine's time, which the followed clock does not count.
   while (!drawing.empty() && drawing.front().until <= simulation.time()) {

@@ -27,6 +27,10 @@ struct RealTimeOptions {
   bool keep_hung = false;
   // Motor stand: handles `stand ...` on the control socket (control_server.h).
   std::function<Result<nlohmann::ordered_json>(const std::string&)> stand;
+  // Each pair as it is exposed, its pixels perhaps still being drawn, while `wants_pairs` says so, with
+  // readers of cameras_path or without.
+  std::function<void(const vision::StereoPair&)> on_pair;
+  std::function<bool()> wants_pairs;
   // One line for the user: host connected, silent, gone; motors off; overruns. Without newline.
   std::function<void(const std::string&)> report;
 };

@@ -1,6 +1,7 @@
 // An emulated board on the virtual motor stand, or one on a port.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/bench/bench_target.h"
+#include "sim/runtime/simulation/recording_tap.h"
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/prompt.h"
 #include "tools/app/base/time_lost.h"
+#include "tools/app/session/line_recorder.h"
 #include "tools/lockstep/stand_backend.h"
 
 namespace kaz::tools {
@@ -39,8 +41,13 @@ class PortTarget final : public BenchTarget {
       : link_(std::move(link)),
         clock_(&interrupt),
         meter_(*link_, clock_, time_lost_behind(link_->name(), interrupt)) {}
+  Result<void> show(sim::MessageTap* tap) {
+    tapped_ = KAZ_TRY(LineRecorder::create("", {}, clock_, tap));
+    shown_ = tapped_->record(meter_, 0);
+    return {};
+  }
   std::string name() const override { return link_->name(); }
-  host::Link& link() override { return meter_; }
+  host::Link& link() override { return shown_ != nullptr ? *shown_ : meter_; }
   host::Clock& clock() override { return meter_; }
   hil::Stand* stand() override { return stand_.get(); }
   host::LatenessMeter* lateness() override { return &meter_; }
@@ -51,6 +58,8 @@ class PortTarget final : public BenchTarget {
   std::unique_ptr<host::PortLink> link_;
   host::WallClock clock_;
   host::LatenessMeter meter_;
+  std::unique_ptr<LineRecorder> tapped_;  // of viewers
+  host::Link* shown_ = nullptr;           // meter_, as they see it
   std::unique_ptr<hil::Stand> stand_;
 };
 
@@ -103,6 +112,7 @@ Result<std::unique_ptr<BenchTarget>> BenchTarget::open(const BenchTargetOptions&
   const auto port = KAZ_TRY(parse_port(options.port));
   auto link = KAZ_TRY(host::open_port(port, &interrupt));
   auto target = std::make_unique<PortTarget>(std::move(link), interrupt);
+  if (options.backend.tap != nullptr) KAZ_TRY(target->show(options.backend.tap));
   auto stand = KAZ_TRY(make_stand(options, target->meter(), interrupt));
   target->put(std::move(stand));
   return target;

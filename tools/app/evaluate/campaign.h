@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,7 +14,7 @@
 #include "host/behavior/behavior.h"
 #include "shared/base/result.hpp"
 #include "tools/app/evaluate/scenario.h"
-#include "tools/app/session/backend.h"
+#include "tools/app/session/session.h"
 
 namespace kaz::tools {
 
@@ -30,6 +32,8 @@ struct CampaignOptions {
   int jobs = 1;
   std::string out;
   bool json = false;
+  // Lets viewers see an episode, in its own process, until what it returns goes; null: not this one.
+  std::function<std::shared_ptr<void>(SessionOptions&)> watch;
 
   // What truth decides by.
   const std::string& task() const { return judged_as.empty() ? behavior : judged_as; }

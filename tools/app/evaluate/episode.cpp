@@ -189,6 +189,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
     std::error_code ignored;
     fs::remove_all(fs::path(files.world()).parent_path(), ignored);
   };
+  const auto watched = options.watch ? options.watch(session) : nullptr;
   const auto ran = run_session(session);
   if (!ran && ran.error().fault == Fault::interrupted) {
     (void)remove_run(kept);

@@ -1,6 +1,7 @@
 // `kaz monitor`: joints, supply, tick and link in a terminal, and keys to move the joints.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/monitor/monitor.h"
+#include "sim/runtime/simulation/recording_tap.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "tools/app/kept/kept_run.h"
 #include "tools/app/monitor/board_view.h"
 #include "tools/app/monitor/terminal.h"
+#include "tools/app/session/line_recorder.h"
 
 namespace kaz::tools {
 namespace {
@@ -28,9 +30,14 @@ constexpr Time kWatchdog = std::chrono::seconds(1);
 
 class Monitor {
  public:
-  Monitor(host::PortAddress port, std::uint8_t address, host::Interrupt& interrupt)
-      : port_(std::move(port)), address_(address), interrupt_(interrupt), clock_(&interrupt) {
+  Monitor(host::PortAddress port, const MonitorOptions& options, host::Interrupt& interrupt)
+      : port_(std::move(port)),
+        address_(options.address),
+        tap_(options.tap),
+        interrupt_(interrupt),
+        clock_(&interrupt) {
     view_.port = port_.name();
+    if (!options.watched_at.empty()) said_ = "watch it at " + options.watched_at;
   }
 
   // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
@@ -62,9 +69,14 @@ class Monitor {
   Result<void> connect() {
     auto link = KAZ_TRY(host::open_port(port_, &interrupt_));
     link_ = std::move(link);
+    host::Link* line = link_.get();
+    if (tap_ != nullptr) {
+      if (!tapped_) tapped_ = KAZ_TRY(LineRecorder::create("", {}, clock_, tap_));
+      line = tapped_->record(*link_, 0);
+    }
     // Nothing of the board is changed by looking at it.
     auto robot = host::Robot::connect(
-        *link_, clock_, {.address = address_, .watchdog = Time::zero(), .reconnect = Time::zero()});
+        *line, clock_, {.address = address_, .watchdog = Time::zero(), .reconnect = Time::zero()});
     if (!robot) {
       link_.reset();
       return tl::unexpected(robot.error());
@@ -212,9 +224,11 @@ class Monitor {
 
   host::PortAddress port_;
   std::uint8_t address_;
+  sim::MessageTap* tap_;
   host::Interrupt& interrupt_;
   host::WallClock clock_;
   std::unique_ptr<host::PortLink> link_;
+  std::unique_ptr<LineRecorder> tapped_;  // of viewers
   std::optional<host::Robot> robot_;
   BoardView view_;
   int selected_ = 0, round_ = 0, rounds_ = 0;
@@ -229,7 +243,7 @@ Result<bool> monitor(const MonitorOptions& options) {
   const auto port = KAZ_TRY(parse_port(options.port));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  KAZ_TRY(Monitor(port, options.address, interrupt).run());
+  KAZ_TRY(Monitor(port, options, interrupt).run());
   // After the screen is gone, which would cover them.
   for (const std::string& sentence : earlier_notes(port.name()))
     std::fprintf(stderr, "kaz monitor: %s\n", sentence.c_str());

@@ -8,11 +8,17 @@
 #include "shared/base/result.hpp"
 #include "shared/protocol/messages.h"
 
+namespace kaz::sim {
+class MessageTap;
+}
+
 namespace kaz::tools {
 
 struct MonitorOptions {
   std::string port;  // as parse_port_address() has it
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
+  sim::MessageTap* tap = nullptr;  // hears what passes on the line; must outlive the call
+  std::string watched_at;          // where to look, as the first line says; empty: nowhere
 };
 
 // Runs until q or Ctrl-C. A board whose motors were switched on here has its watchdog back afterwards.

@@ -1,6 +1,7 @@
 // What a behaviour runs on: the virtual robot in lockstep, or a board on a serial port.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/backend.h"
+#include "sim/runtime/simulation/recording_tap.h"
 
 #include <array>
 #include <cmath>
@@ -87,11 +88,13 @@ class RealBackend final : public SessionBackend {
     }
   }
   Result<void> begin_recording(const BackendOptions& options) {
-    if (options.recording.empty()) return {};
+    if (options.recording.empty() && options.tap == nullptr) return {};
     sim::McapWriter::Metadata facts{{"kaz", kVersion}};
     facts.insert(facts.end(), options.facts.begin(), options.facts.end());
-    recorder_ = KAZ_TRY(LineRecorder::create(options.recording, std::move(facts), clock_));
-    for (RealLine& line : lines_) line.recorded = recorder_->record(line.link());
+    recorder_ =
+        KAZ_TRY(LineRecorder::create(options.recording, std::move(facts), clock_, options.tap));
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+      lines_[i].recorded = recorder_->record(lines_[i].link(), i);
     return {};
   }
   ~RealBackend() override {

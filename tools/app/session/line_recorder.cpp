@@ -36,16 +36,18 @@ class LineRecorder::RecordedLink final : public host::Link {
 
 Result<std::unique_ptr<LineRecorder>> LineRecorder::create(const std::string& path,
                                                            sim::McapWriter::Metadata facts,
-                                                           const host::Clock& clock) {
+                                                           const host::Clock& clock,
+                                                           sim::MessageTap* tap) {
   const Time start = clock.now();
   facts.push_back({kStart, std::to_string(start.count())});
-  auto recorder = KAZ_TRY(sim::Recorder::create(path, facts));
+  auto recorder = KAZ_TRY(sim::Recorder::create(path, facts, tap));
   return std::unique_ptr<LineRecorder>(new LineRecorder(std::move(recorder), clock, start));
 }
 
-host::Link* LineRecorder::record(host::Link& link) {
-  links_.push_back(std::make_unique<RecordedLink>(link, *this, links_.size()));
-  return links_.back().get();
+host::Link* LineRecorder::record(host::Link& link, std::size_t line) {
+  auto& recorded = links_[line];
+  recorded = std::make_unique<RecordedLink>(link, *this, line);
+  return recorded.get();
 }
 
 sim::States LineRecorder::now() {

@@ -6,7 +6,7 @@
 // written, or had been read.
 #pragma once
 
-#include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -23,14 +23,16 @@ class LineRecorder {
   // `/behavior` are on that clock.
   static constexpr const char* kStart = "host_clock_start_ns";
 
-  // Replaces the file. `clock` must outlive the recorder. Errors (environment): it cannot be written.
+  // Replaces the file; without a path nothing is written, and only the tap hears of it. `clock` and `tap`
+  // must outlive the recorder. Errors (environment): it cannot be written.
   static Result<std::unique_ptr<LineRecorder>> create(const std::string& path,
                                                       sim::McapWriter::Metadata facts,
-                                                      const host::Clock& clock);
+                                                      const host::Clock& clock,
+                                                      sim::MessageTap* tap = nullptr);
 
-  // A link that records what passes through it; `link` must outlive the recorder, which owns what is
-  // returned. In the order of the boards.
-  host::Link* record(host::Link& link);
+  // A link that records what passes through it, as line `line`: the number of the board. The recorder owns
+  // what is returned, until the line is recorded anew; `link` must outlive it.
+  host::Link* record(host::Link& link, std::size_t line);
   void behavior(const std::string& json);
   void map(const sim::RecordedMap& map);
 
@@ -55,7 +57,7 @@ class LineRecorder {
   std::unique_ptr<sim::Recorder> recorder_;  // until finish()
   sim::States last_ = 0;
   Result<std::string> finished_;
-  std::deque<std::unique_ptr<host::Link>> links_;
+  std::map<std::size_t, std::unique_ptr<host::Link>> links_;
 };
 
 }  // namespace kaz::tools
