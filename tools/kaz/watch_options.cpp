@@ -30,6 +30,13 @@ void print_address(const std::string& label, const std::string& url) {
   std::fprintf(stderr, "%s: watch it at %s\n", label.c_str(), url.c_str());
 }
 
+// A run that somebody had a hand in proves nothing by itself.
+void print_acts(const std::string& label, const watch::View& view) {
+  if (const int acts = view.done_by_hand(); acts > 0)
+    std::fprintf(stderr, "%s: %d act%s by hand, recorded in /hand\n", label.c_str(), acts,
+                 acts == 1 ? "" : "s");
+}
+
 }  // namespace
 
 void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
@@ -69,14 +76,19 @@ Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session
     return fail(Fault::usage, "--pace: a robot at a port has its own time; leave it out");
   auto options = KAZ_TRY(view_of(arguments, session.backend.robot_file));
   options.recorded_pictures = session.backend.record_pictures;
+  options.hands = !real;
   if (real) options.source = "robot";
   const auto view = KAZ_TRY(watch::View::open(std::move(options)));
   print_address(session.label, view->url());
   // A board that waited for its host within the run would switch its motors off.
   if (real) view->wait();
   session.backend.tap = view.get();
+  if (!real) session.backend.hands = view.get();
   session.on_pair = [&view](const vision::StereoPair& pair) { view->picture(pair); };
-  return run_session(std::move(session));
+  const std::string label = session.label;
+  auto ran = run_session(std::move(session));
+  print_acts(label, *view);
+  return ran;
 }
 
 Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve_options) {
@@ -84,15 +96,20 @@ Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve_o
   auto options = KAZ_TRY(view_of(arguments, serve_options.backend.robot_file));
   options.recorded_pictures = serve_options.backend.record_pictures;
   options.joints_only = serve_options.backend.stand;
+  options.hands = !serve_options.backend.stand;
+  options.own_time = true;
   const auto view = KAZ_TRY(watch::View::open(std::move(options)));
   print_address("kaz sim", view->url());
   view->wait();
   serve_options.backend.tap = view.get();
+  if (!serve_options.backend.stand) serve_options.backend.hands = view.get();
   serve_options.real_time.on_pair = [&view](const vision::StereoPair& pair) {
     view->picture(pair);
   };
   serve_options.real_time.wants_pairs = [&view] { return view->wants_pictures(); };
-  return serve(std::move(serve_options));
+  auto served = serve(std::move(serve_options));
+  print_acts("kaz sim", *view);
+  return served;
 }
 
 Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench) {

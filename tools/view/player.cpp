@@ -42,8 +42,11 @@ class Player {
   Player(const sim::McapRecording& recording, Server& server, Feed& feed, double speed)
       : server_(server), feed_(feed) {
     Schemas schemas(server);
-    if (const auto recorder = sim::Recorder::create("", {}, &schemas))
-      (*recorder)->map({}, {});  // its channels come with the first one
+    if (const auto recorder = sim::Recorder::create("", {}, &schemas)) {
+      // Their channels come with the first message.
+      (*recorder)->map({}, {});
+      (*recorder)->hand({}, {});
+    }
     for (const auto& [number, topic] : recording.topics) {
       const auto known = schemas.channels.find(topic);
       channels_[number] = {

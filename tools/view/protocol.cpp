@@ -18,7 +18,7 @@ using nlohmann::json;
 using sim::LittleEndian;
 using sim::LittleEndianFields;
 
-constexpr std::uint8_t kPlaybackRequest = 3;  // opcode of a viewer's frame
+constexpr std::uint8_t kPublish = 1, kPlaybackRequest = 3;  // opcodes of viewers' frames
 constexpr std::uint8_t kMessage = 1, kTime = 2, kAsset = 4, kPlaybackState = 5;  // of the server's
 constexpr std::size_t kLongestName = 4096;
 
@@ -90,7 +90,30 @@ Result<Request> parse_text(std::string_view text) {
       request.parameters_request = id->get<std::string>();
     return request;
   }
-  // They never change: there is nothing to tell.
+  if (name == "advertise") {
+    request.kind = Request::Kind::advertise;
+    const json* list = KAZ_TRY(list_of(object, "channels"));
+    for (const json& entry : *list) {
+      const auto id = KAZ_TRY(number_of(entry, "id"));
+      const auto topic = entry.find("topic"), encoding = entry.find("encoding");
+      if (topic == entry.end() || *topic != kHandTopic || encoding == entry.end() ||
+          *encoding != "json")
+        return fail(Fault::usage, "viewers can publish on `" + std::string(kHandTopic) +
+                                      "` alone, with the encoding `json`");
+      request.advertise.push_back(id);
+    }
+    return request;
+  }
+  if (name == "unadvertise") {
+    request.kind = Request::Kind::unadvertise;
+    const json* list = KAZ_TRY(list_of(object, "channelIds"));
+    for (const json& entry : *list) {
+      const auto id = KAZ_TRY(number_of(json{{"id", entry}}, "id"));
+      request.unadvertise.push_back(id);
+    }
+    return request;
+  }
+  // They never change.
   if (name == "subscribeParameterUpdates" || name == "unsubscribeParameterUpdates") {
     request.kind = Request::Kind::watch_parameters;
     return request;
@@ -98,15 +121,33 @@ Result<Request> parse_text(std::string_view text) {
   if (name == "setParameters")
     return fail(Fault::usage, "parameters state how the run is; they cannot be set");
   return fail(Fault::usage,
-              "there is no such request here: subscribe, unsubscribe, fetchAsset and getParameters "
-              "are");
+              "there is no such request here: subscribe, unsubscribe, fetchAsset, getParameters, "
+              "advertise and unadvertise are");
 }
 
 Result<Request> parse_binary(std::span<const std::uint8_t> bytes) {
   LittleEndianFields fields(bytes);
-  if (fields.number<std::uint8_t>() != kPlaybackRequest)
-    return fail(Fault::usage, "there is no such binary request here: that of a player is");
+  const auto opcode = fields.number<std::uint8_t>();
   Request request;
+  if (opcode == kPublish) {
+    request.kind = Request::Kind::publish;
+    request.published = fields.number<std::uint32_t>();
+    const auto rest = fields.rest();
+    const std::string_view text(reinterpret_cast<const char*>(rest.data()), rest.size());
+    const json object = fields.good() && text.size() <= kLongestRequest && !json_too_deep(text)
+                            ? json::parse(text, nullptr, false)
+                            : json();
+    const auto line = object.is_object() ? object.find("do") : object.end();
+    if (!object.is_object() || line == object.end() || !line->is_string() ||
+        line->get_ref<const std::string&>().size() > kLongestLine)
+      return fail(Fault::usage, "what is published must be {\"do\": LINE}, LINE of at most " +
+                                    std::to_string(kLongestLine) + " bytes");
+    request.line = line->get<std::string>();
+    return request;
+  }
+  if (opcode != kPlaybackRequest)
+    return fail(Fault::usage,
+                "there is no such binary request here: a message and that of a player are");
   request.kind = Request::Kind::playback;
   Playback& playback = request.playback;
   const auto command = fields.number<std::uint8_t>();
@@ -143,9 +184,10 @@ std::string_view chosen_subprotocol(std::string_view offered) {
 std::string server_info(const std::string& name, const std::string& session,
                         const std::vector<std::string>& capabilities, std::uint64_t start_ns,
                         std::uint64_t end_ns) {
-  nlohmann::ordered_json info{{"op", "serverInfo"},           {"name", name},
-                              {"capabilities", capabilities}, {"supportedEncodings", json::array()},
-                              {"metadata", json::object()},   {"sessionId", session}};
+  nlohmann::ordered_json info{
+      {"op", "serverInfo"},           {"name", name},
+      {"capabilities", capabilities}, {"supportedEncodings", json::array({"json"})},
+      {"metadata", json::object()},   {"sessionId", session}};
   const auto time = [](std::uint64_t ns) {
     return json{{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}};
   };

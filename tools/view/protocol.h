@@ -54,16 +54,35 @@ struct PlaybackState {
   std::string request;
 };
 
+// The channel on which viewers say what is to be done by hand: JSON, {"do": LINE} with a line of HandAct
+// (sim/runtime/simulation/hand_player.h) or of the pace (view.h).
+inline constexpr std::string_view kHandTopic = "/hand";
+inline constexpr std::size_t kLongestLine = 400;
+
 struct Request {
-  enum class Kind { subscribe, unsubscribe, fetch_asset, playback, parameters, watch_parameters };
+  enum class Kind {
+    subscribe,
+    unsubscribe,
+    fetch_asset,
+    playback,
+    parameters,
+    watch_parameters,
+    advertise,
+    unadvertise,
+    publish
+  };
   Kind kind = Kind::subscribe;
   std::vector<Subscription> subscribe;
   std::vector<std::uint32_t> unsubscribe;  // subscriptions
   std::string uri;                         // of an asset
   std::uint32_t asset_request = 0;
   Playback playback;
-  std::vector<std::string> parameters;  // names; none: all
-  std::string parameters_request;       // its name, which the reply repeats
+  std::vector<std::uint32_t> advertise;    // the viewer's numbers of its channels kHandTopic
+  std::vector<std::uint32_t> unadvertise;  // its channels
+  std::uint32_t published = 0;             // its channel
+  std::string line;                        // that it published there
+  std::vector<std::string> parameters;     // names; none: all
+  std::string parameters_request;          // its name, which the reply repeats
 };
 
 // Errors: one sentence for the viewer.

@@ -88,6 +88,7 @@ struct Server::Impl {
   std::vector<std::string> capabilities() const {
     std::vector<std::string> all{"assets", "parameters", "parametersSubscribe", "time"};
     if (options.end_ns > 0) all.push_back("playbackControl");
+    if (options.hands) all.push_back("clientPublish");
     return all;
   }
 
@@ -99,6 +100,7 @@ struct Server::Impl {
   mutable std::mutex mutex;       // of all up to `io`, and of viewers' queues and subscriptions
   std::optional<Bytes> playback;  // the newest state
   std::function<void(const Playback&)> heard;
+  std::function<Result<void>(const std::string&)> hand;
   std::deque<Offered> channels;
   std::set<Viewer*> viewers;
   // Its handlers hold viewers, which refer to what is above.
@@ -258,6 +260,11 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
         break;
       case Request::Kind::watch_parameters:
         break;
+      case Request::Kind::advertise:
+      case Request::Kind::unadvertise:
+      case Request::Kind::publish:
+        hand(*request);
+        break;
       case Request::Kind::playback:
         if (server_.options.end_ns == 0) {
           refuse("this run is live: there is nothing to play");
@@ -268,6 +275,26 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
           if (server_.heard) server_.heard(request->playback);
         }
         break;
+    }
+  }
+
+  void hand(const Request& request) {
+    if (!server_.options.hands) return refuse("nothing can be done by hand here");
+    if (!control_) return refuse("only who opens the address with its token may do things by hand");
+    if (request.kind == Request::Kind::publish) {
+      if (!own_channels_.contains(request.published))
+        return refuse("publish on a channel that was advertised");
+      const std::lock_guard lock(server_.mutex);
+      const Result<void> done = server_.hand ? server_.hand(request.line) : Result<void>();
+      // No wrong request of the protocol: somebody may type it.
+      if (!done) put_text(status_error(done.error().message));
+      return;
+    }
+    for (const std::uint32_t id : request.unadvertise) own_channels_.erase(id);
+    own_channels_.insert(request.advertise.begin(), request.advertise.end());
+    if (own_channels_.size() > kMostSubscriptions) {
+      own_channels_.clear();
+      refuse("too many channels");
     }
   }
 
@@ -375,6 +402,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   asio::steady_timer greeting_{server_.io};
   beast::flat_buffer buffer_;
   int wrong_ = 0;
+  std::set<std::uint32_t> own_channels_;  // kHandTopic, as the viewer numbers them
   // Below the server's mutex.
   bool here_ = false, writing_ = false;
   std::deque<Waiting> waiting_;
@@ -581,6 +609,16 @@ void Server::publish_playback(const PlaybackState& state) {
 void Server::on_playback(std::function<void(const Playback&)> heard) {
   const std::lock_guard lock(impl_->mutex);
   impl_->heard = std::move(heard);
+}
+
+void Server::on_hand(std::function<Result<void>(const std::string&)> heard) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->hand = std::move(heard);
+}
+
+void Server::publish_error(const std::string& sentence) {
+  const std::lock_guard lock(impl_->mutex);
+  for (Viewer* viewer : impl_->viewers) viewer->put_text(status_error(sentence));
 }
 
 std::size_t Server::viewers() const {

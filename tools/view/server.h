@@ -32,6 +32,7 @@ struct ServerOptions {
   std::map<std::string, ServedFile> page;   // by path: "/index.html"
   std::map<std::string, ServedFile> robot;  // "/robot/kaz.urdf"; asset package://robot/kaz.urdf
   std::map<std::string, std::string> parameters;  // that viewers may read
+  bool hands = false;                             // viewers may publish on kHandTopic
   std::uint64_t start_ns = 0, end_ns = 0;         // of a recording that is played; 0: there is none
   std::size_t most_connections = 64;
   // What waits at most for one viewer, of channels that are recorded and of the others.
@@ -60,6 +61,11 @@ class Server {
   // Called on the server's thread, for viewers with the token; not once this has been called again. It must
   // not call the server.
   void on_playback(std::function<void(const Playback&)> heard);
+  // What viewers with the token publish on kHandTopic, called as above; its error goes back to the viewer.
+  // ServerOptions::hands.
+  void on_hand(std::function<Result<void>(const std::string& line)> heard);
+  // A sentence for all viewers.
+  void publish_error(const std::string& sentence);
 
   std::size_t viewers() const;        // open WebSocket connections
   std::size_t subscriptions() const;  // of all

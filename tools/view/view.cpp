@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <boost/asio/ip/address.hpp>
+#include <nlohmann/json.hpp>
 
 #include "shared/base/files.hpp"
 #include "shared/base/number_text.hpp"
@@ -115,10 +116,15 @@ Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uin
   server.token_to_look = !where.loopback;
   server.parameters = {{"robot", options.robot_path},
                        {"source", end_ns > 0 ? "recording" : options.source}};
+  server.hands = options.hands;
+  if (options.hands) {
+    const std::string text = hands_json(KAZ_TRY(sim::load_robot(options.robot_path)));
+    server.page["/hands.json"] = {"application/json", Bytes(text.begin(), text.end())};
+  }
   server.start_ns = start_ns;
   server.end_ns = end_ns;
-  if (!options.page_folder.empty()) server.page = KAZ_TRY(page_files(options.page_folder));
-  if (server.page.empty()) {
+  if (!options.page_folder.empty()) server.page.merge(KAZ_TRY(page_files(options.page_folder)));
+  if (!server.page.contains("/index.html")) {
     const std::string_view text = kNoPage;
     server.page["/index.html"] = {"text/html; charset=utf-8", Bytes(text.begin(), text.end())};
   }
@@ -144,9 +150,13 @@ View::View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::
       server_(std::move(server)),
       feed_(std::move(feed)),
       url_(std::move(url)),
-      coder_([this] { code_pictures(); }) {}
+      pace_(options_.pace),
+      coder_([this] { code_pictures(); }) {
+  server_->on_hand([this](const std::string& line) { return hear(line); });
+}
 
 View::~View() {
+  server_->on_hand({});
   {
     const std::lock_guard lock(mutex_);
     ended_ = true;
@@ -204,7 +214,69 @@ void View::message(std::uint16_t channel, std::uint64_t time_ns,
 
 void View::stepped(Time time, const sim::World& world) {
   if (!options_.joints_only) feed_.world(static_cast<std::uint64_t>(time.count()), world);
-  if (options_.pace > 0) keep_pace(time);
+  keep_pace(time);
+}
+
+std::string hands_json(const sim::RobotModel& robot) {
+  using Json = nlohmann::ordered_json;
+  Json all{{"faults", Json::array()}, {"joints", robot.joint_order()}, {"links", Json::array()}};
+  for (const faults::Kind& kind : faults::kinds())
+    all["faults"].push_back({{"name", kind.name},
+                             {"of_joint", kind.target == faults::Target::joint},
+                             {"parameter", kind.parameter},
+                             {"unit", kind.unit},
+                             {"low", kind.low},
+                             {"high", kind.high},
+                             {"initial", kind.initial},
+                             {"text", kind.text}});
+  for (const sim::RobotLink& link : robot.links) all["links"].push_back(link.rigid.name);
+  return all.dump();
+}
+
+Result<void> View::hear(const std::string& line) {
+  constexpr std::size_t kMostLines = 1000;
+  const std::lock_guard lock(mutex_);
+  const auto number_after = [&line](std::string_view verb) {
+    return line.starts_with(verb) ? parse_number<double>(std::string_view(line).substr(verb.size()))
+                                  : std::nullopt;
+  };
+  const bool of_time =
+      line == "pause" || line == "go" || line.starts_with("step ") || line.starts_with("pace ");
+  if (of_time && options_.own_time)
+    return fail(Fault::usage, "`" + line + "`: this simulator goes by the clock on the wall");
+  if (line == "pause" || line == "go") {
+    pause_at_.reset();
+    paused_ = line == "pause";
+    step_s_.reset();
+    return {};
+  }
+  if (const auto seconds = number_after("step "); seconds && *seconds > 0 && *seconds <= 60) {
+    step_s_ = *seconds;
+    return {};
+  }
+  if (const auto times = number_after("pace "); times && *times >= 0 && *times <= 100) {
+    pace_ = *times;
+    return {};
+  }
+  KAZ_TRY(sim::parse_hand(line, Time::zero()));
+  if (lines_.size() >= kMostLines)
+    return fail(Fault::usage, "the run stands still, and too much waits for it already");
+  lines_.push_back(line);
+  return {};
+}
+
+std::vector<std::string> View::take(Time) {
+  std::vector<std::string> lines;
+  const std::lock_guard lock(mutex_);
+  lines.assign(lines_.begin(), lines_.end());
+  lines_.clear();
+  acts_ += static_cast<int>(lines.size());
+  return lines;
+}
+
+void View::refused(const std::string& line, const Error& error) {
+  --acts_;
+  server_->publish_error("`" + line + "`: " + error.message);
 }
 
 // Until a viewer has subscribed, and for a moment no other subscription comes: viewers send several.
@@ -221,19 +293,42 @@ void View::wait() {
   }
 }
 
+// Stops where a viewer wants it, and else goes no faster than the pace.
 void View::keep_pace(Time time) {
   using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kNap{20};
+  if (options_.own_time) return;
+  double pace = 0;
+  while (true) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (step_s_) {
+        pause_at_ = time + from_seconds(*std::exchange(step_s_, std::nullopt));
+        paused_ = false;
+      }
+      if (pause_at_ && time >= *pause_at_) {
+        paused_ = true;
+        pause_at_.reset();
+      }
+      if (std::exchange(kept_pace_, pace_) != pace_) pace_start_.reset();
+      pace = pace_;
+      if (!paused_) break;
+      pace_start_.reset();
+    }
+    if (options_.stopped()) return;
+    std::this_thread::sleep_for(kNap);
+  }
+  if (pace <= 0) return;
   const auto now = Clock::now();
   if (!pace_start_) pace_start_.emplace(now, time);
   const auto due =
       pace_start_->first +
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::nano>(
-          static_cast<double>((time - pace_start_->second).count()) / options_.pace));
+          static_cast<double>((time - pace_start_->second).count()) / pace));
   // What was late is not made up for.
   if (now > due + std::chrono::milliseconds(100)) pace_start_.emplace(now, time);
   while (Clock::now() < due && !options_.stopped())
-    std::this_thread::sleep_for(
-        std::min<Clock::duration>(due - Clock::now(), std::chrono::milliseconds(50)));
+    std::this_thread::sleep_for(std::min<Clock::duration>(due - Clock::now(), kNap));
 }
 
 }  // namespace kaz::watch

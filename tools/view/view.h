@@ -12,6 +12,8 @@
 #include <string>
 #include <thread>
 
+#include "sim/body/description/robot_model.h"
+#include "sim/runtime/simulation/hand_player.h"
 #include "sim/runtime/simulation/recording_tap.h"
 #include "tools/view/feed.h"
 #include "tools/view/server.h"
@@ -19,15 +21,17 @@
 namespace kaz::watch {
 
 struct ViewOptions {
-  std::string where;  // ADDRESS:PORT or PORT; empty: 127.0.0.1:8765
-  std::string token;  // 32 hexadecimal digits; empty: a new one
-  bool wait = false;  // the run begins with the first viewer
-  double pace = 0;    // the run's time over real time, at most; 0: as fast as it goes
+  std::string where;      // ADDRESS:PORT or PORT; empty: 127.0.0.1:8765
+  std::string token;      // 32 hexadecimal digits; empty: a new one
+  bool wait = false;      // the run begins with the first viewer
+  bool hands = false;     // viewers with the token may do things by hand
+  bool own_time = false;  // it goes by a clock: there is no pace, and no pause
+  double pace = 0;        // the run's time over real time, at most; 0: as fast as it goes
   std::string robot_path, page_folder;
   bool recorded_pictures = false;  // the recording has them: no others are sent
   // The world is no robot's, as a motor stand: its joints turn a robot that hangs in the air.
   bool joints_only = false;
-  std::string source = "simulation";                     // or "robot": a parameter that viewers may read
+  std::string source = "simulation";  // or "robot": a parameter that viewers may read
   std::function<bool()> stopped = [] { return false; };  // waiting ends
 };
 
@@ -46,7 +50,10 @@ bool lasts(std::string_view topic, std::span<const std::uint8_t> data);
 Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uint64_t start_ns,
                                             std::uint64_t end_ns, std::string& url);
 
-class View final : public sim::RecordingTap {
+// What the page offers to do by hand: faults, joints and links, as JSON.
+std::string hands_json(const sim::RobotModel& robot);
+
+class View final : public sim::RecordingTap, public sim::HandSource {
  public:
   static Result<std::unique_ptr<View>> open(ViewOptions options);
   ~View() override;
@@ -68,8 +75,15 @@ class View final : public sim::RecordingTap {
   void message(std::uint16_t channel, std::uint64_t time_ns,
                std::span<const std::uint8_t> data) override;
   void stepped(Time time, const sim::World& world) override;
+  std::vector<std::string> take(Time start) override;
+  void refused(const std::string& line, const Error& error) override;
+  // Acts that were begun.
+  int done_by_hand() const { return acts_; }
 
  private:
+  // A viewer's line: of HandAct, or of the run's pace, which changes nothing of the run: `pause`, `go`,
+  // `step SECONDS` of the run and then pause, `pace TIMES`, 0: as fast as it goes.
+  Result<void> hear(const std::string& line);
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
   void keep_pace(Time time);
   void code_pictures();
@@ -84,11 +98,17 @@ class View final : public sim::RecordingTap {
   };
   std::map<std::uint16_t, Tapped> tapped_;
   bool waited_ = false;
+  int acts_ = 0;
   std::optional<std::pair<std::chrono::steady_clock::time_point, Time>> pace_start_;
 
   std::mutex mutex_;  // of what follows
   std::condition_variable changed_;
   std::deque<vision::StereoPair> pictures_;
+  std::deque<std::string> lines_;  // that wait for the next step
+  bool paused_ = false;
+  std::optional<double> step_s_;  // until the pause, not begun
+  std::optional<Time> pause_at_;  // of the run
+  double pace_ = 0, kept_pace_ = 0;
   bool ended_ = false;
   std::thread coder_;
 };

@@ -267,6 +267,106 @@ TEST(View, ARobotAtAPortStandsOnItsLowerFootAtTheAnglesOfItsBoards) {
   EXPECT_LT(trunk, 0.2);
 }
 
+Bytes published(std::uint32_t channel, const std::string& line) {
+  const std::string text = nlohmann::json{{"do", line}}.dump();
+  Bytes frame{1, static_cast<std::uint8_t>(channel), 0, 0, 0};
+  frame.insert(frame.end(), text.begin(), text.end());
+  return frame;
+}
+
+TEST(View, WhoHasTheTokenDoesThingsByHandAndNobodyElse) {
+  ViewOptions options;
+  options.where = "127.0.0.1:0";
+  options.robot_path = kRobot;
+  options.hands = true;
+  const auto view = View::open(options);
+  ASSERT_TRUE(view.has_value());
+  const nlohmann::json hand{
+      {"op", "advertise"},
+      {"channels", {{{"id", 7}, {"topic", "/hand"}, {"encoding", "json"}, {"schemaName", ""}}}}};
+  const auto port = (*view)->server().port();
+  Client stranger(port);
+  ASSERT_TRUE(stranger.open("foxglove.sdk.v1"));
+  stranger.send(hand);
+  EXPECT_NE(stranger.next_op("status").dump().find("with its token"), std::string::npos);
+  stranger.send(published(7, "power_reset"));
+  EXPECT_NE(stranger.next_op("status").dump().find("with its token"), std::string::npos);
+
+  Client owner(port);
+  const std::string url = (*view)->url();
+  ASSERT_TRUE(owner.open("foxglove.websocket.v1", "/" + url.substr(url.find('?'))));
+  const auto info = owner.next_op("serverInfo");
+  EXPECT_EQ(std::ranges::count(info["capabilities"], "clientPublish"), 1);
+  owner.send(published(7, "power_reset"));
+  EXPECT_NE(owner.next_op("status").dump().find("was advertised"), std::string::npos);
+  owner.send(hand);
+  owner.send(published(7, "fly away"));
+  EXPECT_NE(owner.next_op("status").dump().find("give `push LINK X Y Z`"), std::string::npos);
+  owner.send(published(7, "power_reset"));
+  owner.send(published(7, "hold moon 0 0 0"));
+  owner.send(published(7, "no more"));  // its refusal: the others have been heard
+  owner.next_op("status");
+  EXPECT_EQ((*view)->take(Time::zero()),
+            (std::vector<std::string>{"power_reset", "hold moon 0 0 0"}));
+  EXPECT_TRUE((*view)->take(Time::zero()).empty());
+  (*view)->refused("hold moon 0 0 0", Error{Fault::usage, "there is no moon"});
+  EXPECT_NE(owner.next_op("status").dump().find("there is no moon"), std::string::npos);
+  EXPECT_EQ((*view)->done_by_hand(), 1);
+}
+
+TEST(View, WithoutHandsNothingIsDoneByThem) {
+  const auto view = opened();
+  Client owner(view->server().port());
+  const std::string url = view->url();
+  ASSERT_TRUE(owner.open("foxglove.sdk.v1", "/" + url.substr(url.find('?'))));
+  EXPECT_EQ(std::ranges::count(owner.next_op("serverInfo")["capabilities"], "clientPublish"), 0);
+  owner.send(published(7, "power_reset"));
+  EXPECT_NE(owner.next_op("status").dump().find("nothing can be done by hand"), std::string::npos);
+}
+
+TEST(View, ARunIsPausedStepsAndGoesOnAndIsTheSame) {
+  const sim::TestFolder folder;
+  ViewOptions options;
+  options.where = "127.0.0.1:0";
+  options.robot_path = kRobot;
+  options.hands = options.wait = true;
+  const auto view = View::open(options);
+  ASSERT_TRUE(view.has_value());
+  std::thread viewer([&] {
+    Client owner((*view)->server().port());
+    const std::string url = (*view)->url();
+    ASSERT_TRUE(owner.open("foxglove.sdk.v1", "/" + url.substr(url.find('?'))));
+    owner.send(nlohmann::json{
+        {"op", "advertise"},
+        {"channels", {{{"id", 1}, {"topic", "/hand"}, {"encoding", "json"}, {"schemaName", ""}}}}});
+    owner.send(published(1, "pause"));
+    owner.send(subscriptions({owner.channel("/truth/joints")}));
+    const auto last = [&](int milliseconds) {
+      std::uint64_t time = 0;
+      const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(milliseconds);
+      while (std::chrono::steady_clock::now() < end) {
+        owner.send(published(1, "nothing"));  // its refusal comes at once
+        while (const auto message = owner.next()) {
+          if (owner.is_text()) break;
+          if (message->front() == 1) time = std::max(time, received(*message).time_ns);
+        }
+      }
+      return time;
+    };
+    const auto first = owner.next_frame(1);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(received(*first).time_ns, 1'000'000u);
+    EXPECT_EQ(last(200), 0u) << "paused behind the first step";
+    owner.send(published(1, "step 0.1"));
+    EXPECT_EQ(last(300), 101'000'000u);
+    owner.send(published(1, "go"));
+    EXPECT_EQ(last(500), 300'000'000u);
+  });
+  const std::string paused = recorded(folder.file("paused.mcap"), view->get());
+  viewer.join();
+  EXPECT_EQ(paused, recorded(folder.file("alone.mcap"), nullptr));
+}
+
 // A robot's file may lie anywhere, as in somebody's home.
 TEST(View, OfTheRobotsFolderOnlyWhatItsFileNamesIsServed) {
   const std::filesystem::path folder =

@@ -53,6 +53,19 @@ Result<void> StagedWorld::push(const std::string& link, const Eigen::Vector3d& i
   return {};
 }
 
+Result<void> StagedWorld::accelerate(const std::string& model, const Eigen::Vector3d& change) {
+  const auto object = model_->objects.find(model);
+  if (object == model_->objects.end() ||
+      !bodies()[static_cast<std::size_t>(object->second)].moves) {
+    return fail(Fault::usage, "the world has no object `" + model + "` that moves");
+  }
+  if (!change.allFinite()) {
+    return fail(Fault::usage, "a push on `" + model + "` has no finite velocity, m/s");
+  }
+  kick(object->second, change);
+  return {};
+}
+
 void StagedWorld::prepare_motors(std::span<const MotorDrive> drives, double supply_volts) {
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     const MotorDrive drive = i < drives.size() ? drives[i] : MotorDrive{};

@@ -42,6 +42,7 @@ class StagedWorld : public World {
   Eigen::Isometry3d link_pose(const std::string& link) const override;
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
+  Result<void> accelerate(const std::string& model, const Eigen::Vector3d& change) override;
   // The collision detection with which step() begins, for benchmarks. Returns the number of contact points.
   virtual int find_contacts() = 0;
   const SolverDiagnostics& diagnostics() const override { return diagnostics_; }

@@ -122,6 +122,13 @@ class World {
     return fail(Fault::usage, "this world cannot push `" + link + "`; load one with World::load");
   }
 
+  // Changes the velocity of an object by so much, m/s, world axes, as a short push through its centre of mass
+  // does. Errors: no such object, it does not move, or this world does not support it.
+  virtual Result<void> accelerate(const std::string& model, const Eigen::Vector3d& change) {
+    static_cast<void>(change);
+    return fail(Fault::usage, "this world cannot push `" + model + "`; load one with World::load");
+  }
+
   // A second world in the same state, which goes on exactly as this one would. Both share what never changes
   // (shapes, links, parameters) and are otherwise independent: either may be destroyed first, and each may be
   // stepped in a thread of its own. Takes microseconds where loading takes tens of milliseconds. Not while

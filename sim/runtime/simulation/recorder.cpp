@@ -107,6 +107,8 @@ constexpr char pose_schema[] =
     "# Where the robot takes itself to be: midway between its feet.\n"
     "std_msgs/Header header\ngeometry_msgs/Pose pose\n" KAZ_ROS_HEADER KAZ_ROS_POSE;
 constexpr char fault_schema[] = "# A fault that begins, or was asked for.\nstring line\n";
+constexpr char hand_schema[] =
+    "# What was done by hand, from the step on that begins then.\nstring line\n";
 constexpr char behavior_schema[] = R"({"type": "object"})";
 
 // The beginning of std_msgs/Header: seq and stamp.
@@ -328,6 +330,15 @@ void Recorder::map(States at, const RecordedMap& map) {
   header();
   pose(map.robot, map.heading_rad);
   put(maps_->robot, time_of(at));
+}
+
+void Recorder::hand(States at, std::string_view line) {
+  if (!hands_)
+    hands_ =
+        file_->add_channel(file_->add_schema("kaz/Hand", "ros1msg", hand_schema), "/hand", "ros1");
+  data_.clear();
+  LittleEndian(data_).text(std::string(line));
+  put(*hands_, time_of(at));
 }
 
 void Recorder::fault(States at, std::string_view line) {

@@ -52,6 +52,9 @@ class Recorder {
   // Start of a fault, as a line of docs/reference/faults.md.
   void fault(States at, std::string_view line);
 
+  // What was done by hand, as a line of hand_player.h. The channel is there from the first one on.
+  void hand(States at, std::string_view line);
+
   // States in the file that the run went on: "SIGINT".
   void interrupted(const std::string& by);
   // SHA-256 of the file.
@@ -77,6 +80,7 @@ class Recorder {
     std::uint16_t map, path, robot;
   };
   std::optional<MapChannels> maps_;
+  std::optional<std::uint16_t> hands_;
   std::vector<std::uint8_t> data_;  // of the current message
 };
 

@@ -192,6 +192,7 @@ Result<void> Simulation::advance() {
   const States start = now_;
   const States end = start + KZ_STATES_PER_TICK;
 
+  if (options_.hands != nullptr && recorder_) use_hands();
   faults_.begin_step(time(), board_, [this](const faults::Fault& fault) {
     if (recorder_) recorder_->fault(now_, faults::text_of(fault));
   });
@@ -226,6 +227,18 @@ Result<void> Simulation::advance() {
   return recorder_->written();
 }
 
+void Simulation::use_hands() {
+  for (const std::string& line : options_.hands->take(time())) {
+    const auto act = parse_hand(line, time());
+    const auto begun = act ? hands_.begin(*act, *world_, faults_) : tl::unexpected(act.error());
+    if (begun) {
+      recorder_->hand(now_, line);
+    } else {
+      options_.hands->refused(line, begun.error());
+    }
+  }
+}
+
 // Steps the world with the drivers' means over its step, which ends now.
 void Simulation::move_world() {
   std::array<MotorDrive, KZ_JOINTS> drives{};
@@ -234,6 +247,7 @@ void Simulation::move_world() {
   faults_.apply(time(), drives);
   for (std::size_t j = 0; j < channels_.size(); ++j) drives_[j] = drives[channels_[j]];
   const ProfileScope body("body");
+  if (hands_.holds()) hands_.pull(*world_);
   world_->step(drives_, board_.supply_volts());
 }
 

@@ -27,6 +27,7 @@
 #include "sim/runtime/eyes/render_thread.h"
 #include "sim/runtime/formats/mcap_writer.h"
 #include "sim/runtime/simulation/fault_player.h"
+#include "sim/runtime/simulation/hand_player.h"
 #include "sim/runtime/simulation/serial_line.h"
 #include "sim/runtime/simulation/step_ratio.h"
 #include "sim/runtime/time.h"
@@ -36,6 +37,7 @@
 namespace kaz::sim {
 
 class Recorder;
+class HandSource;
 class RecordingTap;
 struct RecordedMap;
 
@@ -57,9 +59,11 @@ struct SimulationOptions {
   double supply_volts = 10.0;
   double supply_ohms = 0.15;  // battery, switch and wires
   FramePolicy frames = FramePolicy::wait;
-  faults::Schedule faults;               // times since the start
-  std::string recording_path;            // none if empty
-  RecordingTap* tap = nullptr;           // hears what is, or would be, recorded; must outlive this
+  faults::Schedule faults;      // times since the start
+  std::string recording_path;   // none if empty
+  RecordingTap* tap = nullptr;  // hears what is, or would be, recorded; must outlive this
+  // What is done by hand, in each step that is recorded or heard by the tap; must outlive this.
+  HandSource* hands = nullptr;
   bool record_pictures = false;          // the eyes' pictures too, not only their digests
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
   RendererFactory renderer = maker_of(kDefaultRenderer);
@@ -155,6 +159,7 @@ class Simulation {
              std::unique_ptr<World> world, const CameraFile& camera, StepRatio ratio);
   Result<void> advance();
   void move_world();
+  void use_hands();
   void set_sensors(double since_s);
   void set_motion(const Eigen::Vector3d& specific_force);
   Eyes::Keep kept_of_pairs() const;
@@ -172,6 +177,7 @@ class Simulation {
   std::vector<std::size_t> channels_;  // channel of the servo board, by joint of the world
   std::vector<MotorDrive> drives_;     // by joint of the world
   FaultPlayer faults_;
+  HandPlayer hands_;
   SerialLine line_;
   std::unique_ptr<Recorder> recorder_;
   RenderThread draws_;

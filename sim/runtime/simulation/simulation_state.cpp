@@ -73,11 +73,12 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
                                                           const World& world) {
   const auto& [mcu, image_path, world_path, robot_path, camera_path, seed, dynamics,
                physics_step_ms, suspended, sensors, sensor_params, imu, eyes, eye_width,
-               supply_volts, supply_ohms, frames, faults, recording_path, tap, record_pictures,
-               recording_facts, renderer, detour_every] = options;
+               supply_volts, supply_ohms, frames, faults, recording_path, tap, hands,
+               record_pictures, recording_facts, renderer, detour_every] = options;
   static_cast<void>(dynamics);        // the world returns it with the iterations
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(tap);             // nor does who hears of it
+  static_cast<void>(hands);           // what they did is in the recording
   static_cast<void>(record_pictures);
   static_cast<void>(recording_facts);
   static_cast<void>(detour_every);  // nor does a detour
@@ -108,7 +109,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
 
 template <class A>
 void Simulation::transfer(A& a) {
-  a(now_, faults_, line_, eyes_open_);
+  a(now_, faults_, hands_, line_, eyes_open_);
   bool has_eyes = eyes_ != nullptr;
   a(has_eyes);
   if constexpr (A::reading) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node page.mjs KAZ FOLDER: pictures of the page go to FOLDER. Exit status 77: there is no chromium.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { spawn, spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { chromium } from "playwright-core";
 
@@ -30,7 +30,7 @@ function start(...words) {
   });
   return { child, url, ended, stop: () => { child.kill("SIGINT"); return ended; } };
 }
-const run = (port, ...more) => start("run", "track-ball", "--mcu", "native", "--set", "seconds=60", "--pace", "1",
+const run = (port, ...more) => start("run", "track-ball", "--mcu", "native", "--set", "seconds=600", "--pace", "1",
   ...more, "--view", `127.0.0.1:${port}`);
 
 const browser = await chromium.launch({ executablePath: browserPath,
@@ -43,6 +43,7 @@ function lap(what) {
 }
 async function open(url, options = {}) {
   const page = await browser.newPage({ viewport: { width: 1000, height: 600 }, ...options });
+  page.setDefaultTimeout(60000);  // the machine may be busy, and without a graphics card
   page.on("console", (message) => {
     // The browser itself reports each attempt while the program is away.
     if (message.type() === "error" && !message.text().includes("ERR_CONNECTION_REFUSED")) wrong.push(message.text());
@@ -50,7 +51,7 @@ async function open(url, options = {}) {
   page.on("pageerror", (error) => wrong.push(String(error)));
   const before = Date.now();
   await page.goto(url);
-  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 20000 });
+  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 60000 });
   return { page, took: Date.now() - before };
 }
 // CPU time of the server's thread, s.
@@ -72,7 +73,7 @@ try {
   const url = await live.url;
   const { page, took } = await open(url);
   console.log(`the page shows the robot ${took} ms after it was opened`);
-  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 30, null, { timeout: 20000 });
+  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 30, null, { timeout: 60000 });
   const pixels = () => page.evaluate(() => document.getElementById("view").toDataURL());
   const [a, shot] = [await head(page), await pixels()];
   let moved = 0;
@@ -110,9 +111,43 @@ try {
   await second.page.close();
 
   lap("second viewer");
+  // By hand: the ball is dragged, the run pauses and goes on, a fault begins and the board states what it did.
+  await page.waitForFunction(() => !document.getElementById("hands").hidden && window.kaz.pose("ball/ball"));
+  await page.uncheck("#follow");
+  const ballAt = () => page.evaluate(() => window.kaz.pose("ball/ball"));
+  const canvas = await page.locator("#view").boundingBox();
+  const [bx, by] = await page.evaluate(() => window.kaz.onCanvas("ball/ball"));
+  await page.mouse.move(canvas.x + bx, canvas.y + by);
+  await page.mouse.down();
+  await page.mouse.move(canvas.x + bx, canvas.y + by - 40, { steps: 10 });
+  await page.mouse.move(canvas.x + bx, canvas.y + by - 80, { steps: 10 });
+  await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] > 0.06);
+  await page.screenshot({ path: `${folder}/held.png` });
+  await page.mouse.up();
+  await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] < 0.05);
+  await page.click("#pause");
+  await page.waitForTimeout(300);
+  const stopped = await page.evaluate(() => window.kaz.time());
+  await page.waitForTimeout(300);
+  assert.equal(await page.evaluate(() => window.kaz.time()), stopped, "the run does not pause");
+  await page.click("#step");
+  await page.waitForFunction((before) => window.kaz.time() > before + 0.05, stopped);
+  await page.click("#pause");
+  await page.waitForFunction((before) => window.kaz.time() > before + 0.5, stopped);
+  assert.equal(await page.textContent("#shutdown"), "no");
+  await page.selectOption("#fault-name", "pot_open");
+  await page.selectOption("#fault-joint", "neck_tilt");
+  await page.click("#fault-form button[type=submit]");
+  await page.waitForFunction(() => document.getElementById("fault").textContent.includes("pot_open"));
+  await page.waitForFunction(() => document.getElementById("shutdown").textContent !== "no");
+  console.log(`the board: ${await page.textContent("#shutdown")}; the ball is at ${await ballAt()}`);
+
+  lap("by hand");
   // The program ends and comes back at the same port.
   const port = new URL(url).port;
   await live.stop();
+  const again_by_hand = spawnSync(kaz, ["replay", `${recorded}/recording.mcap`], { encoding: "utf8" });
+  assert.equal(again_by_hand.status, 0, `done again, it is another run: ${again_by_hand.stdout}${again_by_hand.stderr}`);
   await page.waitForFunction(() => document.getElementById("connection").textContent.startsWith("not connected"));
   const again = run(port);
   await again.url;

@@ -1,6 +1,7 @@
 // How a run was put together, as its recording states it.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/replay/recorded_backend.h"
+#include "sim/runtime/formats/little_endian.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include "shared/base/enum_names.hpp"
 #include "shared/base/json_depth.hpp"
 #include "shared/board/board.h"
+#include "sim/runtime/formats/little_endian.h"
 #include "tools/app/vision/color_file.h"
 
 namespace kaz::tools {
@@ -45,6 +47,18 @@ void find_beside(BackendOptions& options, const std::string& recording) {
     const bool is_path = file->find('/') != std::string::npos;
     if (is_path && !fs::exists(*file, none) && fs::exists(beside, none)) *file = beside.string();
   }
+}
+
+std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
+    const sim::McapRecording& recording) {
+  std::vector<std::pair<std::uint64_t, std::string>> acts;
+  for (const auto& message : recording.messages) {
+    const auto topic = recording.topics.find(message.channel);
+    if (topic == recording.topics.end() || topic->second != "/hand") continue;
+    sim::LittleEndianFields fields(message.data);
+    acts.emplace_back(message.time_ns, fields.text());
+  }
+  return acts;
 }
 
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "shared/base/result.hpp"
 #include "sim/runtime/formats/mcap_reader.h"
@@ -22,6 +25,10 @@ struct RecordedBackend {
 // `name`: of the recording, for the errors (usage): it does not state its backend, or not as kaz does.
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
                                          const std::string& name);
+
+// What was done by hand (sim/runtime/simulation/hand_player.h), with its time, ns, in order.
+std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
+    const sim::McapRecording& recording);
 
 // World and robot that are not where they were, and are beside the recording: as kaz evaluate keeps them of
 // episodes that failed.

@@ -161,6 +161,23 @@ void print_interrupted(const Error& error, const ReplayOptions& options, const s
   print_json(result);
 }
 
+// What was done by hand, done again in the same steps.
+class RecordedHands final : public sim::HandSource {
+ public:
+  explicit RecordedHands(const sim::McapRecording& recording) : acts_(recorded_acts(recording)) {}
+  std::vector<std::string> take(Time start) override {
+    std::vector<std::string> lines;
+    for (; next_ < acts_.size() && acts_[next_].first <= static_cast<std::uint64_t>(start.count());
+         ++next_)
+      lines.push_back(acts_[next_].second);
+    return lines;
+  }
+
+ private:
+  std::vector<std::pair<std::uint64_t, std::string>> acts_;
+  std::size_t next_ = 0;
+};
+
 // Host and simulation from the seed, every message compared.
 Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording& recorded,
                           SessionOptions session) {
@@ -180,6 +197,8 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
     std::remove(faults.c_str());
   };
   session.backend.record_pictures = recorded.has_messages("/eyes/left");
+  RecordedHands hands(recorded);
+  session.backend.hands = &hands;
   // Nothing is simulated past its end; two ticks more, in which its last messages are written.
   if (recorded.ends_early())
     session.until =

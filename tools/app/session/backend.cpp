@@ -289,6 +289,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
   sim.supply_volts = options.supply_volts;
   sim.recording_path = options.recording;
   sim.tap = options.tap;
+  sim.hands = options.hands;
   sim.detour_every = std::chrono::milliseconds(std::llround(1000 * options.restore_every_s));
   sim.record_pictures = options.record_pictures;
   if (!options.faults.empty()) {

@@ -13,8 +13,9 @@
 #include "sim/view/renderer_kind.h"
 
 namespace kaz::sim {
+class HandSource;
 class RecordingTap;
-}
+}  // namespace kaz::sim
 
 namespace kaz::tools {
 
@@ -50,7 +51,8 @@ struct BackendOptions {
   std::uint64_t seed = 1;
   std::string faults;                // file with a schedule of faults; none if empty
   std::string recording;             // path of the recording; none if empty
-  sim::RecordingTap* tap = nullptr;  // SimulationOptions
+  sim::RecordingTap* tap = nullptr;  // SimulationOptions; at a port, of what the host knows
+  sim::HandSource* hands = nullptr;  // SimulationOptions
   double restore_every_s = 0;        // detours of the simulation; 0: none
   bool record_pictures = false;
   // Of what runs on it, for the recording: name and value.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/runtime/formats/mcap_reader.h"
+#include "sim/runtime/simulation/hand_player.h"
 #include "tools/app/compare/comparison.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
@@ -53,6 +54,8 @@ Complaint try_recording(Bytes bytes) {
   const auto recording = sim::McapRecording::parse(bytes, "case.mcap");
   if (!recording) return judge_error(recording.error(), "case.mcap");
   (void)recording->has_messages("/eyes/left");
+  for (const auto& [time_ns, line] : tools::recorded_acts(*recording))
+    (void)sim::parse_hand(line, Time(static_cast<std::int64_t>(time_ns / 2)));
   const auto backend = tools::recorded_backend(*recording, "case.mcap");
   if (!backend) {
     if (auto wrong = judge_error(backend.error(), "case.mcap")) return wrong;

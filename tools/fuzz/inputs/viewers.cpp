@@ -28,6 +28,11 @@ Complaint judge(const Result<watch::Request>& request) {
   if (request->subscribe.size() > watch::kMostEntries ||
       request->unsubscribe.size() > watch::kMostEntries)
     return "a request asks for more than is allowed";
+  if (request->line.size() > watch::kLongestLine) return "a line is longer than is allowed";
+  if (const auto act = sim::parse_hand(request->line, Time::zero())) {
+    if (!act->vector.allFinite() || act->vector.cwiseAbs().maxCoeff() > sim::HandAct::kMaxPlace)
+      return "a hand reaches too far";
+  }
   if (request->kind == watch::Request::Kind::playback &&
       !(request->playback.speed > 0.009 && request->playback.speed < 101))
     return "a player's speed is out of range";

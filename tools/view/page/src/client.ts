@@ -4,6 +4,7 @@ import { Reader } from "./ros1";
 
 export interface PlaybackState { status: number; seconds: number; speed: number }
 export interface Info { capabilities: string[]; end: number | undefined }
+const HAND = 1;  // this client's number of its channel /hand
 type Handler = (reader: Reader, seconds: number, data: DataView) => void;
 
 export class Client {
@@ -38,6 +39,17 @@ export class Client {
     };
   }
 
+  // A line of what is to be done by hand; only for who has the token.
+  hand(line: string): void {
+    if (this.socket?.readyState !== WebSocket.OPEN) return;
+    const text = new TextEncoder().encode(JSON.stringify({ do: line }));
+    const data = new Uint8Array(5 + text.length);
+    data[0] = 1;
+    new DataView(data.buffer).setUint32(1, HAND, true);
+    data.set(text, 5);
+    this.socket.send(data);
+  }
+
   control(play: boolean, speed: number, seek?: number): void {
     if (this.socket?.readyState !== WebSocket.OPEN) return;
     const view = new DataView(new ArrayBuffer(19));
@@ -56,6 +68,8 @@ export class Client {
     };
     if (message.op === "serverInfo") {
       const end = message.dataEndTime;
+      if (message.capabilities?.includes("clientPublish")) this.socket?.send(JSON.stringify({ op: "advertise",
+        channels: [{ id: HAND, topic: "/hand", encoding: "json", schemaName: "" }] }));
       this.onInfo({ capabilities: message.capabilities ?? [], end: end && end.sec + 1e-9 * end.nsec });
     } else if (message.op === "advertise") {
       const wanted = (message.channels ?? []).filter(({ topic }) => this.handlers.has(topic));

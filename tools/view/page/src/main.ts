@@ -1,6 +1,7 @@
 // The page: one client of the server, no more privileged than others.
 // SPDX-License-Identifier: Apache-2.0
 import { Client } from "./client";
+import { Hands } from "./hands";
 import { drawMap } from "./map";
 import { Plot } from "./plot";
 import { type Grid, type Pose, readBoard, readGrid, readMarkers, readPath, readPicture, readPoseStamped,
@@ -47,9 +48,10 @@ client.onInfo = (info) => {
   element("player").hidden = end === undefined;
   if (end !== undefined) output("connection", "recording");
   element("locked").hidden = token !== null;
+  hands.offer(token !== null && info.capabilities.includes("clientPublish"));
 };
 client.onTime = (seconds) => { time = seconds; };
-client.onRefusal = (sentence) => output("connection", sentence);
+client.onRefusal = (sentence) => output("refusal", sentence);
 client.on("/robot_description", (r) => scene.setRobot(r.text()));
 client.on("/tf", (r) => scene.setPoses(readTransforms(r)));
 client.on("/scene", (r) => scene.setObjects(readMarkers(r)));
@@ -99,6 +101,8 @@ client.on("/map", (r) => { grid = readGrid(r); scene.setMap(grid); showMap(); })
 client.on("/map/path", (r) => { path = readPath(r); showMap(); });
 client.on("/map/robot", (r) => { robot = readPoseStamped(r); showMap(); });
 
+const hands = new Hands((line) => client.hand(line), scene);
+
 const scrub = element<HTMLInputElement>("scrub");
 const speed = element<HTMLSelectElement>("speed");
 const control = (play: boolean, seek?: number) => client.control(play, Number(speed.value), seek);
@@ -117,7 +121,9 @@ element<HTMLInputElement>("forces").onchange = (event) => {
 };
 addEventListener("keydown", (event) => {
   if (event.target instanceof HTMLSelectElement || event.target instanceof HTMLInputElement
-    || event.target instanceof HTMLButtonElement || end === undefined) return;
+    || event.target instanceof HTMLButtonElement) return;
+  if (hands.key(event.key)) return event.preventDefault();
+  if (end === undefined) return;
   if (event.key === " ") control(!playing);
   else if (event.key === ",") control(playing, Math.max(0, time - 1));
   else if (event.key === ".") control(playing, Math.min(end, time + 1));
@@ -138,6 +144,6 @@ requestAnimationFrame(draw);
 // What tests read.
 declare global { interface Window { kaz: object } }
 window.kaz = {
-  pose: (link: string) => scene.pose(link), frames: () => scene.frames, plotted: () => plot.count(),
+  pose: (link: string) => scene.pose(link), onCanvas: (link: string) => scene.onCanvas(link), frames: () => scene.frames, plotted: () => plot.count(),
   pictures: () => pictures, time: () => time, playing: () => playing,
 };

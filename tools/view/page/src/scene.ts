@@ -9,6 +9,8 @@ export class Scene {
   readonly scene = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(40, 1, 0.01, 50);
   follow = true;
+  // An object of the world is drawn to a place, m, or let go; the model's name.
+  onDrag: ((object: string, place: [number, number, number] | undefined) => void) | undefined;
   frames = 0;
   robot: URDFRobot | undefined;
   private readonly renderer: THREE.WebGLRenderer;
@@ -18,8 +20,12 @@ export class Scene {
   private readonly objects = new THREE.Group();
   private readonly forces = new THREE.Group();
   private readonly floor = new THREE.Group();
+  private readonly sun = new THREE.DirectionalLight(0xffffff, 2.2);
   private last = new THREE.Vector3();
   private dirty = true;
+  // Without a graphics card a picture takes long: then first shadows go, then half of the lines.
+  private quality = 2;
+  private drawn: number[] = [];  // times of the last pictures in a row, ms
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
@@ -31,7 +37,7 @@ export class Scene {
     this.controls.listenToKeyEvents(canvas);
     this.controls.addEventListener("change", () => { this.dirty = true; });
     this.controls.update();
-    const sun = new THREE.DirectionalLight(0xffffff, 2.2);
+    const sun = this.sun;
     sun.position.set(1.1, -1, 2);
     sun.castShadow = true;
     sun.shadow.mapSize.set(1024, 1024);
@@ -40,6 +46,7 @@ export class Scene {
     across.right = across.top = 1.2;
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8f98, 1.6), sun, sun.target, this.world);
     this.world.add(this.objects, this.forces, this.floor);
+    canvas.addEventListener("pointerdown", (event) => this.grasp(event));
     new ResizeObserver(() => { this.dirty = true; }).observe(canvas);
   }
 
@@ -109,6 +116,50 @@ export class Scene {
     this.dirty = true;
   }
 
+  // The object under the pointer follows it in the plane through it that faces the camera, above the floor.
+  private grasp(down: PointerEvent): void {
+    if (!this.onDrag || down.button !== 0) return;
+    const ray = new THREE.Raycaster();
+    const aim = (event: PointerEvent) => {
+      const box = this.canvas.getBoundingClientRect();
+      ray.setFromCamera(new THREE.Vector2(2 * (event.clientX - box.left) / box.width - 1,
+        1 - 2 * (event.clientY - box.top) / box.height), this.camera);
+    };
+    aim(down);
+    const movable = [...this.nodes].filter(([, node]) => node.parent === this.objects);
+    const hit = ray.intersectObjects(movable.map(([, node]) => node), true)[0];
+    const grasped = hit && movable.find(([, node]) => node.getObjectById(hit.object.id) !== undefined);
+    if (!grasped) return;
+    const [name, node] = grasped;
+    const object = name.split("/")[0] ?? name;
+    this.controls.enabled = false;
+    this.canvas.setPointerCapture(down.pointerId);
+    const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(
+      this.camera.getWorldDirection(new THREE.Vector3()), node.getWorldPosition(new THREE.Vector3()));
+    const move = (event: PointerEvent) => {
+      aim(event);
+      const at = ray.ray.intersectPlane(plane, new THREE.Vector3());
+      if (at) this.onDrag?.(object, [at.x, at.y, Math.max(0.01, at.z)]);
+    };
+    const end = () => {
+      this.controls.enabled = true;
+      this.canvas.removeEventListener("pointermove", move);
+      this.onDrag?.(object, undefined);
+    };
+    this.canvas.addEventListener("pointermove", move);
+    for (const type of ["pointerup", "pointercancel"]) this.canvas.addEventListener(type, end, { once: true });
+    move(down);
+  }
+
+  // Where a point of the scene is on the canvas, px; for tests.
+  onCanvas(link: string): [number, number] | undefined {
+    const node = this.nodes.get(link);
+    if (!node) return undefined;
+    this.camera.updateMatrixWorld();
+    const at = node.getWorldPosition(new THREE.Vector3()).project(this.camera);
+    return [(at.x + 1) / 2 * this.canvas.clientWidth, (1 - at.y) / 2 * this.canvas.clientHeight];
+  }
+
   setMap(grid: Grid): void {
     const pixels = new Uint8Array(4 * grid.width * grid.height);
     grid.cells.forEach((cell, i) => {
@@ -131,16 +182,28 @@ export class Scene {
   }
 
   draw(): void {
-    if (!this.dirty) return;
+    if (!this.dirty) { this.drawn = []; return; }
     this.dirty = false;
+    this.adapt(performance.now());
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.quality === 0 ? 0.5 : Math.min(devicePixelRatio, this.quality));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.renderer.render(this.scene, this.camera);
     ++this.frames;
+  }
+
+  private adapt(now: number): void {
+    const [count, longest] = [8, 90];
+    this.drawn.push(now);
+    if (this.drawn.length <= count) return;
+    const mean = (now - (this.drawn[0] ?? now)) / count;
+    this.drawn = [];
+    if (mean < longest || this.quality === 0) return;
+    this.quality -= 1;
+    this.sun.castShadow = false;
   }
 
   private frame(name: string): THREE.Object3D {
