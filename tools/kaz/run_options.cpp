@@ -84,9 +84,8 @@ CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::st
 }
 
 void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
-  verb.add_option(
-          "--out", arguments.session.out,
-          "folder for recording.mcap, pictures and result.json" + more)
+  verb.add_option("--out", arguments.session.out,
+                  "folder for recording.mcap, pictures and result.json" + more)
       ->type_name("DIR")
       ->capture_default_str();
 }

@@ -8,6 +8,7 @@
 #include "tools/app/base/paths.h"
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/kaz/options.h"
+#include "tools/kaz/vision_channels.h"
 #include "tools/view/player.h"
 #include "tools/view/view.h"
 
@@ -85,6 +86,8 @@ Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session
   session.backend.tap = view.get();
   if (!real) session.backend.hands = view.get();
   session.on_pair = [&view](const vision::StereoPair& pair) { view->picture(pair); };
+  VisionChannels vision(*view);
+  if (session.watcher == nullptr) session.watcher = &vision;
   const std::string label = session.label;
   auto ran = run_session(std::move(session));
   print_acts(label, *view);

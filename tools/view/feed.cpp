@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -61,7 +62,11 @@ constexpr char kBoard[] =
     "float64[18] duty      # -1..1, of the PWM pins\n"
     "uint16 status         # KZ_STATUS_* flags, and the reason of a shutdown in the upper byte\n"
     "string shutdown       # that reason; empty: none\n"
-    "float64 supply_v      # as the board measures it\n" KAZ_HEADER;
+    "float64 supply_v      # as the board measures it\n"
+    "float64 worst_tick    # of the board, as a share of a tick's time, as it last stated; 0: not "
+    "yet\n"
+    "uint32 frames_to_board\nuint32 frames_to_host\n"
+    "uint32 frames_damaged # in either direction\n" KAZ_HEADER;
 constexpr char kCameraInfo[] =
     "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\nfloat64[] D\n"
     "float64[9] K\nfloat64[9] R\nfloat64[12] P\nuint32 binning_x\nuint32 binning_y\n"
@@ -69,6 +74,24 @@ constexpr char kCameraInfo[] =
     "sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\n"
     "bool do_rectify\n";
 constexpr char kPicture[] = "std_msgs/Header header\nstring format\nuint8[] data\n" KAZ_HEADER;
+
+#define KAZ_2D                                                   \
+  KAZ_MSG "foxglove_msgs/Point2\nfloat64 x\nfloat64 y\n" KAZ_MSG \
+          "foxglove_msgs/Color\nfloat64 r\nfloat64 g\nfloat64 b\nfloat64 a\n"
+constexpr char kAnnotations[] =
+    "foxglove_msgs/CircleAnnotation[] circles\nfoxglove_msgs/PointsAnnotation[] points\n"
+    "foxglove_msgs/TextAnnotation[] texts\n" KAZ_MSG
+    "foxglove_msgs/CircleAnnotation\ntime timestamp\nfoxglove_msgs/Point2 position\n"
+    "float64 diameter\nfloat64 thickness\nfoxglove_msgs/Color fill_color\n"
+    "foxglove_msgs/Color outline_color\n" KAZ_MSG
+    "foxglove_msgs/PointsAnnotation\nuint8 UNKNOWN=0\nuint8 POINTS=1\nuint8 LINE_LOOP=2\n"
+    "uint8 LINE_STRIP=3\nuint8 LINE_LIST=4\ntime timestamp\nuint8 type\n"
+    "foxglove_msgs/Point2[] points\nfoxglove_msgs/Color outline_color\n"
+    "foxglove_msgs/Color[] outline_colors\nfoxglove_msgs/Color fill_color\n"
+    "float64 thickness\n" KAZ_MSG
+    "foxglove_msgs/TextAnnotation\ntime timestamp\nfoxglove_msgs/Point2 position\nstring text\n"
+    "float64 font_size\nfoxglove_msgs/Color text_color\n"
+    "foxglove_msgs/Color background_color\n" KAZ_2D;
 
 constexpr std::string_view kWire = "/wire/";
 constexpr int kArrow = 0, kCube = 1, kSphere = 2, kCylinder = 3;
@@ -92,6 +115,10 @@ void pose(LittleEndian& to, const Eigen::Isometry3d& at) {
   const Eigen::Quaterniond turn(at.rotation());
   to.reals({place.data(), 3});
   to.real(turn.x()).real(turn.y()).real(turn.z()).real(turn.w());
+}
+
+std::uint64_t time_of(const vision::FrameInfo& info) {
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, info.exposure.count()));
 }
 
 struct Marker {
@@ -173,6 +200,8 @@ Feed::Feed(Server& server, sim::RobotModel model, double rate_hz)
   channels_.board = add("/board/state", "kaz/BoardState", kBoard);
   channels_.left = add("/eyes/left", "sensor_msgs/CompressedImage", kPicture);
   channels_.right = add("/eyes/right", "sensor_msgs/CompressedImage", kPicture);
+  channels_.annotations =
+      add("/eyes/left/annotations", "foxglove_msgs/ImageAnnotations", kAnnotations);
   channels_.left_info = add("/eyes/left/camera_info", "sensor_msgs/CameraInfo", kCameraInfo);
   channels_.right_info = add("/eyes/right/camera_info", "sensor_msgs/CameraInfo", kCameraInfo);
   restart();
@@ -183,6 +212,8 @@ void Feed::restart() {
   next_contacts_ns_ = 0;
   has_scene_ = false;
   lines_.clear();
+  frames_to_board_ = frames_to_host_ = frames_damaged_ = 0;
+  worst_tick_ = 0;
 }
 
 bool Feed::due(std::uint64_t time_ns) {
@@ -280,6 +311,7 @@ void Feed::board_state(std::uint64_t time_ns) {
   to.reals(target_).reals(measured_).reals(duty_);
   const auto reason = static_cast<u8>(status_ >> 8);
   to.number(status_).text(reason == 0 ? "" : kz_shutdown_text(reason)).real(supply_v_);
+  to.real(worst_tick_).number(frames_to_board_).number(frames_to_host_).number(frames_damaged_);
   server_.publish(channels_.board, time_ns, data_);
 }
 
@@ -306,8 +338,11 @@ void Feed::wire(std::uint64_t time_ns, std::size_t line, bool to_board,
     return (mask >> j & 1) != 0 && line_of_[j] == line;
   };
   for (const std::uint8_t value : values) {
-    if (kz_receive(&receiver, value, 0) != KZ_RECEIVE_FRAME || receiver.length < KZ_HEADER_SIZE)
-      continue;
+    const u8 result = kz_receive(&receiver, value, 0);
+    // Below KZ_RECEIVE_BAD_CHECK there is nothing yet, or a frame.
+    if (result >= KZ_RECEIVE_BAD_CHECK) ++frames_damaged_;
+    if (result != KZ_RECEIVE_FRAME || receiver.length < KZ_HEADER_SIZE) continue;
+    ++(to_board ? frames_to_board_ : frames_to_host_);
     const u8* body = receiver.body + KZ_HEADER_SIZE;
     const u8 size = static_cast<u8>(receiver.length - KZ_HEADER_SIZE);
     const u8 type = receiver.body[KZ_BODY_TYPE];
@@ -335,6 +370,10 @@ void Feed::wire(std::uint64_t time_ns, std::size_t line, bool to_board,
       }
       if (line == 0 || reply.status != 0) status_ = reply.status;
       measured(time_ns);
+    } else if (!to_board && type == KZ_TYPE_statistics_reply) {
+      kz_statistics_reply reply{};
+      if (line == 0 && kz_unpack_statistics_reply(&reply, body, size))
+        worst_tick_ = 8.0 * reply.worst_8states / KZ_STATES_PER_TICK;
     } else if (!to_board && type == KZ_TYPE_health_reply) {
       kz_health_reply reply{};
       if (line == 0 && kz_unpack_health_reply(&reply, body, size))
@@ -531,8 +570,7 @@ bool Feed::wants_pictures() const {
 }
 
 void Feed::pictures(const vision::StereoPair& pair, bool pixels) {
-  const auto time_ns =
-      static_cast<std::uint64_t>(std::max<std::int64_t>(0, pair.info.exposure.count()));
+  const auto time_ns = time_of(pair.info);
   // Earlier than the last by more than that: another run.
   if (time_ns < next_picture_ns_ && time_ns + kSecond > next_picture_ns_) return;
   // Half of the eyes' pictures: coding them takes most of what a viewer costs.
@@ -543,21 +581,70 @@ void Feed::pictures(const vision::StereoPair& pair, bool pixels) {
   if (!pixels || (!left && !right)) return;
   const auto images = pair.images.get();
   if (!images) return;
-  for (const bool second : {false, true}) {
-    if (!(second ? right : left)) continue;
-    const vision::Image& image = second ? images->right : images->left;
-    const auto coded =
-        picture::encode_jpeg({image.width, image.height, 3, 8, image.rgb}, {80, false});
-    if (!coded) continue;
-    data.clear();
-    LittleEndian to(data);
-    header(to, time_ns, second ? "right_eye" : "left_eye",
-           static_cast<std::uint32_t>(pair.info.sequence))
-        .text("jpeg")
-        .number(static_cast<std::uint32_t>(coded->size()))
-        .bytes(*coded);
-    server_.publish(second ? channels_.right : channels_.left, time_ns, data);
+  if (left) jpeg(channels_.left, pair.info, images->left, "left_eye");
+  if (right) jpeg(channels_.right, pair.info, images->right, "right_eye");
+}
+
+void Feed::jpeg(std::uint32_t channel, const vision::FrameInfo& info, const vision::Image& image,
+                std::string_view frame) {
+  const auto coded =
+      picture::encode_jpeg({image.width, image.height, 3, 8, image.rgb}, {80, false});
+  if (!coded) return;
+  const auto time_ns = time_of(info);
+  std::vector<std::uint8_t> data;
+  LittleEndian to(data);
+  header(to, time_ns, frame, static_cast<std::uint32_t>(info.sequence))
+      .text("jpeg")
+      .number(static_cast<std::uint32_t>(coded->size()))
+      .bytes(*coded);
+  server_.publish(channel, time_ns, data);
+}
+
+std::uint32_t Feed::add_pictures(const std::string& topic) {
+  return server_.add_channel({0, topic, "ros1", "sensor_msgs/CompressedImage", "ros1msg", kPicture},
+                             true);
+}
+
+bool Feed::wants_picture(std::uint32_t channel, const vision::FrameInfo& info) {
+  if (!server_.wanted(channel)) return false;
+  const auto time_ns = time_of(info);
+  std::uint64_t& next = next_made_ns_[channel];
+  if (time_ns < next && time_ns + kSecond > next) return false;
+  next = time_ns + kSecond / 8;
+  return true;
+}
+
+void Feed::picture(std::uint32_t channel, const vision::FrameInfo& info,
+                   const vision::Image& image) {
+  jpeg(channel, info, image, "left_eye");
+}
+
+void Feed::ball(const vision::FrameInfo& info, const vision::BallObservation& ball) {
+  if (!server_.wanted(channels_.annotations)) return;
+  const auto time_ns = time_of(info);
+  std::vector<std::uint8_t> data;
+  LittleEndian to(data);
+  const auto stamp = [&] {
+    to.number(static_cast<std::uint32_t>(time_ns / kSecond))
+        .number(static_cast<std::uint32_t>(time_ns % kSecond));
+  };
+  constexpr std::array kYellow{0.94, 0.89, 0.26, 1.0}, kNone{0.0, 0.0, 0.0, 0.0};
+  to.number(std::uint32_t{ball.found ? 1u : 0u});
+  if (ball.found) {
+    stamp();
+    to.real(ball.center_u).real(ball.center_v).real(2 * ball.radius_px).real(2);
+    to.reals(kNone).reals(kYellow);
   }
+  to.number(std::uint32_t{0});
+  to.number(std::uint32_t{ball.found ? 1u : 0u});
+  if (ball.found) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%.2f m", ball.distance_m);
+    stamp();
+    to.real(ball.center_u + ball.radius_px + 3).real(ball.center_v).text(text).real(12);
+    to.reals(kYellow).reals(kNone);
+  }
+  server_.publish(channels_.annotations, time_ns, data);
 }
 
 }  // namespace kaz::watch

@@ -18,6 +18,7 @@
 #include "sim/body/description/robot_model.h"
 #include "sim/body/world/world.h"
 #include "tools/view/server.h"
+#include "vision/color/ball.h"
 #include "vision/image/frame.h"
 
 namespace kaz::watch {
@@ -38,6 +39,13 @@ class Feed {
   // Waits until the pair is drawn. May run beside calls of the other functions.
   void pictures(const vision::StereoPair& pair, bool pixels);
   bool wants_pictures() const;
+  // A channel of pictures made for viewers, 8 a second at most. From any thread, as the next three.
+  std::uint32_t add_pictures(const std::string& topic);
+  // Whether somebody wants the picture, and it is due. Each answer of yes counts as that picture.
+  bool wants_picture(std::uint32_t channel, const vision::FrameInfo& info);
+  void picture(std::uint32_t channel, const vision::FrameInfo& info, const vision::Image& image);
+  // Marks the ball on the left eye's picture, or that there is none.
+  void ball(const vision::FrameInfo& info, const vision::BallObservation& ball);
   // Of a player that goes back, or of the next run: what was derived counts no more.
   void restart();
 
@@ -58,9 +66,12 @@ class Feed {
   void camera(std::uint64_t time_ns, const vision::CameraModel& model,
               std::vector<std::uint8_t>& data);
 
+  void jpeg(std::uint32_t channel, const vision::FrameInfo& info, const vision::Image& image,
+            std::string_view frame);
+
   struct Channels {
     std::uint32_t tf, joint_states, description, scene, contacts, board, left, right, left_info,
-        right_info;
+        right_info, annotations;
   };
   Server& server_;
   sim::RobotModel model_;
@@ -80,10 +91,13 @@ class Feed {
     std::array<kz_receiver, 2> receivers{};
   };
   std::vector<Line> lines_;
+  std::uint32_t frames_to_board_ = 0, frames_to_host_ = 0, frames_damaged_ = 0;
+  double worst_tick_ = 0;  // share of a tick's time
   std::array<std::size_t, KZ_JOINTS> line_of_{};
   std::uint16_t status_ = 0;
   double supply_v_ = 0;
-  std::uint64_t next_picture_ns_ = 0;  // of pictures() alone
+  std::uint64_t next_picture_ns_ = 0;                    // of pictures() alone
+  std::map<std::uint32_t, std::uint64_t> next_made_ns_;  // of wants_picture() alone, by channel
 };
 
 }  // namespace kaz::watch

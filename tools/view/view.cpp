@@ -167,9 +167,18 @@ View::~View() {
 }
 
 void View::picture(const vision::StereoPair& pair) {
-  constexpr std::size_t kMost = 2;
+  code([this, pair] { feed_.pictures(pair, !options_.recorded_pictures); });
+}
+
+void View::picture(std::uint32_t channel, const vision::FrameInfo& info,
+                   std::function<vision::Image()> draw) {
+  code([this, channel, info, draw = std::move(draw)] { feed_.picture(channel, info, draw()); });
+}
+
+void View::code(std::function<void()> picture) {
+  constexpr std::size_t kMost = 4;
   const std::lock_guard lock(mutex_);
-  pictures_.push_back(pair);
+  pictures_.push_back(std::move(picture));
   if (pictures_.size() > kMost) pictures_.pop_front();
   changed_.notify_all();
 }
@@ -179,11 +188,11 @@ void View::code_pictures() {
   while (true) {
     changed_.wait(lock, [this] { return ended_ || !pictures_.empty(); });
     if (pictures_.empty()) return;
-    const vision::StereoPair pair = std::move(pictures_.front());
+    const std::function<void()> picture = std::move(pictures_.front());
     pictures_.pop_front();
     lock.unlock();
     try {
-      feed_.pictures(pair, !options_.recorded_pictures);
+      picture();
     } catch (const std::future_error&) {
       // The run ended before the pair was drawn.
     }

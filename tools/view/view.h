@@ -64,6 +64,16 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   // From any thread. It is coded on a thread of its own; if that is behind, older ones are left out.
   void picture(const vision::StereoPair& pair);
   bool wants_pictures() const { return feed_.wants_pictures(); }
+  // Pictures that are made for viewers: Feed. `draw` runs on that thread.
+  std::uint32_t add_pictures(const std::string& topic) { return feed_.add_pictures(topic); }
+  bool wants_picture(std::uint32_t channel, const vision::FrameInfo& info) {
+    return feed_.wants_picture(channel, info);
+  }
+  void picture(std::uint32_t channel, const vision::FrameInfo& info,
+               std::function<vision::Image()> draw);
+  void ball(const vision::FrameInfo& info, const vision::BallObservation& ball) {
+    feed_.ball(info, ball);
+  }
   // Until a viewer has subscribed, if the options say so: a run that cannot wait in its first message.
   void wait();
   // Another run follows, with another world and a time that begins anew.
@@ -86,6 +96,7 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   Result<void> hear(const std::string& line);
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
   void keep_pace(Time time);
+  void code(std::function<void()> picture);
   void code_pictures();
 
   ViewOptions options_;
@@ -103,8 +114,8 @@ class View final : public sim::RecordingTap, public sim::HandSource {
 
   std::mutex mutex_;  // of what follows
   std::condition_variable changed_;
-  std::deque<vision::StereoPair> pictures_;
-  std::deque<std::string> lines_;  // that wait for the next step
+  std::deque<std::function<void()>> pictures_;  // to be coded
+  std::deque<std::string> lines_;               // that wait for the next step
   bool paused_ = false;
   std::optional<double> step_s_;  // until the pause, not begun
   std::optional<Time> pause_at_;  // of the run

@@ -31,6 +31,7 @@ function start(...words) {
   return { child, url, ended, stop: () => { child.kill("SIGINT"); return ended; } };
 }
 const run = (port, ...more) => start("run", "track-ball", "--mcu", "native", "--set", "seconds=600", "--pace", "1",
+  "--modules", "color,depth",
   ...more, "--view", `127.0.0.1:${port}`);
 
 const browser = await chromium.launch({ executablePath: browserPath,
@@ -95,6 +96,10 @@ try {
   await page.waitForFunction(() => document.getElementById("left").naturalWidth >= 320);
   assert.match(await page.textContent("#phase"), /track-ball/);
   assert.equal(await page.textContent("#connection"), "live");
+  // What vision makes of it: the ball is marked, and depth is shown once it is chosen.
+  await page.waitForFunction(() => !document.getElementById("ball-mark").hidden);
+  await page.selectOption("#module", "/vision/depth");
+  await page.waitForFunction(() => document.getElementById("made").naturalWidth >= 300);
   lap("live");
   await page.screenshot({ path: `${folder}/light.png` });
   await page.click("#theme");
@@ -126,9 +131,15 @@ try {
   await page.mouse.up();
   await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] < 0.05);
   await page.click("#pause");
-  await page.waitForTimeout(300);
-  const stopped = await page.evaluate(() => window.kaz.time());
-  await page.waitForTimeout(300);
+  // What was under way arrives; then the run's time stands still.
+  let stopped = -1;
+  for (let i = 0; i < 40; ++i) {
+    const before = stopped;
+    stopped = await page.evaluate(() => window.kaz.time());
+    if (stopped === before) break;
+    await page.waitForTimeout(500);
+  }
+  await page.waitForTimeout(500);
   assert.equal(await page.evaluate(() => window.kaz.time()), stopped, "the run does not pause");
   await page.click("#step");
   await page.waitForFunction((before) => window.kaz.time() > before + 0.05, stopped);

@@ -17,10 +17,31 @@ export class Client {
   private topics = new Map<number, string>();
   private socket: WebSocket | undefined;
   private delay = 250;
+  private watched: string | undefined;
 
   constructor(private readonly url: string) {}
 
   on(topic: string, handler: Handler): void { this.handlers.set(topic, handler); }
+  // Those that the server offers, with a name that begins so; `onTopics` says that there are more.
+  offered(prefix: string): string[] { return [...this.topics.values()].filter((name) => name.startsWith(prefix)); }
+  onTopics: () => void = () => {};
+
+  // From now on, also of the server that comes after this one; the one before it is wanted no more.
+  watch(topic: string | undefined): void {
+    if (this.watched !== undefined && this.handlers.delete(this.watched)) this.say("unsubscribe", this.watched);
+    this.watched = topic;
+    if (topic === undefined) return;
+    this.handlers.set(topic, (reader, seconds, data) => this.onWatched(reader, seconds, data));
+    this.say("subscribe", topic);
+  }
+  onWatched: Handler = () => {};
+
+  private say(op: "subscribe" | "unsubscribe", topic: string): void {
+    const id = [...this.topics].find(([, name]) => name === topic)?.[0];
+    if (id === undefined || this.socket?.readyState !== WebSocket.OPEN) return;
+    this.socket.send(JSON.stringify(op === "subscribe"
+      ? { op, subscriptions: [{ id, channelId: id }] } : { op, subscriptionIds: [id] }));
+  }
 
   open(): void {
     const socket = new WebSocket(this.url, ["foxglove.sdk.v1", "foxglove.websocket.v1"]);
@@ -72,8 +93,9 @@ export class Client {
         channels: [{ id: HAND, topic: "/hand", encoding: "json", schemaName: "" }] }));
       this.onInfo({ capabilities: message.capabilities ?? [], end: end && end.sec + 1e-9 * end.nsec });
     } else if (message.op === "advertise") {
+      for (const { id, topic } of message.channels ?? []) this.topics.set(id, topic);
+      this.onTopics();
       const wanted = (message.channels ?? []).filter(({ topic }) => this.handlers.has(topic));
-      for (const { id, topic } of wanted) this.topics.set(id, topic);
       if (wanted.length === 0) return;
       const subscriptions = wanted.map(({ id }) => ({ id, channelId: id }));
       this.socket?.send(JSON.stringify({ op: "subscribe", subscriptions }));

@@ -4,7 +4,7 @@ import { Client } from "./client";
 import { Hands } from "./hands";
 import { drawMap } from "./map";
 import { Plot } from "./plot";
-import { type Grid, type Pose, readBoard, readGrid, readMarkers, readPath, readPicture, readPoseStamped,
+import { type Grid, type Pose, readBoard, readCameraInfo, readCircles, readGrid, readMarkers, readPath, readPicture, readPoseStamped,
   readTransforms, type Reader } from "./ros1";
 import { Scene } from "./scene";
 
@@ -76,6 +76,8 @@ client.on("/board/state", (r) => {
   output("supply", state.supply > 0 ? `${state.supply.toFixed(2)} V` : "–");
   const flags = ["motors on", "moving", "holding", "unlocked", "raw drive", "telemetry", "uncalibrated", "missed a tick"];
   output("status", flags.filter((_, i) => (state.status >> i & 1) !== 0).join(", ") || "motors off");
+  output("worst", state.worstTick > 0 ? `${(100 * state.worstTick).toFixed(0)} %` : "–");
+  output("link", `${state.toBoard} frames to it, ${state.toHost} from it, ${state.damaged} damaged`);
   output("shutdown", state.shutdown || "no");
 });
 
@@ -91,6 +93,36 @@ function showPicture(id: string, r: Reader): void {
 }
 client.on("/eyes/left", (r) => showPicture("left", r));
 client.on("/eyes/right", (r) => showPicture("right", r));
+
+client.on("/eyes/left/camera_info", (r) => scene.setFrustum("left_eye", readCameraInfo(r)));
+client.on("/eyes/right/camera_info", (r) => scene.setFrustum("right_eye", readCameraInfo(r)));
+client.on("/eyes/left/annotations", (r) => {
+  const circle = element("ball-mark");
+  const image = element<HTMLImageElement>("left");
+  const ball = readCircles(r)[0];
+  circle.hidden = ball === undefined || image.naturalWidth === 0;
+  if (ball === undefined || image.naturalWidth === 0) return;
+  const percent = (px: number, of: number) => `${(100 * px / of).toFixed(2)}%`;
+  circle.style.left = percent(ball.x - ball.diameter / 2, image.naturalWidth);
+  circle.style.top = percent(ball.y - ball.diameter / 2, image.naturalHeight);
+  circle.style.width = percent(ball.diameter, image.naturalWidth);
+  circle.style.height = percent(ball.diameter, image.naturalHeight);
+});
+const modules = element<HTMLSelectElement>("module");
+modules.onchange = () => {
+  const topic = modules.value === "" ? undefined : modules.value;
+  element("made").hidden = topic === undefined;
+  client.watch(topic);
+};
+client.onWatched = (r) => showPicture("made", r);
+client.onTopics = () => {
+  const offered = client.offered("/vision/");
+  for (const topic of offered) {
+    if (![...modules.options].some(({ value }) => value === topic))
+      modules.add(new Option(topic.slice("/vision/".length), topic));
+  }
+  element("module-row").hidden = modules.options.length < 2;
+};
 
 function showMap(): void {
   if (!grid) return;
@@ -115,6 +147,9 @@ element("play").onclick = () => control(!playing);
 speed.onchange = () => control(playing);
 scrub.oninput = () => { if (end !== undefined) control(playing, end * Number(scrub.value) / 1000); };
 element<HTMLInputElement>("follow").onchange = (event) => { scene.follow = (event.target as HTMLInputElement).checked; };
+element<HTMLInputElement>("frusta").onchange = (event) => {
+  scene.setFrustaShown((event.target as HTMLInputElement).checked);
+};
 element<HTMLInputElement>("forces").onchange = (event) => {
   forces = (event.target as HTMLInputElement).checked;
   if (!forces) scene.setForces([], false);

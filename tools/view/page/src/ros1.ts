@@ -77,20 +77,42 @@ export function readMarkers(r: Reader): Marker[] {
 
 export interface BoardState {
   seconds: number; names: string[]; target: number[]; measured: number[]; duty: number[]; status: number;
-  shutdown: string; supply: number;
+  shutdown: string; supply: number; worstTick: number; toBoard: number; toHost: number; damaged: number;
 }
 export function readBoard(r: Reader): BoardState {
   const seconds = r.header().seconds;
   const names = Array.from({ length: 18 }, () => r.text());
   return {
     seconds, names, target: r.f64s(18), measured: r.f64s(18), duty: r.f64s(18), status: r.u16(),
-    shutdown: r.text(), supply: r.f64(),
+    shutdown: r.text(), supply: r.f64(), worstTick: r.f64(), toBoard: r.u32(), toHost: r.u32(), damaged: r.u32(),
   };
 }
 
 export interface Picture { header: Header; format: string; data: Uint8Array }
 export function readPicture(r: Reader): Picture {
   return { header: r.header(), format: r.text(), data: r.bytes() };
+}
+
+export interface Intrinsics { width: number; height: number; fx: number; fy: number; cx: number; cy: number }
+export function readCameraInfo(r: Reader): Intrinsics {
+  r.header();
+  const height = r.u32(), width = r.u32();
+  r.text();
+  r.list(() => r.f64());
+  const k = r.f64s(9);
+  return { width, height, fx: k[0] ?? 1, cx: k[2] ?? 0, fy: k[4] ?? 1, cy: k[5] ?? 0 };
+}
+
+// Circles of foxglove_msgs/ImageAnnotations, px of the picture.
+export interface Circle { x: number; y: number; diameter: number }
+export function readCircles(r: Reader): Circle[] {
+  return r.list(() => {
+    r.u32(); r.u32();
+    const circle = { x: r.f64(), y: r.f64(), diameter: r.f64() };
+    r.f64();
+    r.f64s(8);
+    return circle;
+  });
 }
 
 export interface Grid {

@@ -3,7 +3,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
-import type { Grid, Marker, Pose, Transform } from "./ros1";
+import type { Grid, Intrinsics, Marker, Pose, Transform } from "./ros1";
 
 export class Scene {
   readonly scene = new THREE.Scene();
@@ -23,6 +23,8 @@ export class Scene {
   private readonly sun = new THREE.DirectionalLight(0xffffff, 2.2);
   private last = new THREE.Vector3();
   private dirty = true;
+  private readonly frusta = new Map<string, THREE.LineSegments>();
+  private showFrusta = true;
   // Without a graphics card a picture takes long: then first shadows go, then half of the lines.
   private quality = 2;
   private drawn: number[] = [];  // times of the last pictures in a row, ms
@@ -113,6 +115,27 @@ export class Scene {
       }
       this.last.copy(root.position);
     }
+    this.dirty = true;
+  }
+
+  // What an eye sees, up to a quarter of a metre; `link` is an optical frame: x right, y down, z ahead.
+  setFrustum(link: string, k: Intrinsics): void {
+    const node = this.nodes.get(link);
+    if (!node || this.frusta.get(link)?.parent === node) return;
+    const far = 0.25;
+    const corner = (u: number, v: number) => new THREE.Vector3((u - k.cx) / k.fx * far, (v - k.cy) / k.fy * far, far);
+    const corners = [corner(0, 0), corner(k.width, 0), corner(k.width, k.height), corner(0, k.height)];
+    const points = corners.flatMap((at, i) => [new THREE.Vector3(), at, at, corners[(i + 1) % 4] ?? at]);
+    const lines = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(points),
+      new THREE.LineBasicMaterial({ color: 0x0072b2, transparent: true, opacity: 0.6 }));
+    lines.visible = this.showFrusta;
+    this.frusta.set(link, lines);
+    node.add(lines);
+    this.dirty = true;
+  }
+  setFrustaShown(shown: boolean): void {
+    this.showFrusta = shown;
+    for (const lines of this.frusta.values()) lines.visible = shown;
     this.dirty = true;
   }
 
