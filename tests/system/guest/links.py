@@ -115,9 +115,10 @@ def run_parts(options, parts):
 
     bad = []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        under_way = [(name, pool.submit(timed, function)) for name, function in parts]
-        for name, future in under_way:
-            lines, wrong, took_s = future.result()
+        # The longest, which is the last one, begins first.
+        under_way = {name: pool.submit(timed, function) for name, function in reversed(parts)}
+        for name, _ in parts:
+            lines, wrong, took_s = under_way[name].result()
             for line in lines:
                 print(line, flush=True)
             print(f"   {name}: {took_s:.0f} s", file=sys.stderr, flush=True)
