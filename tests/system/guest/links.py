@@ -109,7 +109,7 @@ def run_parts(options, parts):
         began = time.monotonic()
         try:
             lines, wrong = function()
-        except (RuntimeError, OSError, subprocess.SubprocessError) as error:
+        except (RuntimeError, OSError, subprocess.SubprocessError, machine.Missing) as error:
             lines, wrong = [], [str(error)]
         return lines, wrong, time.monotonic() - began
 
@@ -172,7 +172,7 @@ def main():
     only = [name for name in options.only.split(",") if name]
     taken = lambda name: not only or name in only  # noqa: E731
     bad = []
-    if not options.short:
+    if not options.short and options.runs:
         bad += run_table(options, [name for name in options.behaviors.split(",") if name],
                          [name for name in NAMES if taken(name)])
     if not options.table:
