@@ -18,6 +18,8 @@
 #include <map>
 #include <utility>
 
+#include "host/link/can_state.h"
+
 namespace kaz::host {
 
 namespace {
@@ -56,7 +58,8 @@ class KernelCanSockets final : public CanSockets {
                       " up type can bitrate 1000000 restart-ms 100` (the rate is that of the bus; "
                       "virtual ones have none: `sudo ip link set " +
                       interface_ + " up`)");
-    if ((request.ifr_flags & IFF_RUNNING) == 0)
+    const auto state = can_state(if_nametoindex(interface_.c_str()));
+    if (state && state->bus_off())
       return fail(Fault::environment,
                   "the CAN interface " + interface_ +
                       " is bus-off: check wiring, termination (120 ohm at both ends) and bit rate; "

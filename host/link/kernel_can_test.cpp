@@ -1,15 +1,21 @@
 // CanLink on the kernel's sockets. Runs where the environment names a CAN interface, KAZ_TEST_CAN=vcan0,
-// which it takes down and up, so as root, as in the guest machine. Else it is skipped.
+// which it takes down and up, so as root, as in the guest machine (tests/system/guest). Else it is skipped.
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <linux/can.h>
 #include <linux/can/error.h>
+#include <linux/tty.h>
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <termios.h>
+#include <unistd.h>
 
+#include <array>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/link/can_link.h"
@@ -22,10 +28,24 @@ namespace {
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
 
+constexpr const char* kElsewhere =
+    "runs in a virtual machine, by the test guest.links (./tools/dev guest): here KAZ_TEST_CAN "
+    "names no CAN interface";
+
+void set_up(const std::string& interface, bool up) {
+  const Descriptor any(socket(AF_INET, SOCK_DGRAM, 0));
+  ifreq request{};
+  interface.copy(request.ifr_name, IFNAMSIZ - 1);
+  ASSERT_EQ(ioctl(any.get(), SIOCGIFFLAGS, &request), 0);
+  request.ifr_flags =
+      static_cast<short>(up ? request.ifr_flags | IFF_UP : request.ifr_flags & ~IFF_UP);
+  ASSERT_EQ(ioctl(any.get(), SIOCSIFFLAGS, &request), 0) << "needs root";
+}
+
 struct KernelCan : ::testing::Test {
   void SetUp() override {
     const char* name = std::getenv("KAZ_TEST_CAN");
-    if (name == nullptr) GTEST_SKIP() << "KAZ_TEST_CAN names no CAN interface";
+    if (name == nullptr) GTEST_SKIP() << kElsewhere;
     interface = name;
     auto at_host = CanLink::open(kernel_can_sockets(interface), {});
     ASSERT_TRUE(at_host) << at_host.error().message;
@@ -34,15 +54,6 @@ struct KernelCan : ::testing::Test {
                                   {.end = CanLink::End::board, .addresses = {1, 2}});
     ASSERT_TRUE(at_board) << at_board.error().message;
     board = std::move(*at_board);
-  }
-  void set_up(bool up) {
-    const Descriptor any(socket(AF_INET, SOCK_DGRAM, 0));
-    ifreq request{};
-    interface.copy(request.ifr_name, IFNAMSIZ - 1);
-    ASSERT_EQ(ioctl(any.get(), SIOCGIFFLAGS, &request), 0);
-    request.ifr_flags =
-        static_cast<short>(up ? request.ifr_flags | IFF_UP : request.ifr_flags & ~IFF_UP);
-    ASSERT_EQ(ioctl(any.get(), SIOCSIFFLAGS, &request), 0) << "needs root";
   }
   void inject(std::uint32_t classes) {
     const Descriptor raw(socket(PF_CAN, SOCK_RAW, CAN_RAW));
@@ -135,7 +146,7 @@ TEST_F(KernelCan, InjectedErrorFramesAreCountedAndBusOffIsALostLink) {
 TEST_F(KernelCan, DownAndUpTwentyTimes) {
   std::array<std::uint8_t, 8> some;
   for (int i = 0; i < 20; ++i) {
-    set_up(false);
+    set_up(interface, false);
     for (CanLink* link : {host.get(), board.get()}) {
       const auto lost = link->read(some, WallClock().now() + 2s);
       ASSERT_FALSE(lost);
@@ -143,11 +154,49 @@ TEST_F(KernelCan, DownAndUpTwentyTimes) {
       EXPECT_FALSE(link->write(frame_of(1, 5)));
       EXPECT_FALSE(link->reopen());
     }
-    set_up(true);
+    set_up(interface, true);
     ASSERT_TRUE(host->reopen());
     ASSERT_TRUE(board->reopen());
     expect_passes(*host, *board, frame_of(1, 50));
     expect_passes(*board, *host, frame_of(1, 50));
+  }
+}
+
+// A driver's own bus-off, as an adapter that talks text (slcan) reports it; the adapter is a pty.
+TEST(KernelCanAdapter, IsReportedWhileItIsBusOffAndNotWhenItIsSetUpAgain) {
+  if (std::getenv("KAZ_TEST_CAN") == nullptr) GTEST_SKIP() << kElsewhere;
+  const Descriptor adapter(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+  ASSERT_EQ(grantpt(adapter.get()), 0);
+  ASSERT_EQ(unlockpt(adapter.get()), 0);
+  const Descriptor line(open(ptsname(adapter.get()), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  termios settings{};
+  tcgetattr(line.get(), &settings);
+  cfmakeraw(&settings);
+  tcsetattr(line.get(), TCSANOW, &settings);
+  const int discipline = N_SLCAN;
+  ASSERT_EQ(ioctl(line.get(), TIOCSETD, &discipline), 0) << "needs the module slcan";
+  std::array<char, IFNAMSIZ> name{};
+  ASSERT_EQ(ioctl(line.get(), SIOCGIFNAME, name.data()), 0);
+  const auto sockets = kernel_can_sockets(name.data());
+  const auto says = [&](const std::string& words) {
+    const auto checked = sockets->check();
+    return !checked && checked.error().message.find(words) != std::string::npos;
+  };
+  EXPECT_TRUE(says("is down"));
+  for (int i = 0; i < 5; ++i) {
+    set_up(name.data(), true);
+    ASSERT_TRUE(sockets->check()) << sockets->check().error().message << ": just set up, round "
+                                  << i;
+    // State bus-off, 255 errors each of receiving and sending.
+    const std::string_view bus_off = "sb255255\r";
+    ASSERT_EQ(write(adapter.get(), bus_off.data(), bus_off.size()),
+              static_cast<ssize_t>(bus_off.size()));
+    for (const Time until = WallClock().now() + 2s; !says("is bus-off");) {
+      ASSERT_LT(WallClock().now(), until) << "the driver's bus-off is not noticed";
+      ASSERT_TRUE(WallClock().sleep_until(WallClock().now() + 5ms));
+    }
+    set_up(name.data(), false);
+    EXPECT_TRUE(says("is down"));
   }
 }
 

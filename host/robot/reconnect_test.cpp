@@ -203,6 +203,48 @@ TEST_F(Reconnect, GivesUpAfterItsTimeAndLeavesTheFrames) {
   std::filesystem::remove(path);
 }
 
+// One line before the search, one after it, whoever waits beside the robot wants to know at once.
+TEST_F(Reconnect, ALossIsReportedOnceBeforeTheSearch) {
+  std::vector<Loss> losses;
+  std::vector<Resumption> resumptions;
+  auto connected =
+      Robot::connect(board, board,
+                     {.reconnect = 2s,
+                      .on_lost = [&](const Loss& one) { losses.push_back(one); },
+                      .on_resumed = [&](const Resumption& one) { resumptions.push_back(one); }});
+  ASSERT_TRUE(connected);
+  for (std::size_t time = 1; time <= 3; ++time) {
+    const Time pulled = board.now();
+    board.link_failure = Error{Fault::environment, "port test-port was closed"};
+    board.after_tick = [&, pulled, time](Time start) {
+      if (!board.link_failure || start < pulled + 300ms) return;
+      EXPECT_EQ(losses.size(), time) << "not only when it is back";
+      board.link_failure.reset();
+    };
+    ASSERT_TRUE(connected->state());
+    ASSERT_EQ(losses.size(), time);
+    EXPECT_EQ(losses.back().why, "port test-port was closed");
+    EXPECT_EQ(losses.back().at_most, 2s);
+    EXPECT_LT(losses.back().at, pulled + 50ms);
+    ASSERT_EQ(resumptions.size(), time);
+    EXPECT_TRUE(resumptions.back().reported);
+  }
+  // A board that answers at once was not sought.
+  ASSERT_TRUE(connected->enable(kAllJoints));
+  wait(150ms);
+  ASSERT_TRUE(connected->state());
+  EXPECT_EQ(losses.size(), 3u);
+  ASSERT_EQ(resumptions.size(), 4u);
+  EXPECT_FALSE(resumptions.back().reported);
+  // One that does not come back is reported all the same, and the error says for how long it was sought.
+  board.mute = true;
+  const auto state = connected->state();
+  ASSERT_FALSE(state);
+  EXPECT_EQ(losses.size(), 4u);
+  EXPECT_NE(losses.back().why.find("stopped answering"), std::string::npos) << losses.back().why;
+  EXPECT_EQ(resumptions.size(), 4u);
+}
+
 TEST_F(Reconnect, SleepingOnItsClockKeepsTheWatchdogContent) {
   begin_moving();
   ASSERT_TRUE(robot.clock().sleep_until(board.now() + 2s));

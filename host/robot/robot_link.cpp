@@ -1,6 +1,7 @@
 // A lost link: finding the board again, and putting it back where it was, motors still.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <utility>
 
 #include "host/robot/connect.h"
 #include "host/robot/robot_parts.h"
@@ -45,6 +46,11 @@ Result<void> Robot::Parts::resume(const Error* error) {
   Resumption resumption{link_fault.value_or(Resumption::Cause::link), lost, lost};
   const std::optional<std::uint32_t> tick_before = last_tick;
   cycles.clear();
+  const auto report_loss = [&](const Error& why) {
+    if (std::exchange(resumption.reported, true) || !options.on_lost) return;
+    options.on_lost({resumption.cause, lost, options.reconnect, why.message});
+  };
+  if (error) report_loss(*error);
 
   while (true) {
     requester.start_anew();
@@ -52,6 +58,7 @@ Result<void> Robot::Parts::resume(const Error* error) {
     if (done) done = restore();
     if (done) break;
     if (done.error().fault != Fault::environment) return tl::unexpected(done.error());
+    report_loss(done.error());
     if (clock.now() - lost >= options.reconnect) {
       return tl::unexpected(for_good(in_vain(error ? error->message : text(resumption.cause),
                                              clock.now() - lost, done.error())));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -99,6 +100,11 @@ struct TelemetryFrame {
 
 // Reaction of the link watchdog when it expires.
 enum class Reaction : std::uint8_t { limp = KZ_REACTION_LIMP, hold = KZ_REACTION_HOLD };
+inline constexpr std::array kReactions{Reaction::hold, Reaction::limp};
+
+constexpr const char* to_string(Reaction reaction) {
+  return reaction == Reaction::hold ? "hold" : "limp";
+}
 
 // A reconnection after the link was lost.
 struct Resumption {
@@ -108,9 +114,19 @@ struct Resumption {
     reset,     // the board was restarted
   };
   Cause cause = Cause::link;
-  Time lost{};     // when it was detected
-  Time resumed{};  // when requests were answered again
+  Time lost{};            // when it was detected
+  Time resumed{};         // when requests were answered again
+  bool reported = false;  // ConnectOptions::on_lost was called
 };
+
+// A link that was lost, and for which a search begins.
+struct Loss {
+  Resumption::Cause cause = Resumption::Cause::link;
+  Time at{};        // when it was detected
+  Time at_most{};   // how long it is sought: ConnectOptions::reconnect
+  std::string why;  // the sentence of the link, or of the board
+};
+
 struct ConnectOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   int retries = 5;  // tries after the first
@@ -120,6 +136,9 @@ struct ConnectOptions {
   Reaction reaction = Reaction::hold;
   // Time limit of reconnection; zero: no reconnection, a lost link is an error at once.
   Time reconnect = std::chrono::seconds(3);
+  // Called once for each link that does not answer, before it is sought; not where the board has
+  // answered at once, as after a watchdog that had expired meanwhile.
+  std::function<void(const Loss&)> on_lost = {};
   // Called after each reconnection, in addition to Robot::take_resumption().
   std::function<void(const Resumption&)> on_resumed = {};
   // Where the last 64 frames go when the link has failed for good: a file, which the error names,

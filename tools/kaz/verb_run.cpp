@@ -99,11 +99,14 @@ void add_run(CLI::App& program, Action& action) {
           "file of kaz calibrate stereo, for v4l2 cameras; it sets the size of their pictures")
       ->type_name("FILE");
   verb->add_option("--reconnect", session.backend.reconnect_s,
-                   "at a port: how long a link that is lost is sought before the run ends; the "
-                   "joints are held meanwhile")
+                   "at a port: how long a link that is lost is sought before the run ends")
       ->check(between(0, 3600))
       ->capture_default_str()
       ->type_name("SECONDS");
+  add_choice(
+      *verb, "--when-lost", host::kReactions, session.backend.reaction,
+      "what the board does 90 ms after the last request that it heard: hold its joints where "
+      "they are, or switch the motors off");
   add_out(*verb, *arguments, "; nothing is written if not given");
   add_duration(*verb, *arguments,
                "the same as --set seconds=SECONDS, of " + timed_behaviors() +

@@ -52,6 +52,7 @@ TEST_P(Engines, BehaviourRunsOverThePty) {
       lateness.value("simulator_lost_s", 1.0) == 0) {
     EXPECT_EQ(finished.err.find("answered again"), std::string::npos)
         << "the link watchdog expired: " << finished.err;
+    EXPECT_EQ(finished.err.find("the link was lost"), std::string::npos) << finished.err;
   }
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);

@@ -1,7 +1,8 @@
 // Inside a virtual machine: sends its clock out, and puts the eyes' pictures into its video devices.
 // SPDX-License-Identifier: Apache-2.0
 //
-// feed clock: CLOCK_MONOTONIC, 8 bytes, each millisecond (sim/runtime/serving/followed_clock.h).
+// feed clock N: CLOCK_MONOTONIC, 8 bytes, each millisecond, to each of N robots
+// (sim/runtime/serving/followed_clock.h).
 // feed slcan: CAN interfaces can0 and can1, joined by serial lines.
 // feed eyes PORT LEFT RIGHT: pairs of shared/base/camera_stream.hpp from PORT into two outputs of
 // v4l2loopback, with the middle of the exposure as time stamp, no sooner than the stream's latency allows.
@@ -34,7 +35,7 @@
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000, kPeriod = 1'000'000;
-constexpr unsigned short kClockPort = 0xE9;
+constexpr unsigned short kClockPort = 0xE9;  // of the first robot, with those of others behind it
 
 [[noreturn]] void die(const std::string& what) {
   std::fprintf(stderr, "feed: %s: %s\n", what.c_str(), std::strerror(errno));
@@ -62,9 +63,9 @@ void sleep_until(std::int64_t ns) {
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) continue;
 }
 
-// A port of QEMU's isa-debugcon: writing a byte stops this machine until there is room for it outside.
-int send_clock() {
-  if (ioperm(kClockPort, 1, 1) != 0) die("no access to the port of the clock");
+// Ports of QEMU's isa-debugcon: writing a byte stops this machine until there is room for it outside.
+int send_clock(unsigned short robots) {
+  if (ioperm(kClockPort, robots, 1) != 0) die("no access to the port of the clock");
   // Above every other program: the world outside stands still between two messages.
   sched_param first{};
   first.sched_priority = 50;
@@ -73,7 +74,8 @@ int send_clock() {
     const std::int64_t time = now();
     std::array<unsigned char, sizeof time> bytes{};
     std::memcpy(bytes.data(), &time, sizeof time);
-    for (const unsigned char byte : bytes) outb(byte, kClockPort);
+    for (unsigned short robot = 0; robot < robots; ++robot)
+      for (const unsigned char byte : bytes) outb(byte, kClockPort + robot);
     next = std::max(next + kPeriod, time);
     sleep_until(next);
   }
@@ -241,9 +243,10 @@ int join_slcan() {
 
 int main(int count, char** arguments) {
   const std::string what = count > 1 ? arguments[1] : "";
-  if (what == "clock" && count == 2) return send_clock();
+  if (what == "clock" && count == 3 && std::atoi(arguments[2]) > 0)
+    return send_clock(static_cast<unsigned short>(std::atoi(arguments[2])));
   if (what == "eyes" && count == 5) return show_eyes(arguments[2], arguments[3], arguments[4]);
   if (what == "slcan" && count == 2) return join_slcan();
-  std::fprintf(stderr, "usage: feed clock | feed eyes PORT LEFT RIGHT | feed slcan\n");
+  std::fprintf(stderr, "usage: feed clock N | feed eyes PORT LEFT RIGHT | feed slcan\n");
   return 2;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/robot/robot_types.h"
 #include "sim/board/sensor_file.h"
 #include "sim/mcu/mcu_kind.h"
 #include "sim/runtime/eyes/eye_kind.h"
@@ -22,13 +23,14 @@ namespace kaz::tools {
 constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
 
 struct BackendOptions {
-  std::string robot = "sim";        // "sim", a port as parse_port_address() has it, or boards:FILE
-  std::uint8_t address = 1;         // of the board at a port
-  double reconnect_s = 3;           // how long a lost board is sought there
-  std::string camera = "sim";       // "sim", or as open_live_camera() has it
-  std::string calibration;          // file; of real cameras
-  bool needs_camera = true;         // false: at a port the camera may be left out
-  std::string world = "ball";       // the rest for "sim" only
+  std::string robot = "sim";  // "sim", a port as parse_port_address() has it, or boards:FILE
+  std::uint8_t address = 1;   // of the board at a port
+  double reconnect_s = 3;     // how long a lost board is sought there
+  host::Reaction reaction = host::Reaction::hold;  // of its link watchdog
+  std::string camera = "sim";                      // "sim", or as open_live_camera() has it
+  std::string calibration;                         // file; of real cameras
+  bool needs_camera = true;                        // false: at a port the camera may be left out
+  std::string world = "ball";                      // the rest for "sim" only
   std::string robot_file;           // URDF; Kaz if empty. At a port: of the robot there
   std::vector<std::string> joints;  // of that file (other_joints()); a replay has no file
   sim::McuKind mcu = sim::McuKind::h8;

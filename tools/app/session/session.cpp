@@ -355,7 +355,19 @@ Result<void> Session::open_backend() {
 
 Result<void> Session::connect() {
   const Time connecting = backend_->clock().now();
+  const auto report_loss = [this, connecting](const host::Loss& loss) {
+    std::fprintf(stderr, "\n%s: after %.1f s %s; it is sought for up to %.3g s: %s\n",
+                 options_.label.c_str(), seconds(loss.at - connecting), text(loss.cause),
+                 seconds(loss.at_most), loss.why.c_str());
+  };
   const auto report_resumption = [this, connecting](const host::Resumption& resumption) {
+    if (resumption.reported) {
+      std::fprintf(
+          stderr, "\n%s: the link is back after %.2f s%s\n", options_.label.c_str(),
+          seconds(resumption.resumed - resumption.lost),
+          resumption.cause == host::Resumption::Cause::reset ? "; the board was reset" : "");
+      return;
+    }
     std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
                  options_.label.c_str(), seconds(resumption.lost - connecting),
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
@@ -375,7 +387,9 @@ Result<void> Session::connect() {
   for (host::RobotBoard& board : boards) board.link = &links_.emplace_back(*board.link, gate());
   auto robot = KAZ_TRY(
       host::Robot::connect(boards, *clock_,
-                           {.reconnect = from_seconds(options_.backend.reconnect_s),
+                           {.reaction = options_.backend.reaction,
+                            .reconnect = from_seconds(options_.backend.reconnect_s),
+                            .on_lost = report_loss,
                             .on_resumed = report_resumption,
                             .frames_path = real() ? temporary_file("frames.txt") : std::string()}));
   robot_ = std::move(robot);
