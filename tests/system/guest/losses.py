@@ -92,7 +92,7 @@ def loss_row(options, loss, times, reaction="hold"):
                 return
             robot.wait_until(robot.now() + 0.5)
 
-    seconds = 1.5 + times * (loss.away_s + loss.back_s + (0.5 if times == 1 else 1))
+    seconds = 1.5 + times * (loss.away_s + loss.back_s + 0.5)
     # Without motors a robot that stands would fall.
     world = ["--suspended"] if reaction == "limp" else []
     result, printed = in_guest(options, folder, link, "track-ball", 1, seconds, during, before, world,
