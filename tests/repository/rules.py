@@ -73,7 +73,8 @@ LAYERS = {
         "tests": ("shared", "vision", "sim", "host", "hil", "tools"),
     },
     "shared": {
-        "base": (), "board": ("base",), "faults": ("base", "board"), "flash": ("base",), "image": ("base",),
+        "base": (), "board": ("base",), "faults": ("base", "board"), "feetech": ("base",),
+        "flash": ("base",), "image": ("base",),
         "picture": ("base",), "plot": ("base",), "protocol": ("base", "board"),
         "servo": ("base", "board", "protocol"),
     },
@@ -86,7 +87,8 @@ LAYERS = {
     },
     "sim": {
         "h8s": (), "mcu": ("h8s",), "body": (), "view": ("body",), "board": ("mcu", "body"),
-        "runtime": ("h8s", "mcu", "body", "view", "board"), "stand": ("body", "runtime"),
+        "bus": ("body",),
+        "runtime": ("h8s", "mcu", "body", "view", "board", "bus"), "stand": ("body", "runtime"),
     },
     "sim/h8s": {
         "cpu": (), "translate": ("cpu",), "chip": ("cpu", "translate"), "flat": ("cpu", "translate"),

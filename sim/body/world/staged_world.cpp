@@ -121,6 +121,7 @@ void StagedWorld::read_motors() {
   current_ = 0;
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     joint_states_[i].winding_celsius = motors_[i].winding_celsius();
+    joint_states_[i].case_celsius = motors_[i].case_celsius();
     joint_states_[i].current = motors_[i].motor_current();
     current_ += motors_[i].supply_current();
   }

@@ -106,7 +106,10 @@ class StagedWorld : public World {
     for (Eigen::Vector3d* v : {&imu_.angular_velocity, &imu_.specific_force})
       for (int k = 0; k < 3; ++k) a((*v)[k]);
     for (LinkForce& force : link_forces_) a(force);
-    if constexpr (A::reading) joint_loads_.clear();
+    if constexpr (A::reading) {
+      joint_loads_.clear();
+      read_motors();  // what of them is no part of the state
+    }
   }
 
   std::shared_ptr<const StageModel> model_;

@@ -28,6 +28,7 @@ struct JointState {
   double torque = 0;    // Nm, motor on joint in the last step, friction included
   double current = 0;   // A, through the motor, mean over the last step
   double winding_celsius = 0;
+  double case_celsius = 25;  // of the motor
 };
 
 // Reading of an ideal inertial sensor at the robot's link `imu`, in the axes of that link; at the root

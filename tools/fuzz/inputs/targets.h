@@ -43,6 +43,10 @@ Complaint try_can(Bytes bytes);     // ISO-TP messages and error frames
 Complaint try_telnet(Bytes bytes);  // RFC 2217, both ends
 Complaint try_boards(Bytes bytes);  // files of boards
 
+// Servo buses (servo_bus.cpp).
+Complaint try_servo_bus(Bytes bytes);  // a hostile host at a virtual servo
+Complaint try_bus_file(Bytes bytes);   // bus.json
+
 // Viewers of a run (viewers.cpp).
 Complaint try_viewer(Bytes bytes);  // requests; messages of a recording that is played
 
@@ -74,6 +78,8 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"can", try_can},
                                            {"telnet", try_telnet},
                                            {"boards", try_boards},
+                                           {"servo_bus", try_servo_bus},
+                                           {"bus_file", try_bus_file},
                                            {"viewer", try_viewer}};
 
 }  // namespace kaz::fuzz

@@ -1,0 +1,62 @@
+// bus.json: what it says, and what it must not say.
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/feetech/bus_file.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace kaz::feetech {
+namespace {
+
+TEST(BusFile, OfTheArmIsRead) {
+  const auto file = load_bus_file("sim/robots/so101/so101.urdf");
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_EQ(file->servos.size(), 6u);
+  EXPECT_EQ(file->supply_volts, 7.4);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(file->servos[i].id, static_cast<int>(i) + 1);
+    EXPECT_EQ(file->servos[i].model->name, "sts3215");
+  }
+}
+
+TEST(BusFile, StepsAndAngles) {
+  const Model& model = *find_model("sts3215");
+  const BusServo plain{"j", 1, &model, 2048, false}, reversed{"j", 1, &model, 2000, true};
+  EXPECT_NEAR(plain.steps_at(std::numbers::pi / 2), 3072, 1e-9);
+  EXPECT_NEAR(reversed.steps_at(std::numbers::pi / 2), 976, 1e-9);
+  for (const double angle : {-2.0, 0.0, 0.3}) {
+    EXPECT_NEAR(plain.angle_at(plain.steps_at(angle)), angle, 1e-12);
+    EXPECT_NEAR(reversed.angle_at(reversed.steps_at(angle)), angle, 1e-12);
+  }
+}
+
+TEST(BusFile, RefusesWithAReason) {
+  const std::string servo = R"({"joint": "a", "id": 1, "model": "sts3215"})";
+  const auto file = [](const std::string& servos) {
+    return R"({"protocol": "feetech", "supply_volts": 7.4, "servos": [)" + servos + "]}";
+  };
+  ASSERT_TRUE(parse_bus_file("bus.json", file(servo)));
+  const std::pair<std::string, std::string> wrong[] = {
+      {"", "no JSON object"},
+      {"[]", "no JSON object"},
+      {R"({"protocol": "dynamixel", "supply_volts": 7, "servos": []})", "\"feetech\""},
+      {file(""), "missing or empty"},
+      {file(R"({"joint": "a", "id": 254, "model": "sts3215"})"), "\"id\""},
+      {file(R"({"joint": "a", "id": 1.5, "model": "sts3215"})"), "whole number"},
+      {file(R"({"joint": "a", "id": 1, "model": "mx64"})"), "scs0009, sts3215"},
+      {file(R"({"joint": "a", "id": 1, "model": "sts3215", "zeroo": 3})"), "\"zeroo\""},
+      {file(R"({"joint": "a", "id": 1, "model": "sts3215", "reversed": 1})"), "\"reversed\""},
+      {file(servo + "," + servo), "two servos"},
+      {file("7"), "no object"}};
+  for (const auto& [text, reason] : wrong) {
+    const auto parsed = parse_bus_file("bus.json", text);
+    ASSERT_FALSE(parsed) << text;
+    EXPECT_EQ(parsed.error().fault, Fault::usage);
+    EXPECT_NE(parsed.error().message.find(reason), std::string::npos) << parsed.error().message;
+    EXPECT_EQ(parsed.error().message.find("bus.json: "), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace kaz::feetech

@@ -1,0 +1,204 @@
+// The motion of a virtual servo.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/bus/servo_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kaz::sim {
+namespace {
+
+// Duty per rad and unit of P, and the highest duty (Rhoban/bam, feetech_sts3215: oscilloscope).
+constexpr double kDutyPerRad = 0.166, kMaxDuty = 0.97;
+// Chosen. I: duty per rad s and unit, the scale of P. Speed loop: duty per rad/s, and per rad, and unit; an
+// unloaded STS3215 then follows a step within 0.2 s without overshoot.
+constexpr double kDutyPerRadSecond = 0.166;
+constexpr double kSpeedDutyPerRadPerS = 0.02, kSpeedDutyPerRad = 0.2;
+constexpr int kDutySign = 1 << 10;  // SCS: of goal_time in duty mode
+
+// Magnitude raised to `least`, where it is not 0.
+double at_least(double value, double least) {
+  return value == 0 ? 0 : std::copysign(std::max(std::abs(value), least), value);
+}
+
+}  // namespace
+
+ServoMotion::Mode ServoMotion::mode_of(const RegisterFile& registers) const {
+  if (registers.has("mode")) return static_cast<Mode>(registers.get("mode"));
+  const bool free = registers.get("min_angle") == 0 && registers.get("max_angle") == 0;
+  return free ? Mode::duty : Mode::position;
+}
+
+int ServoMotion::position(const RegisterFile& registers) const {
+  const feetech::Model& model = registers.model();
+  const double counted = std::round(steps_);
+  if (!model.full_turn) return static_cast<int>(std::clamp(counted, 0.0, model.steps - 1.0));
+  const int offset = registers.get("position_offset");
+  const bool several_turns = (registers.get("phase") & 16) != 0;
+  if (several_turns)
+    return static_cast<int>(std::clamp(counted - turns_origin_ - offset, -32766.0, 32766.0));
+  const int wrapped = static_cast<int>(std::fmod(counted - offset, model.steps));
+  return wrapped < 0 ? wrapped + model.steps : wrapped;
+}
+
+void ServoMotion::power_on(const ServoReading& reading) {
+  *this = {};
+  steps_ = reading.steps;
+}
+
+void ServoMotion::reset_turns(const feetech::Model& model) {
+  turns_origin_ = std::floor(std::round(steps_) / model.steps) * model.steps;
+}
+
+void ServoMotion::goal_written(const RegisterFile& registers) {
+  timed_speed_ = 0;
+  if (mode_of(registers) == Mode::steps)
+    steps_goal_ = (goal_known_ ? steps_goal_ : std::round(steps_)) + registers.get("goal_position");
+  goal_known_ = true;
+  // SCS: the profile's speed is such that the motion takes goal_time.
+  const int ms = registers.has("mode") ? 0 : registers.get("goal_time");
+  if (ms > 0) timed_speed_ = std::abs(goal(registers) - target_) / (1e-3 * ms);
+}
+
+void ServoMotion::set_position(RegisterFile& registers, int position) {
+  const int steps = registers.model().steps;
+  const int encoder = static_cast<int>(std::fmod(std::round(steps_), steps));
+  // The shortest offset that does it; the register holds half a turn either way.
+  int offset = (encoder - position) % steps;
+  if (offset > steps / 2 - 1) offset -= steps;
+  if (offset < -(steps / 2 - 1)) offset += steps;
+  registers.set("position_offset", std::clamp(offset, 1 - steps / 2, steps / 2 - 1));
+  if (!registers.locked()) registers.keep("position_offset");
+  hold(this->position(registers));
+}
+
+double ServoMotion::goal(const RegisterFile& registers) const {
+  const double wanted = registers.get("goal_position");
+  const int low = registers.get("min_angle"), high = registers.get("max_angle");
+  if (low == 0 && high == 0) return wanted;
+  return std::clamp<double>(wanted, std::min(low, high), std::max(low, high));
+}
+
+void ServoMotion::hold(double position) {
+  target_ = position;
+  target_speed_ = 0;
+  integral_ = 0;
+  errors_.fill(0);
+}
+
+// A trapezoid of speed towards the goal, from wherever the profile is: as fast as it can still stop.
+void ServoMotion::follow_profile(const RegisterFile& registers, double goal, double step_s) {
+  const double unit = registers.get("speed_unit");
+  const double highest = registers.has("max_speed") ? unit * registers.get("max_speed") : INFINITY;
+  double speed = std::abs(registers.get("goal_speed"));
+  if (speed == 0) {
+    const bool zero_is_highest = !registers.has("max_speed") || (registers.get("phase") & 8) != 0;
+    speed = zero_is_highest ? highest : 0;
+  }
+  if (timed_speed_ > 0) speed = timed_speed_;
+  speed = std::min(speed, highest);
+  int acceleration = registers.get("acceleration");
+  if (acceleration == 0) acceleration = registers.get("max_acceleration");
+  const double left = goal - target_;
+  if (acceleration == 0) {
+    const double moved = std::clamp(left, -speed * step_s, speed * step_s);
+    target_ += moved;
+    target_speed_ = moved / step_s;
+    return;
+  }
+  const double rate = 100.0 * acceleration, change = rate * step_s;
+  const double can_stop = std::sqrt(2 * rate * std::abs(left));
+  const double wanted = std::copysign(std::min(speed, can_stop), left);
+  target_speed_ += std::clamp(wanted - target_speed_, -change, change);
+  target_ += target_speed_ * step_s;
+  const bool arrived = (goal - target_) * left <= 0 && std::abs(target_speed_) <= 2 * change;
+  if (!arrived) return;
+  target_ = goal;
+  target_speed_ = 0;
+}
+
+double ServoMotion::position_loop(const RegisterFile& registers, double position, double step_s) {
+  double error = target_ - position;
+  if (error <= registers.get("dead_zone_ccw") && error >= -registers.get("dead_zone_cw")) error = 0;
+  const double rad = error / registers.model().steps_per_rad();
+  ++newest_;
+  errors_[newest_] = rad;
+  const auto interval = static_cast<std::uint8_t>(registers.get("derivative_time", 20));
+  const double change = rad - errors_[static_cast<std::uint8_t>(newest_ - interval)];
+  const double i = kDutyPerRadSecond * registers.get("position_i");
+  integral_ = i > 0 ? std::clamp(integral_ + rad * step_s, -1 / i, 1 / i) : 0;
+  const double duty =
+      kDutyPerRad * (registers.get("position_p") * rad + registers.get("position_d") * change) +
+      i * integral_;
+  return error == 0 ? i * integral_ : at_least(duty, 1e-3 * registers.get("min_start_force"));
+}
+
+double ServoMotion::speed_loop(const RegisterFile& registers, double speed, double step_s) {
+  const int goal = registers.get("goal_speed"), acceleration = registers.get("acceleration");
+  const double change = acceleration == 0 ? INFINITY : 100.0 * acceleration * step_s;
+  target_speed_ += std::clamp(goal - target_speed_, -change, change);
+  const double error = (target_speed_ - speed) / registers.model().steps_per_rad();
+  const double i = kSpeedDutyPerRad * registers.get("speed_i");
+  integral_ = i > 0 ? std::clamp(integral_ + error * step_s, -1 / i, 1 / i) : 0;
+  return kSpeedDutyPerRadPerS * registers.get("speed_p") * error + i * integral_;
+}
+
+MotorDrive ServoMotion::step(RegisterFile& registers, const ServoReading& reading, double limit,
+                             double step_s) {
+  steps_ = reading.steps;
+  const Mode mode = mode_of(registers);
+  const int torque = registers.get("torque_enable");
+  const int now = position(registers);
+  // Mode 3 counts on over the turn's end.
+  const double place = mode == Mode::steps ? std::round(steps_) : now;
+  duty_ = 0;
+  if (torque != 1) {
+    hold(place);
+    if (powered_) goal_known_ = false;
+    powered_ = false;
+    report(registers, reading, now);
+    return {.duty = 0, .powered = torque == 2};
+  }
+  if (!powered_) {
+    hold(place);
+    if (!goal_known_) steps_goal_ = place;
+  }
+  powered_ = true;
+  switch (mode) {
+    case Mode::position:
+      if (goal_known_) follow_profile(registers, goal(registers), step_s);
+      duty_ = position_loop(registers, place, step_s);
+      break;
+    case Mode::steps:
+      follow_profile(registers, steps_goal_, step_s);
+      duty_ = position_loop(registers, place, step_s);
+      break;
+    case Mode::speed:
+      target_ = place;
+      duty_ = speed_loop(registers, reading.speed, step_s);
+      break;
+    case Mode::duty: {
+      hold(place);
+      const int raw = registers.get("goal_time");
+      const bool negative = !registers.has("mode") && (raw & kDutySign) != 0;
+      duty_ = 1e-3 * (negative ? -(raw & (kDutySign - 1)) : raw);
+      break;
+    }
+  }
+  const double most = std::min(
+      {kMaxDuty, limit, 1e-3 * registers.get("torque_limit", registers.get("max_torque"))});
+  duty_ = std::clamp(duty_, -most, most);
+  report(registers, reading, now);
+  return {.duty = duty_, .powered = true};
+}
+
+void ServoMotion::report(RegisterFile& registers, const ServoReading& reading, int position) const {
+  registers.set("present_position", position);
+  registers.set("present_speed", static_cast<int>(std::lround(reading.speed)));
+  registers.set("present_load", static_cast<int>(std::lround(1e3 * duty_)));
+  registers.set("present_target", static_cast<int>(std::lround(target_)));
+  const double threshold = registers.get("moving_threshold", 1) * registers.get("speed_unit", 20);
+  registers.set("moving", target_speed_ != 0 || std::abs(reading.speed) > threshold ? 1 : 0);
+}
+
+}  // namespace kaz::sim

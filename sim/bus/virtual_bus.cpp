@@ -1,0 +1,117 @@
+// A servo bus in simulated time.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/bus/virtual_bus.h"
+
+#include <algorithm>
+
+namespace kaz::sim {
+
+Result<std::unique_ptr<VirtualBus>> VirtualBus::create(std::unique_ptr<World> world,
+                                                       const feetech::BusFile& file) {
+  std::vector<Mounted> servos;
+  const auto joints = world->joint_order();
+  for (const feetech::BusServo& mount : file.servos) {
+    const auto joint = std::ranges::find(joints, mount.joint);
+    if (joint == joints.end())
+      return fail(Fault::usage, "bus.json names the joint `" + mount.joint +
+                                    "`, which the robot does not have; see its URDF");
+    servos.push_back({mount, VirtualServo(*mount.model, mount.id),
+                      static_cast<std::size_t>(joint - joints.begin())});
+  }
+  for (const std::string& joint : joints) {
+    if (std::ranges::none_of(file.servos, [&](const auto& one) { return one.joint == joint; }))
+      return fail(Fault::usage, "the joint `" + joint + "` has no servo in bus.json; add it there");
+  }
+  return std::unique_ptr<VirtualBus>(new VirtualBus(std::move(world), file, std::move(servos)));
+}
+
+Result<std::unique_ptr<VirtualBus>> VirtualBus::load(const std::string& world_path,
+                                                     const std::string& robot_path,
+                                                     const WorldOptions& options) {
+  const auto file = KAZ_TRY(feetech::load_bus_file(robot_path));
+  auto world = KAZ_TRY(World::load(world_path, robot_path, options));
+  return create(std::move(world), file);
+}
+
+VirtualBus::VirtualBus(std::unique_ptr<World> world, const feetech::BusFile& file,
+                       std::vector<Mounted> servos)
+    : world_(std::move(world)),
+      servos_(std::move(servos)),
+      line_(servos_.size() + 1),
+      supply_volts_(file.supply_volts),
+      supply_ohm_(file.supply_ohm),
+      next_step_(from_seconds(world_->step_s())),
+      step_length_(next_step_) {
+  set_power(false);
+  set_power(true);
+}
+
+double VirtualBus::volts() const {
+  return power_ ? std::max(0.0, supply_volts_ - supply_ohm_ * world_->supply_current_a()) : 0;
+}
+
+ServoReading VirtualBus::reading_of(const Mounted& one) const {
+  const JointState& joint = world_->joints()[one.joint];
+  const double sign = one.mount.sign();
+  return {.steps = one.mount.steps_at(joint.angle),
+          .speed = sign * joint.velocity * one.mount.model->steps_per_rad(),
+          .current_a = sign * joint.current,
+          .case_celsius = joint.case_celsius,
+          .supply_volts = volts()};
+}
+
+void VirtualBus::set_power(bool on) {
+  power_ = on;
+  for (std::size_t i = 0; i < servos_.size(); ++i) {
+    servos_[i].servo.set_power(on, reading_of(servos_[i]));
+    line_.set_baud(i + 1, static_cast<double>(servos_[i].servo.baud()));
+  }
+}
+
+void VirtualBus::set_host_baud(long baud) {
+  line_.set_baud(0, static_cast<double>(baud));
+}
+
+Time VirtualBus::write(std::span<const std::uint8_t> bytes) {
+  host_sends_until_ = line_.send(0, bytes, time_);
+  return host_sends_until_;
+}
+
+void VirtualBus::receive(const HalfDuplexLine::Received& received) {
+  if (received.node == 0) {
+    if (received.stop_bit) {
+      received_.push_back({received.byte, received.at});
+    } else {
+      ++host_framing_errors_;
+    }
+    return;
+  }
+  VirtualServo& servo = servos_[received.node - 1].servo;
+  if (!received.stop_bit) return servo.take_noise(received.at);
+  const auto answer = servo.take(received.byte, received.at);
+  if (answer) line_.send(received.node, answer->bytes, received.at + answer->delay);
+  line_.set_baud(received.node, static_cast<double>(servo.baud()));
+}
+
+void VirtualBus::step() {
+  std::vector<MotorDrive> drives(world_->joints().size());
+  for (Mounted& one : servos_) {
+    MotorDrive drive = one.servo.step(reading_of(one), world_->step_s(), next_step_);
+    drive.duty *= one.mount.sign();
+    drives[one.joint] = drive;
+  }
+  world_->step(drives, volts());
+}
+
+void VirtualBus::advance(Time until) {
+  while (time_ < until) {
+    const Time end = std::min(until, next_step_);
+    while (const auto received = line_.next(end)) receive(*received);
+    time_ = end;
+    if (end < next_step_) continue;
+    step();
+    next_step_ += step_length_;
+  }
+}
+
+}  // namespace kaz::sim
