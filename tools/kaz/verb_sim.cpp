@@ -1,10 +1,12 @@
 // `kaz sim`: a virtual robot for other processes.
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "tools/app/sim/serve.h"
+#include "tools/app/sim/serve_bus.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 #include "tools/kaz/watch_options.h"
@@ -34,6 +36,29 @@ std::string not_of_a_stand(const CLI::App& verb) {
              " or --stand out";
   }
   return "";
+}
+
+// What of the options given is nothing of a servo bus; empty if there is none.
+std::string not_of_a_bus(const CLI::App& verb) {
+  static const std::set<std::string> kTaken = {"--bus",   "--serial",   "--robot-file",
+                                               "--world", "--dynamics", "--supply"};
+  for (const CLI::Option* option : verb.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() > 0 && !kTaken.contains(name))
+      return name + ": a servo bus has no use for it; leave " + name + " or --bus out";
+  }
+  return "";
+}
+
+ServeBusOptions bus_options(const CLI::App& verb, const ServeOptions& arguments) {
+  ServeBusOptions options;
+  options.serial = arguments.real_time.serial_path;
+  options.robot_file = arguments.backend.robot_file;
+  options.dynamics = arguments.backend.dynamics;
+  if (verb.get_option("--world")->count() > 0) options.world = arguments.backend.world;
+  if (verb.get_option("--supply")->count() > 0)
+    options.supply_volts = arguments.backend.supply_volts;
+  return options;
 }
 
 }  // namespace
@@ -77,6 +102,13 @@ void add_sim(CLI::App& program, Action& action) {
       "--stand", arguments->backend.stand,
       "a motor stand instead of a robot: each motor alone with a disc on its shaft, clamp, "
       "scale, weight and supply at PATH.ctl (kaz bench)");
+  auto bus = std::make_shared<std::string>();
+  verb->add_option(
+          "--bus", *bus,
+          "a servo bus instead of a servo board: the port is that of the servos which bus.json, "
+          "beside --robot-file, lists (docs/howto/servo-bus.md)")
+      ->check(CLI::IsMember({"feetech"}))
+      ->type_name("feetech");
   add_motor_options(*verb, arguments->backend);
   for (const char* option : {"--motor-file", "--motor", "--disc"})
     verb->get_option(option)->needs(stand);
@@ -95,11 +127,18 @@ void add_sim(CLI::App& program, Action& action) {
       "  kaz sim --serial board --erased   # kaz flash puts a firmware into it\n"
       "  kaz sim --serial board --stand   # kaz bench motor --port board --stand ctl:board.ctl\n"
       "  kaz sim --serial board --view   # and in a browser\n"
+      "  kaz sim --bus feetech --robot-file sim/robots/so101/so101.urdf --serial arm\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
       "  kaz sim --serial board --record run.mcap   # Foxglove, PlotJuggler and `mcap info` "
       "open it\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes   # in another terminal");
-  verb->callback([&action, arguments, watch, verb] {
+  verb->callback([&action, arguments, watch, verb, bus] {
+    if (!bus->empty()) {
+      action = [wrong = not_of_a_bus(*verb), options = bus_options(*verb, *arguments)] {
+        return wrong.empty() ? serve_bus(options) : Result<bool>(fail(Fault::usage, wrong));
+      };
+      return;
+    }
     const std::string wrong = arguments->backend.stand ? not_of_a_stand(*verb) : "";
     action = [arguments, watch, wrong]() -> Result<bool> {
       if (!wrong.empty()) return fail(Fault::usage, wrong);

@@ -29,25 +29,30 @@ std::string line_of(const Json& reply) {
 
 }  // namespace
 
-Json ControlCommands::answer(std::string_view line) const {
+Result<ControlRequest> parse_control_request(std::string_view line) {
   const auto first = line.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return refusal("empty request; send \"help\"");
+  if (first == std::string_view::npos) return fail("empty request; send \"help\"");
   const auto last = line.find_last_not_of(" \t\r");
   line = line.substr(first, last - first + 1);
 
   if (line.front() != '{') {
     const auto space = line.find_first_of(" \t");
-    if (space == std::string_view::npos) return run(std::string(line), "");
+    if (space == std::string_view::npos) return ControlRequest{std::string(line), ""};
     const auto argument = line.find_first_not_of(" \t", space);
-    return run(std::string(line.substr(0, space)), std::string(line.substr(argument)));
+    return ControlRequest{std::string(line.substr(0, space)), std::string(line.substr(argument))};
   }
   const Json request = Json::parse(line, nullptr, false);
-  if (!request.is_object()) return refusal("the request is no JSON object");
+  if (!request.is_object()) return fail("the request is no JSON object");
   const auto text = [&request](const char* key) {
     const auto entry = request.find(key);
     return entry != request.end() && entry->is_string() ? entry->get<std::string>() : std::string();
   };
-  return run(text("command"), text("argument"));
+  return ControlRequest{text("command"), text("argument")};
+}
+
+Json ControlCommands::answer(std::string_view line) const {
+  const auto request = parse_control_request(line);
+  return request ? run(request->command, request->argument) : refusal(request.error().message);
 }
 
 Json ControlCommands::fault(const std::string& line) const {
@@ -124,11 +129,16 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
   return refusal("there is no command \"" + command + "\"; send \"help\"");
 }
 
+Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::string& path, Answer answer) {
+  auto listener = KAZ_TRY(UnixListener::open(path));
+  return std::unique_ptr<ControlServer>(new ControlServer(std::move(listener), std::move(answer)));
+}
+
 Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::string& path,
                                                            ControlCommands commands) {
-  auto listener = KAZ_TRY(UnixListener::open(path));
-  return std::unique_ptr<ControlServer>(
-      new ControlServer(std::move(listener), std::move(commands)));
+  return open(path, [commands = std::move(commands)](std::string_view line) {
+    return commands.answer(line);
+  });
 }
 
 void ControlServer::poll() {
@@ -151,7 +161,7 @@ bool ControlServer::serve(Client& client) {
 
   for (auto end = client.received.find('\n'); end != std::string::npos;
        end = client.received.find('\n')) {
-    client.to_send += line_of(commands_.answer(std::string_view(client.received).substr(0, end)));
+    client.to_send += line_of(answer_(std::string_view(client.received).substr(0, end)));
     client.received.erase(0, end + 1);
   }
   if (client.received.size() > longest_line) {

@@ -17,6 +17,14 @@
 
 namespace kaz::sim {
 
+// What a line of the control socket requests.
+struct ControlRequest {
+  std::string command, argument;
+};
+// A JSON object {"command": "power", "argument": "off"} or plain text "power off". Errors say what is wrong
+// with it.
+Result<ControlRequest> parse_control_request(std::string_view line);
+
 // Executes one request and returns the reply. A request is a JSON object {"command": "power", "argument":
 // "off"} or plain text "power off". Replies have "ok"; if false, also "error". docs/reference/simulator.md
 // lists
@@ -48,6 +56,9 @@ class ControlCommands {
 // Non-blocking: poll() handles the requests received since the last call.
 class ControlServer {
  public:
+  // Executes one line and returns the reply.
+  using Answer = std::function<nlohmann::ordered_json(std::string_view line)>;
+  static Result<std::unique_ptr<ControlServer>> open(const std::string& path, Answer answer);
   static Result<std::unique_ptr<ControlServer>> open(const std::string& path,
                                                      ControlCommands commands);
   void poll();
@@ -59,12 +70,12 @@ class ControlServer {
     bool closing = false;  // once `to_send` is sent
   };
 
-  ControlServer(std::unique_ptr<UnixListener> listener, ControlCommands commands)
-      : listener_(std::move(listener)), commands_(std::move(commands)) {}
+  ControlServer(std::unique_ptr<UnixListener> listener, Answer answer)
+      : listener_(std::move(listener)), answer_(std::move(answer)) {}
   bool serve(Client& client);  // false: the client has disconnected
 
   std::unique_ptr<UnixListener> listener_;
-  ControlCommands commands_;
+  Answer answer_;
   std::vector<Client> clients_;
 };
 

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <termios.h>
+#include <time.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -106,6 +107,14 @@ long Pty::baud() const {
   for (const auto& [baud, code] : kSerialRates)
     if (code == cfgetospeed(&settings)) return baud;
   return 0;
+}
+
+void Pty::wait(Time length, bool host_present) const {
+  const timespec time{static_cast<time_t>(length.count() / 1'000'000'000),
+                      static_cast<long>(length.count() % 1'000'000'000)};
+  // Without a host the master is always readable (hang-up). A signal may end the wait early.
+  pollfd master{master_.get(), POLLIN, 0};
+  ppoll(&master, host_present ? 1 : 0, &time, nullptr);
 }
 
 std::size_t Pty::read(std::span<std::uint8_t> bytes) {

@@ -10,6 +10,7 @@
 
 #include "shared/base/descriptor.hpp"
 #include "shared/base/result.hpp"
+#include "shared/base/time.hpp"
 
 namespace kaz::sim {
 
@@ -27,6 +28,10 @@ class Pty {
   bool host_present() const;
   // Speed set by the host, baud; 0 if not one of kSerialRates (shared/base/serial_rates.hpp).
   long baud() const;
+  // The same, also of rates that termios has no name for (BOTHER).
+  long rate() const;
+  // Waits until the host has written something, `length` at most. Without a host, for `length`.
+  void wait(Time length, bool host_present) const;
   std::size_t read(std::span<std::uint8_t> bytes);  // bytes of the host; returns their number
   std::size_t write(std::span<const std::uint8_t> bytes);  // returns the number accepted
   // Discards bytes that the host has not read, so that the next host does not receive them. The kernel moves

@@ -25,6 +25,7 @@
 #include "sim/runtime/serving/host_watch.h"
 #include "sim/runtime/serving/pacer.h"
 #include "sim/runtime/serving/pty.h"
+#include "sim/runtime/serving/wall_time.h"
 
 namespace kaz::sim {
 namespace {
@@ -36,12 +37,6 @@ constexpr Time echo_of_a_host = std::chrono::milliseconds(50);
 constexpr std::size_t adapter_bytes = 256;
 // Between two looks at `stop` and the control socket while a followed clock stands still.
 constexpr Time longest_wait = std::chrono::milliseconds(50);
-
-Time monotonic_now() {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return Time(std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec);
-}
 
 void sleep_for(Time length) {
   timespec t{static_cast<time_t>(length.count() / 1'000'000'000),

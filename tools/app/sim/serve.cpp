@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/sim/serve.h"
 
-#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <thread>
 
-#include <poll.h>
 #include <nlohmann/json.hpp>
 
 #include "sim/mcu/memory_file.h"
@@ -17,43 +14,13 @@
 #include "sim/stand/stand_commands.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output_file.h"
+#include "tools/app/sim/stop_flag.h"
 
 namespace kaz::tools {
 namespace {
 
 constexpr FileKind kRecording{"recording", {"\x89MCAP0\r\n", "kaz"}};
 constexpr FileKind kMemory{"memory of a board", {}, sim::Mcu::memory_size};
-
-// Sets a flag when the interrupt comes, for code that looks at a flag and not at a descriptor.
-class StopFlag {
- public:
-  explicit StopFlag(host::Interrupt& interrupt)
-      : interrupt_(interrupt), thread_([this] {
-          pollfd watched{interrupt_.descriptor(), POLLIN, 0};
-          while (poll(&watched, 1, -1) < 0) continue;
-          stop_ = true;
-        }) {}
-  ~StopFlag() {
-    interrupt_.request();
-    thread_.join();
-  }
-  const std::atomic<bool>& flag() const { return stop_; }
-
- private:
-  host::Interrupt& interrupt_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
-};
-
-// For links and sockets, which their makers report by other paths, and only after loading.
-Result<void> check_place(const std::string& option, const std::string& path) {
-  if (path.empty()) return {};
-  std::error_code error;
-  const auto folder = std::filesystem::absolute(path, error).parent_path();
-  if (std::filesystem::is_directory(folder, error)) return {};
-  return fail(Fault::usage, option + ": cannot make " + path + " (there is no folder " +
-                                folder.string() + "); give another path");
-}
 
 // Of links, sockets and files at one place the last would replace the others.
 Result<void> check_distinct(const ServeOptions& arguments) {
@@ -79,6 +46,15 @@ Result<void> check_distinct(const ServeOptions& arguments) {
 }
 
 }  // namespace
+
+Result<void> check_place(const std::string& option, const std::string& path) {
+  if (path.empty()) return {};
+  std::error_code error;
+  const auto folder = std::filesystem::absolute(path, error).parent_path();
+  if (std::filesystem::is_directory(folder, error)) return {};
+  return fail(Fault::usage, option + ": cannot make " + path + " (there is no folder " +
+                                folder.string() + "); give another path");
+}
 
 Result<bool> serve(ServeOptions arguments) {
   if ((arguments.backend.erased || arguments.boot) && arguments.backend.mcu != sim::McuKind::h8)

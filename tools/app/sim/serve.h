@@ -17,6 +17,10 @@ struct ServeOptions {
   std::string calibration;  // file to write the cameras' calibration to; none if empty
 };
 
+// Checks that `path`, which the option names, can be made. For links and sockets, which their makers report
+// by other paths, and only after loading.
+Result<void> check_place(const std::string& option, const std::string& path);
+
 // Runs until SIGINT, SIGTERM or SIGHUP, which are its normal end.
 Result<bool> serve(ServeOptions arguments);
 

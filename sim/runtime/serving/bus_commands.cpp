@@ -1,0 +1,93 @@
+// Commands of the control socket of `kaz sim --bus`.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/serving/bus_commands.h"
+
+#include <nlohmann/json.hpp>
+
+#include "shared/base/number_text.hpp"
+#include "sim/runtime/serving/control_server.h"
+
+namespace kaz::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json refusal(const std::string& why) {
+  return {{"ok", false}, {"error", why}};
+}
+
+}  // namespace
+
+Json BusCommands::answer(std::string_view line) const {
+  const auto request = parse_control_request(line);
+  return request ? run(request->command, request->argument) : refusal(request.error().message);
+}
+
+Json BusCommands::run(const std::string& command, const std::string& argument) const {
+  const auto number = [&](double max) -> std::optional<double> {
+    const auto value = parse_number<double>(argument);
+    return value && *value >= 0 && *value <= max ? value : std::nullopt;
+  };
+  if (command == "help")
+    return {{"ok", true},
+            {"commands",
+             {{"help", "this list"},
+              {"power on|off", "the supply of all servos; off loses their RAM"},
+              {"supply VOLTS", "voltage of the supply, 0 to 30"},
+              {"damage SHARE", "share of bytes with one wrong bit, 0 to 1"},
+              {"status", "time, host, losses, and each servo"}}}};
+  if (command == "power") {
+    if (argument != "on" && argument != "off")
+      return refusal("\"power\" takes \"on\" or \"off\", got \"" + argument + "\"");
+    bus_->set_power(argument == "on");
+    return {{"ok", true}};
+  }
+  if (command == "supply") {
+    const auto volts = number(30);
+    if (!volts) return refusal("\"supply\" takes volts, 0 to 30, got \"" + argument + "\"");
+    bus_->set_supply_volts(*volts);
+    return {{"ok", true}};
+  }
+  if (command == "damage") {
+    const auto share = number(1);
+    if (!share) return refusal("\"damage\" takes a share, 0 to 1, got \"" + argument + "\"");
+    bus_->line().set_damage(*share, 1);
+    return {{"ok", true}};
+  }
+  if (command == "status") return status();
+  return refusal("there is no command \"" + command + "\"; send \"help\"");
+}
+
+Json BusCommands::status() const {
+  Json servos = Json::array();
+  for (std::size_t i = 0; i < bus_->servos(); ++i) {
+    const VirtualServo& servo = bus_->servo(i);
+    const auto& counts = servo.counts();
+    const auto get = [&](const char* name) { return servo.registers().get(name); };
+    servos.push_back({{"joint", bus_->mount(i).joint},
+                      {"model", servo.registers().model().name},
+                      {"id", get("id")},
+                      {"baud", servo.baud()},
+                      {"torque", get("torque_enable")},
+                      {"position", get("present_position")},
+                      {"goal", get("goal_position")},
+                      {"offset", get("position_offset")},
+                      {"min_angle", get("min_angle")},
+                      {"max_angle", get("max_angle")},
+                      {"status", get("status")},
+                      {"celsius", get("present_temperature")},
+                      {"executed", servo.executed()},
+                      {"bad_checksums", counts.bad_checksums},
+                      {"bad_lengths", counts.bad_lengths},
+                      {"abandoned", counts.abandoned},
+                      {"skipped_bytes", counts.skipped_bytes},
+                      {"framing_errors", servo.framing_errors()}});
+  }
+  Json reply{{"ok", true}};
+  reply.update(serving_());
+  reply["volts"] = bus_->volts();
+  reply["servos"] = servos;
+  return reply;
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,31 @@
+// Commands of the control socket of `kaz sim --bus`: power, supply, damage, status.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "sim/bus/virtual_bus.h"
+
+namespace kaz::sim {
+
+class BusCommands {
+ public:
+  // `serving`: what the server adds to the status.
+  BusCommands(VirtualBus& bus, std::function<nlohmann::ordered_json()> serving)
+      : bus_(&bus), serving_(std::move(serving)) {}
+  // One request: words, or {"command": "power", "argument": "off"}. The reply has "ok"; if false, also
+  // "error".
+  nlohmann::ordered_json answer(std::string_view line) const;
+
+ private:
+  nlohmann::ordered_json run(const std::string& command, const std::string& argument) const;
+  nlohmann::ordered_json status() const;
+
+  VirtualBus* bus_;
+  std::function<nlohmann::ordered_json()> serving_;
+};
+
+}  // namespace kaz::sim

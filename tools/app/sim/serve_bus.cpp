@@ -1,0 +1,54 @@
+// `kaz sim --bus`: a servo bus with a robot's servos for other processes.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/sim/serve_bus.h"
+
+#include <cstdio>
+
+#include "sim/runtime/serving/bus_server.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/paths.h"
+#include "tools/app/sim/serve.h"
+#include "tools/app/sim/stop_flag.h"
+
+namespace kaz::tools {
+
+Result<bool> serve_bus(const ServeBusOptions& options) {
+  if (options.robot_file.empty())
+    return fail(Fault::usage,
+                "--robot-file is missing: the robot whose servos are on the bus, such as "
+                "sim/robots/so101/so101.urdf");
+  if (options.serial.empty())
+    return fail(Fault::usage, "--serial is missing: where to put the link to the bus's port");
+  KAZ_TRY(check_place("--serial", options.serial));
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  const auto world = KAZ_TRY(world_file(options.world));
+  sim::WorldOptions world_options;
+  world_options.dynamics = options.dynamics;
+  auto bus = KAZ_TRY(sim::VirtualBus::load(world, options.robot_file, world_options));
+  if (options.supply_volts) bus->set_supply_volts(*options.supply_volts);
+  sim::BusServerOptions serving;
+  serving.serial_path = options.serial;
+  serving.report = [](const std::string& line) {
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+  };
+  auto server = KAZ_TRY(sim::BusServer::open(*bus, serving));
+  std::printf("ready: %zu servos on %s, control on %s.ctl; Ctrl-C ends\n", bus->servos(),
+              options.serial.c_str(), options.serial.c_str());
+  std::fflush(stdout);
+  const StopFlag stop(interrupt);
+  const auto statistics = KAZ_TRY(server->run(stop.flag()));
+  std::printf(
+      "ended after %.1f s; bytes from the host %llu, to it %llu, lost %llu; overruns %llu, worst "
+      "%.1f ms late\n",
+      statistics.simulated_s, static_cast<unsigned long long>(statistics.bytes_from_host),
+      static_cast<unsigned long long>(statistics.bytes_to_host),
+      static_cast<unsigned long long>(statistics.bytes_lost),
+      static_cast<unsigned long long>(statistics.overruns), 1e3 * statistics.worst_late_s);
+  if (const auto warning = bus->world().diagnostics().summary(); !warning.empty())
+    std::printf("warning: %s\n", warning.c_str());
+  return true;
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,34 @@
+// A flag that the interrupt sets, for code that looks at a flag and not at a descriptor.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <poll.h>
+
+#include <atomic>
+#include <thread>
+
+#include "host/link/interrupt.h"
+
+namespace kaz::tools {
+
+class StopFlag {
+ public:
+  explicit StopFlag(host::Interrupt& interrupt)
+      : interrupt_(interrupt), thread_([this] {
+          pollfd watched{interrupt_.descriptor(), POLLIN, 0};
+          while (poll(&watched, 1, -1) < 0) continue;
+          stop_ = true;
+        }) {}
+  ~StopFlag() {
+    interrupt_.request();
+    thread_.join();
+  }
+  const std::atomic<bool>& flag() const { return stop_; }
+
+ private:
+  host::Interrupt& interrupt_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace kaz::tools
