@@ -95,7 +95,9 @@ Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session
 }
 
 Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve_options) {
-  if (!arguments.view) return serve(std::move(serve_options));
+  // What serve() refuses is refused before an address is printed.
+  if (!arguments.view || serve_options.real_time.serial_path.empty())
+    return serve(std::move(serve_options));
   auto options = KAZ_TRY(view_of(arguments, serve_options.backend.robot_file));
   options.recorded_pictures = serve_options.backend.record_pictures;
   options.joints_only = serve_options.backend.stand;

@@ -13,6 +13,11 @@ namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2, of the weight that a hand carries
 
+// By append(): GCC 12 warns of `"..." + std::string` where it inlines it.
+std::string in_quotes(std::string_view word) {
+  return std::string("`").append(word).append("`");
+}
+
 Error misread(const std::string& what) {
   return {Fault::usage,
           what +
@@ -39,14 +44,14 @@ Result<HandAct> parse_hand(std::string_view line, Time now) {
   if (pushes || holds) {
     act.kind = pushes ? HandAct::Kind::push : HandAct::Kind::hold;
     if (words.size() != 5)
-      return tl::unexpected(misread("`" + verb + "` takes a name and three numbers"));
+      return tl::unexpected(misread(in_quotes(verb) + " takes a name and three numbers"));
     act.name = words[1];
     const double most = pushes ? HandAct::kMaxImpulse : HandAct::kMaxPlace;
     for (int axis = 0; axis < 3; ++axis) {
       const std::string& word = words[static_cast<std::size_t>(2 + axis)];
       const auto number = parse_number<double>(word);
       if (!number || !(std::abs(*number) <= most))
-        return tl::unexpected(misread("`" + word + "` is no number from " +
+        return tl::unexpected(misread(in_quotes(word) + " is no number from " +
                                       std::to_string(static_cast<int>(-most)) + " to " +
                                       std::to_string(static_cast<int>(most))));
       act.vector[axis] = *number;
@@ -56,8 +61,7 @@ Result<HandAct> parse_hand(std::string_view line, Time now) {
   if (verb == "at")
     return tl::unexpected(misread("what is done by hand begins now: leave `at` out"));
   const auto fault = faults::parse(line, now);
-  if (!fault)
-    return tl::unexpected(misread("`" + std::string(line) + "`: " + fault.error().message));
+  if (!fault) return tl::unexpected(misread(in_quotes(line) + ": " + fault.error().message));
   act.kind = HandAct::Kind::fault;
   act.fault = *fault;
   return act;

@@ -27,10 +27,14 @@ Result<std::map<std::string, std::string>> parse_settings(const std::vector<std:
 Result<trials::Interval> parse_interval(const std::string& option, const std::vector<double>& given,
                                         trials::Interval otherwise) {
   if (given.empty()) return otherwise;
-  if (given.size() != 2 || !(given[0] >= 0) || !(given[0] <= given[1]) || !std::isfinite(given[1]))
+  if (given.size() != 2 || !(given[0] >= 0) || !(given[0] <= given[1]) ||
+      !std::isfinite(given[1])) {
+    char example[80];
+    std::snprintf(example, sizeof example, "%g %g", otherwise.min, otherwise.max);
     return fail(Fault::usage,
                 option + ": give two numbers, none below 0, the smaller one first, as in " +
-                    option + " 0.6 0.8");
+                    option + " " + example);
+  }
   return trials::Interval{given[0], given[1]};
 }
 

@@ -133,7 +133,7 @@ Result<KeptFile> parse_kept(const std::string& text, const std::string& name) {
   };
   const Json json = json_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("kaz_kept_board"))
-    return wrong("is no kept state of a board, or is damaged");
+    return wrong("holds no notes of a board, or is damaged");
   if (json["kaz_kept_board"] != kVersion) return wrong("is of another version of this program");
   KeptFile kept;
   host::BoardState& board = kept.board;

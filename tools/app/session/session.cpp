@@ -356,6 +356,8 @@ Result<void> Session::open_backend() {
 Result<void> Session::connect() {
   const Time connecting = backend_->clock().now();
   const auto report_loss = [this, connecting](const host::Loss& loss) {
+    // Not the link: the virtual robot stopped where its recording could not be written.
+    if (backend_->recording_failed()) return;
     std::fprintf(stderr, "\n%s: after %.1f s %s; it is sought for up to %.3g s: %s\n",
                  options_.label.c_str(), seconds(loss.at - connecting), text(loss.cause),
                  seconds(loss.at_most), loss.why.c_str());
@@ -385,14 +387,24 @@ Result<void> Session::connect() {
                  options_.until, interrupt_);
   std::vector<host::RobotBoard> boards = backend_->boards();
   for (host::RobotBoard& board : boards) board.link = &links_.emplace_back(*board.link, gate());
-  auto robot = KAZ_TRY(
+  auto robot =
       host::Robot::connect(boards, *clock_,
                            {.reaction = options_.backend.reaction,
                             .reconnect = from_seconds(options_.backend.reconnect_s),
                             .on_lost = report_loss,
                             .on_resumed = report_resumption,
-                            .frames_path = real() ? temporary_file("frames.txt") : std::string()}));
-  robot_ = std::move(robot);
+                            .frames_path = real() ? temporary_file("frames.txt") : std::string()});
+  if (!robot) {
+    // With several boards each has its address in the file.
+    std::string& sentence = robot.error().message;
+    constexpr std::string_view kOption = "give --address ";
+    if (const auto at = sentence.find(kOption);
+        options_.backend.robot.starts_with("boards:") && at != std::string::npos)
+      sentence.replace(at, kOption.size(),
+                       "write into " + options_.backend.robot.substr(7) + " the address ");
+    return tl::unexpected(robot.error());
+  }
+  robot_ = std::move(*robot);
   if (!real()) return {};
   const auto trip = KAZ_TRY(host::measure_round_trip(*robot_, *backend_->port()));
   if (!options_.json || trip.slow)
