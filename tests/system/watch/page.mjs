@@ -43,8 +43,8 @@ function lap(what) {
   lapStart = Date.now();
 }
 async function open(url, options = {}) {
-  const page = await browser.newPage({ viewport: { width: 1000, height: 600 }, ...options });
-  page.setDefaultTimeout(60000);  // the machine may be busy, and without a graphics card
+  const page = await browser.newPage({ viewport: { width: 800, height: 480 }, ...options });
+  page.setDefaultTimeout(120000);  // the machine may be busy, and without a graphics card
   page.on("console", (message) => {
     // The browser itself reports each attempt while the program is away.
     if (message.type() === "error" && !message.text().includes("ERR_CONNECTION_REFUSED")) wrong.push(message.text());
@@ -52,7 +52,7 @@ async function open(url, options = {}) {
   page.on("pageerror", (error) => wrong.push(String(error)));
   const before = Date.now();
   await page.goto(url);
-  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 60000 });
+  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 120000 });
   return { page, took: Date.now() - before };
 }
 // CPU time of the server's thread, s.
@@ -74,7 +74,7 @@ try {
   const url = await live.url;
   const { page, took } = await open(url);
   console.log(`the page shows the robot ${took} ms after it was opened`);
-  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 30, null, { timeout: 60000 });
+  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 30, null, { timeout: 120000 });
   const pixels = () => page.evaluate(() => document.getElementById("view").toDataURL());
   const [a, shot] = [await head(page), await pixels()];
   let moved = 0;
