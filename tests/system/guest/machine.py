@@ -239,6 +239,7 @@ class Machine:
                 raise RuntimeError(f"the machine did not print /{pattern}/ in {patience_s} s; it printed\n" +
                                    "\n".join(self.console[-40:])) from None
             if line is None:
+                self.check_crash()
                 raise RuntimeError("the machine ended; it printed\n" + "\n".join(self.console[-40:]))
             if found := re.search(pattern, line):
                 return found, lines
@@ -285,15 +286,18 @@ class Machine:
     def __enter__(self):
         return self
 
+    def check_crash(self):
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            if (ended := self.process.wait(2)) < 0:
+                raise Crashed(f"QEMU itself was ended by signal {-ended}")
+
     def __exit__(self, kind, *_):
-        ended = None
-        if kind is not None:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                ended = self.process.wait(2)
-        self.power_off()
-        (self.out / "console.txt").write_text("\n".join(self.console) + "\n")
-        if ended is not None and ended < 0:
-            raise Crashed(f"QEMU itself was ended by signal {-ended}")
+        try:
+            if kind is not None:
+                self.check_crash()
+        finally:
+            self.power_off()
+            (self.out / "console.txt").write_text("\n".join(self.console) + "\n")
 
 
 if __name__ == "__main__":  # usage: machine.py FOLDER
