@@ -43,7 +43,7 @@ function lap(what) {
   lapStart = Date.now();
 }
 async function open(url, options = {}) {
-  const page = await browser.newPage({ viewport: { width: 800, height: 480 }, ...options });
+  const page = await browser.newPage({ viewport: { width: 1000, height: 600 }, ...options });
   page.setDefaultTimeout(120000);  // the machine may be busy, and without a graphics card
   page.on("console", (message) => {
     // The browser itself reports each attempt while the program is away.
