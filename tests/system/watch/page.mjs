@@ -121,12 +121,23 @@ try {
   await page.uncheck("#follow");
   const ballAt = () => page.evaluate(() => window.kaz.pose("ball/ball"));
   const canvas = await page.locator("#view").boundingBox();
-  const [bx, by] = await page.evaluate(() => window.kaz.onCanvas("ball/ball"));
-  await page.mouse.move(canvas.x + bx, canvas.y + by);
-  await page.mouse.down();
-  await page.mouse.move(canvas.x + bx, canvas.y + by - 40, { steps: 10 });
-  await page.mouse.move(canvas.x + bx, canvas.y + by - 80, { steps: 10 });
-  await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] > 0.06);
+  // It rolls about: it may be out of view, or gone from where it was a moment ago.
+  let held = false;
+  for (let i = 0; i < 20 && !held; ++i) {
+    const [bx, by] = await page.evaluate(() => window.kaz.onCanvas("ball/ball"));
+    if (bx < 20 || by < 100 || bx > canvas.width - 20 || by > canvas.height - 20) {
+      await page.waitForTimeout(500);
+      continue;
+    }
+    await page.mouse.move(canvas.x + bx, canvas.y + by);
+    await page.mouse.down();
+    await page.mouse.move(canvas.x + bx, canvas.y + by - 40, { steps: 5 });
+    await page.mouse.move(canvas.x + bx, canvas.y + by - 80, { steps: 5 });
+    held = await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] > 0.06, null, { timeout: 15000 })
+      .then(() => true, () => false);
+    if (!held) await page.mouse.up();
+  }
+  assert(held, "the ball is not dragged");
   await page.screenshot({ path: `${folder}/held.png` });
   await page.mouse.up();
   await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] < 0.05);
