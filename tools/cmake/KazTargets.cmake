@@ -236,17 +236,19 @@ function(kaz_library name)
   install(TARGETS kaz_${name} EXPORT kaz)
 endfunction()
 
-# kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board] [FAST] [NO_PCH] [SANITIZED] [TIMEOUT seconds])
+# kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board] [FAST] [NO_PCH] [SANITIZED] [TIMEOUT seconds]
+#          [UNREGISTERED])
 # One GoogleTest program NAME_test; each of its cases is a test of CTest's, with NAME as its label. REALTIME: it
 # mostly waits for a clock (robot: with a body or cameras, which need most of a core; board: without). No two of the
 # same kind run side by side, and they begin first, while the others, which compute, have a lower priority: so
 # ctest may run two more jobs than there are cores. FAST: its own code is optimised as the product is.
-# SANITIZED: also with the sanitized copies of LIBS, all of which have to be SANITIZED libraries.
+# SANITIZED: also with the sanitized copies of LIBS, all of which have to be SANITIZED libraries. UNREGISTERED: built
+# alone; another test runs it.
 function(kaz_test name)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "FAST;NO_PCH;SANITIZED" "REALTIME;TIMEOUT" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "FAST;NO_PCH;SANITIZED;UNREGISTERED" "REALTIME;TIMEOUT" "SOURCES;LIBS" ${ARGN})
   find_package(GTest REQUIRED)
   include(GoogleTest)
   add_executable(${name}_test ${ARG_SOURCES})
@@ -259,6 +261,9 @@ function(kaz_test name)
   endif()
   if(NOT ARG_NO_PCH)
     kaz_reuse_precompiled(${name}_test ${precompiled})
+  endif()
+  if(ARG_UNREGISTERED)
+    return()
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)

@@ -17,8 +17,9 @@ def kernel_can(options):
     with Guest(options, options.out / "kernel-can", [], MACHINE) as guest:
         guest.check_program(options)
         for interface, cases, number in RUNS:
-            code, printed = guest.run(f"KAZ_TEST_CAN={interface} {options.bin}/link_test --gtest_color=no "
-                                      f"--gtest_filter='{cases}'", PATIENCE_S, check=False)
+            command = (f"KAZ_TEST_CAN={interface} {options.bin}/kernel_can_test --gtest_color=no "
+                       f"--gtest_filter='{cases}'")
+            code, printed = guest.run(command, PATIENCE_S, check=False)
             passed = re.findall(r"^\[       OK \] (\S+)", printed, re.M)
             lines.append(f"CAN on {interface}, by the kernel: {len(passed)} of {number} passed: "
                          f"{', '.join(passed)}")

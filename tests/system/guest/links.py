@@ -140,7 +140,7 @@ def run_parts(options, parts):
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bin", type=pathlib.Path, required=True,
-                        help="folder with kaz, link_test, guest_init, guest_feed")
+                        help="folder with kaz, kernel_can_test, guest_init, guest_feed")
     parser.add_argument("--kernels", type=pathlib.Path, required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--fetch", action="store_true", help="get a kernel if there is none")
