@@ -2,48 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // node clients.mjs KAZ FOLDER. They offer the older name of the protocol alone.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { mkdirSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { McapStreamReader } from "@mcap/core";
+import { mkdirSync } from "node:fs";
+import { client, killAll, messages, start } from "./testing.mjs";
 
 const [kaz, folder] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
-const examples = createRequire(import.meta.url).resolve("@foxglove/ws-protocol-examples");
-const running = new Set();
-
-function start(program, words) {
-  const child = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"] });
-  running.add(child);
-  const result = { child, text: "" };
-  for (const stream of [child.stdout, child.stderr]) stream.on("data", (data) => { result.text += data; });
-  result.ended = new Promise((resolve) => child.on("exit", (code) => { running.delete(child); resolve(code); }));
-  result.says = async (pattern) => {
-    for (let i = 0; i < 300; ++i) {
-      const found = pattern.exec(result.text);
-      if (found) return found;
-      await new Promise((resolve) => setTimeout(resolve, 50));
-    }
-    throw new Error(`${words.join(" ")} did not print ${pattern}:\n${result.text}`);
-  };
-  return result;
-}
-const client = (...words) => start(process.execPath, [examples, ...words]);
-
-// topic -> its messages, each as time and content.
-function messages(path) {
-  const reader = new McapStreamReader({ validateCrcs: false });
-  reader.append(readFileSync(path));
-  const topics = new Map(), channels = new Map();
-  for (let record; (record = reader.nextRecord());) {
-    if (record.type === "Channel") channels.set(record.id, record.topic);
-    if (record.type !== "Message") continue;
-    const topic = channels.get(record.channelId);
-    if (!topics.has(topic)) topics.set(topic, []);
-    topics.get(topic).push(`${record.publishTime} ${Buffer.from(record.data).toString("base64")}`);
-  }
-  return topics;
-}
 
 try {
   const run = start(kaz, ["run", "search-ball", "--mcu", "native", "--out", `${folder}/run`, "--pace", "1", "--view-wait",
@@ -71,5 +34,5 @@ try {
     assert(theirs.get(topic)?.length > 0, `nothing of ${topic}`);
   console.log(`${compared} messages of ${ours.size} channels are those of the recording`);
 } finally {
-  for (const child of running) child.kill("SIGKILL");
+  killAll();
 }

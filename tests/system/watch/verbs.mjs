@@ -3,53 +3,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // node verbs.mjs KAZ FOLDER
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { mkdirSync, readFileSync, rmSync } from "node:fs";
-import { createRequire } from "node:module";
-import { McapStreamReader } from "@mcap/core";
+import { mkdirSync, rmSync } from "node:fs";
+import { client, killAll, messages, start } from "./testing.mjs";
 
 const [kaz, folder] = process.argv.slice(2);
 rmSync(folder, { recursive: true, force: true });
 mkdirSync(folder, { recursive: true });
-const examples = createRequire(import.meta.url).resolve("@foxglove/ws-protocol-examples");
-const running = new Set();
 
-function start(program, words) {
-  const child = spawn(program, words, { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
-  running.add(child);
-  const result = { child, text: "" };
-  for (const stream of [child.stdout, child.stderr]) stream.on("data", (data) => { result.text += data; });
-  result.ended = new Promise((resolve) => child.on("exit", (code) => { running.delete(child); resolve(code); }));
-  result.says = async (pattern) => {
-    for (let i = 0; i < 400; ++i) {
-      const found = pattern.exec(result.text);
-      if (found) return found;
-      await new Promise((resolve) => setTimeout(resolve, 50));
-    }
-    throw new Error(`${words.join(" ")} did not print ${pattern}:\n${result.text}`);
-  };
-  result.stop = () => { child.kill("SIGINT"); return result.ended; };
-  return result;
-}
-
-// By topic the contents of the messages that a client of the protocol got in `seconds`.
+// By topic the messages that a client of the protocol got in `seconds`.
 async function seen(program, name, seconds) {
   const [, port] = await program.says(/watch it at http:\/\/127\.0\.0\.1:(\d+)/);
   const path = `${folder}/${name}.mcap`;
-  const client = start(process.execPath, [examples, "mcap-record", `ws://127.0.0.1:${port}`, "-o", path, "-n"]);
-  await client.says(/subscribing to/);
+  const recorder = client("mcap-record", `ws://127.0.0.1:${port}`, "-o", path, "-n");
+  await recorder.says(/subscribing to/);
   await new Promise((resolve) => setTimeout(resolve, 1000 * seconds));
-  await client.stop();
-  const reader = new McapStreamReader({ validateCrcs: false });
-  reader.append(readFileSync(path));
-  const topics = new Map(), channels = new Map();
-  for (let record; (record = reader.nextRecord());) {
-    if (record.type === "Channel") channels.set(record.id, record.topic);
-    if (record.type !== "Message") continue;
-    const topic = channels.get(record.channelId);
-    if (!topics.has(topic)) topics.set(topic, []);
-    topics.get(topic).push(Buffer.from(record.data));
-  }
+  await recorder.stop();
+  const topics = messages(path);
   console.log(`${name}: ${[...topics].map(([topic, list]) => `${topic} ${list.length}`).join(", ")}`);
   return topics;
 }
@@ -70,22 +39,23 @@ function trunkHeight(data) {
 const stands = (topics, name) => {
   const poses = topics.get("/tf");
   assert(poses?.length > 5, `${name}: poses`);
-  const height = trunkHeight(poses.at(-1));
+  const height = trunkHeight(poses.at(-1).data);
   assert(height > 0.1 && height < 0.2, `${name}: the trunk is at a height of ${height} m`);
 };
 const has = (topics, name, ...wanted) => {
   for (const topic of wanted) assert(topics.get(topic)?.length > 0, `${name}: nothing of ${topic}`);
 };
 
+const started = (words) => start(kaz, words, folder);
 const view = ["--view", "127.0.0.1:0"];
 try {
-  const sim = start(kaz, ["sim", "--mcu", "native", "--serial", "board", "--cameras", "eyes", ...view]);
+  const sim = started(["sim", "--mcu", "native", "--serial", "board", "--cameras", "eyes", ...view]);
   await sim.says(/ready:/);
   const served = await seen(sim, "sim", 2);
   stands(served, "sim");
   has(served, "sim", "/truth/joints", "/scene", "/board/state", "/eyes/left", "/eyes/right/camera_info");
 
-  const run = start(kaz, ["run", "track-ball", "--robot", "serial:board", "--camera", "eyes", "--set", "seconds=6",
+  const run = started(["run", "track-ball", "--robot", "serial:board", "--camera", "eyes", "--set", "seconds=6",
     "--out", "run", ...view]);
   const live = await seen(run, "run", 3);
   stands(live, "run at a port");
@@ -94,27 +64,27 @@ try {
   await run.ended;
 
   // A terminal is what `script` gives it.
-  const monitor = start("script", ["-qec", `${kaz} monitor --port board ${view.join(" ")}`, "/dev/null"]);
+  const monitor = start("script", ["-qec", `${kaz} monitor --port board ${view.join(" ")}`, "/dev/null"], folder);
   const board = await seen(monitor, "monitor", 2);
   stands(board, "monitor");
   has(board, "monitor", "/board/state", "/joint_states");
   await monitor.stop();
   assert.equal(await sim.stop(), 0, sim.text);
 
-  const replay = start(kaz, ["replay", "run/recording.mcap", ...view]);
+  const replay = started(["replay", "run/recording.mcap", ...view]);
   const played = await seen(replay, "replay", 2);
   stands(played, "recording of a port");
   has(played, "recording of a port", "/board/state", "/behavior");
   assert.equal(await replay.stop(), 0, replay.text);
 
-  const bench = start(kaz, ["bench", "motor", "--mcu", "native", "--filter", "step", "--pace", "1", "--out", "bench",
+  const bench = started(["bench", "motor", "--mcu", "native", "--filter", "step", "--pace", "1", "--out", "bench",
     "--view-wait", ...view]);
   const stand = await seen(bench, "bench", 2);
   has(stand, "bench", "/joint_states", "/board/state", "/tf");
   await bench.stop();
 
   const port = 20000 + process.pid % 20000;
-  const evaluation = start(kaz, ["evaluate", "track-ball", "--mcu", "native", "--set", "seconds=3", "--episodes", "2",
+  const evaluation = started(["evaluate", "track-ball", "--mcu", "native", "--set", "seconds=3", "--episodes", "2",
     "--jobs", "1", "--pace", "1", "--out", "evaluated", "--view-wait", "--view", `${port}`]);
   await evaluation.says(/watch it at/);
   // The first episode's process takes the port over.
@@ -124,5 +94,5 @@ try {
   await evaluation.stop();
   console.log("sim, run, monitor, replay, bench, evaluate: as they should be");
 } finally {
-  for (const child of running) child.kill("SIGKILL");
+  killAll();
 }
