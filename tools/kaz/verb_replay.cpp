@@ -1,6 +1,7 @@
 // `kaz replay`: runs a recording again and reports the first difference.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/arguments.h"
+#include "tools/app/base/paths.h"
 #include "tools/app/replay/replay.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -18,7 +19,8 @@ void add_replay(CLI::App& program, Action& action) {
     WatchArguments watch;
   };
   auto arguments = std::make_shared<Arguments>();
-  verb->add_option("FILE", arguments->replay.file, "recording.mcap of a run")
+  verb->add_option("FILE", arguments->replay.file,
+                   "recording.mcap of a run, or the folder that it is in")
       ->required()
       ->type_name("");
   auto* host = verb->add_flag("--host", arguments->host,
@@ -54,6 +56,7 @@ void add_replay(CLI::App& program, Action& action) {
       "  kaz replay seen/recording.mcap --view");
   verb->callback([&action, arguments] {
     action = [arguments]() -> Result<Outcome> {
+      arguments->replay.file = recording_of(arguments->replay.file);
       if (arguments->watch.view) {
         KAZ_TRY(play_recording(arguments->watch, arguments->replay.file));
         return Outcome();

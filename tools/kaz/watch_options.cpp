@@ -6,6 +6,7 @@
 
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/monitor/terminal.h"
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/vision_channels.h"
@@ -134,6 +135,7 @@ Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions benc
 
 Result<bool> monitor_watched(const WatchArguments& arguments, MonitorOptions options) {
   if (!arguments.view) return monitor(options);
+  KAZ_TRY(Terminal::check());
   auto view_options = KAZ_TRY(view_of(arguments, ""));
   view_options.source = "robot";
   const auto view = KAZ_TRY(watch::View::open(std::move(view_options)));

@@ -75,4 +75,9 @@ Result<std::string> firmware_image(const std::string& given) {
                   "binutils-h8300-hms) and build again, or use --mcu native");
 }
 
+std::string recording_of(const std::string& path) {
+  std::error_code none;
+  return std::filesystem::is_directory(path, none) ? path + "/recording.mcap" : path;
+}
+
 }  // namespace kaz::tools

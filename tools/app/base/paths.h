@@ -21,4 +21,7 @@ Result<std::string> world_file(const std::string& name);
 // there is none the error says what to install.
 Result<std::string> firmware_image(const std::string& given);
 
+// recording.mcap of a folder that `kaz run` has written; else the path itself.
+std::string recording_of(const std::string& path);
+
 }  // namespace kaz::tools

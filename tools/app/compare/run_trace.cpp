@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <utility>
@@ -17,6 +16,7 @@
 #include "shared/protocol/message_info.h"
 #include "shared/protocol/messages.h"
 #include "sim/runtime/time.h"
+#include "tools/app/base/paths.h"
 #include "tools/app/session/line_recorder.h"
 #include "tools/lockstep/recorded_run.h"
 
@@ -257,9 +257,7 @@ Result<RunTrace> RunTrace::of(const sim::McapRecording& recording, const std::st
 }
 
 Result<RunTrace> RunTrace::load(const std::string& path) {
-  std::error_code none;
-  const std::string file =
-      std::filesystem::is_directory(path, none) ? path + "/recording.mcap" : path;
+  const std::string file = recording_of(path);
   return of(KAZ_TRY(sim::McapRecording::load(file)), file);
 }
 

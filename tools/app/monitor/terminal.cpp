@@ -35,10 +35,13 @@ chtype attribute(Ink ink) {
 
 }  // namespace
 
+Result<void> Terminal::check() {
+  if (isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0) return {};
+  return fail(Fault::usage, "the monitor needs a terminal; for scripts there is kaz status --json");
+}
+
 Result<Terminal> Terminal::open() {
-  if (isatty(STDIN_FILENO) == 0 || isatty(STDOUT_FILENO) == 0)
-    return fail(Fault::usage,
-                "the monitor needs a terminal; for scripts there is kaz status --json");
+  KAZ_TRY(check());
   std::setlocale(LC_ALL, "");
   if (newterm(nullptr, stdout, stdin) == nullptr) {
     const char* term = std::getenv("TERM");

@@ -29,6 +29,8 @@ class Terminal {
  public:
   // Errors: standard input or output is no terminal, or one of a kind that nobody knows (TERM).
   static Result<Terminal> open();
+  // The first of them.
+  static Result<void> check();
   Terminal(Terminal&& other) noexcept : open_(other.open_) { other.open_ = false; }
   Terminal& operator=(Terminal&&) = delete;
   ~Terminal();
