@@ -1,5 +1,6 @@
 // Cases of docs/reference/protocol.md, chapter Telemetry.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 
 #include "hil/conformance/suite.h"
@@ -43,14 +44,17 @@ void add_telemetry_cases(Cases& all) {
     const auto frames = b.telemetry(220, true);
     b.done("telemetry", Put().u16(0).u8(0));
     const Reply health = b.health();
-    // Of several replies: one reading has the potentiometer's noise, and may be a code (49 units) off, as
-    // that of the frame may, the other way.
-    constexpr int kReadings = 8;
-    std::array<long, KZ_JOINTS> angles{};
-    for (int n = 0; n < kReadings; ++n) {
+    // What several replies range over: one reading has the potentiometer's noise, and a frame has it as well.
+    // Between two readings there may be two codes of 49 units.
+    std::array<long, KZ_JOINTS> lowest{}, highest{};
+    for (int n = 0; n < 8; ++n) {
       const Reply state = b.state();
-      for (int j = 0; j < KZ_JOINTS; ++j)
-        angles[static_cast<std::size_t>(j)] += state.number("angle", j);
+      for (int j = 0; j < KZ_JOINTS; ++j) {
+        const auto at = static_cast<std::size_t>(j);
+        const long angle = state.number("angle", j);
+        lowest[at] = n == 0 ? angle : std::min(lowest[at], angle);
+        highest[at] = n == 0 ? angle : std::max(highest[at], angle);
+      }
     }
     int seen[4] = {};
     for (const Frame& frame : frames) {
@@ -67,9 +71,9 @@ void add_telemetry_cases(Cases& all) {
         if (frame.type == KZ_TYPE_telemetry_drives) {
           equal("duty of joint " + std::to_string(j), one.number("duty", j), 0);
         } else {
-          const long angle = angles[static_cast<std::size_t>(j)] / kReadings;
-          within("angle of joint " + std::to_string(j), one.number("angle", j), angle - 80,
-                 angle + 80);
+          const auto at = static_cast<std::size_t>(j);
+          within("angle of joint " + std::to_string(j), one.number("angle", j), lowest[at] - 80,
+                 highest[at] + 80);
         }
       }
     }
