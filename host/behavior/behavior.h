@@ -24,6 +24,14 @@
 
 namespace kaz::behavior {
 
+// What somebody asks of a behaviour while it runs.
+class Requests {
+ public:
+  virtual ~Requests() = default;
+  // Those that came since the last call, one line each. What is taken is recorded with `now`.
+  virtual std::vector<std::string> take(Time now) = 0;
+};
+
 struct Context {
   host::Robot& robot;
   host::Clock& clock;
@@ -39,6 +47,8 @@ struct Context {
   Time camera_patience = std::chrono::seconds(2);
   // Null without a camera and for behaviours without needs_floor.
   FloorDetector* floor = nullptr;
+  // Null where nobody can ask for anything.
+  Requests* requests = nullptr;
 };
 
 // Result of a behaviour. Measurements are written to result.json; their names contain the units.
@@ -58,7 +68,8 @@ struct Behavior {
   // An outcome without success: the task failed. An Error: it could not be completed (link, camera,
   // usage); one of Fault::failed counts as a failure.
   Result<Outcome> (*run)(Context& context) = nullptr;
-  bool needs_floor = false;  // run() uses Context::floor
+  bool needs_floor = false;     // run() uses Context::floor
+  bool takes_requests = false;  // run() uses Context::requests
 };
 
 // All behaviours of behaviors.def, in its order.

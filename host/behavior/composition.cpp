@@ -32,8 +32,9 @@ class Deadline final : public host::Clock {
 // not compile until it is passed on, too.
 Context with_clock(const Context& context, host::Clock& clock) {
   const auto& [robot, own_clock, detector, sink, options, seed, joints, radius_m, camera, patience,
-               floor] = context;
-  return {robot, clock, detector, sink, options, seed, joints, radius_m, camera, patience, floor};
+               floor, requests] = context;
+  return {robot,  clock,    detector, sink,     options, seed,
+          joints, radius_m, camera,   patience, floor,   requests};
 }
 
 }  // namespace

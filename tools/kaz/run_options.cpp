@@ -7,6 +7,8 @@
 #include <string_view>
 
 #include "host/behavior/behavior.h"
+#include "host/motion/pose_sequence.h"
+#include "shared/base/files.hpp"
 #include "tools/app/base/arguments.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/app/vision/color_file.h"
@@ -32,20 +34,28 @@ Result<void> check_duration(const behavior::Behavior& behavior, const std::strin
                                 std::string(option->initial));
 }
 
-bool has_goal(const behavior::Behavior& behavior) {
-  return std::ranges::count(behavior.options, std::string_view("goal"), &behavior::Option::name) >
-         0;
+bool has_option(const behavior::Behavior& behavior, std::string_view option) {
+  return std::ranges::count(behavior.options, option, &behavior::Option::name) > 0;
 }
 
-// Errors: this behaviour has no use for --goal.
-Result<void> check_goal(const behavior::Behavior& behavior) {
-  if (has_goal(behavior)) return {};
+// Errors: this behaviour has no use for --`option`.
+Result<void> check_has(const behavior::Behavior& behavior, const std::string& option) {
+  if (has_option(behavior, option)) return {};
   std::string names;
   for (const auto& other : behavior::behaviors()) {
-    if (has_goal(other)) names += (names.empty() ? "" : ", ") + std::string(other.name);
+    if (has_option(other, option)) names += (names.empty() ? "" : ", ") + std::string(other.name);
   }
-  return fail(Fault::usage, "--goal is of " + names + ": " + std::string(behavior.name) +
-                                " has no goal; leave the option out");
+  return fail(Fault::usage, "--" + option + " is of " + names + ": " + std::string(behavior.name) +
+                                " has no " + option + "; leave the option out");
+}
+
+// Errors: it is set to something else already.
+Result<void> set_once(std::map<std::string, std::string>& settings, const std::string& name,
+                      const std::string& value, const std::string& given) {
+  const auto [set, added] = settings.try_emplace(name, value);
+  if (added || set->second == value) return {};
+  return fail(Fault::usage, "--" + name + " " + given + " and --set " + name + "=" + set->second +
+                                " contradict each other; leave one out");
 }
 
 }  // namespace
@@ -93,20 +103,23 @@ void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
 Result<bool> run_behavior(RunArguments arguments) {
   const auto settings = KAZ_TRY(parse_settings(arguments.settings));
   arguments.session.settings = settings;
-  if (!arguments.duration.empty() || !arguments.goal.empty()) {
-    const auto behavior =
-        KAZ_TRY(guarded_behavior(arguments.session.behavior, arguments.session.label));
-    if (!arguments.goal.empty()) KAZ_TRY(check_goal(behavior));
+  auto& session = arguments.session;
+  if (!arguments.duration.empty() || !arguments.goal.empty() || !arguments.poses.empty()) {
+    const auto behavior = KAZ_TRY(guarded_behavior(session.behavior, session.label));
+    if (!arguments.goal.empty()) KAZ_TRY(check_has(behavior, "goal"));
+    if (!arguments.poses.empty()) KAZ_TRY(check_has(behavior, "poses"));
     if (!arguments.duration.empty()) {
       KAZ_TRY(check_duration(behavior, arguments.duration, settings));
-      arguments.session.settings["seconds"] = arguments.duration;
+      session.settings["seconds"] = arguments.duration;
     }
   }
-  if (!arguments.goal.empty()) {
-    const auto [set, added] = arguments.session.settings.try_emplace("goal", arguments.goal);
-    if (!added && set->second != arguments.goal)
-      return fail(Fault::usage, "--goal " + arguments.goal + " and --set goal=" + set->second +
-                                    " contradict each other; leave one out");
+  if (!arguments.goal.empty())
+    KAZ_TRY(set_once(session.settings, "goal", arguments.goal, arguments.goal));
+  if (!arguments.poses.empty()) {
+    // The recording has the poses, not the file's name: it may be another one when they are replayed.
+    const auto text = KAZ_TRY(read_whole_file(arguments.poses, motion::kMaxPosesBytes));
+    const auto poses = KAZ_TRY(motion::parse_poses(text, arguments.poses));
+    KAZ_TRY(set_once(session.settings, "poses", motion::text_of(poses), arguments.poses));
   }
   if (!arguments.memory.empty())
     arguments.session.backend.memory = KAZ_TRY(read_memory(arguments.memory));

@@ -18,6 +18,7 @@ struct RunArguments {
   std::string duration;               // s
   std::string color;                  // file
   std::string goal;                   // of navigate
+  std::string poses;                  // file, of play
   std::string memory;                 // file
   WatchArguments watch;
 };

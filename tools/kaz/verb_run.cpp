@@ -113,6 +113,9 @@ void add_run(CLI::App& program, Action& action) {
                    "; the other behaviours end by themselves");
   verb->add_option("--goal", arguments->goal, "the same as --set goal=..., of navigate")
       ->type_name("X,Y[,DEGREES]|ball");
+  verb->add_option("--poses", arguments->poses,
+                   "of play: file of poses (docs/reference/poses.md); run pose --view makes one")
+      ->type_name("FILE");
   add_settings(*verb, arguments->settings, "an option of the behaviour (below)");
   auto list = std::make_shared<bool>(false);
   verb->add_flag("--options", *list,
@@ -137,6 +140,8 @@ void add_run(CLI::App& program, Action& action) {
       "  kaz run catch-ball --world catch --eyes real --imu --out caught\n"
       "  kaz run navigate --goal 1.2,0.1 --world boxes --eyes real --imu --out there\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes     # of kaz sim\n"
+      "  kaz run pose --view              # set joints and make poses in the browser\n"
+      "  kaz run play --poses wave.json\n"
       "  kaz run ./wave.so --set times=2\n"
       "  kaz run ./wave.so --options\n"
       "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"

@@ -79,6 +79,9 @@ Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session
   auto options = KAZ_TRY(view_of(arguments, session.backend.robot_file));
   options.recorded_pictures = session.backend.record_pictures;
   options.hands = !real;
+  if (const auto behavior = behavior::find_behavior(session.behavior))
+    options.requests = !real && behavior->takes_requests;
+  const bool requests = options.requests;
   if (real) options.source = "robot";
   const auto view = KAZ_TRY(watch::View::open(std::move(options)));
   print_address(session.label, view->url());
@@ -86,6 +89,7 @@ Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session
   if (real) view->wait();
   session.backend.tap = view.get();
   if (!real) session.backend.hands = view.get();
+  if (requests) session.requests = [&view](Time) { return view->take_requests(); };
   session.on_pair = [&view](const vision::StereoPair& pair) { view->picture(pair); };
   VisionChannels vision(*view);
   if (session.watcher == nullptr) session.watcher = &vision;

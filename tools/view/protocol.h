@@ -57,7 +57,7 @@ struct PlaybackState {
 // The channel on which viewers say what is to be done by hand: JSON, {"do": LINE} with a line of HandAct
 // (sim/runtime/simulation/hand_player.h) or of the pace (view.h).
 inline constexpr std::string_view kHandTopic = "/hand";
-inline constexpr std::size_t kLongestLine = 400;
+inline constexpr std::size_t kLongestLine = 32 << 10;
 
 struct Request {
   enum class Kind {

@@ -228,7 +228,12 @@ void View::stepped(Time time, const sim::World& world) {
 
 std::string hands_json(const sim::RobotModel& robot) {
   using Json = nlohmann::ordered_json;
-  Json all{{"faults", Json::array()}, {"joints", robot.joint_order()}, {"links", Json::array()}};
+  Json all{{"faults", Json::array()},
+           {"joints", robot.joint_order()},
+           {"limits", Json::object()},
+           {"links", Json::array()}};
+  for (const sim::RobotJoint& joint : robot.joints)
+    all["limits"][joint.name] = {joint.lower, joint.upper};
   for (const faults::Kind& kind : faults::kinds())
     all["faults"].push_back({{"name", kind.name},
                              {"of_joint", kind.target == faults::Target::joint},
@@ -243,7 +248,7 @@ std::string hands_json(const sim::RobotModel& robot) {
 }
 
 Result<void> View::hear(const std::string& line) {
-  constexpr std::size_t kMostLines = 1000;
+  constexpr std::size_t kMostLines = 1000, kLongestAct = 400;
   const std::lock_guard lock(mutex_);
   const auto number_after = [&line](std::string_view verb) {
     return line.starts_with(verb) ? parse_number<double>(std::string_view(line).substr(verb.size()))
@@ -267,9 +272,21 @@ Result<void> View::hear(const std::string& line) {
     pace_ = *times;
     return {};
   }
-  KAZ_TRY(sim::parse_hand(line, Time::zero()));
-  if (lines_.size() >= kMostLines)
+  const bool request =
+      line == "stop" || line == "end" || line.starts_with("target ") || line.starts_with("play ");
+  if (request && !options_.requests)
+    return fail(Fault::usage, "`" + line.substr(0, line.find(' ')) +
+                                  "`: the joints are this program's; kaz run pose --view takes "
+                                  "targets and poses");
+  if (!request && line.size() > kLongestAct)
+    return fail(Fault::usage, "a line is longer than " + std::to_string(kLongestAct) + " bytes");
+  if (!request) KAZ_TRY(sim::parse_hand(line, Time::zero()));
+  if (lines_.size() + requests_.size() >= kMostLines)
     return fail(Fault::usage, "the run stands still, and too much waits for it already");
+  if (request) {
+    requests_.push_back(line);
+    return {};
+  }
   lines_.push_back(line);
   return {};
 }
@@ -280,6 +297,13 @@ std::vector<std::string> View::take(Time) {
   lines.assign(lines_.begin(), lines_.end());
   lines_.clear();
   acts_ += static_cast<int>(lines.size());
+  return lines;
+}
+
+std::vector<std::string> View::take_requests() {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> lines(requests_.begin(), requests_.end());
+  requests_.clear();
   return lines;
 }
 

@@ -25,6 +25,7 @@ struct ViewOptions {
   std::string token;      // 32 hexadecimal digits; empty: a new one
   bool wait = false;      // the run begins with the first viewer
   bool hands = false;     // viewers with the token may do things by hand
+  bool requests = false;  // and ask the behaviour for something (behavior::Requests)
   bool own_time = false;  // it goes by a clock: there is no pace, and no pause
   double pace = 0;        // the run's time over real time, at most; 0: as fast as it goes
   std::string robot_path, page_folder;
@@ -87,11 +88,14 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   void stepped(Time time, const sim::World& world) override;
   std::vector<std::string> take(Time start) override;
   void refused(const std::string& line, const Error& error) override;
+  // What was asked of the behaviour since the last call.
+  std::vector<std::string> take_requests();
   // Acts that were begun.
   int done_by_hand() const { return acts_; }
 
  private:
-  // A viewer's line: of HandAct, or of the run's pace, which changes nothing of the run: `pause`, `go`,
+  // A viewer's line: of HandAct, a request to the behaviour (`target`, `play`, `stop`, `end`: pose.cpp), or
+  // of the run's pace, which changes nothing of the run: `pause`, `go`,
   // `step SECONDS` of the run and then pause, `pace TIMES`, 0: as fast as it goes.
   Result<void> hear(const std::string& line);
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
@@ -116,6 +120,7 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   std::condition_variable changed_;
   std::deque<std::function<void()>> pictures_;  // to be coded
   std::deque<std::string> lines_;               // that wait for the next step
+  std::deque<std::string> requests_;            // that wait for the behaviour
   bool paused_ = false;
   std::optional<double> step_s_;  // until the pause, not begun
   std::optional<Time> pause_at_;  // of the run

@@ -3,15 +3,10 @@
 // node page.mjs KAZ FOLDER: pictures of the page go to FOLDER. Exit status 77: there is no chromium.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdirSync, readdirSync, readFileSync } from "node:fs";
-import { chromium } from "playwright-core";
+import { mkdirSync, readdirSync, readFileSync } from "node:fs";
+import { launch, open as openIn } from "./browser.mjs";
 
 const [kaz, folder] = process.argv.slice(2);
-const browserPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find((path) => existsSync(path));
-if (!browserPath) {
-  console.log("skipped: chromium is not installed (apt-get install chromium)");
-  process.exit(77);
-}
 mkdirSync(folder, { recursive: true });
 
 const running = new Set();
@@ -34,27 +29,14 @@ const run = (port, ...more) => start("run", "track-ball", "--mcu", "native", "--
   "--modules", "color,depth",
   ...more, "--view", `127.0.0.1:${port}`);
 
-const browser = await chromium.launch({ executablePath: browserPath,
-  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+const browser = await launch();
 const wrong = [];
 let lapStart = Date.now();
 function lap(what) {
   console.log(`${what}: ${Date.now() - lapStart} ms`);
   lapStart = Date.now();
 }
-async function open(url, options = {}) {
-  const page = await browser.newPage({ viewport: { width: 1000, height: 600 }, ...options });
-  page.setDefaultTimeout(120000);  // the machine may be busy, and without a graphics card
-  page.on("console", (message) => {
-    // The browser itself reports each attempt while the program is away.
-    if (message.type() === "error" && !message.text().includes("ERR_CONNECTION_REFUSED")) wrong.push(message.text());
-  });
-  page.on("pageerror", (error) => wrong.push(String(error)));
-  const before = Date.now();
-  await page.goto(url);
-  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 120000 });
-  return { page, took: Date.now() - before };
-}
+const open = (url, options) => openIn(browser, url, wrong, options);
 // CPU time of the server's thread, s.
 function serverTime(pid) {
   for (const task of readdirSync(`/proc/${pid}/task`)) {

@@ -61,6 +61,21 @@ std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
   return acts;
 }
 
+std::vector<std::pair<std::uint64_t, std::string>> recorded_requests(
+    const sim::McapRecording& recording) {
+  std::vector<std::pair<std::uint64_t, std::string>> requests;
+  for (const auto& message : recording.messages) {
+    const auto topic = recording.topics.find(message.channel);
+    if (topic == recording.topics.end() || topic->second != "/behavior") continue;
+    const Json json = object_of(std::string(message.data.begin(), message.data.end()));
+    if (!json.is_object()) continue;
+    const auto line = json.find("request");
+    if (line != json.end() && line->is_string())
+      requests.emplace_back(message.time_ns, line->get<std::string>());
+  }
+  return requests;
+}
+
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
                                          const std::string& name) {
   const auto fact = [&](const char* key) {

@@ -30,6 +30,10 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
 std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
     const sim::McapRecording& recording);
 
+// What was asked of the behaviour (behavior::Requests), with its time, ns, in order.
+std::vector<std::pair<std::uint64_t, std::string>> recorded_requests(
+    const sim::McapRecording& recording);
+
 // World and robot that are not where they were, and are beside the recording: as kaz evaluate keeps them of
 // episodes that failed.
 void find_beside(BackendOptions& options, const std::string& recording);

@@ -63,6 +63,15 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   session.backend = std::move(recorded.backend);
   if (options.seed) session.backend.seed = *options.seed;
   for (const auto& [name, value] : options.settings) session.settings[name] = value;
+  session.requests = [requests = recorded_requests(recording),
+                      next = std::size_t{0}](Time now) mutable {
+    std::vector<std::string> lines;
+    for (;
+         next < requests.size() && requests[next].first <= static_cast<std::uint64_t>(now.count());
+         ++next)
+      lines.push_back(requests[next].second);
+    return lines;
+  };
   session.quiet = true;
   session.vision = options.vision;
   // Another one if vision is to look for that.

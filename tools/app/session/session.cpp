@@ -96,6 +96,8 @@ class Listener final : public behavior::Sink {
   }
 
   const behavior::Recording& recording() const { return recording_; }
+  void request(const std::string& line) { record({{"request", line}}); }
+
   // The newest; nothing of behaviours without.
   const std::optional<figure::Image>& map() const { return map_; }
   const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
@@ -161,6 +163,25 @@ class WatchedClock final : public host::Clock {
   Onlooker* onlooker_;
   std::optional<Time> until_;
   host::Interrupt& interrupt_;
+};
+
+// What is asked of the behaviour, recorded so that a replay asks it again.
+class RecordedRequests final : public behavior::Requests {
+ public:
+  RecordedRequests(const std::function<std::vector<std::string>(Time)>& source, CallGate* gate,
+                   Listener& listener)
+      : source_(source), gate_(gate), listener_(listener) {}
+  std::vector<std::string> take(Time now) override {
+    const CallGate::Call call(gate_);
+    std::vector<std::string> lines = source_(now);
+    for (const std::string& line : lines) listener_.request(line);
+    return lines;
+  }
+
+ private:
+  const std::function<std::vector<std::string>(Time)>& source_;
+  CallGate* gate_;
+  Listener& listener_;
 };
 
 double expected_seconds(const behavior::OptionValues& values,
@@ -300,6 +321,7 @@ class Session {
   std::optional<Progress> progress_;
   Time start_{};
   std::optional<Listener> listener_;
+  std::optional<RecordedRequests> requests_;
 
   // How it went.
   Result<behavior::Outcome> outcome_;
@@ -461,6 +483,8 @@ void Session::perform() {
       *listener_, values_,         options_.backend.seed};
   context.ball_radius_m = options_.vision.ball.radius_m;
   if (gated_floor_ && backend_->sees()) context.floor = &*gated_floor_;
+  if (options_.requests && behavior_.takes_requests)
+    context.requests = &requests_.emplace(options_.requests, gate(), *listener_);
   if (real()) context.camera = "camera " + options_.backend.camera;
   context.other_joints = options_.backend.joints;
   if (is_real_camera(options_.backend.camera)) context.camera_patience = kCameraPatience;

@@ -35,7 +35,9 @@ struct SessionOptions {
   VisionOptions vision;                         // always with the module color
   VisionWatcher* watcher = nullptr;             // must outlive the session
   std::function<void(const vision::StereoPair&)> on_pair;  // each that the host has got
-  bool profile = false;                                    // measures where the time goes
+  // What is asked of a behaviour that takes requests, since the last call; recorded in /behavior.
+  std::function<std::vector<std::string>(Time now)> requests;
+  bool profile = false;                // measures where the time goes
   bool keep_interrupted = true;        // writes what there is of an interrupted run
   Onlooker* onlooker = nullptr;        // of a simulated robot; must outlive the session
   behavior::Sink* listener = nullptr;  // hears what the behaviour reports; must outlive the session

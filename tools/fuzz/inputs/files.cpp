@@ -1,7 +1,9 @@
 // Files of text: motors, sensors, cameras, faults.
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 
+#include "host/motion/pose_sequence.h"
 #include "shared/faults/faults.h"
 #include "sim/board/sensor_file.h"
 #include "sim/body/description/motor_file.h"
@@ -33,6 +35,34 @@ bool valid(const sim::ImuAxisParams& a) {
 }
 
 }  // namespace
+
+// Joints of any name are those of a robot that has them, as far as there are numbers.
+Complaint try_poses(Bytes bytes) {
+  const auto read = motion::parse_poses(text_of(bytes), "poses.json");
+  if (!read) return judge_error(read.error(), "poses.json");
+  const std::string written = motion::text_of(*read);
+  const auto again = motion::parse_poses(written, "written");
+  if (again && motion::text_of(*again) != written) return "a write and read back differ";
+  std::vector<std::string> joints;
+  for (const motion::Pose& pose : read->poses) {
+    for (const auto& [name, angle] : pose.angles_rad) {
+      if (joints.size() < 18) joints.push_back(name);
+    }
+  }
+  const auto motion = motion::PoseMotion::create(*read, joints);
+  if (!motion) return judge_error(motion.error(), "the poses");
+  for (const auto& extent : motion->extents()) {
+    if (!(extent.fastest_rad_per_s >= 0)) return "a speed that is none";
+    for (double time = -1; time < motion->end_s() + 1; time += motion->end_s() / 50 + 0.01) {
+      for (const auto& [joint, angle] : motion->at(time)) {
+        if (joint != extent.joint) continue;
+        if (!(angle >= extent.lowest_rad - 1e-6 && angle <= extent.highest_rad + 1e-6))
+          return "an angle beyond the poses'";
+      }
+    }
+  }
+  return std::nullopt;
+}
 
 Complaint try_motor(Bytes bytes) {
   const std::string path = input_file(bytes, "motor.xml");
@@ -101,8 +131,7 @@ Complaint try_faults(Bytes bytes) {
       return "a value outside of its bounds was read: " + faults::text_of(fault);
     if ((kind.target == faults::Target::joint) != (fault.joint >= 0))
       return "a joint where none is, or none where one is";
-    for (const Time t : {Time::min(), Time(0), Time::max()})
-      (void)fault.active(t);
+    for (const Time t : {Time::min(), Time(0), Time::max()}) (void)fault.active(t);
   }
   // Nine digits are written: what has more loses them once.
   const auto again = faults::Schedule::parse(schedule->text(), "again");

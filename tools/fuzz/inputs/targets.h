@@ -46,6 +46,7 @@ Complaint try_boards(Bytes bytes);  // files of boards
 // Servo buses (servo_bus.cpp).
 Complaint try_servo_bus(Bytes bytes);  // a hostile host at a virtual servo
 Complaint try_bus_file(Bytes bytes);   // bus.json
+Complaint try_poses(Bytes bytes);      // files of poses
 
 // Viewers of a run (viewers.cpp).
 Complaint try_viewer(Bytes bytes);  // requests; messages of a recording that is played
@@ -80,6 +81,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"boards", try_boards},
                                            {"servo_bus", try_servo_bus},
                                            {"bus_file", try_bus_file},
+                                           {"poses", try_poses},
                                            {"viewer", try_viewer}};
 
 }  // namespace kaz::fuzz

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "hil/fuzz/choices.h"
+#include "host/behavior/pose_request.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 #include "tools/view/feed.h"
@@ -32,6 +34,9 @@ Complaint judge(const Result<watch::Request>& request) {
   if (const auto act = sim::parse_hand(request->line, Time::zero())) {
     if (!act->vector.allFinite() || act->vector.cwiseAbs().maxCoeff() > sim::HandAct::kMaxPlace)
       return "a hand reaches too far";
+  }
+  if (const auto wanted = behavior::parse_pose_request(request->line)) {
+    if (!(std::abs(wanted->angle_rad) < 3.2)) return "a joint is to turn too far";
   }
   if (request->kind == watch::Request::Kind::playback &&
       !(request->playback.speed > 0.009 && request->playback.speed < 101))

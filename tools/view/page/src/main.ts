@@ -3,8 +3,9 @@
 import { Client } from "./client";
 import { Hands } from "./hands";
 import { drawMap } from "./map";
-import { Plot } from "./plot";
-import { type Grid, type Pose, readBoard, readCameraInfo, readCircles, readGrid, readMarkers, readPath, readPicture, readPoseStamped,
+import { Plot, TorquePlot } from "./plot";
+import { Poses } from "./poses";
+import { type Grid, type Pose, readBoard, readCameraInfo, readCircles, readGrid, readJointStates, readMarkers, readPath, readPicture, readPoseStamped,
   readTransforms, type Reader } from "./ros1";
 import { Scene } from "./scene";
 
@@ -29,6 +30,7 @@ const client = new Client(`${location.protocol === "https:" ? "wss" : "ws"}://${
   token === null ? "" : `?token=${encodeURIComponent(token)}`}`);
 const scene = new Scene(element<HTMLCanvasElement>("view"));
 const plot = new Plot(element<HTMLCanvasElement>("plot"));
+const torque = new TorquePlot(element<HTMLCanvasElement>("torque"));
 let plotDue = true;
 let time = 0;
 let forces = true;
@@ -49,6 +51,7 @@ client.onInfo = (info) => {
   if (end !== undefined) output("connection", "recording");
   element("locked").hidden = token !== null;
   hands.offer(token !== null && info.capabilities.includes("clientPublish"));
+  poses.offer(token !== null && info.capabilities.includes("clientPublish"));
 };
 client.onTime = (seconds) => { time = seconds; };
 client.onRefusal = (sentence) => output("refusal", sentence);
@@ -59,19 +62,23 @@ client.on("/contacts", (r) => scene.setForces(readMarkers(r), forces));
 client.on("/faults", (r) => output("fault", r.text()));
 client.on("/behavior", (_r, _s, data) => {
   const state = JSON.parse(new TextDecoder().decode(data)) as { behavior?: string; phase?: string };
-  if (state.phase !== undefined) output("phase", `${state.behavior ?? ""}: ${state.phase}`);
+  if (state.phase === undefined) return;
+  output("phase", `${state.behavior ?? ""}: ${state.phase}`);
+  poses.behavior(state.behavior ?? "");
 });
 
 const joints = element<HTMLSelectElement>("joint");
-joints.onchange = () => { plot.joint = joints.selectedIndex; plotDue = true; };
+joints.onchange = () => { plot.joint = torque.joint = joints.selectedIndex; plotDue = true; };
+client.on("/joint_states", (r) => { torque.add(readJointStates(r)); plotDue = true; });
 client.on("/board/state", (r) => {
   const state = readBoard(r);
   if (joints.options.length === 0) {
     for (const name of state.names) if (name !== "") joints.add(new Option(name));
     const pan = state.names.indexOf("neck_pan");
-    joints.selectedIndex = plot.joint = Math.max(0, pan);
+    joints.selectedIndex = plot.joint = torque.joint = Math.max(0, pan);
   }
   plot.add(state);
+  poses.board(state.names, state.measured);
   plotDue = true;
   output("supply", state.supply > 0 ? `${state.supply.toFixed(2)} V` : "–");
   const flags = ["motors on", "moving", "holding", "unlocked", "raw drive", "telemetry", "uncalibrated", "missed a tick"];
@@ -134,6 +141,7 @@ client.on("/map/path", (r) => { path = readPath(r); showMap(); });
 client.on("/map/robot", (r) => { robot = readPoseStamped(r); showMap(); });
 
 const hands = new Hands((line) => client.hand(line), scene);
+const poses = new Poses((line) => client.hand(line));
 
 const scrub = element<HTMLInputElement>("scrub");
 const speed = element<HTMLSelectElement>("speed");
@@ -169,7 +177,7 @@ addEventListener("keydown", (event) => {
 function draw(): void {
   output("time", `${time.toFixed(2)} s`);
   if (end !== undefined && document.activeElement !== scrub) scrub.value = String(1000 * time / end);
-  if (plotDue) { plotDue = false; plot.draw(); }
+  if (plotDue) { plotDue = false; plot.draw(); torque.draw(); }
   scene.draw();
   requestAnimationFrame(draw);
 }

@@ -88,6 +88,16 @@ export function readBoard(r: Reader): BoardState {
   };
 }
 
+// Torques of the motors, N m; none of a robot at a port.
+export interface Torques { seconds: number; effort: number[] }
+export function readJointStates(r: Reader): Torques {
+  const seconds = r.header().seconds;
+  r.list(() => r.text());
+  r.list(() => r.f64());
+  r.list(() => r.f64());
+  return { seconds, effort: r.list(() => r.f64()) };
+}
+
 export interface Picture { header: Header; format: string; data: Uint8Array }
 export function readPicture(r: Reader): Picture {
   return { header: r.header(), format: r.text(), data: r.bytes() };

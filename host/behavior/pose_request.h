@@ -1,0 +1,27 @@
+// What may be asked of the behaviour `pose`, one line each.
+// SPDX-License-Identifier: Apache-2.0
+//
+//   target JOINT RAD   the joint turns there
+//   play JSON          a file of poses (motion/pose_sequence.h), on one line
+//   stop               what is played ends; every joint stays where it is
+//   end                the behaviour ends
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::behavior {
+
+struct PoseRequest {
+  enum class Kind { target, play, stop, end };
+  Kind kind = Kind::stop;
+  std::string text;      // the joint's name, or the poses
+  double angle_rad = 0;  // -pi to pi
+};
+
+// Errors (usage) state what was expected.
+Result<PoseRequest> parse_pose_request(std::string_view line);
+
+}  // namespace kaz::behavior
