@@ -9,12 +9,14 @@ namespace kaz::behavior {
 
 namespace {
 
+constexpr double kNear_deg = 4;  // tolerance of the measured angle
+// Within the tolerance standing still would succeed.
+constexpr double kSmallest_deg = 5;
+
 constexpr Option kOptions[] = {
-    {"angle", "45", "", 1, 360, "degrees"},
+    {"angle", "45", "", kSmallest_deg, 360, "degrees"},
     {"gyro", "use", "use|ignore", 0, 0, "ignore: turn as if the board had none"},
 };
-
-constexpr double kNear_deg = 4;  // tolerance of the measured angle
 
 Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
   motion::Settings settings;
@@ -29,7 +31,8 @@ Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
     walker.motion().turn(sign * angle_deg * kDegree);
     KAZ_TRY(walker.finish());
   }
-  const double turned_deg = sign * (motion.heading() - start) / kDegree;
+  double turned_deg = sign * (motion.heading() - start) / kDegree;
+  if (std::abs(turned_deg) < 0.05) turned_deg = 0;  // prints as 0.0, not as -0.0
 
   Outcome outcome;
   outcome.success = !walker.fallen() && std::abs(turned_deg - angle_deg) < kNear_deg;

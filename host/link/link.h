@@ -26,7 +26,7 @@ class Clock {
 class Link {
  public:
   virtual ~Link() = default;
-  virtual std::string name() const = 0;  // for messages: "/dev/ttyUSB0", "can0", "lockstep"
+  virtual std::string name() const = 0;  // for messages: "/dev/ttyUSB0", "can0", "the simulator"
   // Minimum duration of one byte on the wire; zero if unknown. Tightens the bounds of the clock relation
   // (clock_relation.h).
   virtual Time byte_time() const { return Time::zero(); }

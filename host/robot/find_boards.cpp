@@ -93,7 +93,8 @@ Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error erro
           "no board answers at address " + std::to_string(address) + " on " + link.name() +
               ", but " + (one ? "one does at " : "others do at ") + addresses_text(*found) +
               ": give --address " + first + ", or move it with `kaz recover " + link.name() +
-              (one ? "`" : " --found-at " + first + "`")};
+              (one ? "" : " --found-at " + first) +
+              (address == KZ_ADDRESS_DEFAULT ? "" : " --address " + std::to_string(address)) + "`"};
 }
 
 }  // namespace kaz::host

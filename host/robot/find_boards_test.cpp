@@ -82,6 +82,11 @@ TEST(FindBoards, ConnectNamesTheAddressAndTheOption) {
             "no board answers at address 1 on test-port, but one does at address 3: give --address "
             "3, or move it with `kaz recover test-port`");
   EXPECT_TRUE(Robot::connect(board, board, {.address = 3}));
+  const auto five = Robot::connect(board, board, {.address = 5});
+  ASSERT_FALSE(five);
+  EXPECT_NE(five.error().message.find("move it with `kaz recover test-port --address 5`"),
+            std::string::npos)
+      << five.error().message;
 }
 
 TEST(KeptBoard, SettingsInRamComeBack) {

@@ -102,8 +102,13 @@ Error Robot::Parts::with_limits(Error error, const Reply& reply,
   if (!replies) return error;
   const auto set = read_reply(replies->front(), kz_unpack_settings_reply);
   if (!set) return error;
+  const std::string recover =
+      "kaz recover " + requester.link().name() +
+      (options.address == KZ_ADDRESS_DEFAULT ? ""
+                                             : " --address " + std::to_string(options.address));
   return outside_set_limits(refusal.detail, targets,
-                            {set->ramp * kRampPerUnit, angle_of(set->lower), angle_of(set->upper)});
+                            {set->ramp * kRampPerUnit, angle_of(set->lower), angle_of(set->upper)},
+                            recover);
 }
 
 Result<JointAngles> Robot::read_targets(std::uint32_t mask) {

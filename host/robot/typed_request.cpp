@@ -101,13 +101,14 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
   }
 }
 
-Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set) {
+Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set,
+                         const std::string& recover) {
   const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
   if (set.lower_rad <= info.lower_rad && set.upper_rad >= info.upper_rad)
     return {Fault::failed, outside_limits(joint, targets)};
   return {Fault::failed, not_moved(joint, targets) + "the limits that were set on the board, " +
-                             range(set.lower_rad, set.upper_rad) +
-                             "; a reset of the board or `kaz recover` gives it its own of " +
+                             range(set.lower_rad, set.upper_rad) + "; a reset of the board or `" +
+                             recover + "` gives it its own of " +
                              range(info.lower_rad, info.upper_rad) + " again"};
 }
 

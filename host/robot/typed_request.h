@@ -15,7 +15,8 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
 
 // That of a target outside the limits which are in force on the board, perhaps set by another program:
 // narrower than the joint's own they are named, with the way back. `joint` is one of the table.
-Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set);
+Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set,
+                         const std::string& recover);
 
 template <class Message>
 Request make_request(std::uint8_t type, const Message& message,

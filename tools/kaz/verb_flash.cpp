@@ -125,9 +125,11 @@ void add_flash(CLI::App& program, Action& action) {
                                "  kaz flash erase --port /dev/ttyUSB0 --blocks 7,8\n"
                                "  kaz flash erase --port /dev/ttyUSB0 --reset manual\n");
   erase
-      ->add_option("--blocks", to_erase->blocks,
-                   "blocks to erase through the resident loader, with commas between: 1 to 5 and 7 "
-                   "to 9, for it keeps EB0 (vectors) and EB6 (itself)")
+      ->add_option(
+          "--blocks", to_erase->blocks,
+          "blocks to erase through the resident loader, with commas between: 1 to 5 and 7 "
+          "to 9, for it keeps EB0 (vectors) and EB6 (itself). EB1 and EB2 hold the calibration, "
+          "EB3 the board's address, the others the application")
       ->delimiter(',')
       ->check(erasable_block())
       ->type_name("N,N");

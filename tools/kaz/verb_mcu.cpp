@@ -205,8 +205,8 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   verb->footer(
       "Starts at the reset vector, as the chip does. What the program sends on SCI0 goes to "
       "standard output. Where the chip stops on an error, a report is printed.\n"
-      "Exit status: 1 the chip stopped on an error; with --semihost the program's own, 125 where "
-      "it does not end by itself.\n"
+      "Exit status: 1 the chip stopped on an error; with --semihost the program's own, or 125 "
+      "where it does not end by itself.\n"
       "Examples:\n"
       "  kaz mcu run kaz.mot\n"
       "  kaz mcu run kaz.coff --max-states 2000 --trace\n"

@@ -28,7 +28,7 @@ class LockstepClock final : public host::Clock {
 class LockstepLink final : public host::Link {
  public:
   explicit LockstepLink(sim::Simulation& simulation) : simulation_(simulation) {}
-  std::string name() const override { return "lockstep"; }
+  std::string name() const override { return "the simulator"; }
   Time byte_time() const override;
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;

@@ -97,7 +97,7 @@ void end_where_it_is_whole(RecordedRun& run) {
 
 Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const std::string& name) {
   const auto unusable = [&](const std::string& why) {
-    return fail(Fault::usage, name + ": cannot be run again: " + why + "; record the run again");
+    return fail(Fault::usage, name + ": " + why + "; record the run again");
   };
   if (recording.damaged_chunks > 0) return unusable("a chunk is damaged");
   RecordedRun run;

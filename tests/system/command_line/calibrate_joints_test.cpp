@@ -114,6 +114,31 @@ TEST(CalibrateJoints, AJointWithoutStopsIsNamedAndNothingIsStored) {
   EXPECT_NE(floor.err.find("--only stops"), std::string::npos) << floor.err;
 }
 
+// What a gauge says is stored if it can be so: not an angle that the potentiometer is far from.
+TEST(CalibrateJoints, ByAGaugeWhatCannotBeSoIsNotStored) {
+  const TemporaryFolder folder;
+  const std::string memory = folder / "gauged.mem";
+  const Finished wrong = run(on_native("3", {"--memory", memory, "--gauge", "l_knee=45"}));
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_NE(wrong.err.find("no good reading of l_knee; nothing is stored"), std::string::npos)
+      << wrong.err;
+  const json report = parse_json(wrong.out);
+  EXPECT_EQ(report["stored"], false);
+  EXPECT_EQ(report["outcome"], "failed");
+  EXPECT_EQ(report["joints"][0]["good"], false);
+  EXPECT_NE(report["joints"][0]["fault"].get<std::string>().find("by the gauge it is at 45.0 deg"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(memory));
+
+  const Finished right = run(on_native("3", {"--memory", memory, "--gauge", "all=0"}));
+  EXPECT_EQ(right.exit_code, 0) << right.err;
+  const json stored = parse_json(right.out);
+  EXPECT_EQ(stored["stored"], true);
+  EXPECT_EQ(stored["outcome"], "done");
+  for (const auto& joint : stored["joints"]) EXPECT_EQ(joint["good"], true) << joint.dump();
+  EXPECT_TRUE(fs::exists(memory));
+}
+
 TEST(CalibrateJoints, OptionsAreChecked) {
   const TemporaryFolder folder;
   const Finished plan = run(calibrate({"--dry-run", "--robot", "serial:" + folder / "nobody"}));
@@ -164,6 +189,7 @@ TEST(CalibrateJoints, AtAPortItPromptsAndLeavesTheBoardAsItWas) {
   EXPECT_EQ(ended.exit_code, 128 + SIGTERM) << ended.err;
   const json report = parse_json(read_file(folder / "report/result.json"));
   EXPECT_EQ(report["interrupted"], true);
+  EXPECT_EQ(report["outcome"], "interrupted");
   EXPECT_EQ(report["stored"], false);
 
   // Nominal again, in RAM too, and motors off.

@@ -110,6 +110,26 @@ TEST(Cli, EachHelpHasTheExitStatusBeforeTheExamples) {
   EXPECT_EQ(run(kaz({"monitor", "--help"})).out.find("128 +"), std::string::npos);
 }
 
+TEST(Cli, ADryRunOfFlashingNeedsNoPort) {
+  const Finished looked = run({"/bin/sh", "-c",
+                               kaz({}).front() + " flash write $(dirname " + kaz({}).front() +
+                                   ")/../firmware/kaz.mot --dry-run"});
+  EXPECT_EQ(looked.exit_code, 0) << looked.err;
+  EXPECT_NE(looked.out.find(" bytes in EB"), std::string::npos) << looked.out;
+}
+
+TEST(Cli, StatusInJsonStatesItsError) {
+  const Finished none = run(kaz({"status", "/nowhere", "--json"}));
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_NE(none.out.find("\"error\": \"no such port: /nowhere"), std::string::npos) << none.out;
+}
+
+TEST(Cli, ATurnWithinItsToleranceIsRefused) {
+  const Finished turn = run(kaz({"run", "turn-left", "--set", "angle=1"}));
+  EXPECT_EQ(turn.exit_code, 2);
+  EXPECT_NE(turn.err.find("a number from 5 to 360"), std::string::npos) << turn.err;
+}
+
 TEST(Cli, BashCompletesVerbsAndOptions) {
   // In bash itself: the words after "kaz", the last of them to be completed.
   const auto completed = [](const std::string& words, int last) {

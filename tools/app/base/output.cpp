@@ -3,6 +3,7 @@
 #include "tools/app/base/output.h"
 
 #include <fcntl.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +17,15 @@
 namespace kaz::tools {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+int terminal_columns() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+}  // namespace
 
 Progress::Progress(std::string label, bool quiet)
     : label_(std::move(label)), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
@@ -31,11 +41,14 @@ void Progress::update(double share, const std::string& note) {
     const auto now = std::chrono::steady_clock::now();
     if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
     last_draw_ = now;
-    const int filled = static_cast<int>(share * 30);
-    std::fprintf(stderr, "\r%s [%s%s] %3d %%  %-36.36s", label_.c_str(),
+    // Label, bar, share, note: a line that wrapped could not be drawn over.
+    const int room = terminal_columns() - 1 - static_cast<int>(label_.size()) - 11;
+    const int bar = std::clamp(room / 2, 4, 30), left = std::clamp(room - bar, 0, 36);
+    const int filled = static_cast<int>(share * bar);
+    std::fprintf(stderr, "\r%s [%s%s] %3d %%  %.*s\033[K", label_.c_str(),
                  std::string(static_cast<std::size_t>(filled), '#').c_str(),
-                 std::string(static_cast<std::size_t>(30 - filled), '.').c_str(),
-                 static_cast<int>(share * 100), note.c_str());
+                 std::string(static_cast<std::size_t>(bar - filled), '.').c_str(),
+                 static_cast<int>(share * 100), left, note.c_str());
     line_open_ = true;
     return;
   }
@@ -52,7 +65,9 @@ void Progress::show(double at_s, const std::string& phase) {
     const auto now = std::chrono::steady_clock::now();
     if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
     last_draw_ = now;
-    std::fprintf(stderr, "\r%s: %.1f s: %.36s\033[K", label_.c_str(), at_s, phase.c_str());
+    const int room = terminal_columns() - 1 - static_cast<int>(label_.size()) - 14;
+    std::fprintf(stderr, "\r%s: %.1f s: %.*s\033[K", label_.c_str(), at_s, std::clamp(room, 0, 36),
+                 phase.c_str());
     line_open_ = true;
     return;
   }

@@ -3,7 +3,10 @@
 #include "tools/app/base/output.h"
 
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -45,6 +48,43 @@ TEST_F(Output, PutsAFileInThePlaceOfAnother) {
   EXPECT_EQ(files(), 1u);
   EXPECT_FALSE(put_in_place(at("none"), at("old")));
   EXPECT_EQ(read("old"), "new");
+}
+
+// On a terminal a line is drawn over the last one, so none may be wider than the terminal.
+TEST(ProgressOfABehavior, FitsIntoTheTerminal) {
+  for (const unsigned short columns : {60, 80, 200}) {
+    int terminal = -1, other = -1;
+    const winsize size{24, columns, 0, 0};
+    ASSERT_EQ(openpty(&terminal, &other, nullptr, nullptr, &size), 0);
+    const int before = dup(STDERR_FILENO);
+    dup2(other, STDERR_FILENO);
+    {
+      Progress progress("kaz vision run", false);
+      progress.update(0.5, "a note that is rather longer than thirty-six characters");
+    }
+    {
+      Progress progress("kaz run", false);
+      progress.show(1234.5, "a phase that is rather longer than thirty-six characters");
+    }
+    dup2(before, STDERR_FILENO);
+    close(before);
+    close(other);
+    char drawn[2000] = {};
+    ASSERT_GT(read(terminal, drawn, sizeof drawn - 1), 0);
+    close(terminal);
+    std::string line;
+    std::size_t longest = 0;
+    for (const char* c = drawn; *c != 0; ++c) {
+      if (*c == '\033')
+        c += 2;  // erases the rest
+      else if (*c == '\r' || *c == '\n')
+        line.clear();
+      else
+        longest = std::max(longest, (line += *c).size());
+    }
+    EXPECT_LT(longest, columns) << drawn;
+    EXPECT_GT(longest, 40u) << drawn;
+  }
 }
 
 // Standard error of a test is no terminal.

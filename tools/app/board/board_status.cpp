@@ -102,9 +102,7 @@ void print(const Json& now, const std::string& fault) {
   std::printf("ticks missed: %d\n", now["missed_ticks"].get<int>());
 }
 
-}  // namespace
-
-Result<bool> print_status(const StatusOptions& arguments) {
+Result<bool> read_status(const StatusOptions& arguments) {
   const auto port = KAZ_TRY(parse_port(arguments.port));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
@@ -129,6 +127,15 @@ Result<bool> print_status(const StatusOptions& arguments) {
   for (const std::string& sentence : earlier_notes(port.name()))
     std::fprintf(stderr, "kaz status: %s\n", sentence.c_str());
   return health.shutdown.empty();
+}
+
+}  // namespace
+
+Result<bool> print_status(const StatusOptions& arguments) {
+  auto read = read_status(arguments);
+  if (!read && arguments.json)
+    print_json({{"error", read.error().message}, {"provenance", provenance_json()}});
+  return read;
 }
 
 }  // namespace kaz::tools

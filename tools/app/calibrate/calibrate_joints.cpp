@@ -119,6 +119,7 @@ class Calibration {
 
   Result<Outcome> run() {
     gauges_ = KAZ_TRY(parse_gauges(options_.gauge));
+    report_.gauge_error_rad = options_.gauge_error_deg * kDegree;
     report_.gauge = options_.only == "gauge" || !gauges_.empty();
     if (report_.gauge && !options_.only.empty() && options_.only != "gauge")
       return fail(Fault::usage,
@@ -315,7 +316,7 @@ class Calibration {
       for (int j = 0; j < KZ_JOINTS; ++j)
         calibration::add_stops(to, j, report_.before[static_cast<std::size_t>(j)]);
     for (const GaugeReading& gauge : report_.gauge_readings)
-      to.add_angle(gauge.joint, gauge.code, gauge.angle_rad, options_.gauge_error_deg * kDegree);
+      to.add_angle(gauge.joint, gauge.code, gauge.angle_rad, report_.gauge_error_rad);
   }
 
   Result<void> estimate() {
@@ -347,7 +348,7 @@ class Calibration {
   Result<Outcome> finish(const Result<void>& measured) {
     auto ended = together(measured, leave());
     if (!measured) {
-      report_.interrupted = measured.error().message;
+      report_.error = measured.error();
       if (interrupt_.requested()) report_.signal = received_signal_name();
     }
     const std::vector<int> bad = ended ? faulty(report_) : std::vector<int>();

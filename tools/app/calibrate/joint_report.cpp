@@ -18,6 +18,7 @@ using Json = nlohmann::ordered_json;
 
 // Above it the equations of the floor contradict those of the stops: a sole is not flat, or has slipped.
 constexpr double kMaxResidual = 7;
+constexpr double kMaxGaugeResidual = 4;   // of one reading
 constexpr std::uint32_t kLegs = 0x3fc00;  // joints 10 to 17
 
 const char* name_of(int joint) {
@@ -74,12 +75,27 @@ std::string fault_of(const JointReport& report, int joint) {
     if (reading == nullptr) return which + "it was not read";
     if (!reading->fault.empty()) return which + reading->fault;
   }
-  if (!report.solution) return "nothing was computed";
+  if (!report.solution) return report.error ? "it was not computed" : "nothing was computed";
+  for (const GaugeReading& gauge : report.gauge_readings) {
+    if (gauge.joint != joint) continue;
+    const double away = report.solution->angle(joint, gauge.code) - gauge.angle_rad;
+    if (std::abs(away) > kMaxGaugeResidual * report.gauge_error_rad)
+      return "by the gauge it is at " + format("%.1f", gauge.angle_rad / kDegree) +
+             " deg, and by its potentiometer " + format("%.1f", std::abs(away) / kDegree) +
+             " deg away from there: look whether it is, and at the sign";
+  }
   if (contradicts(report, joint))
     return "what was read on the floor contradicts itself" +
            std::string(report.stops ? " or the stops" : "") + " (" +
            format("%.1f", report.solution->worst_residual) +
            " standard deviations): both soles must be flat on a level floor and must not slip";
+  const double expected =
+      2 * report.solution->joints[static_cast<std::size_t>(joint)].expected_error_rad;
+  const double good = report.gauge ? kGoodByGauge : kGoodError;
+  if (expected > good)
+    return "an error of " + format("%.2f", expected / kDegree) + " deg is expected, and " +
+           format("%.1f", good / kDegree) + " is allowed" +
+           (report.gauge ? ": measure it at more angles, or give a better --gauge-error" : "");
   return "";
 }
 
@@ -103,11 +119,10 @@ std::string joint_table_text(const JointReport& report) {
       continue;
     }
     const JointEstimate& e = report.solution->joints[static_cast<std::size_t>(j)];
-    std::snprintf(line, sizeof line, "%-13s %s %+9.2f  %+7.2f  %8.2f %8.2f%s\n", name_of(j),
+    std::snprintf(line, sizeof line, "%-13s %s %+9.2f  %+7.2f  %8.2f %8.2f\n", name_of(j),
                   stops_text(report, j).c_str(), e.shift_rad / kDegree,
                   100 * gain_change(report, j), 2 * e.expected_error_rad / kDegree,
-                  2 * e.worst_error_rad / kDegree,
-                  2 * e.expected_error_rad > kGoodError ? "  not good" : "");
+                  2 * e.worst_error_rad / kDegree);
     text += line;
   }
   return text;
@@ -129,9 +144,9 @@ Json joint_report_json(const JointReport& report) {
       if (!reading->fault.empty()) read["fault"] = reading->fault;
       one[stop == Stop::lower ? "lower_stop" : "upper_stop"] = read;
     }
-    if (const std::string fault = fault_of(report, j); !fault.empty()) {
-      one["fault"] = fault;
-    } else if (report.solution) {
+    const std::string fault = fault_of(report, j);
+    if (!fault.empty()) one["fault"] = fault;
+    if (report.solution) {
       const JointEstimate& e = report.solution->joints[i];
       one["centre_rad"] = e.line.centre_rad;
       one["scale_rad"] = e.line.scale_rad;
@@ -139,7 +154,7 @@ Json joint_report_json(const JointReport& report) {
       one["gain_percent"] = 100 * gain_change(report, j);
       one["error_95_deg"] = 2 * e.expected_error_rad / kDegree;
       one["worst_error_deg"] = 2 * e.worst_error_rad / kDegree;
-      one["good"] = 2 * e.expected_error_rad <= kGoodError;
+      one["good"] = fault.empty();
     }
     joints.push_back(one);
   }
@@ -168,10 +183,18 @@ Json joint_report_json(const JointReport& report) {
     result["sequence"] = report.stored->sequence;
     result["erases"] = {report.stored->erases_a, report.stored->erases_b};
   }
-  if (!report.interrupted.empty()) {
+  if (!report.error) {
+    result["outcome"] = faulty(report).empty() ? "done" : "failed";
+  } else {
+    const Fault fault = report.error->fault;
+    result["outcome"] = !report.signal.empty()        ? "interrupted"
+                        : fault == Fault::environment ? "environment"
+                                                      : "failed";
+    result["error"] = report.error->message;
+  }
+  if (!report.signal.empty()) {
     result["interrupted"] = true;
-    result["error"] = report.interrupted;
-    if (!report.signal.empty()) result["signal"] = report.signal;
+    result["signal"] = report.signal;
   }
   result["provenance"] = provenance_json();
   return result;

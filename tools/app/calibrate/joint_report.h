@@ -10,11 +10,13 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "host/calibration/joint_readings.h"
+#include "shared/base/result.hpp"
 
 namespace kaz::tools {
 
-// A joint is well calibrated if 95 % of its angles are expected to err by less: two standard deviations.
-inline constexpr double kGoodError = 0.5 * kDegree;
+// A joint is well calibrated if 95 % of its angles are expected to err by less: two standard deviations. By a
+// gauge, which gives one angle or a few, the potentiometer's slope and curve are not known better than this.
+inline constexpr double kGoodError = 0.5 * kDegree, kGoodByGauge = 1 * kDegree;
 
 struct GaugeReading {
   int joint = 0;
@@ -28,11 +30,13 @@ struct JointReport {
   std::vector<calibration::StopReading> stop_readings;
   std::vector<calibration::FloorReading> floor_readings;
   std::vector<GaugeReading> gauge_readings;
+  double gauge_error_rad = 0;  // one standard deviation of such an angle
   std::array<host::JointCalibration, KZ_JOINTS> before{};
   std::optional<calibration::JointEstimator::Solution> solution;
   std::optional<host::StoredCalibration> stored;
-  std::string interrupted, signal;  // the sentence and the name, if it was
-  double seconds = 0;               // of the robot
+  std::optional<Error> error;  // what ended the measurements early
+  std::string signal;          // that was it; its name
+  double seconds = 0;          // of the robot
 };
 
 // What is wrong with a joint's calibration, one sentence; empty if nothing is, or it was not to be

@@ -351,7 +351,7 @@ std::vector<std::string> notes_of(const RunTrace& a, const RunTrace& b, double s
     notes.push_back((same_s <= 0 ? std::string("from the beginning the host sent other targets")
                                  : "the host sent the same targets, within 1 degree, until " +
                                        seconds_text(same_s)) +
-                    "; angles differ for this reason, too");
+                    "; angles may differ for this reason, too");
   for (const auto& [run, letter] : {std::pair{&a, "A"}, std::pair{&b, "B"}}) {
     for (const std::string& reason : run->shutdowns)
       notes.push_back(std::string(letter) + ": the board switched its motors off: " + reason);

@@ -45,6 +45,7 @@ Result<void> check(const FlashArguments& arguments) {
     return fail(Fault::usage, "the flash ends at 0x01ffff; give --from and --length within it");
   if (arguments.port.empty() && !arguments.dry_run)
     return fail(Fault::usage, "--port is missing: the board's serial port");
+  if (arguments.port.empty()) return {};
   const std::string port = KAZ_TRY(parse_port(arguments.port)).name();
   if (arguments.port != port && arguments.port != "serial:" + port)
     return fail(Fault::usage, "--port " + arguments.port +

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/flash/flash.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "host/flash/diagnostic.h"
@@ -113,6 +114,12 @@ Result<void> erase(FlashSession& session, const FlashArguments& arguments, Answe
   answer.put("erased", arguments.blocks);
   std::string line = "erased:";
   for (const int block : arguments.blocks) line += " EB" + std::to_string(block);
+  // EB1 and EB2 hold the two copies of the calibration, EB3 the address (docs/reference/firmware.md).
+  const auto has = [&](int block) { return std::ranges::count(arguments.blocks, block) > 0; };
+  if (has(1) || has(2))
+    line += std::string("; with ") + (has(1) && has(2) ? "both copies" : "a copy") +
+            " of the calibration, which `kaz calibrate joints` makes anew";
+  if (has(3)) line += "; with the board's address, which is 1 now";
   answer.say(line +
              "; after 10 s, or by `kaz flash run`, the loader starts the application if it is "
              "whole");

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/counted.hpp"
 #include "sim/runtime/time.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
@@ -125,9 +126,11 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
                 seconds(sim::time_of(run.end)));
   if (identical) {
     std::printf(
-        "identical: %zu bytes sent at the same times, %zu records of the behaviour, on %zu bytes "
-        "received and %zu pairs of pictures\n",
-        run.to_board.size(), run.thoughts.size(), run.to_host.size(), run.pairs.size());
+        "identical: %s sent at the same times, %s of the behaviour, on %s received and %s of "
+        "pictures\n",
+        counted(run.to_board.size(), "byte").c_str(),
+        counted(run.thoughts.size(), "record").c_str(), counted(run.to_host.size(), "byte").c_str(),
+        counted(run.pairs.size(), "pair").c_str());
     return;
   }
   if (board.other_thought())
