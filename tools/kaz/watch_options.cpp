@@ -188,7 +188,6 @@ Result<void> play_recording(const WatchArguments& arguments, const std::string& 
     auto recorded = KAZ_TRY(recorded_backend(recording, file));
     find_beside(recorded.backend, file);
     play.view = KAZ_TRY(view_of(arguments, recorded.backend.robot_file));
-    if (const auto world = world_file(recorded.backend.world)) play.world_path = *world;
   }
   play.on_open = [](const std::string& url) {
     print_address("kaz replay", url);

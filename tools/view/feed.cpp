@@ -15,44 +15,18 @@
 #include "shared/protocol/message_info.h"
 #include "shared/protocol/messages.h"
 #include "sim/board/servo_board.h"
-#include "sim/runtime/formats/little_endian.h"
+#include "sim/runtime/formats/ros_messages.h"
 
 namespace kaz::watch {
 namespace {
 
 using sim::LittleEndian;
 using sim::LittleEndianFields;
+using sim::ros::header;
 
-#define KAZ_MSG                                                                        \
-  "================================================================================\n" \
-  "MSG: "
-#define KAZ_HEADER KAZ_MSG "std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
-#define KAZ_VECTOR KAZ_MSG "geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n"
-#define KAZ_QUATERNION \
-  KAZ_MSG "geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"
-#define KAZ_POINT KAZ_MSG "geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n"
-
-constexpr char kTf[] =
-    "geometry_msgs/TransformStamped[] transforms\n" KAZ_MSG
-    "geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
-    "geometry_msgs/Transform transform\n" KAZ_HEADER KAZ_MSG
-    "geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
-    "geometry_msgs/Quaternion rotation\n" KAZ_VECTOR KAZ_QUATERNION;
 constexpr char kJointState[] =
     "# True angles and the motors' torques.\nstd_msgs/Header header\nstring[] name\n"
-    "float64[] position\nfloat64[] velocity\nfloat64[] effort\n" KAZ_HEADER;
-constexpr char kText[] = "string data\n";
-constexpr char kMarkers[] =
-    "visualization_msgs/Marker[] markers\n" KAZ_MSG
-    "visualization_msgs/Marker\nuint8 ARROW=0\nuint8 CUBE=1\nuint8 SPHERE=2\nuint8 CYLINDER=3\n"
-    "uint8 ADD=0\nuint8 DELETEALL=3\nstd_msgs/Header header\nstring ns\nint32 id\nint32 type\n"
-    "int32 action\ngeometry_msgs/Pose pose\ngeometry_msgs/Vector3 scale\nstd_msgs/ColorRGBA color\n"
-    "duration lifetime\nbool frame_locked\ngeometry_msgs/Point[] points\n"
-    "std_msgs/ColorRGBA[] colors\nstring text\nstring mesh_resource\n"
-    "bool mesh_use_embedded_materials\n" KAZ_HEADER KAZ_MSG
-    "geometry_msgs/Pose\ngeometry_msgs/Point position\n"
-    "geometry_msgs/Quaternion orientation\n" KAZ_POINT KAZ_QUATERNION KAZ_VECTOR KAZ_MSG
-    "std_msgs/ColorRGBA\nfloat32 r\nfloat32 g\nfloat32 b\nfloat32 a\n";
+    "float64[] position\nfloat64[] velocity\nfloat64[] effort\n" KAZ_ROS_STD_HEADER;
 constexpr char kBoard[] =
     "# What passes between host and board, and what the pins do, by joint number.\n"
     "std_msgs/Header header\n"
@@ -66,151 +40,79 @@ constexpr char kBoard[] =
     "float64 worst_tick    # of the board, as a share of a tick's time, as it last stated; 0: not "
     "yet\n"
     "uint32 frames_to_board\nuint32 frames_to_host\n"
-    "uint32 frames_damaged # in either direction\n" KAZ_HEADER;
-constexpr char kCameraInfo[] =
-    "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\nfloat64[] D\n"
-    "float64[9] K\nfloat64[9] R\nfloat64[12] P\nuint32 binning_x\nuint32 binning_y\n"
-    "sensor_msgs/RegionOfInterest roi\n" KAZ_HEADER KAZ_MSG
-    "sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\n"
-    "bool do_rectify\n";
-constexpr char kPicture[] = "std_msgs/Header header\nstring format\nuint8[] data\n" KAZ_HEADER;
+    "uint32 frames_damaged # in either direction\n" KAZ_ROS_STD_HEADER;
 
-#define KAZ_2D                                                   \
-  KAZ_MSG "foxglove_msgs/Point2\nfloat64 x\nfloat64 y\n" KAZ_MSG \
-          "foxglove_msgs/Color\nfloat64 r\nfloat64 g\nfloat64 b\nfloat64 a\n"
+#define KAZ_2D                                                           \
+  KAZ_ROS_MSG "foxglove_msgs/Point2\nfloat64 x\nfloat64 y\n" KAZ_ROS_MSG \
+              "foxglove_msgs/Color\nfloat64 r\nfloat64 g\nfloat64 b\nfloat64 a\n"
 constexpr char kAnnotations[] =
     "foxglove_msgs/CircleAnnotation[] circles\nfoxglove_msgs/PointsAnnotation[] points\n"
-    "foxglove_msgs/TextAnnotation[] texts\n" KAZ_MSG
+    "foxglove_msgs/TextAnnotation[] texts\n" KAZ_ROS_MSG
     "foxglove_msgs/CircleAnnotation\ntime timestamp\nfoxglove_msgs/Point2 position\n"
     "float64 diameter\nfloat64 thickness\nfoxglove_msgs/Color fill_color\n"
-    "foxglove_msgs/Color outline_color\n" KAZ_MSG
+    "foxglove_msgs/Color outline_color\n" KAZ_ROS_MSG
     "foxglove_msgs/PointsAnnotation\nuint8 UNKNOWN=0\nuint8 POINTS=1\nuint8 LINE_LOOP=2\n"
     "uint8 LINE_STRIP=3\nuint8 LINE_LIST=4\ntime timestamp\nuint8 type\n"
     "foxglove_msgs/Point2[] points\nfoxglove_msgs/Color outline_color\n"
     "foxglove_msgs/Color[] outline_colors\nfoxglove_msgs/Color fill_color\n"
-    "float64 thickness\n" KAZ_MSG
+    "float64 thickness\n" KAZ_ROS_MSG
     "foxglove_msgs/TextAnnotation\ntime timestamp\nfoxglove_msgs/Point2 position\nstring text\n"
     "float64 font_size\nfoxglove_msgs/Color text_color\n"
     "foxglove_msgs/Color background_color\n" KAZ_2D;
 
 constexpr std::string_view kWire = "/wire/";
-constexpr int kArrow = 0, kCube = 1, kSphere = 2, kCylinder = 3;
 constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr double kMetresPerNewton = 0.01;
-
-LittleEndian& header(LittleEndian& to, std::uint64_t time_ns, std::string_view frame,
-                     std::uint32_t sequence = 0) {
-  return to.number(sequence)
-      .number(static_cast<std::uint32_t>(time_ns / kSecond))
-      .number(static_cast<std::uint32_t>(time_ns % kSecond))
-      .text(frame);
-}
-
-void real32(LittleEndian& to, double value) {
-  to.number(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
-}
-
-void pose(LittleEndian& to, const Eigen::Isometry3d& at) {
-  const Eigen::Vector3d place = at.translation();
-  const Eigen::Quaterniond turn(at.rotation());
-  to.reals({place.data(), 3});
-  to.real(turn.x()).real(turn.y()).real(turn.z()).real(turn.w());
-}
 
 std::uint64_t time_of(const vision::FrameInfo& info) {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(0, info.exposure.count()));
 }
 
-struct Marker {
-  std::string frame = "world", space;
-  std::uint32_t id = 0;
-  int type = kCube;
-  Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
-  sim::Rgb color = {};
-  bool removes_all = false;
-};
-
-void put(LittleEndian& to, std::uint64_t time_ns, const Marker& marker) {
-  header(to, time_ns, marker.frame).text(marker.space);
-  to.number(marker.id).number(static_cast<std::uint32_t>(marker.type));
-  to.number(static_cast<std::uint32_t>(marker.removes_all ? 3 : 0));
-  pose(to, marker.at);
-  to.reals({marker.scale.data(), 3});
-  for (const float part : {marker.color.r, marker.color.g, marker.color.b, 1.0f})
-    real32(to, static_cast<double>(part));
-  to.number(std::uint32_t{0}).number(std::uint32_t{0});  // lifetime: for ever
-  to.number(std::uint8_t{1});                            // frame_locked
-  to.number(std::uint32_t{0}).number(std::uint32_t{0});  // points, colors
-  to.text("").text("").number(std::uint8_t{0});
-}
-
-// Marker of a shape; nothing for meshes, which only the robot has.
-std::optional<Marker> marker_of(const sim::Visual& visual) {
-  Marker marker;
-  marker.at = visual.in_frame;
-  marker.color = visual.color;
-  const Eigen::Vector3d& size = visual.shape.size;
-  switch (visual.shape.kind) {
-    case sim::Shape::Kind::box:
-      marker.scale = size;
-      return marker;
-    case sim::Shape::Kind::sphere:
-      marker.type = kSphere;
-      marker.scale = Eigen::Vector3d::Constant(2 * size.x());
-      return marker;
-    case sim::Shape::Kind::cylinder:
-    case sim::Shape::Kind::capsule:
-      marker.type = kCylinder;
-      marker.scale = {2 * size.x(), 2 * size.x(), size.y()};
-      return marker;
-    case sim::Shape::Kind::plane:  // thin, and no wider than a viewer has use for
-      marker.scale = {std::clamp(size.x(), 0.1, 10.0), std::clamp(size.y(), 0.1, 10.0), 1e-4};
-      marker.at.translation() -= marker.at.linear() * Eigen::Vector3d(0, 0, 1e-3);
-      return marker;
-    case sim::Shape::Kind::mesh:
-      break;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
-Result<Feed> Feed::create(Server& server, const std::string& robot_path, double rate_hz) {
+Result<Feed> Feed::create(Server& server, const std::string& robot_path,
+                          const FeedOptions& options) {
   auto model = KAZ_TRY(sim::load_robot(robot_path));
-  Feed feed(server, std::move(model), rate_hz);
+  Feed feed(server, std::move(model), options);
+  if (options.recorded_robot) return feed;
   const std::string urdf = KAZ_TRY(read_whole_file(robot_path, 16 << 20));
   LittleEndian(feed.data_).text(urdf);
   server.publish(feed.channels_.description, 0, feed.data_, true);
   return feed;
 }
 
-Feed::Feed(Server& server, sim::RobotModel model, double rate_hz)
+Feed::Feed(Server& server, sim::RobotModel model, const FeedOptions& options)
     : server_(server),
       model_(std::move(model)),
-      period_ns_(static_cast<std::uint64_t>(1e9 / rate_hz)) {
-  const auto add = [&server](const char* topic, const char* name, const char* schema) {
-    return server.add_channel({0, topic, "ros1", name, "ros1msg", schema}, true);
+      period_ns_(static_cast<std::uint64_t>(1e9 / options.rate_hz)),
+      hangs_(options.hangs),
+      posed_(options.recorded_robot) {
+  const auto add = [&server](const char* topic, const char* name, const char* schema,
+                             bool derived = true) {
+    return server.add_channel({0, topic, "ros1", name, "ros1msg", schema}, derived);
   };
-  channels_.tf = add("/tf", "tf2_msgs/TFMessage", kTf);
+  // The recording has these of a simulated robot.
+  const bool derived = !options.recorded_robot;
+  channels_.tf = add("/tf", "tf2_msgs/TFMessage", sim::ros::kTransforms, derived);
   channels_.joint_states = add("/joint_states", "sensor_msgs/JointState", kJointState);
-  channels_.description = add("/robot_description", "std_msgs/String", kText);
-  channels_.scene = add("/scene", "visualization_msgs/MarkerArray", kMarkers);
-  channels_.contacts = add("/contacts", "visualization_msgs/MarkerArray", kMarkers);
+  channels_.description = add("/robot_description", "std_msgs/String", sim::ros::kText, derived);
+  add("/scene", "visualization_msgs/MarkerArray", sim::ros::kMarkers, derived);
+  channels_.contacts = add("/contacts", "visualization_msgs/MarkerArray", sim::ros::kMarkers);
   channels_.board = add("/board/state", "kaz/BoardState", kBoard);
-  channels_.left = add("/eyes/left", "sensor_msgs/CompressedImage", kPicture);
-  channels_.right = add("/eyes/right", "sensor_msgs/CompressedImage", kPicture);
+  channels_.left = add("/eyes/left", "sensor_msgs/CompressedImage", sim::ros::kPicture);
+  channels_.right = add("/eyes/right", "sensor_msgs/CompressedImage", sim::ros::kPicture);
   channels_.annotations =
       add("/eyes/left/annotations", "foxglove_msgs/ImageAnnotations", kAnnotations);
-  channels_.left_info = add("/eyes/left/camera_info", "sensor_msgs/CameraInfo", kCameraInfo);
-  channels_.right_info = add("/eyes/right/camera_info", "sensor_msgs/CameraInfo", kCameraInfo);
+  channels_.left_info =
+      add("/eyes/left/camera_info", "sensor_msgs/CameraInfo", sim::ros::kCameraInfo);
+  channels_.right_info =
+      add("/eyes/right/camera_info", "sensor_msgs/CameraInfo", sim::ros::kCameraInfo);
   restart();
 }
 
 void Feed::restart() {
   next_ns_.reset();
   next_contacts_ns_ = 0;
-  has_scene_ = false;
   lines_.clear();
   frames_to_board_ = frames_to_host_ = frames_damaged_ = 0;
   worst_tick_ = 0;
@@ -237,15 +139,7 @@ void Feed::message(std::string_view topic, std::uint64_t time_ns,
       wire(time_ns, *line - 1, end.ends_with("to_board"), data);
     return;
   }
-  if (topic == "/truth/ball") {
-    LittleEndianFields fields(data);
-    Eigen::Vector3d at;
-    for (double& x : at) x = std::bit_cast<double>(fields.number<std::uint64_t>());
-    for (auto& [name, pose] : objects_) {
-      if (fields.good() && (name == "ball" || name.starts_with("ball/"))) pose.translation() = at;
-    }
-    return;
-  }
+  if (topic == "/tf") posed_ = true;
   if (topic != "/board/pins" || !server_.wanted(channels_.board)) return;
   LittleEndianFields fields(data);
   sim::PinLevels pins;
@@ -266,8 +160,7 @@ void Feed::joints(std::uint64_t time_ns, std::span<const std::uint8_t> data) {
   server_.publish_time(time_ns);
   joint_states(time_ns, angle_, torque_);
   board_state(time_ns);
-  poses_due_ = true;
-  if (!has_world_) poses_of_joints(time_ns);
+  if (!posed_) poses_of_joints(time_ns);
 }
 
 // A board's state, where no simulator states more. The robot stands on its lower foot: where its trunk is
@@ -393,8 +286,8 @@ void Feed::contacts(std::uint64_t time_ns, std::span<const std::uint8_t> data) {
   next_contacts_ns_ = time_ns + period_ns_;
   LittleEndianFields fields(data);
   const auto count = std::min<std::uint32_t>(fields.number<std::uint32_t>(), 200);
-  std::vector<Marker> markers;
-  Marker& clear = markers.emplace_back();
+  std::vector<sim::ros::Marker> markers;
+  sim::ros::Marker& clear = markers.emplace_back();
   clear.space = "contacts";
   clear.removes_all = true;
   for (std::uint32_t i = 0; i < count && fields.good(); ++i) {
@@ -405,10 +298,10 @@ void Feed::contacts(std::uint64_t time_ns, std::span<const std::uint8_t> data) {
     for (double& x : force) x = std::bit_cast<double>(fields.number<std::uint64_t>());
     const double newtons = force.norm();
     if (!fields.good() || !(newtons > 0.05) || !std::isfinite(newtons)) continue;
-    Marker& marker = markers.emplace_back();
+    sim::ros::Marker& marker = markers.emplace_back();
     marker.space = "contacts";
     marker.id = i;
-    marker.type = kArrow;
+    marker.type = sim::ros::Marker::arrow;
     marker.at.translation() = at;
     marker.at.linear() =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), force).toRotationMatrix();
@@ -416,51 +309,14 @@ void Feed::contacts(std::uint64_t time_ns, std::span<const std::uint8_t> data) {
     marker.color = {0.90f, 0.62f, 0.0f};
   }
   data_.clear();
-  LittleEndian to(data_);
-  to.number(static_cast<std::uint32_t>(markers.size()));
-  for (const Marker& marker : markers) put(to, time_ns, marker);
+  sim::ros::markers(data_, time_ns, markers);
   server_.publish(channels_.contacts, time_ns, data_);
 }
 
-void Feed::begin_at(const sim::World& world) {
-  scene(0, world);
-  const sim::ScenePose poses = world.pose();
-  const auto& names = world.scene().frames;
-  for (std::size_t i = 1; i < names.size() && i < poses.frames.size(); ++i) {
-    if (!model_.frames.contains(names[i])) objects_[names[i]] = poses.frames[i];
-  }
-  for (const auto& [name, frame] : model_.frames) {
-    if (frame.link == 0) root_ = world.link_pose(name) * frame.in_link.inverse();
-  }
-}
-
-void Feed::world(std::uint64_t time_ns, const sim::World& world) {
-  has_world_ = true;
-  if (!has_scene_) scene(time_ns, world);
-  if (!std::exchange(poses_due_, false) || !server_.wanted(channels_.tf)) return;
-  const sim::ScenePose poses = world.pose();
-  const auto& names = world.scene().frames;
-  data_.clear();
-  LittleEndian to(data_);
-  std::uint32_t count = 0;
-  to.number(count);
-  const auto transform = [&](const std::string& name, const Eigen::Isometry3d& at) {
-    header(to, time_ns, "world").text(name);
-    pose(to, at);
-    ++count;
-  };
-  for (std::size_t i = 1; i < names.size() && i < poses.frames.size(); ++i) {
-    if (!model_.frames.contains(names[i])) transform(names[i], poses.frames[i]);
-  }
-  for (const auto& [name, frame] : model_.frames) transform(name, world.link_pose(name));
-  for (std::size_t i = 0; i < 4; ++i) data_[i] = static_cast<std::uint8_t>(count >> (8 * i));
-  server_.publish(channels_.tf, time_ns, data_);
-}
-
+// Of a robot whose trunk nobody knows.
 void Feed::poses_of_joints(std::uint64_t time_ns) {
   if (!server_.wanted(channels_.tf)) return;
   std::vector<Eigen::Isometry3d> links(model_.links.size(), Eigen::Isometry3d::Identity());
-  if (!links.empty() && has_truth_) links[0] = root_;
   for (std::size_t i = 1; i < links.size(); ++i) {
     const sim::RobotLink& link = model_.links[i];
     const auto parent = static_cast<std::size_t>(link.parent);
@@ -470,21 +326,15 @@ void Feed::poses_of_joints(std::uint64_t time_ns) {
     const Eigen::Vector3d axis = link.at_zero.linear().transpose() * model_.joints[j].axis;
     links[i].rotate(Eigen::AngleAxisd(angle_[j], axis));
   }
-  if (!has_truth_) {
+  if (!hangs_) {
     const Eigen::Isometry3d root = standing(links);
     for (Eigen::Isometry3d& link : links) link = root * link;
   }
+  std::vector<sim::ros::NamedPose> poses;
+  for (const auto& [name, frame] : model_.frames)
+    poses.emplace_back(name, links[static_cast<std::size_t>(frame.link)] * frame.in_link);
   data_.clear();
-  LittleEndian to(data_);
-  to.number(static_cast<std::uint32_t>(model_.frames.size() + objects_.size()));
-  for (const auto& [name, at] : objects_) {
-    header(to, time_ns, "world").text(name);
-    pose(to, at);
-  }
-  for (const auto& [name, frame] : model_.frames) {
-    header(to, time_ns, "world").text(name);
-    pose(to, links[static_cast<std::size_t>(frame.link)] * frame.in_link);
-  }
+  sim::ros::transforms(data_, time_ns, poses);
   server_.publish(channels_.tf, time_ns, data_);
 }
 
@@ -522,45 +372,13 @@ Eigen::Isometry3d Feed::standing(const std::vector<Eigen::Isometry3d>& links) co
   return root;
 }
 
-void Feed::scene(std::uint64_t time_ns, const sim::World& world) {
-  has_scene_ = true;
-  std::vector<Marker> markers;
-  const sim::Scene& scene = world.scene();
-  for (const sim::Visual& visual : scene.visuals) {
-    const auto frame = static_cast<std::size_t>(visual.frame);
-    const std::string& name = scene.frames[frame];
-    if (frame != 0 && model_.frames.contains(name)) continue;  // the robot has its own description
-    auto marker = marker_of(visual);
-    if (!marker) continue;
-    marker->frame = frame == 0 ? "world" : name;
-    marker->space = visual.name;
-    marker->id = static_cast<std::uint32_t>(markers.size());
-    markers.push_back(std::move(*marker));
-  }
-  data_.clear();
-  LittleEndian to(data_);
-  to.number(static_cast<std::uint32_t>(markers.size()));
-  for (const Marker& marker : markers) put(to, time_ns, marker);
-  server_.publish(channels_.scene, time_ns, data_, true);
-}
-
 void Feed::camera(std::uint64_t time_ns, const vision::CameraModel& model,
                   std::vector<std::uint8_t>& data) {
   for (const bool right : {false, true}) {
     const auto channel = right ? channels_.right_info : channels_.left_info;
     if (!server_.wanted(channel)) continue;
     data.clear();
-    LittleEndian to(data);
-    header(to, time_ns, right ? "right_eye" : "left_eye");
-    to.number(static_cast<std::uint32_t>(model.height))
-        .number(static_cast<std::uint32_t>(model.width));
-    to.text("plumb_bob").number(std::uint32_t{5}).reals(std::array<double, 5>{});
-    to.reals(std::array{model.fx, 0.0, model.cx, 0.0, model.fy, model.cy, 0.0, 0.0, 1.0});
-    to.reals(std::array{1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
-    to.reals(std::array{model.fx, 0.0, model.cx, right ? -model.fx * model.baseline_m : 0.0, 0.0,
-                        model.fy, model.cy, 0.0, 0.0, 0.0, 1.0, 0.0});
-    for (int i = 0; i < 6; ++i) to.number(std::uint32_t{0});  // binning, region of interest
-    to.number(std::uint8_t{0});
+    sim::ros::camera_info(data, time_ns, model, right);
     server_.publish(channel, time_ns, data);
   }
 }
@@ -601,8 +419,8 @@ void Feed::jpeg(std::uint32_t channel, const vision::FrameInfo& info, const visi
 }
 
 std::uint32_t Feed::add_pictures(const std::string& topic) {
-  return server_.add_channel({0, topic, "ros1", "sensor_msgs/CompressedImage", "ros1msg", kPicture},
-                             true);
+  return server_.add_channel(
+      {0, topic, "ros1", "sensor_msgs/CompressedImage", "ros1msg", sim::ros::kPicture}, true);
 }
 
 bool Feed::wants_picture(std::uint32_t channel, const vision::FrameInfo& info) {

@@ -1,7 +1,7 @@
 // What viewers get beside the recorded channels, made of these: poses, joint states, markers, the board.
 // SPDX-License-Identifier: Apache-2.0
 //
-// docs/howto/watch.md lists the channels. Nothing of it is in a recording.
+// docs/howto/watch.md lists the channels.
 #pragma once
 
 #include <array>
@@ -16,25 +16,27 @@
 #include "shared/board/board.h"
 #include "shared/protocol/frame.h"
 #include "sim/body/description/robot_model.h"
-#include "sim/body/world/world.h"
 #include "tools/view/server.h"
 #include "vision/color/ball.h"
 #include "vision/image/frame.h"
 
 namespace kaz::watch {
 
+struct FeedOptions {
+  double rate_hz = 30;  // of poses and states, in the run's time
+  bool recorded_robot =
+      false;           // the recorded channels have the robot's description, world and poses
+  bool hangs = false;  // a robot without them hangs in the air; else it stands
+};
+
 class Feed {
  public:
-  // `rate_hz`: of poses and states, in the run's time. The server must outlive it.
-  static Result<Feed> create(Server& server, const std::string& robot_path, double rate_hz = 30);
+  // The server must outlive it.
+  static Result<Feed> create(Server& server, const std::string& robot_path,
+                             const FeedOptions& options = {});
 
   // A message of a recorded channel.
   void message(std::string_view topic, std::uint64_t time_ns, std::span<const std::uint8_t> data);
-  // Of a recording that is played: the world as it begins. Only its ball moves, and the robot's joints; the
-  // robot stands where the run began.
-  void begin_at(const sim::World& world);
-  // The simulated world.
-  void world(std::uint64_t time_ns, const sim::World& world);
   // A pair of the host's: calibration and, with `pixels`, as JPEG in the channels of recorded pictures.
   // Waits until the pair is drawn. May run beside calls of the other functions.
   void pictures(const vision::StereoPair& pair, bool pixels);
@@ -50,7 +52,7 @@ class Feed {
   void restart();
 
  private:
-  Feed(Server& server, sim::RobotModel model, double rate_hz);
+  Feed(Server& server, sim::RobotModel model, const FeedOptions& options);
   bool due(std::uint64_t time_ns);
   void joints(std::uint64_t time_ns, std::span<const std::uint8_t> data);
   void joint_states(std::uint64_t time_ns, std::span<const double> angles,
@@ -62,7 +64,6 @@ class Feed {
   Eigen::Isometry3d standing(const std::vector<Eigen::Isometry3d>& links) const;
   void board_state(std::uint64_t time_ns);
   void poses_of_joints(std::uint64_t time_ns);
-  void scene(std::uint64_t time_ns, const sim::World& world);
   void camera(std::uint64_t time_ns, const vision::CameraModel& model,
               std::vector<std::uint8_t>& data);
 
@@ -70,7 +71,7 @@ class Feed {
             std::string_view frame);
 
   struct Channels {
-    std::uint32_t tf, joint_states, description, scene, contacts, board, left, right, left_info,
+    std::uint32_t tf, joint_states, description, contacts, board, left, right, left_info,
         right_info, annotations;
   };
   Server& server_;
@@ -79,9 +80,8 @@ class Feed {
   Channels channels_{};
   std::optional<std::uint64_t> next_ns_;
   std::uint64_t next_contacts_ns_ = 0;
-  bool has_world_ = false, has_scene_ = false, poses_due_ = false;
-  std::map<std::string, Eigen::Isometry3d> objects_;  // of a recording, by frame
-  Eigen::Isometry3d root_ = Eigen::Isometry3d::Identity();
+  bool hangs_ = false;
+  bool posed_ = false;              // poses come with the recorded channels
   bool has_truth_ = false;          // false: at a port, where the board's angles are all there is
   std::vector<std::uint8_t> data_;  // of the message under way
 

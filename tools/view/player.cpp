@@ -8,7 +8,6 @@
 #include <thread>
 #include <vector>
 
-#include "sim/body/world/world.h"
 #include "sim/runtime/simulation/recorder.h"
 
 namespace kaz::watch {
@@ -169,11 +168,9 @@ Result<void> play(const sim::McapRecording& recording, const PlayOptions& option
   std::string url;
   const auto server =
       KAZ_TRY(open_server(view, 0, std::max<std::uint64_t>(1, recording.end_ns()), url));
-  auto feed = KAZ_TRY(Feed::create(*server, view.robot_path));
-  if (!options.world_path.empty()) {
-    if (const auto world = sim::World::load(options.world_path, view.robot_path, {}))
-      feed.begin_at(**world);
-  }
+  FeedOptions feeds;
+  feeds.recorded_robot = recording.has_messages("/tf");
+  auto feed = KAZ_TRY(Feed::create(*server, view.robot_path, feeds));
   Player player(recording, *server, feed, view.pace > 0 ? view.pace : 1);
   server->on_playback([&player](const Playback& wanted) { player.hear(wanted); });
   if (options.on_open) options.on_open(url);

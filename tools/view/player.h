@@ -12,7 +12,6 @@ namespace kaz::watch {
 
 struct PlayOptions {
   ViewOptions view;                                 // pace: the speed at which it begins; 0: 1
-  std::string world_path;                           // SDF; empty: nothing but the robot is shown
   std::function<void(const std::string&)> on_open;  // the page's address
 };
 

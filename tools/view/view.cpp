@@ -78,7 +78,7 @@ Result<std::map<std::string, ServedFile>> robot_files(const fs::path& urdf) {
 }  // namespace
 
 bool lasts(std::string_view topic, std::span<const std::uint8_t> data) {
-  if (topic.starts_with("/map")) return true;
+  if (topic.starts_with("/map") || topic == "/scene" || topic == "/robot_description") return true;
   const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
   return topic == "/behavior" && text.find("\"phase\"") != std::string_view::npos;
 }
@@ -140,7 +140,10 @@ Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uin
 Result<std::unique_ptr<View>> View::open(ViewOptions options) {
   std::string url;
   auto server = KAZ_TRY(open_server(options, 0, 0, url));
-  auto feed = KAZ_TRY(Feed::create(*server, options.robot_path));
+  FeedOptions feeds;
+  feeds.recorded_robot = options.source == "simulation" && !options.joints_only;
+  feeds.hangs = options.joints_only;
+  auto feed = KAZ_TRY(Feed::create(*server, options.robot_path, feeds));
   return std::unique_ptr<View>(
       new View(std::move(options), std::move(server), std::move(feed), std::move(url)));
 }
@@ -221,8 +224,7 @@ void View::message(std::uint16_t channel, std::uint64_t time_ns,
   feed_.message(tapped.topic, time_ns, data);
 }
 
-void View::stepped(Time time, const sim::World& world) {
-  if (!options_.joints_only) feed_.world(static_cast<std::uint64_t>(time.count()), world);
+void View::stepped(Time time) {
   keep_pace(time);
 }
 

@@ -85,7 +85,7 @@ class View final : public sim::RecordingTap, public sim::HandSource {
                const std::string& schema) override;
   void message(std::uint16_t channel, std::uint64_t time_ns,
                std::span<const std::uint8_t> data) override;
-  void stepped(Time time, const sim::World& world) override;
+  void stepped(Time time) override;
   std::vector<std::string> take(Time start) override;
   void refused(const std::string& line, const Error& error) override;
   // What was asked of the behaviour since the last call.

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -33,11 +35,12 @@ namespace {
 const std::string kTree = KAZ_TREE;
 const std::string kRobot = kTree + "/shared/robot/kaz/kaz.urdf";
 
-std::unique_ptr<View> opened(bool wait = false) {
+std::unique_ptr<View> opened(bool wait = false, const char* source = "simulation") {
   ViewOptions options;
   options.where = "127.0.0.1:0";
   options.robot_path = kRobot;
   options.wait = wait;
+  options.source = source;
   auto view = View::open(options);
   EXPECT_TRUE(view.has_value()) << view.error().message;
   return std::move(*view);
@@ -84,8 +87,8 @@ TEST(View, WatchedOrNotTheRecordingIsTheSameAndAReaderThatKeepsUpHasAllOfIt) {
   const sim::TestFolder folder;
   const std::string alone = recorded(folder.file("alone.mcap"), nullptr);
   const auto view = opened(true);
-  std::vector<Received> joints, wire;
-  int poses = 0, boards = 0, scenes = 0;
+  std::vector<Received> joints, wire, poses;
+  int boards = 0, scenes = 0;
   std::thread viewer([&, port = view->server().port()] {
     Client client(port);
     ASSERT_TRUE(client.open("foxglove.sdk.v1"));
@@ -99,7 +102,7 @@ TEST(View, WatchedOrNotTheRecordingIsTheSameAndAReaderThatKeepsUpHasAllOfIt) {
       const std::uint32_t id = (*frame)[1];
       if (id == joint_channel) joints.push_back(received(*frame));
       if (id == pins) wire.push_back(received(*frame));
-      poses += id == tf;
+      if (id == tf) poses.push_back(received(*frame));
       boards += id == board;
       scenes += id == scene;
     }
@@ -109,16 +112,34 @@ TEST(View, WatchedOrNotTheRecordingIsTheSameAndAReaderThatKeepsUpHasAllOfIt) {
   EXPECT_EQ(watched, alone);
   const auto file = sim::McapRecording::load(folder.file("watched.mcap"));
   ASSERT_TRUE(file.has_value());
-  std::vector<Received> in_file;
-  for (const auto& message : file->messages) {
-    if (file->topics.at(message.channel) == "/truth/joints")
-      in_file.push_back({message.time_ns, message.data});
-  }
-  EXPECT_EQ(joints, in_file);
+  std::map<std::string, std::vector<Received>> in_file;
+  for (const auto& message : file->messages)
+    in_file[file->topics.at(message.channel)].push_back({message.time_ns, message.data});
+  EXPECT_EQ(joints, in_file["/truth/joints"]);
+  EXPECT_EQ(poses, in_file["/tf"]);
+  EXPECT_EQ(in_file["/scene"].size(), 1u);
+  EXPECT_EQ(in_file["/robot_description"].size(), 1u);
   EXPECT_GE(wire.size(), 299u);
-  EXPECT_GE(poses, 8);  // 30 Hz
+  EXPECT_GE(poses.size(), 8u);  // 30 Hz
   EXPECT_GE(boards, 8);
   EXPECT_EQ(scenes, 1);
+}
+
+// Who comes in the midst of a run sees the robot and its world, too.
+TEST(View, WhoComesLaterGetsWhatIsSentOnce) {
+  const auto view = opened();
+  EXPECT_EQ(recorded("", view.get()), "");
+  Client client(view->server().port());
+  ASSERT_TRUE(client.open("foxglove.sdk.v1"));
+  const auto scene = client.channel("/scene"), robot = client.channel("/robot_description");
+  client.send(subscriptions({scene, robot}));
+  std::set<std::uint32_t> got;
+  while (got.size() < 2) {
+    const auto frame = client.next_frame(1);
+    ASSERT_TRUE(frame);
+    got.insert((*frame)[1]);
+  }
+  EXPECT_EQ(got, (std::set<std::uint32_t>{scene, robot}));
 }
 
 TEST(View, WithoutAFileTheSameIsHeard) {
@@ -148,7 +169,6 @@ TEST(View, ARecordingIsPlayedWithPausesAndJumps) {
   options.view.robot_path = kRobot;
   options.view.wait = true;
   options.view.stopped = [&] { return stop.load(); };
-  options.world_path = kTree + "/sim/worlds/ball.sdf";
   options.on_open = [&](const std::string& url) {
     token = url.substr(url.find('?'));
     port = std::stoi(url.substr(url.find(':', 6) + 1));
@@ -185,7 +205,7 @@ TEST(View, ARecordingIsPlayedWithPausesAndJumps) {
 
 // What a board states, as the recording of a run at a port has it.
 TEST(View, ARobotAtAPortStandsOnItsLowerFootAtTheAnglesOfItsBoards) {
-  const auto view = opened();
+  const auto view = opened(false, "robot");
   const auto recorder = sim::Recorder::create("", {}, view.get());
   ASSERT_TRUE(recorder.has_value());
   Client client(view->server().port());

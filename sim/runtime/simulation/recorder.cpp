@@ -263,21 +263,61 @@ void Recorder::eyes(const Eyes::Digest& digest) {
   data_.clear();
   LittleEndian(data_).number(digest.sequence).text(digest.kept.left).text(digest.kept.right);
   put(eyes_, digest.exposure);
-  picture(left_eye_, "left_eye", digest, digest.kept.left_png);
-  picture(right_eye_, "right_eye", digest, digest.kept.right_png);
+  picture(false, digest, digest.kept.left_png);
+  picture(true, digest, digest.kept.right_png);
 }
 
-void Recorder::picture(std::uint16_t channel, const char* eye, const Eyes::Digest& digest,
-                       std::span<const std::uint8_t> png) {
+Recorder::RobotChannels Recorder::robot_channels() {
+  if (!robot_) {
+    const auto channel = [this](const char* topic, const char* name, const char* text) {
+      return file_->add_channel(file_->add_schema(name, "ros1msg", text), topic, "ros1");
+    };
+    robot_ = {channel("/robot_description", "std_msgs/String", ros::kText),
+              channel("/scene", "visualization_msgs/MarkerArray", ros::kMarkers),
+              channel("/tf", "tf2_msgs/TFMessage", ros::kTransforms)};
+  }
+  return *robot_;
+}
+
+void Recorder::description(States at, std::string_view urdf) {
+  data_.clear();
+  LittleEndian(data_).text(urdf);
+  put(robot_channels().description, time_of(at));
+}
+
+void Recorder::scene(States at, const Scene& scene, std::span<const std::string> robot_frames) {
+  data_.clear();
+  ros::markers(data_, static_cast<std::uint64_t>(time_of(at).count()),
+               ros::markers_of(scene, robot_frames));
+  put(robot_channels().scene, time_of(at));
+}
+
+void Recorder::transforms(States at, std::span<const ros::NamedPose> poses) {
+  data_.clear();
+  ros::transforms(data_, static_cast<std::uint64_t>(time_of(at).count()), poses);
+  put(robot_channels().transforms, time_of(at));
+}
+
+void Recorder::picture(bool right, const Eyes::Digest& digest, std::span<const std::uint8_t> png) {
   if (png.empty()) return;
+  if (camera_) {
+    if (!camera_infos_) {
+      const auto schema = file_->add_schema("sensor_msgs/CameraInfo", "ros1msg", ros::kCameraInfo);
+      camera_infos_ = {file_->add_channel(schema, "/eyes/left/camera_info", "ros1"),
+                       file_->add_channel(schema, "/eyes/right/camera_info", "ros1")};
+    }
+    data_.clear();
+    ros::camera_info(data_, static_cast<std::uint64_t>(digest.exposure.count()), *camera_, right);
+    put((*camera_infos_)[right ? 1 : 0], digest.arrival);
+  }
   data_.clear();
   LittleEndian to(data_);
   put_stamp(to, digest.exposure, static_cast<std::uint32_t>(digest.sequence))
-      .text(eye)
+      .text(right ? "right_eye" : "left_eye")
       .text("png")
       .number(static_cast<std::uint32_t>(png.size()))
       .bytes(png);
-  put(channel, digest.arrival);
+  put(right ? right_eye_ : left_eye_, digest.arrival);
 }
 
 void Recorder::behavior(States at, std::string_view json) {

@@ -4,6 +4,7 @@
 // The channels are described in docs/explanation/time.md.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "sim/mcu/mcu.h"
 #include "sim/runtime/eyes/eyes.h"
 #include "sim/runtime/formats/mcap_writer.h"
+#include "sim/runtime/formats/ros_messages.h"
 #include "sim/runtime/simulation/recorded_map.h"
 #include "vision/image/frame.h"
 
@@ -47,6 +49,12 @@ class Recorder {
   void joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads);
   // With the pictures, if they were stored.
   void eyes(const Eyes::Digest& digest);
+  // Calibration of the pictures, recorded with each of them.
+  void camera(const vision::CameraModel& model) { camera_ = model; }
+  // What viewers draw: the robot's URDF, and what stands in the world but for the robot's own frames.
+  void description(States at, std::string_view urdf);
+  void scene(States at, const Scene& scene, std::span<const std::string> robot_frames);
+  void transforms(States at, std::span<const ros::NamedPose> poses);
   void behavior(States at, std::string_view json);
   void map(States at, const RecordedMap& map);
   // Start of a fault, as a line of docs/reference/faults.md.
@@ -65,8 +73,7 @@ class Recorder {
  private:
   explicit Recorder(std::unique_ptr<McapWriter> file);
   void put(std::uint16_t channel, Time time);
-  void picture(std::uint16_t channel, const char* eye, const Eyes::Digest& digest,
-               std::span<const std::uint8_t> png);
+  void picture(bool right, const Eyes::Digest& digest, std::span<const std::uint8_t> png);
 
   std::unique_ptr<McapWriter> file_;
   struct Line {
@@ -81,6 +88,14 @@ class Recorder {
   };
   std::optional<MapChannels> maps_;
   std::optional<std::uint16_t> hands_;
+  // From the first picture on, and from the first of the robot.
+  std::optional<std::array<std::uint16_t, 2>> camera_infos_;
+  struct RobotChannels {
+    std::uint16_t description, scene, transforms;
+  };
+  RobotChannels robot_channels();
+  std::optional<RobotChannels> robot_;
+  std::optional<vision::CameraModel> camera_;
   std::vector<std::uint8_t> data_;  // of the current message
 };
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "shared/base/files.hpp"
 #include "shared/base/profile.hpp"
 #include "shared/board/table.h"
 #include "sim/body/description/robot_model.h"
@@ -73,7 +74,7 @@ Result<void> check_limits(const std::string& robot_path) {
 }
 
 // Contacts are recorded less often: they are many and change slowly.
-constexpr States contact_interval_ms = 10;
+constexpr States contact_interval_ms = 10, transform_interval_ms = 33;
 
 constexpr int detour_steps = 100;
 
@@ -259,6 +260,8 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   recorder_->pins(now_, board_.pins());
   std::array<JointState, KZ_JOINTS> joints{};
   for (std::size_t j = 0; j < channels_.size(); ++j) joints[channels_[j]] = world_->joints()[j];
+  if (!robot_frames_.empty() && (now_ / KZ_STATES_PER_TICK) % transform_interval_ms == 1)
+    record_transforms();
   recorder_->joints(now_, joints);
   recorder_->supply(now_, board_.supply_volts(), world_->supply_current_a());
   recorder_->link_forces(now_, world_->link_order(), world_->link_forces());
@@ -274,7 +277,31 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   if (eyes_) {
     for (const auto& digest : eyes_->take_digests(false)) recorder_->eyes(digest);
   }
-  if (options_.tap != nullptr) options_.tap->stepped(time(), *world_);
+  if (options_.tap != nullptr) options_.tap->stepped(time());
+}
+
+// The world's things, then the robot's frames.
+void Simulation::record_transforms() {
+  std::vector<ros::NamedPose> poses;
+  const ScenePose scene = world_->pose();
+  const auto& names = world_->scene().frames;
+  for (std::size_t i = 1; i < names.size() && i < scene.frames.size(); ++i) {
+    if (std::ranges::find(robot_frames_, names[i]) == robot_frames_.end())
+      poses.emplace_back(names[i], scene.frames[i]);
+  }
+  for (const std::string& name : robot_frames_) poses.emplace_back(name, world_->link_pose(name));
+  recorder_->transforms(now_, poses);
+}
+
+// The robot as viewers draw it. A motor stand has none.
+Result<void> Simulation::describe_robot() {
+  if (world_->link_order().empty() || options_.robot_path.empty()) return {};
+  const auto robot = KAZ_TRY(load_robot(options_.robot_path));
+  robot_frames_.clear();
+  for (const auto& [name, frame] : robot.frames) robot_frames_.push_back(name);
+  recorder_->description(now_, KAZ_TRY(read_whole_file(options_.robot_path, 16 << 20)));
+  recorder_->scene(now_, world_->scene(), robot_frames_);
+  return {};
 }
 
 Error Simulation::no_eyes() {
@@ -296,6 +323,7 @@ Eyes::Keep Simulation::kept_of_pairs() const {
 void Simulation::make_eyes() {
   eyes_ = std::make_unique<Eyes>(draws_, camera_, eye_mounting(*world_), options_.frames,
                                  kept_of_pairs(), options_.seed);
+  if (recorder_) recorder_->camera(camera_.model());
 }
 
 std::optional<vision::StereoPair> Simulation::next_pair() {
@@ -349,6 +377,8 @@ Result<void> Simulation::start_recording(const std::string& path) {
   if (options_.record_pictures && has_eyes()) facts.push_back({"camera", text_of(camera_)});
   auto recorder = KAZ_TRY(Recorder::create(path, facts, options_.tap));
   recorder_ = std::move(recorder);
+  KAZ_TRY(describe_robot());
+  if (eyes_) recorder_->camera(camera_.model());
   world_->watch_contacts(true);
   if (eyes_) eyes_->keep(kept_of_pairs());
   board_.mcu().on_tick([this](const TickRecord& tick) {

@@ -169,7 +169,11 @@ class Simulation {
   void record(States start, std::span<const SerialByte> to_board,
               std::span<const SerialByte> from_board);
 
+  void record_transforms();
+  Result<void> describe_robot();
+
   SimulationOptions options_;
+  std::vector<std::string> robot_frames_;  // of a recording; empty: none are recorded
   CameraFile camera_;
   std::unique_ptr<World> world_;
   StepRatio ratio_;

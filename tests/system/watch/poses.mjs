@@ -1,12 +1,13 @@
 // The editor of poses: made by hand in the browser, saved, opened again, played here and by `kaz run play`.
 // SPDX-License-Identifier: Apache-2.0
-// node poses.mjs KAZ FOLDER: a picture of the page goes to FOLDER. Exit status 77: there is no chromium.
+// node poses.mjs KAZ FOLDER [WIDTH HEIGHT]: a picture of the page goes to FOLDER. Exit status 77: there is no chromium.
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, rmSync } from "node:fs";
 import { launch, open } from "./browser.mjs";
 import { killAll, messages, start } from "./testing.mjs";
 
-const [kaz, folder] = process.argv.slice(2);
+// A small page is drawn faster: without a graphics card each picture takes its time.
+const [kaz, folder, width = 780, height = 360] = process.argv.slice(2);
 rmSync(folder, { recursive: true, force: true });
 mkdirSync(folder, { recursive: true });
 const degree = Math.PI / 180;
@@ -24,24 +25,26 @@ try {
   const [, url] = await run.says(/watch it at (\S+)/);
 
   // Without the token there is nothing to be set.
-  const onlooker = (await open(browser, url.replace(/\?.*/, ""), wrong)).page;
+  const onlooker = (await open(browser, url.replace(/\?.*/, ""), wrong, { viewport: { width: 400, height: 300 } })).page;
   await onlooker.waitForFunction(() => document.getElementById("phase").textContent.startsWith("pose"));
   assert(await onlooker.isHidden("#poses"), "who has no token is offered the editor");
   await onlooker.close();
 
-  const { page } = await open(browser, url, wrong, { viewport: { width: 1000, height: 900 } });
+  const { page } = await open(browser, url, wrong, { viewport: { width: Number(width), height: Number(height) } });
   const slide = (joint, degrees) => page.locator(`#pose-of-${joint}`).fill(String(degrees));
   await page.waitForSelector("#pose-of-neck_pan");
   await page.click("#pose-keep");
+  const turned = () => page.evaluate(() => window.kaz.pose("neck_pan"));
+  const before = await turned();
   await slide("r_sh_pitch", -90);
   await slide("neck_pan", 30);
   await page.waitForFunction(() => document.querySelectorAll("#pose-list li").length === 1);
   // The robot follows: the neck's frame turns in the scene.
-  const turned = () => page.evaluate(() => window.kaz.pose("neck_pan"));
-  const before = await turned();
   for (let i = 0; i < 50 && Math.max(...(await turned()).map((x, k) => Math.abs(x - before[k]))) < 0.2; ++i)
     await page.waitForTimeout(100);
   assert(Math.max(...(await turned()).map((x, k) => Math.abs(x - before[k]))) >= 0.2, "the head does not turn");
+  // The plot's newest target is where it was sent.
+  await page.waitForFunction(() => Math.abs(window.kaz.target("neck_pan") - Math.PI / 6) < 1e-3);
   await page.click("#pose-keep");
   // By the keyboard: from 30 degrees two steps of half a degree up.
   await page.locator("#pose-of-neck_pan").focus();

@@ -187,6 +187,6 @@ requestAnimationFrame(draw);
 // What tests read.
 declare global { interface Window { kaz: object } }
 window.kaz = {
-  pose: (link: string) => scene.pose(link), onCanvas: (link: string) => scene.onCanvas(link), frames: () => scene.frames, plotted: () => plot.count(),
+  pose: (link: string) => scene.pose(link), onCanvas: (link: string) => scene.onCanvas(link), frames: () => scene.frames, plotted: () => plot.count(), target: (joint: string) => plot.target(joint),
   pictures: () => pictures, time: () => time, playing: () => playing,
 };

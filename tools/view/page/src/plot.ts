@@ -18,6 +18,10 @@ export class Plot {
   }
 
   count(): number { return this.states.length; }
+  target(joint: string): number | undefined {
+    const newest = this.states.at(-1);
+    return newest?.target[newest.names.indexOf(joint)];
+  }
 
   draw(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
