@@ -13,11 +13,57 @@ endforeach()
 if(EXISTS ${BUILD}/view/index.html AND NOT EXISTS ${prefix}/share/kaz/view/index.html)
   message(FATAL_ERROR "the page of --view was built and is not installed")
 endif()
-execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/tests/repository/consumer -B ${BINARY}/consumer -G Ninja
-                        -DCMAKE_PREFIX_PATH=${prefix}
-                COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${BINARY}/consumer COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${BINARY}/consumer/consumer COMMAND_ERROR_IS_FATAL ANY)
+foreach(pattern "_testing\\.h$" "_test\\.cpp$" "/tools/(app|kaz|view|fuzz)/")
+  set(helpers ${installed})
+  list(FILTER helpers INCLUDE REGEX ${pattern})
+  if(helpers)
+    message(FATAL_ERROR "installed, and for nobody outside: ${helpers}")
+  endif()
+endforeach()
+# Whatever an installed header includes is installed.
+file(GLOB_RECURSE headers ${prefix}/include/kaz/*.h ${prefix}/include/kaz/*.hpp)
+foreach(header IN LISTS headers)
+  file(STRINGS ${header} includes REGEX "^ *# *include \"")
+  foreach(line IN LISTS includes)
+    string(REGEX REPLACE "^[^\"]*\"([^\"]*)\".*" "\\1" name "${line}")
+    cmake_path(GET header PARENT_PATH beside)
+    if(NOT EXISTS ${prefix}/include/kaz/${name} AND NOT EXISTS ${beside}/${name})
+      message(FATAL_ERROR "${header} includes ${name}, which is not installed")
+    endif()
+  endforeach()
+endforeach()
+
+# An outside project for each component, which must not look for what the component does not need.
+set(simulation "nlohmann_json;OpenSSL;sdformat12;ZLIB;PkgConfig")
+function(consume component libraries absent)
+  set(disabled "")
+  foreach(package IN LISTS absent)
+    list(APPEND disabled -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+  endforeach()
+  set(build ${BINARY}/consumers/${component})
+  execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/tests/repository/consumers -B ${build} -G Ninja
+                          -DCMAKE_PREFIX_PATH=${prefix} -DCOMPONENT=${component} "-DLIBRARIES=${libraries}" ${disabled} --no-warn-unused-cli
+                  COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+  execute_process(COMMAND ${CMAKE_COMMAND} --build ${build} COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${build}/consumer ${prefix}/share/kaz COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+consume(protocol kaz::protocol "Eigen3;asmjit;${simulation}")
+consume(h8s kaz::h8s "Eigen3;${simulation}")
+consume(vision kaz::vision "asmjit;${simulation}")
+consume(host "kaz::behavior;kaz::link" "asmjit;OpenSSL;sdformat12;ZLIB;PkgConfig")
+consume(body kaz::body "asmjit;nlohmann_json;OpenSSL;ZLIB")
+consume(bus kaz::bus "asmjit;OpenSSL;ZLIB")
+consume(lockstep kaz::lockstep "")
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/tests/repository/consumers -B ${BINARY}/consumers/none -G Ninja
+                        -DCMAKE_PREFIX_PATH=${prefix} -DCOMPONENT=wings
+                RESULT_VARIABLE status ERROR_VARIABLE message OUTPUT_QUIET)
+if(status EQUAL 0 OR NOT message MATCHES "kaz has no component \"wings\"; it has protocol")
+  message(FATAL_ERROR "a component that is none: ${message}")
+endif()
+# By pkg-config, as a Makefile would.
+execute_process(COMMAND sh -c "PKG_CONFIG_PATH=$(dirname $(find ${prefix} -name kaz-h8s.pc)) && export PKG_CONFIG_PATH && \
+  c++ -std=c++20 ${SOURCE}/tests/repository/consumers/h8s.cpp $(pkg-config --cflags --libs kaz-h8s) \
+  -o ${BINARY}/by_pkg_config && ${BINARY}/by_pkg_config" COMMAND_ERROR_IS_FATAL ANY)
 # A behaviour of somebody's own, with the installed headers.
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/examples/behavior -B ${BINARY}/behavior -G Ninja
                         -DCMAKE_PREFIX_PATH=${prefix}

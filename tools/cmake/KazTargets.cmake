@@ -202,13 +202,15 @@ function(kaz_sanitized_test name)
   endforeach()
 endfunction()
 
-# kaz_library(NAME [STRICT] [LIGHT [JSON]] [NO_PCH] [SANITIZED] SOURCES ... [PUBLIC lib ...] [PRIVATE lib ...])
+# kaz_library(NAME [COMPONENT name] [STRICT] [LIGHT [JSON]] [NO_PCH] [SANITIZED] SOURCES ... [PUBLIC lib ...]
+#             [PRIVATE lib ...])
 # Makes target kaz_NAME with the alias kaz::NAME. STRICT adds -Wconversion: for code whose result must be
 # the same bit for bit on another machine. LIGHT: compiled quickly (KAZ_LIGHT_OPTIONS), since no run spends its time
 # there; JSON: most of its sources use nlohmann/json. SANITIZED: a second copy of it, for tests that are SANITIZED.
+# COMPONENT: of find_package(kaz COMPONENTS ...), KAZ_COMPONENT of its folder if not given; without, it is not installed.
 # Headers are included by their path from the root of the tree.
 function(kaz_library name)
-  cmake_parse_arguments(ARG "STRICT;LIGHT;JSON;NO_PCH;SANITIZED" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "STRICT;LIGHT;JSON;NO_PCH;SANITIZED" "COMPONENT" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(kaz_${name} STATIC ${ARG_SOURCES})
   add_library(kaz::${name} ALIAS kaz_${name})
   set_target_properties(kaz_${name} PROPERTIES EXPORT_NAME ${name})
@@ -233,7 +235,14 @@ function(kaz_library name)
   if(ARG_SANITIZED)
     cmake_language(EVAL CODE "cmake_language(DEFER CALL kaz_sanitized_copy kaz_${name})")
   endif()
-  install(TARGETS kaz_${name} EXPORT kaz)
+  if(NOT ARG_COMPONENT)
+    set(ARG_COMPONENT ${KAZ_COMPONENT})
+  endif()
+  if(ARG_COMPONENT)
+    install(TARGETS kaz_${name} EXPORT kaz-${ARG_COMPONENT})
+    set_property(GLOBAL APPEND PROPERTY KAZ_INSTALLED_LIBRARIES ${name})
+    set_property(GLOBAL PROPERTY KAZ_COMPONENT_OF_${name} ${ARG_COMPONENT})
+  endif()
 endfunction()
 
 # kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board] [FAST] [NO_PCH] [SANITIZED] [TIMEOUT seconds]

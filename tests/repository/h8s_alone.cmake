@@ -1,0 +1,22 @@
+# The emulator in a project that adds its folder and has nothing else of Kaz.
+file(REMOVE_RECURSE ${BINARY})
+file(WRITE ${BINARY}/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)
+project(alone LANGUAGES CXX)
+add_subdirectory(${SOURCE}/sim/h8s h8s)
+add_executable(alone ${SOURCE}/sim/h8s/example/example.cpp)
+target_link_libraries(alone PRIVATE kaz::h8s)
+")
+set(disabled "")
+foreach(package Eigen3 GTest nlohmann_json OpenSSL PkgConfig Python3 sdformat12 ZLIB)
+  list(APPEND disabled -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${BINARY} -B ${BINARY}/build -G Ninja -DCMAKE_CXX_FLAGS=-O0 ${disabled}
+                        --no-warn-unused-cli COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+execute_process(COMMAND ninja -C ${BINARY}/build -t targets all OUTPUT_VARIABLE targets COMMAND_ERROR_IS_FATAL ANY)
+foreach(source wdt branch vcd_writer srecord example)  # of chip, cpu, debug, images, and the program
+  string(REGEX MATCH "[^\n:]*/${source}\\.cpp\\.o" object "${targets}")
+  if(NOT object)
+    message(FATAL_ERROR "${source}.cpp is not compiled")
+  endif()
+  execute_process(COMMAND ninja -C ${BINARY}/build ${object} COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+endforeach()
