@@ -115,7 +115,7 @@ LAYERS = {
     "host": {
         "link": (), "robot": ("link",), "camera": ("link", "robot"), "flash": ("link", "robot"),
         "motion": ("link", "robot"), "calibration": ("robot", "motion"), "map": (), "plan": ("map",),
-        "behavior": ("link", "robot", "camera", "motion", "map", "plan"),
+        "behavior": ("link", "robot", "camera", "motion", "map", "plan"), "bus": ("link", "robot"),
     },
     "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},

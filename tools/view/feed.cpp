@@ -208,6 +208,13 @@ void Feed::board_state(std::uint64_t time_ns) {
   server_.publish(channels_.board, time_ns, data_);
 }
 
+// A shutdown is published at once: the run may end by it.
+void Feed::set_status(std::uint64_t time_ns, std::uint16_t status) {
+  const bool other_reason = status >> 8 != status_ >> 8;
+  status_ = status;
+  if (other_reason) board_state(time_ns);
+}
+
 void Feed::wire(std::uint64_t time_ns, std::size_t line, bool to_board,
                 std::span<const std::uint8_t> data) {
   LittleEndianFields fields(data);
@@ -223,7 +230,7 @@ void Feed::wire(std::uint64_t time_ns, std::size_t line, bool to_board,
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
       if (line_of_[j] == line) measured_[j] = radians(state.angle[j]);
     }
-    if (line == 0 || state.status != 0) status_ = state.status;
+    if (line == 0 || state.status != 0) set_status(time_ns, state.status);
     if (line == 0) supply_v_ = state.supply_mv * 1e-3;
     measured(time_ns);
   };
@@ -261,7 +268,7 @@ void Feed::wire(std::uint64_t time_ns, std::size_t line, bool to_board,
         measured_[j] = radians(reply.angle[j]);
         if (!has_truth_) duty_[j] = reply.duty[j] / 255.0;
       }
-      if (line == 0 || reply.status != 0) status_ = reply.status;
+      if (line == 0 || reply.status != 0) set_status(time_ns, reply.status);
       measured(time_ns);
     } else if (!to_board && type == KZ_TYPE_statistics_reply) {
       kz_statistics_reply reply{};

@@ -63,6 +63,7 @@ class Feed {
   void measured(std::uint64_t time_ns);
   Eigen::Isometry3d standing(const std::vector<Eigen::Isometry3d>& links) const;
   void board_state(std::uint64_t time_ns);
+  void set_status(std::uint64_t time_ns, std::uint16_t status);
   void poses_of_joints(std::uint64_t time_ns);
   void camera(std::uint64_t time_ns, const vision::CameraModel& model,
               std::vector<std::uint8_t>& data);

@@ -3,17 +3,21 @@
 #include "tools/app/session/backend.h"
 #include "sim/runtime/simulation/recording_tap.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 
+#include "host/bus/bus_port.h"
 #include "host/link/faulty_link.h"
 #include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
 #include "shared/base/hex_text.hpp"
 #include "shared/base/number_text.hpp"
+#include "shared/feetech/bus_file.h"
+#include "sim/body/description/robot_model.h"
 #include "sim/stand/stand_commands.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
@@ -168,7 +172,8 @@ class RealBackend final : public SessionBackend {
   std::unique_ptr<LineRecorder> recorder_;  // refers to lines and clock
 };
 
-constexpr std::string_view kBoards = "boards:";
+constexpr std::string_view kBoards = "boards:", kFeetech = "feetech:";
+constexpr int kBusBaud = 1'000'000;  // of servos as they are sold
 
 // The boards of --robot, which is not `sim`.
 Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
@@ -176,23 +181,54 @@ Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
   if (host::names_port_kind(text))
     return std::vector{BoardOfFile{KAZ_TRY(host::parse_port_address("--robot", text)),
                                    options.address, host::kAllJoints}};
+  if (text.starts_with(kFeetech)) {
+    if (options.robot_file.empty())
+      return fail(Fault::usage, "--robot " + text +
+                                    " needs --robot-file FILE: the robot's URDF, with bus.json "
+                                    "beside it");
+    auto port =
+        KAZ_TRY(host::parse_port_address("--robot", "serial:" + text.substr(kFeetech.size())));
+    if (text.find('@') == std::string::npos) port.baud = kBusBaud;
+    return std::vector{BoardOfFile{port, KZ_ADDRESS_DEFAULT, host::kAllJoints, true}};
+  }
   if (!text.starts_with(kBoards))
     return fail(Fault::usage, "--robot " + text +
                                   ": no such kind of robot; give sim, serial:PATH[@BAUD] as in "
                                   "serial:/dev/ttyUSB0, can:INTERFACE, tcp:HOST:PORT, "
-                                  "rfc2217:HOST:PORT or boards:FILE");
+                                  "rfc2217:HOST:PORT, boards:FILE or feetech:PATH[@BAUD]");
   if (options.address != KZ_ADDRESS_DEFAULT)
     return fail(Fault::usage, "--address: each board of --robot " + text +
                                   " has its address in the file; leave it out");
   return read_boards(text.substr(kBoards.size()));
 }
 
+// The robot's joints with their servos, in the order of a board's numbers.
+Result<std::vector<host::BusJoint>> bus_joints(const std::string& robot_file) {
+  const auto robot = KAZ_TRY(sim::load_robot(robot_file));
+  const auto file = KAZ_TRY(feetech::load_bus_file(robot_file));
+  std::vector<host::BusJoint> joints;
+  for (const sim::RobotJoint& joint : robot.joints) {
+    const auto servo = std::ranges::find(file.servos, joint.name, &feetech::BusServo::joint);
+    if (servo == file.servos.end())
+      return fail(Fault::usage,
+                  "bus.json beside " + robot_file + " names no servo of the joint " + joint.name);
+    joints.push_back({*servo, joint.lower, joint.upper});
+  }
+  return joints;
+}
+
 Result<std::vector<RealLine>> open_lines(const std::vector<BoardOfFile>& boards,
+                                         const std::string& robot_file,
                                          const host::Interrupt& interrupt) {
   std::vector<RealLine> lines;
-  for (const BoardOfFile& board : boards)
-    lines.push_back(
-        {KAZ_TRY(host::open_port(board.port, &interrupt)), board.address, board.joints});
+  for (const BoardOfFile& board : boards) {
+    // A robot file that is wrong is known before the port is opened.
+    const auto joints =
+        board.servos ? KAZ_TRY(bus_joints(robot_file)) : std::vector<host::BusJoint>();
+    auto port = KAZ_TRY(host::open_port(board.port, &interrupt));
+    if (board.servos) port = KAZ_TRY(host::BusPort::open(std::move(port), joints, &interrupt));
+    lines.push_back({std::move(port), board.address, board.joints});
+  }
   return lines;
 }
 
@@ -345,7 +381,7 @@ Result<std::unique_ptr<SessionBackend>> SessionBackend::open(const BackendOption
     return std::make_unique<LockstepBackend>(std::move(simulation), interrupt);
   }
   const auto faults = KAZ_TRY(line_faults(options));
-  auto lines = KAZ_TRY(open_lines(KAZ_TRY(parse_robot(options)), interrupt));
+  auto lines = KAZ_TRY(open_lines(KAZ_TRY(parse_robot(options)), options.robot_file, interrupt));
   auto backend = std::make_unique<RealBackend>(std::move(lines), options, faults, interrupt);
   KAZ_TRY(backend->begin_recording(options));
   return backend;

@@ -16,6 +16,7 @@ struct BoardOfFile {
   host::PortAddress port;
   std::uint8_t address = 1;
   std::uint32_t joints = 0;  // mask
+  bool servos = false;       // what is at the port is a bus of servos
 };
 
 // {"boards": [{"port": "can:can0", "address": 2, "joints": ["neck_pan", ...]}, ...]}

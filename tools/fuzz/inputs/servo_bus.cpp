@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hil/fuzz/choices.h"
+#include "host/bus/bus_board.h"
 #include "shared/feetech/bus_file.h"
 #include "shared/feetech/packet.h"
 #include "sim/bus/virtual_servo.h"
@@ -91,6 +92,74 @@ Complaint try_servo_bus(Bytes bytes) {
   for (const auto byte : feetech::wire_of(feetech::request(id, feetech::Instruction::ping)))
     answered = servo.take(byte, now).has_value() || answered;
   return answered ? std::nullopt : Complaint("a ping is not answered");
+}
+
+namespace {
+
+// What answers on the bus is what the fuzzer wants, for as long as there is any of it.
+class HostileServos final : public host::Link, public host::Clock {
+ public:
+  explicit HostileServos(Bytes bytes) : bytes_(bytes) {}
+  std::string name() const override { return "bus"; }
+  Result<void> write(std::span<const std::uint8_t>) override {
+    now_ += std::chrono::microseconds(100);
+    requested_ = true;
+    return {};
+  }
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    // One length byte, and so many bytes; only what follows a request.
+    const std::size_t wanted = requested_ && !bytes_.empty() ? bytes_[0] : 0u;
+    requested_ = false;
+    if (wanted == 0) {
+      if (!bytes_.empty() && now_ < deadline) bytes_ = bytes_.subspan(1);
+      now_ = std::max(now_, deadline);
+      return std::size_t{0};
+    }
+    const std::size_t count = std::min({wanted, bytes_.size() - 1, bytes.size()});
+    std::copy_n(bytes_.begin() + 1, count, bytes.begin());
+    bytes_ = bytes_.subspan(1 + count);
+    return count;
+  }
+  Time now() const override { return now_; }
+  Result<void> sleep_until(Time t) override {
+    now_ = std::max(now_, t);
+    return {};
+  }
+
+ private:
+  Bytes bytes_;
+  bool requested_ = false;
+  Time now_{1};
+};
+
+}  // namespace
+
+Complaint try_bus_answers(Bytes bytes) {
+  HostileServos servos(bytes);
+  const feetech::Model* model = feetech::find_model("sts3215");
+  auto board = host::BusBoard::open(servos, servos, {{{"a", 1, model, 2048, false}, -1, 1}});
+  if (!board) return judge_error(board.error(), "bus", board.error().fault);
+  const std::array<std::uint8_t, 3> query{1, KZ_TYPE_state, 1};
+  for (std::uint8_t i = 0; i < 50; ++i) {
+    auto body = query;
+    body[2] = i;
+    std::array<std::uint8_t, KZ_FRAME_MAX> wire{};
+    const auto length = kz_frame_encode(body.data(), body.size(), wire.data());
+    board->take(std::span(wire).first(length));
+    const auto answer = board->serve();
+    if (!answer || !*answer) return "a request for the state is not answered";
+    kz_receiver receiver;
+    kz_receiver_init(&receiver);
+    bool whole = false;
+    for (const std::uint8_t byte : **answer)
+      whole = kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME || whole;
+    kz_state_reply state{};
+    if (!whole || !kz_unpack_state_reply(&state, receiver.body + KZ_HEADER_SIZE,
+                                         static_cast<u8>(receiver.length - KZ_HEADER_SIZE)))
+      return "an answer is no state";
+    (void)servos.sleep_until(servos.now() + std::chrono::milliseconds(10));
+  }
+  return std::nullopt;
 }
 
 Complaint try_bus_file(Bytes bytes) {

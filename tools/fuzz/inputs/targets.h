@@ -44,9 +44,10 @@ Complaint try_telnet(Bytes bytes);  // RFC 2217, both ends
 Complaint try_boards(Bytes bytes);  // files of boards
 
 // Servo buses (servo_bus.cpp).
-Complaint try_servo_bus(Bytes bytes);  // a hostile host at a virtual servo
-Complaint try_bus_file(Bytes bytes);   // bus.json
-Complaint try_poses(Bytes bytes);      // files of poses
+Complaint try_servo_bus(Bytes bytes);    // a hostile host at a virtual servo
+Complaint try_bus_file(Bytes bytes);     // bus.json
+Complaint try_bus_answers(Bytes bytes);  // of hostile servos, at the host
+Complaint try_poses(Bytes bytes);        // files of poses
 
 // Viewers of a run (viewers.cpp).
 Complaint try_viewer(Bytes bytes);  // requests; messages of a recording that is played
@@ -81,6 +82,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"boards", try_boards},
                                            {"servo_bus", try_servo_bus},
                                            {"bus_file", try_bus_file},
+                                           {"bus_answers", try_bus_answers},
                                            {"poses", try_poses},
                                            {"viewer", try_viewer}};
 

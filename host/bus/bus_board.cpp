@@ -1,0 +1,483 @@
+// Answers requests of the protocol by a bus of servos.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bus/bus_board.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "shared/servo/tick.h"
+
+namespace kaz::host {
+
+using feetech::BusServo;
+
+namespace {
+
+constexpr int kMostMissing = 3;                          // readings in a row
+constexpr Time kFresh = std::chrono::milliseconds(2);    // of readings
+constexpr Time kStream = std::chrono::milliseconds(50);  // shorter moves are one of many
+constexpr double kPerRad = KZ_ANGLE_PER_RAD;
+constexpr std::uint8_t kFirst = 56, kCount = 8;  // present_position .. present_temperature
+constexpr const char* kRead[] = {"present_position", "present_speed", "present_load",
+                                 "present_voltage", "present_temperature"};
+
+s16 to_angle(double rad) {
+  return static_cast<s16>(std::clamp(std::lround(rad * kPerRad), -32767L, 32767L));
+}
+
+double to_rad(s16 angle) {
+  return angle / kPerRad;
+}
+
+u16 to_u16(double value) {
+  return static_cast<u16>(std::clamp(std::lround(value), 0L, 65535L));
+}
+
+template <class Message>
+std::vector<std::uint8_t> packed(const Message& message, u8 (*pack)(const Message*, u8*)) {
+  std::array<u8, KZ_PAYLOAD_MAX> fields{};
+  const u8 size = pack(&message, fields.data());
+  return {fields.begin(), fields.begin() + size};
+}
+
+std::string named(const BusJoint& joint) {
+  return "servo " + std::to_string(joint.servo.id) + " (" + joint.servo.joint + ")";
+}
+
+}  // namespace
+
+Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> joints) {
+  if (joints.empty() || joints.size() > KZ_JOINTS)
+    return fail(Fault::usage, "a robot on a servo bus has 1 to " + std::to_string(KZ_JOINTS) +
+                                  " joints, and this one " + std::to_string(joints.size()));
+  BusBoard board(link, clock);
+  std::set<int> ids;
+  std::string silent;
+  for (BusJoint& joint : joints) {
+    if (!ids.insert(joint.servo.id).second)
+      return fail(Fault::usage, "bus.json has the id " + std::to_string(joint.servo.id) +
+                                    " twice: two servos would answer at once");
+    if (!KAZ_TRY(board.client_.ping(joint.servo))) {
+      silent += (silent.empty() ? "" : ", ") + named(joint);
+      continue;
+    }
+    const auto model = KAZ_TRY(board.client_.read(joint.servo, "model"));
+    if (model && *model != joint.servo.model->number)
+      return fail(Fault::usage, named(joint) + " on " + link.name() + " is of model number " +
+                                    std::to_string(*model) + ", and bus.json says " +
+                                    std::string(joint.servo.model->name) + " (" +
+                                    std::to_string(joint.servo.model->number) + ")");
+    const bool has_mode = joint.servo.model->find("mode") != nullptr;
+    const auto mode = has_mode ? KAZ_TRY(board.client_.read(joint.servo, "mode")) : 0;
+    if (mode && *mode != 0)
+      return fail(Fault::usage, named(joint) + " on " + link.name() + " is in mode " +
+                                    std::to_string(*mode) +
+                                    ", and only the position mode, 0, can be driven");
+    // The board's ramps are the profile: the servo's own acceleration would make each target late.
+    if (joint.servo.model->find("acceleration") != nullptr)
+      KAZ_TRY(board.client_.write(joint.servo, "acceleration", 0));
+    Joint& one = board.joints_.emplace_back();
+    one.of = std::move(joint);
+  }
+  if (!silent.empty())
+    return fail(Fault::environment,
+                silent + (silent.find(',') == std::string::npos ? " does" : " do") +
+                    " not answer on " + link.name() +
+                    ": check power, cable, id and bit rate (feetech:PATH@BAUD)");
+  KAZ_TRY(board.reset());
+  return board;
+}
+
+Result<void> BusBoard::reset() {
+  KAZ_TRY(switch_to(0));
+  for (Joint& joint : joints_) {
+    joint.lower = to_angle(joint.of.lower_rad);
+    joint.upper = to_angle(joint.of.upper_rad);
+    joint.ramp = 60;
+    joint.kp = KZ_KP_DEFAULT;
+    joint.kd = KZ_KD_DEFAULT;
+    joint.dead_band = 0;
+    joint.friction = 0;
+  }
+  start_ = clock_.now();
+  reason_ = 0;
+  shutdown_tick_ = 0;
+  frames_ = refusals_ = bad_frames_ = 0;
+  last_body_.clear();
+  has_looked_ = false;
+  KAZ_TRY(look());
+  lowest_volts_ = volts_;
+  return {};
+}
+
+void BusBoard::forget() {
+  kz_receiver_init(&receiver_);
+  waiting_.clear();
+  has_looked_ = false;
+}
+
+std::uint32_t BusBoard::tick() const {
+  return static_cast<std::uint32_t>((clock_.now() - start_).count() / 1'000'000);
+}
+
+std::uint32_t BusBoard::on() const {
+  std::uint32_t mask = 0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) mask |= (joints_[j].on ? 1u : 0u) << j;
+  return mask;
+}
+
+u16 BusBoard::status() const {
+  u16 status = static_cast<u16>(reason_ << 8);
+  if (on() != 0) status |= KZ_STATUS_ENABLED;
+  if (on() != 0 && clock_.now() < moving_until_) status |= KZ_STATUS_MOVING;
+  return status;
+}
+
+std::vector<const BusServo*> BusBoard::servos() const {
+  std::vector<const BusServo*> all;
+  for (const Joint& joint : joints_) all.push_back(&joint.of.servo);
+  return all;
+}
+
+Result<void> BusBoard::look() {
+  if (has_looked_ && clock_.now() - looked_ < kFresh) return {};
+  const auto answers = KAZ_TRY(client_.read_all(servos(), kFirst, kCount));
+  looked_ = clock_.now();
+  has_looked_ = true;
+  double volts = 0;
+  int answered = 0;
+  celsius_ = 0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    Joint& joint = joints_[j];
+    if (!answers[j]) {
+      ++joint.missing;
+      continue;
+    }
+    joint.missing = 0;
+    joint.status = answers[j]->code;
+    const BusServo& servo = joint.of.servo;
+    std::array<int, std::size(kRead)> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const feetech::Register& reg = *servo.model->find(kRead[i]);
+      values[i] = feetech::decode(
+          *servo.model, reg,
+          std::span(answers[j]->parameters).subspan(reg.address - kFirst, reg.size));
+    }
+    joint.angle = servo.angle_at(values[0]);
+    joint.speed = servo.sign() * values[1] / servo.model->steps_per_rad();
+    joint.duty = servo.sign() * values[2] / 1000.0;
+    volts += values[3] / 10.0;
+    celsius_ = std::max(celsius_, static_cast<double>(values[4]));
+    ++answered;
+  }
+  if (answered > 0) volts_ = volts / answered;
+  lowest_volts_ = std::min(lowest_volts_, volts_);
+  u8 detail = KZ_NO_DETAIL;
+  if (const u8 reason = cause(detail); reason != 0 && on() != 0) return shut_down(reason, detail);
+  return {};
+}
+
+u8 BusBoard::cause(u8& detail) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    detail = static_cast<u8>(j);
+    if (joint.missing >= kMostMissing) return KZ_SHUTDOWN_POT;
+    if ((joint.status & (feetech::kEncoderError | feetech::kAngleError)) != 0)
+      return KZ_SHUTDOWN_POT;
+    if ((joint.status & (feetech::kOverloadError | feetech::kCurrentError)) != 0)
+      return KZ_SHUTDOWN_OVERLOAD;
+    detail = KZ_NO_DETAIL;
+    if ((joint.status & feetech::kTemperatureError) != 0) return KZ_SHUTDOWN_TEMPERATURE;
+    if ((joint.status & feetech::kVoltageError) != 0) return KZ_SHUTDOWN_UNDERVOLTAGE;
+  }
+  detail = KZ_NO_DETAIL;
+  return 0;
+}
+
+Result<void> BusBoard::shut_down(u8 reason, u8 detail) {
+  reason_ = reason;
+  detail_ = detail;
+  shutdown_tick_ = tick();
+  return switch_to(0);
+}
+
+// A joint that was off holds the angle that it has.
+Result<void> BusBoard::switch_to(std::uint32_t mask) {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    Joint& joint = joints_[j];
+    const bool wanted = (mask >> j & 1) != 0;
+    if (wanted && !joint.on) {
+      const BusServo& servo = joint.of.servo;
+      joint.target = joint.angle;
+      KAZ_TRY(client_.write(servo, "goal_position",
+                            static_cast<int>(std::lround(servo.steps_at(joint.angle)))));
+      joint.on = KAZ_TRY(client_.write(servo, "torque_enable", 1));
+    } else if (!wanted) {
+      // Also of one that should be off: a program that was killed may have left it on.
+      KAZ_TRY(client_.write(joint.of.servo, "torque_enable", 0));
+      joint.on = false;
+    }
+  }
+  return {};
+}
+
+// One write for all servos of a model: goal, time and speed. The servo goes there at a constant speed; of
+// targets that follow one another, each is gone to as fast as the joint's ramp allows.
+Result<void> BusBoard::move(const kz_targets& targets) {
+  const Time duration = std::chrono::milliseconds(targets.duration_ms);
+  for (const feetech::Model& model : feetech::models()) {
+    std::vector<const BusServo*> moved;
+    std::vector<std::vector<std::uint8_t>> data;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      Joint& joint = joints_[j];
+      const BusServo& servo = joint.of.servo;
+      if ((targets.mask >> j & 1) == 0 || servo.model != &model) continue;
+      const double target = to_rad(targets.angle[j]), most = joint.ramp / 10.0;
+      const double speed = duration < kStream
+                               ? most
+                               : std::min(most, std::abs(target - joint.angle) / seconds(duration));
+      joint.target = target;
+      std::vector<std::uint8_t> bytes;
+      const auto add = [&](const char* name, double value) {
+        const feetech::Register& reg = *model.find(name);
+        const int limited =
+            static_cast<int>(std::clamp(std::lround(value), long{reg.min}, long{reg.max}));
+        std::ranges::copy(feetech::encode(model, reg, limited), std::back_inserter(bytes));
+      };
+      add("goal_position", servo.steps_at(target));
+      add("goal_time", 0);
+      add("goal_speed", std::max(1.0, speed * model.steps_per_rad()));
+      moved.push_back(&servo);
+      data.push_back(std::move(bytes));
+    }
+    KAZ_TRY(client_.write_all(moved, model.find("goal_position")->address, data));
+  }
+  moving_until_ = std::max(moving_until_, clock_.now() + duration);
+  return {};
+}
+
+void BusBoard::set_limits(const kz_limits& limits) {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if ((limits.mask >> j & 1) == 0) continue;
+    Joint& joint = joints_[j];
+    joint.ramp = limits.ramp;
+    joint.lower = std::max(limits.lower, to_angle(joint.of.lower_rad));
+    joint.upper = std::min(limits.upper, to_angle(joint.of.upper_rad));
+  }
+}
+
+void BusBoard::take(std::span<const std::uint8_t> bytes) {
+  for (const std::uint8_t byte : bytes) {
+    const u8 result = kz_receive(&receiver_, byte, 0);
+    if (result == KZ_RECEIVE_FRAME && receiver_.length >= KZ_HEADER_SIZE)
+      waiting_.emplace_back(receiver_.body, receiver_.body + receiver_.length);
+    else if (result != KZ_RECEIVE_MORE)
+      ++bad_frames_;
+  }
+}
+
+Result<std::optional<std::vector<std::uint8_t>>> BusBoard::serve() {
+  if (waiting_.empty()) return std::optional<std::vector<std::uint8_t>>();
+  const std::vector<std::uint8_t> body = std::move(waiting_.front());
+  waiting_.erase(waiting_.begin());
+  const u8 address = body[KZ_BODY_ADDRESS], type = body[KZ_BODY_TYPE];
+  if (address != KZ_ADDRESS_DEFAULT && address != 0) return std::vector<std::uint8_t>();
+  ++frames_;
+  // The same once more: answered, not done again.
+  if (body == last_body_) return last_answer_;
+
+  Refusal refusal;
+  auto fields = KAZ_TRY(answer(type, body.data() + KZ_HEADER_SIZE,
+                               static_cast<u8>(body.size() - KZ_HEADER_SIZE), refusal));
+  u8 reply = static_cast<u8>(type | KZ_REPLY);
+  if (refusal.reason != 0) {
+    ++refusals_;
+    reply = KZ_TYPE_refused;
+    fields =
+        packed(kz_refused{tick(), status(), type, refusal.reason, refusal.detail}, kz_pack_refused);
+  }
+  std::vector<std::uint8_t> answered{KZ_ADDRESS_DEFAULT, reply, body[KZ_BODY_SEQUENCE]};
+  answered.insert(answered.end(), fields.begin(), fields.end());
+  std::array<std::uint8_t, KZ_FRAME_MAX> wire{};
+  const u8 size = kz_frame_encode(answered.data(), static_cast<u8>(answered.size()), wire.data());
+  last_body_ = body;
+  last_answer_.assign(wire.begin(), wire.begin() + size);
+  return last_answer_;
+}
+
+Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refusal& refusal) {
+  const auto refuse = [&refusal](u8 reason, u8 detail = KZ_NO_DETAIL) {
+    refusal = {reason, detail};
+    return Fields();
+  };
+  const auto acknowledge = [this] {
+    return packed(kz_targets_reply{tick(), status()}, kz_pack_targets_reply);
+  };
+  switch (type) {
+    case KZ_TYPE_identify:
+      return packed(kz_identify_reply{tick(), KZ_PROTOCOL_VERSION, KZ_JOINTS, status(), 0, 0x0100,
+                                      0, 0, KZ_RESET_POWER, watchdog_10ms_, reaction_},
+                    kz_pack_identify_reply);
+    case KZ_TYPE_health: {
+      KAZ_TRY(look());
+      const auto millivolts = [](double volts) { return to_u16(1000 * volts); };
+      return packed(kz_health_reply{tick(), status(), reason_ != 0 ? detail_ : u8{KZ_NO_DETAIL},
+                                    shutdown_tick_, millivolts(volts_), millivolts(lowest_volts_),
+                                    static_cast<s16>(std::lround(10 * celsius_)), 512},
+                    kz_pack_health_reply);
+    }
+    case KZ_TYPE_statistics: {
+      kz_statistics_reply reply{};
+      reply.tick = tick();
+      reply.status = status();
+      reply.frames = frames_;
+      reply.refusals = refusals_;
+      reply.bad_check = bad_frames_;
+      return packed(reply, kz_pack_statistics_reply);
+    }
+    case KZ_TYPE_self_test:
+      return packed(kz_self_test_reply{tick(), status(), 0, 0, 0, 0}, kz_pack_self_test_reply);
+    case KZ_TYPE_enable: {
+      kz_enable enable{};
+      if (!kz_unpack_enable(&enable, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      if (enable.mask != 0 && reason_ != 0) return refuse(KZ_REFUSED_FAULT, reason_);
+      has_looked_ = false;
+      KAZ_TRY(look());
+      u8 detail = KZ_NO_DETAIL;
+      if (const u8 reason = cause(detail); enable.mask != 0 && reason != 0) {
+        KAZ_TRY(shut_down(reason, detail));
+        return refuse(KZ_REFUSED_FAULT, reason);
+      }
+      KAZ_TRY(switch_to(enable.mask));
+      // Joints that are not there are as they were requested.
+      const std::uint32_t there = (std::uint32_t{1} << joints_.size()) - 1;
+      return packed(kz_enable_reply{tick(), status(), on() | (enable.mask & ~there)},
+                    kz_pack_enable_reply);
+    }
+    case KZ_TYPE_targets: {
+      kz_targets targets{};
+      if (!kz_unpack_targets(&targets, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      if (reason_ != 0) return refuse(KZ_REFUSED_FAULT, reason_);
+      for (u8 j = 0; j < KZ_JOINTS; ++j) {
+        if ((targets.mask >> j & 1) == 0) continue;
+        if (j >= joints_.size() || !joints_[j].on) return refuse(KZ_REFUSED_DISABLED, j);
+        if (targets.angle[j] < joints_[j].lower || targets.angle[j] > joints_[j].upper)
+          return refuse(KZ_REFUSED_LIMIT, j);
+      }
+      KAZ_TRY(move(targets));
+      return acknowledge();
+    }
+    case KZ_TYPE_read_targets: {
+      kz_read_targets query{};
+      if (!kz_unpack_read_targets(&query, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      KAZ_TRY(look());
+      kz_read_targets_reply reply{};
+      reply.tick = tick();
+      reply.status = status();
+      reply.mask = query.mask;
+      for (std::size_t j = 0; j < joints_.size(); ++j)
+        reply.angle[j] = to_angle(joints_[j].on ? joints_[j].target : joints_[j].angle);
+      return packed(reply, kz_pack_read_targets_reply);
+    }
+    case KZ_TYPE_state: {
+      KAZ_TRY(look());
+      kz_state_reply reply{};
+      reply.tick = tick();
+      reply.status = status();
+      reply.supply_mv = to_u16(1000 * volts_);
+      for (std::size_t j = 0; j < joints_.size(); ++j) reply.angle[j] = to_angle(joints_[j].angle);
+      return packed(reply, kz_pack_state_reply);
+    }
+    case KZ_TYPE_joints: {
+      kz_joints query{};
+      if (!kz_unpack_joints(&query, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      KAZ_TRY(look());
+      kz_joints_reply reply{};
+      reply.tick = tick();
+      reply.status = status();
+      reply.mask = query.mask;
+      for (std::size_t j = 0; j < joints_.size(); ++j) {
+        const Joint& joint = joints_[j];
+        reply.angle[j] = to_angle(joint.angle);
+        reply.speed[j] =
+            static_cast<s16>(std::clamp(std::lround(1000 * joint.speed), -32767L, 32767L));
+        reply.duty[j] = static_cast<s16>(std::lround(255 * std::clamp(joint.duty, -1.0, 1.0)));
+        reply.load[j] = static_cast<u8>(std::lround(255 * std::min(1.0, std::abs(joint.duty))));
+        reply.faults[j] =
+            static_cast<u8>((joint.on ? KZ_JOINT_ON : 0) | (joint.missing > 0 ? KZ_JOINT_POT : 0) |
+                            ((joint.status & feetech::kOverloadError) != 0 ? KZ_JOINT_STALLED : 0) |
+                            ((joint.status & feetech::kTemperatureError) != 0 ? KZ_JOINT_HOT : 0));
+      }
+      return packed(reply, kz_pack_joints_reply);
+    }
+    case KZ_TYPE_stop:
+      KAZ_TRY(shut_down(KZ_SHUTDOWN_STOP, KZ_NO_DETAIL));
+      return acknowledge();
+    case KZ_TYPE_clear: {
+      has_looked_ = false;
+      KAZ_TRY(look());
+      u8 detail = KZ_NO_DETAIL;
+      if (const u8 reason = cause(detail); reason != 0) return refuse(KZ_REFUSED_FAULT, reason);
+      reason_ = 0;
+      shutdown_tick_ = 0;
+      return acknowledge();
+    }
+    case KZ_TYPE_heartbeat: {
+      kz_heartbeat heartbeat{};
+      if (!kz_unpack_heartbeat(&heartbeat, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      if (heartbeat.watchdog_10ms != 0) watchdog_10ms_ = heartbeat.watchdog_10ms;
+      if (heartbeat.reaction != 0) reaction_ = heartbeat.reaction;
+      KAZ_TRY(
+          look());  // a servo that is lost or overloaded is found while nothing else is requested
+      return acknowledge();
+    }
+    case KZ_TYPE_gains: {
+      kz_gains gains{};
+      if (!kz_unpack_gains(&gains, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      for (std::size_t j = 0; j < joints_.size(); ++j) {
+        if ((gains.mask >> j & 1) == 0) continue;
+        Joint& joint = joints_[j];
+        joint.kp = gains.kp;
+        joint.kd = gains.kd;
+        joint.dead_band = gains.dead_band;
+        joint.friction = gains.friction;
+      }
+      return acknowledge();
+    }
+    case KZ_TYPE_limits: {
+      kz_limits limits{};
+      if (!kz_unpack_limits(&limits, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      if (limits.lower > limits.upper) return refuse(KZ_REFUSED_RANGE);
+      set_limits(limits);
+      return acknowledge();
+    }
+    case KZ_TYPE_settings: {
+      kz_settings query{};
+      if (!kz_unpack_settings(&query, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      const Joint joint = query.joint < joints_.size() ? joints_[query.joint] : Joint();
+      return packed(
+          kz_settings_reply{tick(), status(), query.joint, joint.kp, joint.kd, joint.dead_band,
+                            joint.friction, joint.ramp, joint.lower, joint.upper},
+          kz_pack_settings_reply);
+    }
+    case KZ_TYPE_calibration: {
+      kz_calibration_reply reply{};
+      reply.tick = tick();
+      reply.status = status();
+      return packed(reply, kz_pack_calibration_reply);
+    }
+    case KZ_TYPE_unlock:
+      return acknowledge();
+    case KZ_TYPE_telemetry:
+      return refuse(KZ_REFUSED_SHARED_LINE);
+    case KZ_TYPE_reset: {
+      KAZ_TRY(reset());
+      return acknowledge();
+    }
+    default:
+      return refuse(KZ_REFUSED_UNKNOWN_TYPE);
+  }
+}
+
+}  // namespace kaz::host

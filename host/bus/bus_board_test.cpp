@@ -1,0 +1,311 @@
+// A robot on a bus of servos, which here are registers without motors: what reaches them, what goes wrong.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bus/bus_board.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <deque>
+#include <map>
+
+#include "host/robot/robot.h"
+
+namespace kaz::host {
+namespace {
+
+using feetech::Instruction;
+using feetech::Packet;
+using namespace std::chrono_literals;
+
+// The bus and time: a byte takes 10 us, an answer is there at once.
+class Servos final : public Link, public Clock {
+ public:
+  std::map<int, std::array<std::uint8_t, 256>> registers;
+  std::map<int, std::uint8_t> error;  // status byte of the answers
+  std::map<int, int> silent;          // requests that a servo does not hear
+  int damaged = 0;                    // answers to be damaged
+  int writes = 0;
+
+  void add(int id, int position) {
+    auto& bytes = registers[id];
+    bytes.fill(0);
+    set(id, 3, 777);
+    set(id, 56, position);
+    bytes[62] = 74;
+    bytes[63] = 30;
+  }
+  void set(int id, std::size_t address, int value) {
+    registers[id][address] = static_cast<std::uint8_t>(value);
+    registers[id][address + 1] = static_cast<std::uint8_t>(value >> 8);
+  }
+  int get(int id, std::size_t address) const {
+    return registers.at(id)[address] | registers.at(id)[address + 1] << 8;
+  }
+
+  std::string name() const override { return "the bus"; }
+  Result<void> write(std::span<const std::uint8_t> bytes) override {
+    feetech::PacketReader reader;
+    for (const std::uint8_t byte : bytes) {
+      now_ += 10us;
+      if (reader.take(byte) == feetech::PacketReader::Event::packet) obey(reader.packet());
+    }
+    return {};
+  }
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    if (wire_.empty()) {
+      now_ = std::max(now_, deadline);
+      return std::size_t{0};
+    }
+    const std::size_t count = std::min(bytes.size(), wire_.size());
+    std::copy_n(wire_.begin(), count, bytes.begin());
+    wire_.erase(wire_.begin(), wire_.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+  Time now() const override { return now_; }
+  Result<void> sleep_until(Time t) override {
+    now_ = std::max(now_, t);
+    return {};
+  }
+
+ private:
+  void answer(int id, std::vector<std::uint8_t> parameters) {
+    auto bytes =
+        feetech::wire_of({static_cast<std::uint8_t>(id), error[id], std::move(parameters)});
+    if (damaged > 0) {
+      --damaged;
+      bytes[bytes.size() / 2] ^= 0x10;
+    }
+    wire_.insert(wire_.end(), bytes.begin(), bytes.end());
+  }
+  bool hears(int id) {
+    if (!registers.contains(id)) return false;
+    return silent[id] == 0 || silent[id]-- < 0;
+  }
+  std::vector<std::uint8_t> bytes_of(int id, std::size_t address, std::size_t count) const {
+    const auto& all = registers.at(id);
+    return {all.begin() + static_cast<std::ptrdiff_t>(address),
+            all.begin() + static_cast<std::ptrdiff_t>(address + count)};
+  }
+  void obey(const Packet& packet) {
+    const auto& p = packet.parameters;
+    const auto instruction = static_cast<Instruction>(packet.code);
+    if (packet.id == feetech::kBroadcast && instruction == Instruction::sync_read) {
+      for (std::size_t i = 2; i < p.size(); ++i) {
+        if (!hears(p[i])) return;  // those behind it wait for its answer
+        answer(p[i], bytes_of(p[i], p[0], p[1]));
+      }
+    } else if (packet.id == feetech::kBroadcast && instruction == Instruction::sync_write) {
+      ++writes;
+      for (std::size_t i = 2; i + p[1] < p.size(); i += p[1] + 1u) {
+        for (std::size_t k = 0; k < p[1]; ++k) registers[p[i]][p[0] + k] = p[i + 1 + k];
+      }
+    } else if (hears(packet.id)) {
+      if (instruction == Instruction::read) {
+        answer(packet.id, bytes_of(packet.id, p[0], p[1]));
+        return;
+      }
+      if (instruction == Instruction::write) {
+        ++writes;
+        for (std::size_t k = 1; k < p.size(); ++k) registers[packet.id][p[0] + k - 1] = p[k];
+      }
+      answer(packet.id, {});
+    }
+  }
+
+  std::deque<std::uint8_t> wire_;
+  Time now_{1s};
+};
+
+// The board over them, as Robot sees it.
+class BoardLink final : public Link {
+ public:
+  BoardLink(BusBoard& board, Servos& servos) : board_(board), servos_(servos) {}
+  std::string name() const override { return "the bus"; }
+  Result<void> write(std::span<const std::uint8_t> bytes) override {
+    board_.take(bytes);
+    return {};
+  }
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    if (waiting_.empty()) {
+      const auto answer = KAZ_TRY(board_.serve());
+      if (answer) waiting_ = *answer;
+    }
+    if (waiting_.empty()) return servos_.read(bytes, deadline);
+    const std::size_t count = std::min(bytes.size(), waiting_.size());
+    std::copy_n(waiting_.begin(), count, bytes.begin());
+    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+
+ private:
+  BusBoard& board_;
+  Servos& servos_;
+  std::vector<std::uint8_t> waiting_;
+};
+
+std::vector<BusJoint> two_joints() {
+  const feetech::Model* model = feetech::find_model("sts3215");
+  return {{{"pan", 1, model, 2048, false}, -1.5, 1.5}, {{"lift", 2, model, 1000, true}, -1, 2}};
+}
+
+class ServoRobot : public testing::Test {
+ protected:
+  void SetUp() override {
+    servos.add(1, 2048);
+    servos.add(2, 1000);
+    auto opened = BusBoard::open(servos, servos, two_joints());
+    ASSERT_TRUE(opened) << opened.error().message;
+    board.emplace(std::move(*opened));
+    link.emplace(*board, servos);
+    auto connected = Robot::connect(*link, servos, {.reconnect = Time::zero()});
+    ASSERT_TRUE(connected) << connected.error().message;
+    robot.emplace(std::move(*connected));
+  }
+  Servos servos;
+  std::optional<BusBoard> board;
+  std::optional<BoardLink> link;
+  std::optional<Robot> robot;
+};
+
+TEST_F(ServoRobot, HoldsWhereItIsAndTurnsToItsTargets) {
+  servos.set(1, 56, 2048 + 100);
+  (void)servos.sleep_until(servos.now() + 10ms);
+  ASSERT_TRUE(robot->enable(0b11));
+  EXPECT_EQ(servos.registers[1][40], 1);
+  EXPECT_EQ(servos.get(1, 42), 2148) << "the goal is where it is";
+  ASSERT_TRUE(robot->set_targets({{{0, 0.5}, {1, 0.25}}}, 500ms));
+  const double steps = 4096 / (2 * 3.14159265358979);
+  EXPECT_NEAR(servos.get(1, 42), 2048 + 0.5 * steps, 1);
+  EXPECT_NEAR(servos.get(2, 42), 1000 - 0.25 * steps, 1) << "it is mounted the other way round";
+  // 0.25 rad in 0.5 s.
+  EXPECT_NEAR(servos.get(2, 46), 0.5 * steps, 2);
+  // One of many: as fast as the ramp allows, 6 rad/s.
+  ASSERT_TRUE(robot->set_targets({{{1, 0.3}}}, 12ms));
+  EXPECT_NEAR(servos.get(2, 46), 6 * steps, 2);
+  EXPECT_NEAR(robot->read_targets().value()[1], 0.3, 1e-4);
+
+  servos.set(2, 56, 1000 - 652);
+  (void)servos.sleep_until(servos.now() + 10ms);
+  const auto state = robot->state();
+  ASSERT_TRUE(state);
+  EXPECT_NEAR(state->angle[1], 1.0, 2e-3);
+  EXPECT_NEAR(state->supply_volts, 7.4, 1e-3);
+  EXPECT_EQ(state->angle[5], 0) << "a joint that is none";
+  robot->disable_all();
+  EXPECT_EQ(servos.registers[1][40], 0);
+  EXPECT_EQ(servos.registers[2][40], 0);
+}
+
+TEST_F(ServoRobot, RefusesWhatABoardRefuses) {
+  const auto off = robot->set_targets({{{0, 0.1}}}, 100ms);
+  ASSERT_FALSE(off);
+  ASSERT_TRUE(robot->enable(0b11));
+  const auto far = robot->set_targets({{{0, 1.6}}}, 100ms);
+  ASSERT_FALSE(far);
+  ASSERT_TRUE(robot->set_limits(0b1, {.ramp_rad_per_s = 2, .lower_rad = -0.2, .upper_rad = 9e-1}));
+  EXPECT_FALSE(robot->set_targets({{{0, -0.3}}}, 100ms));
+  EXPECT_TRUE(robot->set_targets({{{0, 0.8}}}, 100ms));
+  EXPECT_FALSE(robot->set_targets({{{7, 0}}}, 100ms)) << "there is no such joint";
+  EXPECT_FALSE(robot->subscribe(10ms, KZ_TELEMETRY_STATE));
+  const auto settings = robot->settings(0);
+  ASSERT_TRUE(settings);
+  EXPECT_NEAR(settings->limits.ramp_rad_per_s, 2, 1e-9);
+  ASSERT_TRUE(robot->stop());
+  EXPECT_EQ(servos.registers[1][40], 0);
+  EXPECT_FALSE(robot->set_targets({{{0, 0.1}}}, 100ms));
+  ASSERT_TRUE(robot->clear());
+  EXPECT_TRUE(robot->enable(0b1));
+}
+
+TEST_F(ServoRobot, ALostAnswerIsRequestedAgain) {
+  ASSERT_TRUE(robot->enable(0b11));
+  for (int i = 0; i < 20; ++i) {
+    (void)servos.sleep_until(servos.now() + 10ms);
+    if (i % 4 == 0) servos.silent[1] = 1;
+    if (i % 4 == 2) servos.damaged = 1;
+    const auto state = robot->state();
+    ASSERT_TRUE(state) << state.error().message;
+    EXPECT_EQ(state->status >> 8, 0);
+  }
+  EXPECT_EQ(board->counts().missing, 0u);
+  EXPECT_EQ(board->counts().damaged, 5u);
+}
+
+TEST_F(ServoRobot, AServoThatIsGoneSwitchesTheOthersOff) {
+  ASSERT_TRUE(robot->enable(0b11));
+  servos.silent[2] = 1000;
+  std::uint16_t status = 0;
+  for (int i = 0; i < 5 && status >> 8 == 0; ++i) {
+    (void)servos.sleep_until(servos.now() + 10ms);
+    const auto state = robot->state();
+    status = state ? state->status : std::uint16_t{KZ_SHUTDOWN_POT << 8};
+  }
+  EXPECT_EQ(status >> 8, KZ_SHUTDOWN_POT);
+  EXPECT_EQ(servos.registers[1][40], 0);
+  servos.silent[2] = 0;
+  EXPECT_TRUE(robot->clear());
+}
+
+TEST_F(ServoRobot, AnOverloadIsAShutdownThatNamesTheJoint) {
+  ASSERT_TRUE(robot->enable(0b11));
+  servos.error[2] = feetech::kOverloadError;
+  (void)servos.sleep_until(servos.now() + 10ms);
+  (void)robot->state();
+  const auto health = robot->health();
+  ASSERT_TRUE(health);
+  EXPECT_EQ(health->status >> 8, KZ_SHUTDOWN_OVERLOAD);
+  EXPECT_EQ(health->joint, 1);
+  EXPECT_EQ(servos.registers[1][40], 0);
+  EXPECT_FALSE(robot->clear()) << "its cause is still there";
+  servos.error[2] = 0;
+  EXPECT_TRUE(robot->clear());
+}
+
+TEST(BusBoard, ARequestThatIsRepeatedIsDoneOnce) {
+  Servos servos;
+  servos.add(1, 2048);
+  servos.add(2, 1000);
+  auto board = BusBoard::open(servos, servos, two_joints()).value();
+  std::array<u8, KZ_PAYLOAD_MAX> fields{};
+  const kz_enable enable{0b11};
+  const u8 size = kz_pack_enable(&enable, fields.data());
+  std::vector<u8> body{KZ_ADDRESS_DEFAULT, KZ_TYPE_enable, 7};
+  body.insert(body.end(), fields.begin(), fields.begin() + size);
+  std::array<u8, KZ_FRAME_MAX> wire{};
+  const u8 length = kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data());
+  board.take(std::span(wire).first(length));
+  const auto first = board.serve().value();
+  const int writes = servos.writes;
+  board.take(std::span(wire).first(length));
+  EXPECT_EQ(board.serve().value(), first);
+  EXPECT_EQ(servos.writes, writes);
+  EXPECT_FALSE(board.serve().value());
+}
+
+TEST(BusBoard, WhatIsNotThereOrAnotherIsNamed) {
+  const auto refusal = [](Servos& servos, std::vector<BusJoint> joints = two_joints()) {
+    const auto opened = BusBoard::open(servos, servos, std::move(joints));
+    return opened ? std::string("opened") : opened.error().message;
+  };
+  Servos servos;
+  EXPECT_NE(refusal(servos).find("servo 1 (pan), servo 2 (lift) do not answer on the bus"),
+            std::string::npos);
+  servos.add(1, 2048);
+  EXPECT_NE(refusal(servos).find("servo 2 (lift) does not answer"), std::string::npos);
+  servos.add(2, 1000);
+  servos.set(2, 3, 5);
+  EXPECT_NE(refusal(servos).find("servo 2 (lift) on the bus is of model number 5"),
+            std::string::npos);
+  servos.set(2, 3, 777);
+  servos.registers[1][33] = 1;
+  EXPECT_NE(refusal(servos).find("servo 1 (pan) on the bus is in mode 1"), std::string::npos);
+  servos.registers[1][33] = 0;
+  auto twice = two_joints();
+  twice[1].servo.id = 1;
+  EXPECT_NE(refusal(servos, twice).find("the id 1 twice"), std::string::npos);
+  EXPECT_NE(refusal(servos, {}).find("1 to 18 joints"), std::string::npos);
+  EXPECT_EQ(refusal(servos), "opened");
+}
+
+}  // namespace
+}  // namespace kaz::host

@@ -1,0 +1,96 @@
+// A robot on a servo bus, driven by `kaz run` as by any other board: the arm of the virtual bus.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "shared/base/json_testing.h"
+#include "tests/system/command_line/process_testing.h"
+
+namespace kaz::test {
+namespace {
+
+const std::string kArm = std::string(KAZ_TREE) + "/sim/robots/so101/so101.urdf";
+
+const char kWave[] = R"({"format": "kaz-poses-1", "poses": [
+  {"time_s": 0, "angles_rad": {"shoulder_pan": 0, "shoulder_lift": 0, "elbow_flex": 0, "wrist_flex": 0}},
+  {"time_s": 1.5, "angles_rad": {"shoulder_pan": 0.6, "elbow_flex": -0.5}},
+  {"time_s": 3, "angles_rad": {"shoulder_pan": -0.4, "elbow_flex": 0.2, "wrist_flex": 0.5}},
+  {"time_s": 4, "angles_rad": {"shoulder_pan": 0, "elbow_flex": 0, "wrist_flex": 0}}]})";
+
+TEST(ServoRobot, TheArmPlaysPosesOverItsBus) {
+  const TemporaryFolder folder;
+  write_file(folder / "wave.json", kWave);
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", kArm, "--serial", folder / "arm"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", std::chrono::seconds(30)));
+  const std::vector<std::string> robot{"--robot", "feetech:" + (folder / "arm"), "--robot-file",
+                                       kArm};
+  std::vector<std::string> play{"run",   "play",        "--poses", folder / "wave.json",
+                                "--out", folder / "out"};
+  play.insert(play.end(), robot.begin(), robot.end());
+  const Finished played = run(kaz(play), std::chrono::seconds(60));
+  EXPECT_EQ(played.exit_code, 0) << played.out << played.err;
+  EXPECT_NE(played.out.find("4 poses in 4.0 s"), std::string::npos) << played.out;
+  const auto result = parse_json(read_file(folder / "out/result.json"));
+  EXPECT_EQ(result["outcome"], "done");
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/recording.mcap"));
+
+  std::vector<std::string> stand{"run", "stand"};
+  stand.insert(stand.end(), robot.begin(), robot.end());
+  const Finished stood = run(kaz(stand), std::chrono::seconds(60));
+  EXPECT_EQ(stood.exit_code, 0) << stood.out << stood.err;
+
+  // Ctrl-C: the joints are let go within a second.
+  play.back() = kArm;
+  Process broken(kaz(play));
+  ASSERT_TRUE(broken.wait_for_output("play", std::chrono::seconds(30)));
+  broken.signal(SIGINT);
+  EXPECT_EQ(broken.wait(std::chrono::seconds(5)).exit_code, 128 + SIGINT);
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
+}
+
+TEST(ServoRobot, WhatIsWrongIsNamed) {
+  const TemporaryFolder folder;
+  write_file(folder / "wave.json", kWave);
+  const auto error = [&](std::vector<std::string> more, int status) {
+    std::vector<std::string> words{"run", "play", "--poses", folder / "wave.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished refused = run(kaz(words));
+    EXPECT_EQ(refused.exit_code, status) << refused.err;
+    return refused.err;
+  };
+  const std::string arm = "feetech:" + (folder / "arm");
+  EXPECT_NE(error({"--robot", arm}, 2).find("needs --robot-file FILE"), std::string::npos);
+  EXPECT_NE(error({"--robot", arm, "--robot-file", kArm}, 3).find("no such port"),
+            std::string::npos);
+  EXPECT_NE(error({"--robot", arm, "--robot-file", folder / "none.urdf"}, 2).find("none.urdf"),
+            std::string::npos);
+  EXPECT_NE(error({"--robot", arm + "@12345", "--robot-file", kArm}, 2).find("12345 baud"),
+            std::string::npos);
+
+  // A servo of another id is not there.
+  for (const char* file : {"so101.urdf", "motor.xml", "sensors.xml"}) {
+    const auto from = std::filesystem::path(kArm).parent_path() / file;
+    if (std::filesystem::exists(from)) std::filesystem::copy(from, folder / file);
+  }
+  std::string bus = read_file(std::filesystem::path(kArm).parent_path() / "bus.json");
+  const auto at = bus.find("\"id\": 3");
+  ASSERT_NE(at, std::string::npos);
+  bus.replace(at, 7, "\"id\": 9");
+  write_file(folder / "bus.json", bus);
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", kArm, "--serial", folder / "arm"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", std::chrono::seconds(30)));
+  EXPECT_NE(error({"--robot", arm, "--robot-file", folder / "so101.urdf"}, 3)
+                .find("servo 9 (elbow_flex) does not answer on"),
+            std::string::npos);
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace kaz::test
