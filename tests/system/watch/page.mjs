@@ -124,12 +124,12 @@ try {
   await page.mouse.up();
   await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] < 0.05);
   await page.click("#pause");
-  // What was under way arrives; then the run's time stands still.
+  // What was under way arrives, which takes its time where the browser is behind; then the run's time stands still.
   let stopped = -1;
-  for (let i = 0; i < 40; ++i) {
-    const before = stopped;
-    stopped = await page.evaluate(() => window.kaz.time());
-    if (stopped === before) break;
+  for (let i = 0, same = 0; i < 80 && same < 6; ++i) {
+    const now = await page.evaluate(() => window.kaz.time());
+    same = now === stopped ? same + 1 : 0;
+    stopped = now;
     await page.waitForTimeout(500);
   }
   await page.waitForTimeout(500);

@@ -50,6 +50,7 @@ try {
   await page.locator("#pose-of-neck_pan").focus();
   await page.keyboard.press("ArrowRight");
   await page.keyboard.press("ArrowRight");
+  await page.waitForFunction(() => document.getElementById("pose-of-neck_pan").value === "31");
   await page.click("#pose-keep");
   await page.locator("#pose-list li:nth-child(3) input").fill("1.8");
   await page.locator("#pose-list li:nth-child(3) input").blur();

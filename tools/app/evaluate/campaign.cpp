@@ -376,10 +376,16 @@ Result<void> refuse_others(const OutputFolder& folder, const Episodes& all) {
                                 "another --out");
 }
 
-// A plug-in that is to be judged as one of Kaz's behaviours.
+// A plug-in that is to be judged as one of Kaz's behaviours, or one of these with a measure of its own.
 Result<void> check_judge(const CampaignOptions& options) {
+  const bool plugin = behavior::names_plugin(options.behavior);
+  if (options.judged_as.empty() && !plugin && behavior::find_behavior(options.behavior) &&
+      !is_judged(options.behavior))
+    return fail(Fault::usage, options.behavior +
+                                  " has no measure by which truth decides whether it succeeded; "
+                                  "evaluate another behaviour");
   if (options.judged_as.empty()) return {};
-  if (!behavior::names_plugin(options.behavior))
+  if (!plugin)
     return fail(Fault::usage,
                 "--judge is of plug-ins: " + options.behavior + " is judged as what it is");
   if (is_judged(options.judged_as)) return {};
