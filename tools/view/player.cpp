@@ -41,11 +41,8 @@ class Player {
   Player(const sim::McapRecording& recording, Server& server, Feed& feed, double speed)
       : server_(server), feed_(feed) {
     Schemas schemas(server);
-    if (const auto recorder = sim::Recorder::create("", {}, &schemas)) {
-      // Their channels come with the first message.
-      (*recorder)->map({}, {});
-      (*recorder)->hand({}, {});
-    }
+    if (const auto recorder = sim::Recorder::create("", {}, &schemas))
+      (*recorder)->add_all_channels();
     for (const auto& [number, topic] : recording.topics) {
       const auto known = schemas.channels.find(topic);
       channels_[number] = {

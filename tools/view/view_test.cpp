@@ -181,6 +181,15 @@ TEST(View, ARecordingIsPlayedWithPausesAndJumps) {
     EXPECT_EQ(client.next_op("serverInfo")["capabilities"].back(), "playbackControl");
     client.send(subscriptions({client.channel("/tf"), client.channel("/truth/joints")}));
     EXPECT_TRUE(client.next_frame(1));
+    // The robot, its world and its poses are those of the recording.
+    std::set<std::uint32_t> missing{client.channel("/tf"), client.channel("/scene"),
+                                    client.channel("/robot_description")};
+    client.send(subscriptions({client.channel("/scene"), client.channel("/robot_description")}));
+    while (!missing.empty()) {
+      const auto frame = client.next_frame(1);
+      ASSERT_TRUE(frame);
+      missing.erase((*frame)[1]);
+    }
     // Paused at 0.1 s: the state says so.
     client.send(
         Bytes{3, 1, 0, 0, 0x80, 0x3f, 1, 0x00, 0xe1, 0xf5, 0x05, 0, 0, 0, 0, 1, 0, 0, 0, 'x'});

@@ -279,6 +279,41 @@ Recorder::RobotChannels Recorder::robot_channels() {
   return *robot_;
 }
 
+Recorder::MapChannels Recorder::map_channels() {
+  if (!maps_) {
+    const auto channel = [this](const char* topic, const char* name, const char* text) {
+      return file_->add_channel(file_->add_schema(name, "ros1msg", text), topic, "ros1");
+    };
+    maps_ = {channel("/map", "nav_msgs/OccupancyGrid", map_schema),
+             channel("/map/path", "nav_msgs/Path", path_schema),
+             channel("/map/robot", "geometry_msgs/PoseStamped", pose_schema)};
+  }
+  return *maps_;
+}
+
+std::uint16_t Recorder::hand_channel() {
+  if (!hands_)
+    hands_ =
+        file_->add_channel(file_->add_schema("kaz/Hand", "ros1msg", hand_schema), "/hand", "ros1");
+  return *hands_;
+}
+
+std::array<std::uint16_t, 2> Recorder::camera_channels() {
+  if (!camera_infos_) {
+    const auto schema = file_->add_schema("sensor_msgs/CameraInfo", "ros1msg", ros::kCameraInfo);
+    camera_infos_ = {file_->add_channel(schema, "/eyes/left/camera_info", "ros1"),
+                     file_->add_channel(schema, "/eyes/right/camera_info", "ros1")};
+  }
+  return *camera_infos_;
+}
+
+void Recorder::add_all_channels() {
+  robot_channels();
+  map_channels();
+  camera_channels();
+  hand_channel();
+}
+
 void Recorder::description(States at, std::string_view urdf) {
   data_.clear();
   LittleEndian(data_).text(urdf);
@@ -301,14 +336,9 @@ void Recorder::transforms(States at, std::span<const ros::NamedPose> poses) {
 void Recorder::picture(bool right, const Eyes::Digest& digest, std::span<const std::uint8_t> png) {
   if (png.empty()) return;
   if (camera_) {
-    if (!camera_infos_) {
-      const auto schema = file_->add_schema("sensor_msgs/CameraInfo", "ros1msg", ros::kCameraInfo);
-      camera_infos_ = {file_->add_channel(schema, "/eyes/left/camera_info", "ros1"),
-                       file_->add_channel(schema, "/eyes/right/camera_info", "ros1")};
-    }
     data_.clear();
     ros::camera_info(data_, static_cast<std::uint64_t>(digest.exposure.count()), *camera_, right);
-    put((*camera_infos_)[right ? 1 : 0], digest.arrival);
+    put(camera_channels()[right ? 1 : 0], digest.arrival);
   }
   data_.clear();
   LittleEndian to(data_);
@@ -326,14 +356,7 @@ void Recorder::behavior(States at, std::string_view json) {
 }
 
 void Recorder::map(States at, const RecordedMap& map) {
-  if (!maps_) {
-    const auto channel = [this](const char* topic, const char* name, const char* text) {
-      return file_->add_channel(file_->add_schema(name, "ros1msg", text), topic, "ros1");
-    };
-    maps_ = {channel("/map", "nav_msgs/OccupancyGrid", map_schema),
-             channel("/map/path", "nav_msgs/Path", path_schema),
-             channel("/map/robot", "geometry_msgs/PoseStamped", pose_schema)};
-  }
+  const MapChannels channels = map_channels();
   LittleEndian to(data_);
   const auto header = [&] { put_stamp(to, time_of(at)).text("map"); };
   const auto pose = [&](const Eigen::Vector2d& place, double heading_rad) {
@@ -350,7 +373,7 @@ void Recorder::map(States at, const RecordedMap& map) {
   pose(map.corner, 0);
   to.number(static_cast<std::uint32_t>(map.cells.size()));
   for (const std::int8_t cell : map.cells) to.number(static_cast<std::uint8_t>(cell));
-  put(maps_->map, time_of(at));
+  put(channels.map, time_of(at));
 
   data_.clear();
   header();
@@ -364,21 +387,18 @@ void Recorder::map(States at, const RecordedMap& map) {
     header();
     pose(map.path[i], heading_rad);
   }
-  put(maps_->path, time_of(at));
+  put(channels.path, time_of(at));
 
   data_.clear();
   header();
   pose(map.robot, map.heading_rad);
-  put(maps_->robot, time_of(at));
+  put(channels.robot, time_of(at));
 }
 
 void Recorder::hand(States at, std::string_view line) {
-  if (!hands_)
-    hands_ =
-        file_->add_channel(file_->add_schema("kaz/Hand", "ros1msg", hand_schema), "/hand", "ros1");
   data_.clear();
   LittleEndian(data_).text(std::string(line));
-  put(*hands_, time_of(at));
+  put(hand_channel(), time_of(at));
 }
 
 void Recorder::fault(States at, std::string_view line) {

@@ -63,6 +63,9 @@ class Recorder {
   // What was done by hand, as a line of hand_player.h. The channel is there from the first one on.
   void hand(States at, std::string_view line);
 
+  // Adds the channels that else are there from their first message on: for whoever wants all schemas.
+  void add_all_channels();
+
   // States in the file that the run went on: "SIGINT".
   void interrupted(const std::string& by);
   // SHA-256 of the file.
@@ -71,6 +74,12 @@ class Recorder {
   Result<void> written() const { return file_->written(); }
 
  private:
+  struct MapChannels {
+    std::uint16_t map, path, robot;
+  };
+  struct RobotChannels {
+    std::uint16_t description, scene, transforms;
+  };
   explicit Recorder(std::unique_ptr<McapWriter> file);
   void put(std::uint16_t channel, Time time);
   void picture(bool right, const Eyes::Digest& digest, std::span<const std::uint8_t> png);
@@ -83,17 +92,14 @@ class Recorder {
   std::uint16_t wire_bytes_, pins_, analog_, joints_, ball_, supply_, contacts_, link_forces_,
       joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
   // From the first map on.
-  struct MapChannels {
-    std::uint16_t map, path, robot;
-  };
   std::optional<MapChannels> maps_;
   std::optional<std::uint16_t> hands_;
   // From the first picture on, and from the first of the robot.
   std::optional<std::array<std::uint16_t, 2>> camera_infos_;
-  struct RobotChannels {
-    std::uint16_t description, scene, transforms;
-  };
   RobotChannels robot_channels();
+  MapChannels map_channels();
+  std::array<std::uint16_t, 2> camera_channels();
+  std::uint16_t hand_channel();
   std::optional<RobotChannels> robot_;
   std::optional<vision::CameraModel> camera_;
   std::vector<std::uint8_t> data_;  // of the current message
