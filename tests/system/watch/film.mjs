@@ -13,11 +13,10 @@ try {
   const player = start(kaz, ["replay", recording, "--view", "127.0.0.1:0"]);
   const [, url] = await player.says(/watch it at (\S+)/);
   const wrong = [];
-  const { page } = await open(browser, url, wrong, { viewport: { width: width + 350, height: height + 120 } });
+  const { page } = await open(browser, url, wrong, { viewport: { width: width + 350, height: height + 78 } });  // header and player
   await page.uncheck("#frusta");
   await page.click("#play");
   await page.waitForFunction(() => !window.kaz.playing());
-  await page.addStyleTag({ content: `#scene { width: ${width}px; height: ${height}px; flex: none }` });
   const pictures = [];
   for (const share of shares) {
     await page.locator("#scrub").fill(String(Math.round(1000 * share)));
