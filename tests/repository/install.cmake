@@ -41,8 +41,12 @@ function(consume component libraries absent)
     list(APPEND disabled -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
   set(build ${BINARY}/consumers/${component})
+  set(program ${SOURCE}/tests/repository/consumers/${component}.cpp)
+  if(component STREQUAL "h8s")
+    set(program ${SOURCE}/sim/h8s/example/example.cpp)
+  endif()
   execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/tests/repository/consumers -B ${build} -G Ninja
-                          -DCMAKE_PREFIX_PATH=${prefix} -DCOMPONENT=${component} "-DLIBRARIES=${libraries}" ${disabled} --no-warn-unused-cli
+                          -DCMAKE_PREFIX_PATH=${prefix} -DCOMPONENT=${component} -DPROGRAM=${program} "-DLIBRARIES=${libraries}" ${disabled} --no-warn-unused-cli
                   COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
   execute_process(COMMAND ${CMAKE_COMMAND} --build ${build} COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND ${build}/consumer ${prefix}/share/kaz COMMAND_ERROR_IS_FATAL ANY)
@@ -62,7 +66,7 @@ if(status EQUAL 0 OR NOT message MATCHES "kaz has no component \"wings\"; it has
 endif()
 # By pkg-config, as a Makefile would.
 execute_process(COMMAND sh -c "PKG_CONFIG_PATH=$(dirname $(find ${prefix} -name kaz-h8s.pc)) && export PKG_CONFIG_PATH && \
-  c++ -std=c++20 ${SOURCE}/tests/repository/consumers/h8s.cpp $(pkg-config --cflags --libs kaz-h8s) \
+  c++ -std=c++20 ${SOURCE}/sim/h8s/example/example.cpp $(pkg-config --cflags --libs kaz-h8s) \
   -o ${BINARY}/by_pkg_config && ${BINARY}/by_pkg_config" COMMAND_ERROR_IS_FATAL ANY)
 # A behaviour of somebody's own, with the installed headers.
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/examples/behavior -B ${BINARY}/behavior -G Ninja
