@@ -4,19 +4,22 @@ import type { BoardState, Torques } from "./ros1";
 
 const SECONDS = 10;
 
-export class Plot {
+// What came in the last seconds.
+class History<T extends { seconds: number }> {
   joint = 0;
-  private states: BoardState[] = [];
+  protected states: T[] = [];
 
-  constructor(private readonly canvas: HTMLCanvasElement) {}
+  constructor(protected readonly canvas: HTMLCanvasElement) {}
 
-  add(state: BoardState): void {
+  add(state: T): void {
     const newest = this.states.at(-1);
     if (newest && state.seconds <= newest.seconds) this.states = [];  // of another run, or a jump back
     this.states.push(state);
     while ((this.states[0]?.seconds ?? 0) < state.seconds - SECONDS) this.states.shift();
   }
+}
 
+export class Plot extends History<BoardState> {
   count(): number { return this.states.length; }
   target(joint: string): number | undefined {
     const newest = this.states.at(-1);
@@ -68,17 +71,9 @@ export class Plot {
 }
 
 // Below it: the motor's torque, where it is known.
-export class TorquePlot {
-  joint = 0;
-  private states: Torques[] = [];
-
-  constructor(private readonly canvas: HTMLCanvasElement) {}
-
-  add(state: Torques): void {
-    const newest = this.states.at(-1);
-    if (newest && state.seconds <= newest.seconds) this.states = [];
-    this.states.push(state);
-    while ((this.states[0]?.seconds ?? 0) < state.seconds - SECONDS) this.states.shift();
+export class TorquePlot extends History<Torques> {
+  override add(state: Torques): void {
+    super.add(state);
     const known = state.effort.length > 0;
     this.canvas.hidden = !known;
     (document.getElementById("torque-legend") as HTMLElement).hidden = !known;
