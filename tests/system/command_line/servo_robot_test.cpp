@@ -4,11 +4,13 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "shared/base/json_testing.h"
+#include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -48,8 +50,17 @@ TEST(ServoRobot, TheArmPlaysPosesOverItsBus) {
   play.back() = kArm;
   Process broken(kaz(play));
   ASSERT_TRUE(broken.wait_for_output("play", std::chrono::seconds(30)));
+  const auto torque = [&] {
+    const auto status = parse_json(query_control(folder / "arm.ctl", "status"));
+    int on = 0;
+    for (const auto& servo : status["servos"]) on += servo["torque"].get<int>() != 0;
+    return on;
+  };
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_EQ(torque(), 6);
   broken.signal(SIGINT);
   EXPECT_EQ(broken.wait(std::chrono::seconds(5)).exit_code, 128 + SIGINT);
+  EXPECT_EQ(torque(), 0);
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
 }
