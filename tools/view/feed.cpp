@@ -62,7 +62,6 @@ constexpr char kAnnotations[] =
 
 constexpr std::string_view kWire = "/wire/";
 constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr double kMetresPerNewton = 0.01;
 
 std::uint64_t time_of(const vision::FrameInfo& info) {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(0, info.exposure.count()));
@@ -97,7 +96,7 @@ Feed::Feed(Server& server, sim::RobotModel model, const FeedOptions& options)
   channels_.joint_states = add("/joint_states", "sensor_msgs/JointState", kJointState);
   channels_.description = add("/robot_description", "std_msgs/String", sim::ros::kText, derived);
   add("/scene", "visualization_msgs/MarkerArray", sim::ros::kMarkers, derived);
-  channels_.contacts = add("/contacts", "visualization_msgs/MarkerArray", sim::ros::kMarkers);
+  add("/contacts", "visualization_msgs/MarkerArray", sim::ros::kMarkers, derived);
   channels_.board = add("/board/state", "kaz/BoardState", kBoard);
   channels_.left = add("/eyes/left", "sensor_msgs/CompressedImage", sim::ros::kPicture);
   channels_.right = add("/eyes/right", "sensor_msgs/CompressedImage", sim::ros::kPicture);
@@ -112,7 +111,6 @@ Feed::Feed(Server& server, sim::RobotModel model, const FeedOptions& options)
 
 void Feed::restart() {
   next_ns_.reset();
-  next_contacts_ns_ = 0;
   lines_.clear();
   frames_to_board_ = frames_to_host_ = frames_damaged_ = 0;
   worst_tick_ = 0;
@@ -127,7 +125,6 @@ bool Feed::due(std::uint64_t time_ns) {
 void Feed::message(std::string_view topic, std::uint64_t time_ns,
                    std::span<const std::uint8_t> data) {
   if (topic == "/truth/joints") return joints(time_ns, data);
-  if (topic == "/truth/contacts") return contacts(time_ns, data);
   if (topic.starts_with(kWire)) {
     const std::string_view end = topic.substr(kWire.size());
     // /wire/to_host, and of the second board /wire/2/to_host
@@ -286,38 +283,6 @@ void Feed::wire(std::uint64_t time_ns, std::size_t line, bool to_board,
       if (kz_unpack_telemetry_state(&state, body, size)) take(state);
     }
   }
-}
-
-void Feed::contacts(std::uint64_t time_ns, std::span<const std::uint8_t> data) {
-  if (!server_.wanted(channels_.contacts) || time_ns < next_contacts_ns_) return;
-  next_contacts_ns_ = time_ns + period_ns_;
-  LittleEndianFields fields(data);
-  const auto count = std::min<std::uint32_t>(fields.number<std::uint32_t>(), 200);
-  std::vector<sim::ros::Marker> markers;
-  sim::ros::Marker& clear = markers.emplace_back();
-  clear.space = "contacts";
-  clear.removes_all = true;
-  for (std::uint32_t i = 0; i < count && fields.good(); ++i) {
-    fields.text();
-    fields.text();
-    Eigen::Vector3d at, force;
-    for (double& x : at) x = std::bit_cast<double>(fields.number<std::uint64_t>());
-    for (double& x : force) x = std::bit_cast<double>(fields.number<std::uint64_t>());
-    const double newtons = force.norm();
-    if (!fields.good() || !(newtons > 0.05) || !std::isfinite(newtons)) continue;
-    sim::ros::Marker& marker = markers.emplace_back();
-    marker.space = "contacts";
-    marker.id = i;
-    marker.type = sim::ros::Marker::arrow;
-    marker.at.translation() = at;
-    marker.at.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), force).toRotationMatrix();
-    marker.scale = {std::min(0.3, kMetresPerNewton * newtons), 0.003, 0.006};
-    marker.color = {0.90f, 0.62f, 0.0f};
-  }
-  data_.clear();
-  sim::ros::markers(data_, time_ns, markers);
-  server_.publish(channels_.contacts, time_ns, data_);
 }
 
 // Of a robot whose trunk nobody knows.

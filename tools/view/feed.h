@@ -57,7 +57,6 @@ class Feed {
   void joints(std::uint64_t time_ns, std::span<const std::uint8_t> data);
   void joint_states(std::uint64_t time_ns, std::span<const double> angles,
                     std::span<const double> torques);
-  void contacts(std::uint64_t time_ns, std::span<const std::uint8_t> data);
   void wire(std::uint64_t time_ns, std::size_t line, bool to_board,
             std::span<const std::uint8_t> data);
   void measured(std::uint64_t time_ns);
@@ -72,7 +71,7 @@ class Feed {
             std::string_view frame);
 
   struct Channels {
-    std::uint32_t tf, joint_states, description, contacts, board, left, right, left_info,
+    std::uint32_t tf, joint_states, description, board, left, right, left_info,
         right_info, annotations;
   };
   Server& server_;
@@ -80,7 +79,6 @@ class Feed {
   std::uint64_t period_ns_;
   Channels channels_{};
   std::optional<std::uint64_t> next_ns_;
-  std::uint64_t next_contacts_ns_ = 0;
   bool hangs_ = false;
   bool posed_ = false;              // poses come with the recorded channels
   bool has_truth_ = false;          // false: at a port, where the board's angles are all there is

@@ -87,15 +87,15 @@ TEST(View, WatchedOrNotTheRecordingIsTheSameAndAReaderThatKeepsUpHasAllOfIt) {
   const sim::TestFolder folder;
   const std::string alone = recorded(folder.file("alone.mcap"), nullptr);
   const auto view = opened(true);
-  std::vector<Received> joints, wire, poses;
+  std::vector<Received> joints, wire, poses, contacts;
   int boards = 0, scenes = 0;
   std::thread viewer([&, port = view->server().port()] {
     Client client(port);
     ASSERT_TRUE(client.open("foxglove.sdk.v1"));
     const auto joint_channel = client.channel("/truth/joints"), tf = client.channel("/tf"),
                board = client.channel("/board/state"), scene = client.channel("/scene"),
-               pins = client.channel("/board/pins");
-    client.send(subscriptions({joint_channel, tf, board, scene, pins}));
+               pins = client.channel("/board/pins"), touch = client.channel("/contacts");
+    client.send(subscriptions({joint_channel, tf, board, scene, pins, touch}));
     while (joints.size() < 300) {
       const auto frame = client.next_frame(1);
       ASSERT_TRUE(frame);
@@ -103,6 +103,7 @@ TEST(View, WatchedOrNotTheRecordingIsTheSameAndAReaderThatKeepsUpHasAllOfIt) {
       if (id == joint_channel) joints.push_back(received(*frame));
       if (id == pins) wire.push_back(received(*frame));
       if (id == tf) poses.push_back(received(*frame));
+      if (id == touch) contacts.push_back(received(*frame));
       boards += id == board;
       scenes += id == scene;
     }
@@ -117,10 +118,12 @@ TEST(View, WatchedOrNotTheRecordingIsTheSameAndAReaderThatKeepsUpHasAllOfIt) {
     in_file[file->topics.at(message.channel)].push_back({message.time_ns, message.data});
   EXPECT_EQ(joints, in_file["/truth/joints"]);
   EXPECT_EQ(poses, in_file["/tf"]);
+  EXPECT_EQ(contacts, in_file["/contacts"]);
   EXPECT_EQ(in_file["/scene"].size(), 1u);
   EXPECT_EQ(in_file["/robot_description"].size(), 1u);
   EXPECT_GE(wire.size(), 299u);
   EXPECT_GE(poses.size(), 8u);  // 30 Hz
+  EXPECT_EQ(contacts.size(), poses.size());
   EXPECT_GE(boards, 8);
   EXPECT_EQ(scenes, 1);
 }

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 namespace kaz::sim::ros {
 
 namespace {
 
 constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr double kMetresPerNewton = 0.01, kLongest_m = 0.3, kLeast_N = 0.05;
 
 void real32(LittleEndian& to, double value) {
   to.number(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
@@ -105,6 +107,27 @@ std::vector<Marker> markers_of(const Scene& scene, std::span<const std::string> 
     marker->space = visual.name;
     marker->id = static_cast<std::uint32_t>(markers.size());
     markers.push_back(std::move(*marker));
+  }
+  return markers;
+}
+
+std::vector<Marker> markers_of(std::span<const ContactPoint> contacts) {
+  std::vector<Marker> markers(1);
+  markers.front().space = "contacts";
+  markers.front().removes_all = true;
+  for (const ContactPoint& contact : contacts) {
+    const double newtons = contact.force.norm();
+    if (!std::isfinite(newtons) || newtons < kLeast_N) continue;
+    Marker& marker = markers.emplace_back();
+    marker.space = "contacts";
+    marker.id = static_cast<std::uint32_t>(markers.size() - 1);
+    marker.type = Marker::arrow;
+    marker.at.translation() = contact.at;
+    marker.at.linear() =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), contact.force)
+            .toRotationMatrix();
+    marker.scale = {std::min(kLongest_m, kMetresPerNewton * newtons), 0.003, 0.006};
+    marker.color = {0.90f, 0.62f, 0.0f};
   }
   return markers;
 }

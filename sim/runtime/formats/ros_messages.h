@@ -15,6 +15,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/body/description/scene.h"
+#include "sim/body/world/world.h"
 #include "sim/runtime/formats/little_endian.h"
 #include "vision/image/frame.h"
 
@@ -85,6 +86,10 @@ void markers(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
 
 // Of what stands in the world: its visuals but for those of the frames in `without`.
 std::vector<Marker> markers_of(const Scene& scene, std::span<const std::string> without);
+
+// Forces of contacts as arrows, 1 cm a newton and 30 cm at most, along the force on the first of the two;
+// without those below 0.05 N. The first marker removes the arrows of the message before.
+std::vector<Marker> markers_of(std::span<const ContactPoint> contacts);
 
 // sensor_msgs/CameraInfo of a rectified pair.
 void camera_info(std::vector<std::uint8_t>& data, std::uint64_t time_ns,

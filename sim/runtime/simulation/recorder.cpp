@@ -274,7 +274,8 @@ Recorder::RobotChannels Recorder::robot_channels() {
     };
     robot_ = {channel("/robot_description", "std_msgs/String", ros::kText),
               channel("/scene", "visualization_msgs/MarkerArray", ros::kMarkers),
-              channel("/tf", "tf2_msgs/TFMessage", ros::kTransforms)};
+              channel("/tf", "tf2_msgs/TFMessage", ros::kTransforms),
+              channel("/contacts", "visualization_msgs/MarkerArray", ros::kMarkers)};
   }
   return *robot_;
 }
@@ -331,6 +332,12 @@ void Recorder::transforms(States at, std::span<const ros::NamedPose> poses) {
   data_.clear();
   ros::transforms(data_, static_cast<std::uint64_t>(time_of(at).count()), poses);
   put(robot_channels().transforms, time_of(at));
+}
+
+void Recorder::contact_markers(States at, std::span<const ContactPoint> points) {
+  data_.clear();
+  ros::markers(data_, static_cast<std::uint64_t>(time_of(at).count()), ros::markers_of(points));
+  put(robot_channels().contacts, time_of(at));
 }
 
 void Recorder::picture(bool right, const Eyes::Digest& digest, std::span<const std::uint8_t> png) {

@@ -55,6 +55,7 @@ class Recorder {
   void description(States at, std::string_view urdf);
   void scene(States at, const Scene& scene, std::span<const std::string> robot_frames);
   void transforms(States at, std::span<const ros::NamedPose> poses);
+  void contact_markers(States at, std::span<const ContactPoint> points);
   void behavior(States at, std::string_view json);
   void map(States at, const RecordedMap& map);
   // Start of a fault, as a line of docs/reference/faults.md.
@@ -78,7 +79,7 @@ class Recorder {
     std::uint16_t map, path, robot;
   };
   struct RobotChannels {
-    std::uint16_t description, scene, transforms;
+    std::uint16_t description, scene, transforms, contacts;
   };
   explicit Recorder(std::unique_ptr<McapWriter> file);
   void put(std::uint16_t channel, Time time);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -294,6 +296,52 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   EXPECT_EQ(left.rest(), (Bytes{1, 2, 3}));
   EXPECT_EQ(messages.at("/eyes/right").at(0).size(), 12u + 4 + 9 + 4 + 3 + 4 + 2);
   EXPECT_EQ(messages.at("/behavior").at(0), (Bytes{'{', '}'}));
+}
+
+TEST(Recorder, ContactsAreArrowsAlongTheirForce) {
+  const TestFolder folder;
+  const std::string path = folder.file("contacts.mcap");
+  const auto recorder = Recorder::create(path, {});
+  ASSERT_TRUE(recorder);
+  const ContactPoint touches[] = {{"a", "b", {1, 2, 3}, {0, 0, 100}},
+                                  {"a", "b", {4, 5, 6}, {0, 0.03, 0}},
+                                  {"a", "b", {7, 8, 9}, {0, -2, 0}}};
+  (*recorder)->contact_markers(18432, touches);
+  ASSERT_TRUE((*recorder)->finish());
+  const auto messages = messages_of(path);
+  Reader read(messages.at("/contacts").at(0));
+  struct Arrow {
+    std::uint64_t action = 0;
+    std::array<double, 3> at{}, along{}, scale{};
+  };
+  std::vector<Arrow> arrows(read.number(4));
+  const auto real = [&read] { return std::bit_cast<double>(read.number(8)); };
+  for (Arrow& arrow : arrows) {
+    read.number(4), read.number(8);
+    EXPECT_EQ(read.text(), "world");
+    EXPECT_EQ(read.text(), "contacts");
+    read.number(4);
+    const auto type = read.number(4);
+    arrow.action = read.number(4);
+    if (arrow.action == 0) EXPECT_EQ(type, 0u);
+    for (double& x : arrow.at) x = real();
+    const double x = real(), y = real(), z = real(), w = real();
+    // The rotation of the x axis.
+    arrow.along = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
+    for (double& x_scale : arrow.scale) x_scale = real();
+    for (int i = 0; i < 4; ++i) read.number(4);
+    read.number(8), read.number(1), read.number(8);
+    read.text(), read.text(), read.number(1);
+  }
+  EXPECT_TRUE(read.rest().empty());
+  ASSERT_EQ(arrows.size(), 3u);  // the second force is too small to be seen
+  EXPECT_EQ(arrows[0].action, 3u);
+  EXPECT_EQ(arrows[1].at, (std::array{1.0, 2.0, 3.0}));
+  EXPECT_NEAR(arrows[1].along[2], 1, 1e-12);
+  EXPECT_EQ(arrows[1].scale[0], 0.3);
+  EXPECT_EQ(arrows[2].at, (std::array{7.0, 8.0, 9.0}));
+  EXPECT_NEAR(arrows[2].along[1], -1, 1e-12);
+  EXPECT_EQ(arrows[2].scale[0], 0.02);
 }
 
 // A second of life with a moving joint, eyes open.

@@ -260,8 +260,10 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   recorder_->pins(now_, board_.pins());
   std::array<JointState, KZ_JOINTS> joints{};
   for (std::size_t j = 0; j < channels_.size(); ++j) joints[channels_[j]] = world_->joints()[j];
-  if (!robot_frames_.empty() && (now_ / KZ_STATES_PER_TICK) % transform_interval_ms == 1)
+  if (!robot_frames_.empty() && (now_ / KZ_STATES_PER_TICK) % transform_interval_ms == 1) {
     record_transforms();
+    recorder_->contact_markers(now_, world_->contacts());
+  }
   recorder_->joints(now_, joints);
   recorder_->supply(now_, board_.supply_volts(), world_->supply_current_a());
   recorder_->link_forces(now_, world_->link_order(), world_->link_forces());

@@ -87,7 +87,7 @@ TEST_F(RecordingReader, FindsWhatOurOwnReaderFinds) {
   for (const char* topic :
        {"/wire/to_board", "/wire/to_host", "/board/pins", "/board/analog", "/truth/joints",
         "/truth/ball", "/board/supply", "/truth/contacts", "/truth/link_forces",
-        "/truth/joint_loads", "/eyes", "/eyes/left", "/eyes/right", "/behavior"})
+        "/truth/joint_loads", "/eyes", "/eyes/left", "/eyes/right", "/behavior", "/tf", "/contacts"})
     EXPECT_TRUE(channels.contains(topic)) << topic;
   for (const auto& [topic, channel] : channels.items())
     EXPECT_EQ(channel["first_time_ns"], std::to_string(earliest.at(topic)->time_ns)) << topic;

@@ -16,9 +16,8 @@
 namespace kaz::fuzz {
 namespace {
 
-constexpr std::string_view kTopics[] = {"/truth/joints",  "/truth/contacts", "/truth/ball",
-                                        "/wire/to_board", "/wire/to_host",   "/board/pins",
-                                        "/behavior"};
+constexpr std::string_view kTopics[] = {"/truth/joints", "/truth/ball", "/wire/to_board",
+                                        "/wire/to_host", "/board/pins", "/behavior"};
 
 Complaint judge(const Result<watch::Request>& request) {
   if (!request) {
