@@ -122,6 +122,35 @@ TEST(TcpLink, CarriesEveryByteBothWays) {
   EXPECT_EQ(read_some(**link, 256), all_bytes());
 }
 
+TEST(TcpLink, AServerOfRfc2217IsNamedAsSuch) {
+  Served board(PortServer::Protocol::rfc2217);
+  auto link = TcpLink::open(board.address(PortKind::tcp));
+  ASSERT_TRUE(link) << link.error().message;
+  std::array<std::uint8_t, 100> some;
+  const Time until = WallClock().now() + 5s;
+  auto read = (*link)->read(some, until);
+  while (read && WallClock().now() < until) read = (*link)->read(some, until);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().fault, Fault::environment);
+  const std::string place = (*link)->name().substr(4);
+  EXPECT_EQ(read.error().message, "tcp:" + place +
+                                      ": a server of RFC 2217 answers there, whose commands are "
+                                      "no bytes of the board; give rfc2217:" +
+                                      place);
+}
+
+// A board may send anything, if not just Telnet's first words.
+TEST(TcpLink, BytesLikeTelnetsAreTheBoards) {
+  for (const Bytes& bytes : {Bytes{0xff, 0xfb, 0x2c, 0xff, 0x03, 0x00}, Bytes(6, 0xff),
+                             Bytes{0x00, 0xff, 0xfb, 0x2c, 0xff, 0xfd}}) {
+    Served board(PortServer::Protocol::raw);
+    auto link = TcpLink::open(board.address(PortKind::tcp));
+    ASSERT_TRUE(link) << link.error().message;
+    board.send(bytes);
+    EXPECT_EQ(read_some(**link, 6), bytes);
+  }
+}
+
 TEST(Rfc2217Link, CarriesEveryByteBothWaysAndTheRate) {
   Served board(PortServer::Protocol::rfc2217);
   auto link = Rfc2217Link::open(board.address(PortKind::rfc2217));

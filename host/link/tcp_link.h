@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/link/byte_stream.h"
 #include "host/link/port_link.h"
@@ -23,9 +24,8 @@ class TcpLink final : public PortLink {
   int descriptor() const override { return stream_.descriptor(); }
   bool has_unsent() const override { return stream_.has_unsent(); }
   Result<void> write(std::span<const std::uint8_t> bytes) override { return stream_.write(bytes); }
-  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
-    return stream_.read(bytes, deadline);
-  }
+  // Besides those of ByteStream: an error (environment) if the other end's first bytes are Telnet's.
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   Result<void> reopen() override;
 
  private:
@@ -34,6 +34,7 @@ class TcpLink final : public PortLink {
   PortAddress address_;
   const Interrupt* interrupt_;
   ByteStream stream_;
+  std::vector<std::uint8_t> first_;  // bytes of this connection, until it is known whose they are
 };
 
 }  // namespace kaz::host

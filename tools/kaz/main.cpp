@@ -59,6 +59,16 @@ std::vector<std::string> reversed_words(int argc, char** argv) {
   return words;
 }
 
+// What follows the verb in `kaz help VERB MORE`; empty: nothing.
+std::string more_than_verb(CLI::App& program, int argc, char** argv) {
+  if (argc < 2 || std::string_view(argv[1]) != "help") return "";
+  int verb = 1;
+  for (const CLI::App* app = &kaz::tools::chosen_verb(program); app->get_parent() != nullptr;
+       app = app->get_parent())
+    ++verb;
+  return verb + 1 < argc ? argv[verb + 1] : "";
+}
+
 int parse_and_run(int argc, char** argv) {
   kaz::tools::set_command_line(argc, argv);
   CLI::App program(
@@ -98,7 +108,10 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::Success& success) {  // --help, --version
     kaz::tools::name_verb(kaz::tools::full_name(kaz::tools::chosen_verb(program)));
     const std::string unknown = kaz::tools::unknown_verb(program);
-    return unknown.empty() ? program.exit(success) : refuse(unknown);
+    if (!unknown.empty()) return refuse(unknown);
+    if (const std::string more = more_than_verb(program, argc, argv); !more.empty())
+      return refuse("`help` takes a verb alone, not `" + more + "` as well");
+    return program.exit(success);
   } catch (const CLI::ParseError& wrong) {
     return refuse(kaz::tools::wrong_usage(program, wrong));
   }

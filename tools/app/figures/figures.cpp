@@ -243,7 +243,10 @@ class Figures {
       return {};
     }
     if (!drawn) return tl::unexpected(drawn.error());
+    // Between what takes tenths of a second each.
+    KAZ_TRY(check_interrupt());
     KAZ_TRY(figure::write_png(folder_.path(name + ".png"), drawn->picture));
+    KAZ_TRY(check_interrupt());
     KAZ_TRY(figure::write_jpeg(folder_.path(name + ".jpg"), drawn->picture));
     Json& facts = result_["figures"][std::to_string(number)];
     facts = {{"file", name + ".png"}, {"run", run}};
