@@ -119,8 +119,10 @@ LAYERS = {
     },
     "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
+    "examples": {"behavior": (), "h8s": (), "python": ()},
     "tools": {
-        "cmake": (), "trials": (), "figure": (), "lockstep": (), "app": ("trials", "figure", "lockstep"),
+        "cmake": (), "gdb": (), "package": (), "trials": (),
+        "figure": (), "lockstep": (), "app": ("trials", "figure", "lockstep"),
         "view": (), "fuzz": ("lockstep", "app", "view"), "kaz": ("figure", "app", "fuzz", "view"),
         "benchmark": ("lockstep",),
     },

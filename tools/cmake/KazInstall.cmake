@@ -48,6 +48,8 @@ if(TARGET kaz)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/view DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz OPTIONAL)
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/tools/udev/70-kaz.rules DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/udev)
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/gdb/build_gdb.sh ${PROJECT_SOURCE_DIR}/tools/gdb/coff_to_elf.py
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/gdb)
 install(FILES ${PROJECT_SOURCE_DIR}/shared/protocol/wireshark/kaz.lua
         DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/wireshark)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
