@@ -1,0 +1,38 @@
+#!/bin/sh
+# In a bare Debian: installs the packages from /srv/packages, runs the demo, upgrades to /srv/next, removes all.
+# SPDX-License-Identifier: Apache-2.0
+set -eu
+export DEBIAN_FRONTEND=noninteractive
+
+echo "deb [trusted=yes] file:/srv/packages ./" >/etc/apt/sources.list.d/kaz.list
+apt-get update -q
+apt-get install -qy --no-install-recommends kaz >/dev/null
+for compiler in cc gcc g++ c++ clang; do
+  ! command -v "$compiler" || { echo "a compiler came with the package: $compiler"; exit 1; }
+done
+kaz --version
+kaz demo --out /tmp/demo
+test -s /tmp/demo/result.json
+kaz conformance --virtual h8 --filter identify
+
+apt-get install -qy --no-install-recommends libkaz-dev kaz-doc >/dev/null
+echo "deb [trusted=yes] file:/srv/next ./" >/etc/apt/sources.list.d/kaz.list
+apt-get update -q
+apt-get upgrade -qy >/dev/null
+test "$(dpkg-query -W -f '${db:Status-Abbrev}${Version}\n' kaz kaz-firmware libkaz-dev kaz-doc | grep -c '^ii .*+next$')" = 4
+kaz run stand --out /tmp/stood
+
+packages="kaz kaz-firmware libkaz-dev kaz-doc"
+# shellcheck disable=SC2086  # several words
+dpkg -L $packages | sort -u >/tmp/files
+# shellcheck disable=SC2086
+apt-get purge -qy $packages >/dev/null
+while read -r file; do
+  # Folders may be others', too.
+  if [ ! -d "$file" ] || [ -z "${file##*/kaz*}" ]; then
+    test ! -e "$file" || { echo "left behind: $file"; exit 1; }
+  fi
+done </tmp/files
+left=$(find /etc /usr /var/lib /opt -ipath '*kaz*' ! -path '/var/lib/apt/*' ! -path '/etc/apt/*' | head)
+test -z "$left" || { echo "left behind: $left"; exit 1; }
+echo "installed, ran, upgraded, removed without a trace"
