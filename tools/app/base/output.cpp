@@ -27,6 +27,31 @@ int terminal_columns() {
 
 }  // namespace
 
+std::string list_row(const std::string& columns, const std::string& text, std::size_t width) {
+  if (width == 0 || columns.size() + text.size() <= width) return columns + text + "\n";
+  constexpr std::size_t kLeast = 30, kIndent = 6;
+  const bool beside = columns.size() + kLeast <= width;
+  const std::size_t indent = beside ? columns.size() : kIndent;
+  std::string row = beside ? columns : columns.substr(0, columns.find_last_not_of(' ') + 1) + "\n";
+  std::string_view left = text;
+  for (bool first = beside; !left.empty(); first = false) {
+    const std::size_t room = width > indent ? width - indent : 1;
+    std::size_t end = left.size() <= room ? left.size() : left.rfind(' ', room);
+    if (end == std::string_view::npos || end == 0) end = std::min(left.find(' '), left.size());
+    row += first ? "" : std::string(indent, ' ');
+    row += left.substr(0, end);
+    row += "\n";
+    left.remove_prefix(std::min(left.size(), end + 1));
+  }
+  return row;
+}
+
+std::size_t list_width() {
+  winsize size{};
+  const bool known = ::isatty(STDOUT_FILENO) == 1 && ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0;
+  return known ? size.ws_col : 0;
+}
+
 Progress::Progress(std::string label, bool quiet)
     : label_(std::move(label)), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 

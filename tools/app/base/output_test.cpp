@@ -87,6 +87,17 @@ TEST(ProgressOfABehavior, FitsIntoTheTerminal) {
   }
 }
 
+TEST(ListRow, GoesOnBelowItselfOrInLinesOfItsOwn) {
+  EXPECT_EQ(list_row("name  ", "a text of many words", 0), "name  a text of many words\n");
+  EXPECT_EQ(list_row("name  ", "a text of many words", 26), "name  a text of many words\n");
+  EXPECT_EQ(list_row("name  ", "thirty columns are the least, and this is more", 40),
+            "name  thirty columns are the least, and\n      this is more\n");
+  EXPECT_EQ(list_row("a long name  ", "twelve columns of room", 25),
+            "a long name\n      twelve columns of\n      room\n");
+  EXPECT_EQ(list_row("n  ", "a-word-that-is-wider-than-all-the-columns-there-are and more", 35),
+            "n  a-word-that-is-wider-than-all-the-columns-there-are\n   and more\n");
+}
+
 // Standard error of a test is no terminal.
 TEST(ProgressOfABehavior, IsItsPhaseAndItsTimeAndNoShare) {
   testing::internal::CaptureStderr();

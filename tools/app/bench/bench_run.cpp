@@ -441,9 +441,11 @@ void print_measurements(bool json) {
     return;
   }
   for (const hil::MeasurementInfo& info : hil::measurement_infos()) {
-    std::printf("%-6s %-24s %-8s %-17s %s\n", hil::text(info.group), info.name.c_str(),
-                info.unit.c_str(), hil::limits_text(info.low, info.high).c_str(),
-                info.text.c_str());
+    char columns[200];
+    std::snprintf(columns, sizeof columns, "%-6s %-24s %-8s %-17s ", hil::text(info.group),
+                  info.name.c_str(), info.unit.c_str(),
+                  hil::limits_text(info.low, info.high).c_str());
+    std::fputs(list_row(columns, info.text, list_width()).c_str(), stdout);
   }
 }
 

@@ -73,7 +73,9 @@ Result<void> list_cases(const std::vector<const hil::Case*>& taken, const std::s
   for (const hil::Case* one : taken) {
     std::string about;
     for (const std::string& id : one->statements) about += (about.empty() ? "" : ",") + id;
-    std::printf("%-36s %-14s %s\n", one->id.c_str(), about.c_str(), one->sentence.c_str());
+    char columns[200];
+    std::snprintf(columns, sizeof columns, "%-36s %-14s ", one->id.c_str(), about.c_str());
+    std::fputs(list_row(columns, one->sentence, list_width()).c_str(), stdout);
   }
   return {};
 }
