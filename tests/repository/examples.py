@@ -17,7 +17,8 @@ BLOCK = re.compile(r"^```sh( background)?\n(.*?)^```$", re.M | re.S)
 
 
 def run_file(path, folder):
-    environment = dict(os.environ, PATH=f"{BIN}:{os.environ['PATH']}", KAZ_SOURCE=str(ROOT))
+    environment = dict(os.environ, PATH=f"{BIN}:{os.environ['PATH']}", KAZ_SOURCE=str(ROOT),
+                       KAZ_PYTHON=str(pathlib.Path(BIN).parent / "python"))
     background = []
     ran = 0
     try:

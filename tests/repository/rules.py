@@ -70,6 +70,7 @@ LAYERS = {
         "shared": (), "vision": ("shared",), "sim": ("shared", "vision"), "host": ("shared", "vision"),
         "hil": ("shared", "vision", "host"), "firmware": ("shared", "sim"),
         "examples": ("shared", "vision", "host"), "tools": ("shared", "vision", "sim", "host", "hil"),
+        "python": ("shared", "vision", "sim", "host", "hil", "tools"),
         "tests": ("shared", "vision", "sim", "host", "hil", "tools"),
     },
     "shared": {
@@ -119,6 +120,7 @@ LAYERS = {
     },
     "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
+    "python": {"src": (), "kaz": (), "tests": ("src",), ".": ()},
     "examples": {"behavior": (), "h8s": (), "python": ()},
     "tools": {
         "cmake": (), "gdb": (), "package": (), "trials": (),

@@ -1,0 +1,89 @@
+// What the parts of the Python module share: errors as exceptions, arrays, names of joints.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Whatever takes longer than some microseconds runs without the GIL; arguments are checked before.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "shared/base/result.hpp"
+#include "vision/image/frame.h"
+
+namespace kaz::python {
+
+namespace py = pybind11;
+
+// Throws a Python exception with the error's sentence: UsageError (a ValueError) for wrong values,
+// KeyboardInterrupt for an interrupted call, EnvironmentFault (an OSError) for ports, files and the like,
+// RobotError for the rest.
+[[noreturn]] void raise(const Error& error);
+
+template <class T>
+T value_of(Result<T> result) {
+  if (!result) raise(result.error());
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+// Without the GIL.
+template <class F>
+auto released(F call) {
+  const py::gil_scoped_release release;
+  return call();
+}
+
+// A pending signal's exception (Ctrl-C), if there is one.
+void check_signals();
+
+// A copy, so that it is the caller's.
+py::array_t<double> array_of(std::span<const double> values);
+// 4 x 4, homogeneous.
+py::array_t<double> matrix_of(const Eigen::Isometry3d& pose);
+py::array_t<double> vector_of(const Eigen::Vector3d& vector);
+
+// A joint by its name or number.
+using JointKey = std::variant<int, std::string>;
+
+template <class Enum, std::size_t N>
+Enum named(const char* what, const std::string& name, const std::array<Enum, N>& all) {
+  std::string names;
+  for (const Enum one : all) {
+    if (name == to_string(one)) return one;
+    names += (names.empty() ? "" : ", ") + std::string(to_string(one));
+  }
+  raise({Fault::usage, std::string(what) + " '" + name + "': give one of " + names});
+}
+
+// A pair of pictures as it reached the host. Arrays of it share its memory and are read-only.
+struct Pair {
+  vision::FrameInfo info;
+  std::shared_ptr<const vision::StereoImages> images;
+};
+Pair pair_of(const vision::StereoPair& pair);
+
+// Height x width x 3, RGB; copied.
+vision::Image image_of(
+    const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& picture);
+
+void add_errors(py::module_& module);
+void add_pictures(py::module_& module);
+void add_simulation(py::module_& module);
+void add_robot(py::module_& module);
+void add_vision(py::module_& module);
+void add_recording(py::module_& module);
+void add_behavior(py::module_& module);
+
+}  // namespace kaz::python

@@ -1,0 +1,264 @@
+// The host's client of a servo board: in a Simulation, or at a port.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/link/interrupt.h"
+#include "host/robot/robot.h"
+#include "python/src/simulation.h"
+#include "tools/app/session/backend.h"
+#include "tools/lockstep/lockstep.h"
+
+namespace kaz::python {
+namespace {
+
+using Joints = std::vector<JointKey>;
+
+int joint_of(const JointKey& key) {
+  if (const int* number = std::get_if<int>(&key)) {
+    if (*number >= 0 && *number < KZ_JOINTS) return *number;
+    raise({Fault::usage, "joint " + std::to_string(*number) + ": give 0 to " +
+                             std::to_string(KZ_JOINTS - 1) + ", or a name"});
+  }
+  const std::string& name = std::get<std::string>(key);
+  if (const auto number = host::joint_index(name)) return *number;
+  std::string names;
+  for (const host::JointInfo& joint : host::joint_table())
+    names += (names.empty() ? "" : ", ") + std::string(joint.name);
+  raise({Fault::usage, "no joint '" + name + "'; there are " + names});
+}
+
+std::uint32_t mask_of(const std::optional<Joints>& joints) {
+  if (!joints) return host::kAllJoints;
+  std::uint32_t mask = 0;
+  for (const JointKey& key : *joints) mask |= std::uint32_t{1} << joint_of(key);
+  return mask;
+}
+
+Time time_of(const char* what, double seconds_, double most) {
+  if (!(seconds_ >= 0 && seconds_ <= most))
+    raise({Fault::usage,
+           std::string(what) + " is 0 to " + std::to_string(static_cast<int>(most)) + " s"});
+  return from_seconds(seconds_);
+}
+
+// A mapping from joints to angles, or an array of all 18.
+using Targets = std::variant<std::map<JointKey, double>, std::vector<double>>;
+
+std::vector<host::JointTarget> targets_of(const Targets& given) {
+  std::vector<host::JointTarget> targets;
+  const auto add = [&targets](int joint, double angle) {
+    if (!std::isfinite(angle)) raise({Fault::usage, "a target angle is not finite"});
+    targets.push_back({joint, angle});
+  };
+  if (const auto* some = std::get_if<std::map<JointKey, double>>(&given)) {
+    for (const auto& [key, angle] : *some) add(joint_of(key), angle);
+  } else {
+    const auto& all = std::get<std::vector<double>>(given);
+    if (all.size() != KZ_JOINTS)
+      raise({Fault::usage, "targets: give an angle for each of the " + std::to_string(KZ_JOINTS) +
+                               " joints, or a dict of joints and angles"});
+    for (std::size_t j = 0; j < all.size(); ++j) add(static_cast<int>(j), all[j]);
+  }
+  return targets;
+}
+
+// Where the robot's lines and clock come from.
+class PythonRobot {
+ public:
+  explicit PythonRobot(std::shared_ptr<SimulatedWorld> world, const host::ConnectOptions& options)
+      : world_(std::move(world)),
+        simulated_clock_(std::make_unique<lockstep::LockstepClock>(world_->simulation())),
+        simulated_link_(std::make_unique<lockstep::LockstepLink>(world_->simulation())) {
+    robot_.emplace(value_of(released(
+        [&] { return host::Robot::connect(*simulated_link_, *simulated_clock_, options); })));
+  }
+  PythonRobot(const std::string& port, const std::string& robot_file, std::uint8_t address,
+              const host::ConnectOptions& options) {
+    tools::BackendOptions backend;
+    backend.robot = port;
+    backend.robot_file = robot_file;
+    backend.address = address;
+    backend.needs_camera = false;
+    if (port == "sim")
+      raise({Fault::usage, "Robot('sim'): make a Simulation first, and give that"});
+    port_ = value_of(released([&] { return tools::SessionBackend::open(backend, interrupt_); }));
+    robot_.emplace(value_of(released([&] {
+      const auto boards = port_->boards();
+      return host::Robot::connect(boards, port_->clock(), options);
+    })));
+  }
+  // As every program leaves it.
+  ~PythonRobot() { close(); }
+
+  host::Robot& robot() {
+    if (!robot_) raise({Fault::usage, "this robot is closed: make another one"});
+    return *robot_;
+  }
+  void close() {
+    if (!robot_) return;
+    const py::gil_scoped_release release;
+    robot_->disable_all();
+    robot_.reset();
+    port_.reset();
+  }
+
+  // Ctrl-C ends it; the motors stay on.
+  void sleep(double seconds_) {
+    Time left = time_of("sleep: the time", seconds_, 1e6);
+    host::Clock& clock = robot().clock();
+    const Time until = clock.now() + left;
+    while (clock.now() < until) {
+      const Time next = std::min(until, clock.now() + Time(std::chrono::milliseconds(100)));
+      value_of(released([&] { return clock.sleep_until(next); }));
+      check_signals();
+    }
+  }
+
+ private:
+  std::shared_ptr<SimulatedWorld> world_;
+  std::unique_ptr<lockstep::LockstepClock> simulated_clock_;
+  std::unique_ptr<lockstep::LockstepLink> simulated_link_;
+  host::Interrupt interrupt_;
+  std::unique_ptr<tools::SessionBackend> port_;
+  std::optional<host::Robot> robot_;
+};
+
+host::ConnectOptions options_of(double watchdog, const std::string& reaction) {
+  host::ConnectOptions options;
+  if (!(watchdog >= 0.01 && watchdog <= 1)) raise({Fault::usage, "watchdog is 0.01 to 1 s"});
+  options.watchdog = from_seconds(watchdog);
+  options.reaction = named("when_lost", reaction, host::kReactions);
+  return options;
+}
+
+py::dict joint_details(PythonRobot& self, const std::optional<Joints>& joints) {
+  const std::uint32_t mask = mask_of(joints);
+  const auto details = value_of(released([&] { return self.robot().joints(mask); }));
+  std::vector<std::string> names;
+  std::vector<double> angle, speed, duty, load;
+  for (const host::JointDetail& joint : details) {
+    names.emplace_back(host::joint_table()[static_cast<std::size_t>(joint.joint)].name);
+    angle.push_back(joint.angle_rad);
+    speed.push_back(joint.speed_rad_per_s);
+    duty.push_back(joint.duty);
+    load.push_back(joint.load);
+  }
+  py::dict all;
+  all["name"] = names;
+  all["angle"] = array_of(angle);
+  all["speed"] = array_of(speed);
+  all["duty"] = array_of(duty);
+  all["load"] = array_of(load);
+  return all;
+}
+
+py::dict health_of(PythonRobot& self) {
+  const host::Health health = value_of(released([&] { return self.robot().health(); }));
+  py::dict all;
+  all["tick"] = health.tick;
+  all["status"] = health.status;
+  all["shutdown"] = health.shutdown;
+  all["supply_volts"] = health.supply_volts;
+  all["temperature_celsius"] = health.temperature_c;
+  return all;
+}
+
+}  // namespace
+
+void add_robot(py::module_& module) {
+  py::list names;
+  py::dict limits;
+  for (const host::JointInfo& joint : host::joint_table()) {
+    names.append(joint.name);
+    limits[joint.name] = py::make_tuple(joint.lower_rad, joint.upper_rad);
+  }
+  module.attr("JOINTS") = py::tuple(names);
+  module.attr("JOINT_LIMITS") = limits;
+
+  py::class_<host::Posture>(module, "Posture")
+      .def_property_readonly("time", [](const host::Posture& p) { return seconds(p.time); })
+      .def_readonly("tick", &host::Posture::tick)
+      .def_readonly("status", &host::Posture::status)
+      .def_readonly("supply_volts", &host::Posture::supply_volts)
+      .def_property_readonly("angle", [](const host::Posture& p) { return array_of(p.angle); });
+
+  using Robot = PythonRobot;
+  py::class_<Robot>(module, "Robot")
+      .def(py::init([](std::shared_ptr<SimulatedWorld> world, double watchdog,
+                       const std::string& when_lost) {
+             return std::make_unique<Robot>(std::move(world), options_of(watchdog, when_lost));
+           }),
+           py::arg("simulation"), py::kw_only(), py::arg("watchdog") = 0.09,
+           py::arg("when_lost") = "hold")
+      .def(py::init([](const std::string& port, const std::string& robot_file, int address,
+                       double watchdog, const std::string& when_lost) {
+             if (address < 1 || address > 14) raise({Fault::usage, "address is 1 to 14"});
+             return std::make_unique<Robot>(port, robot_file, static_cast<std::uint8_t>(address),
+                                            options_of(watchdog, when_lost));
+           }),
+           py::arg("port"), py::kw_only(), py::arg("robot_file") = "", py::arg("address") = 1,
+           py::arg("watchdog") = 0.09, py::arg("when_lost") = "hold")
+      .def(
+          "enable",
+          [](Robot& self, const std::optional<Joints>& joints) {
+            const std::uint32_t mask = mask_of(joints);
+            value_of(released([&] { return self.robot().enable(mask); }));
+          },
+          py::arg("joints") = py::none())
+      .def(
+          "set_targets",
+          [](Robot& self, const Targets& given, double duration) {
+            const auto targets = targets_of(given);
+            const Time time = time_of("duration", duration, 65);
+            value_of(released([&] { return self.robot().set_targets(targets, time); }));
+          },
+          py::arg("targets"), py::arg("duration") = 0.0)
+      .def("state",
+           [](Robot& self) { return value_of(released([&] { return self.robot().state(); })); })
+      .def(
+          "exchange",
+          [](Robot& self, const Targets& given, double duration) {
+            const auto targets = targets_of(given);
+            const Time time = time_of("duration", duration, 65);
+            return value_of(released([&] { return self.robot().exchange(targets, time); }));
+          },
+          py::arg("targets"), py::arg("duration") = 0.0)
+      .def("joints", &joint_details, py::arg("joints") = py::none())
+      .def("health", &health_of)
+      .def(
+          "set_gains",
+          [](Robot& self, const std::optional<Joints>& joints, double kp, double kd,
+             double dead_band, double friction) {
+            const std::uint32_t mask = mask_of(joints);
+            const host::Gains gains{kp, kd, dead_band, friction};
+            value_of(released([&] { return self.robot().set_gains(mask, gains); }));
+          },
+          py::arg("joints") = py::none(), py::kw_only(), py::arg("kp") = host::Gains{}.kp_per_rad,
+          py::arg("kd") = host::Gains{}.kd_s_per_rad, py::arg("dead_band") = 0.0,
+          py::arg("friction") = 0.0)
+      .def(
+          "set_limits",
+          [](Robot& self, const std::optional<Joints>& joints, double ramp, double lower,
+             double upper) {
+            const std::uint32_t mask = mask_of(joints);
+            const host::Limits limits_{ramp, lower, upper};
+            value_of(released([&] { return self.robot().set_limits(mask, limits_); }));
+          },
+          py::arg("joints") = py::none(), py::kw_only(),
+          py::arg("ramp") = host::Limits{}.ramp_rad_per_s,
+          py::arg("lower") = host::Limits{}.lower_rad, py::arg("upper") = host::Limits{}.upper_rad)
+      .def("stop", [](Robot& self) { value_of(released([&] { return self.robot().stop(); })); })
+      .def("clear", [](Robot& self) { value_of(released([&] { return self.robot().clear(); })); })
+      .def("sleep", &Robot::sleep, py::arg("seconds"))
+      .def_property_readonly("time",
+                             [](Robot& self) { return seconds(self.robot().clock().now()); })
+      .def("close", &Robot::close)
+      .def(
+          "__enter__", [](Robot& self) -> Robot& { return self; },
+          py::return_value_policy::reference)
+      .def("__exit__", [](Robot& self, const py::args&) { self.close(); });
+}
+
+}  // namespace kaz::python

@@ -1,0 +1,213 @@
+// The simulated robot: world, emulated board, eyes; time passes in step() alone.
+// SPDX-License-Identifier: Apache-2.0
+#include "python/src/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "python/src/arguments.h"
+#include "shared/board/board.h"
+#include "shared/faults/faults.h"
+#include "sim/runtime/time.h"
+#include "sim/view/camera.h"
+#include "tools/app/session/backend.h"
+
+namespace kaz::python {
+namespace {
+
+constexpr std::int64_t kMillisecondsBetweenSignals = 200;
+
+// Steps of a millisecond; Ctrl-C ends them.
+void step(SimulatedWorld& world, double seconds) {
+  if (!(seconds >= 0.001 && seconds <= 1e6))
+    raise({Fault::usage, "step: give at least 0.001 s, and 1e6 s at most"});
+  auto left = static_cast<std::int64_t>(std::llround(seconds * 1000));
+  while (left > 0) {
+    const std::int64_t now = std::min(left, kMillisecondsBetweenSignals);
+    value_of(released([&]() -> Result<void> {
+      for (std::int64_t i = 0; i < now; ++i) KAZ_TRY(world.simulation().step());
+      return {};
+    }));
+    left -= now;
+    check_signals();
+  }
+}
+
+py::dict joints_of(sim::World& world) {
+  const auto joints = world.joints();
+  const auto column = [&](double sim::JointState::*field) {
+    std::vector<double> values;
+    for (const sim::JointState& joint : joints) values.push_back(joint.*field);
+    return array_of(values);
+  };
+  py::dict all;
+  all["angle"] = column(&sim::JointState::angle);
+  all["velocity"] = column(&sim::JointState::velocity);
+  all["torque"] = column(&sim::JointState::torque);
+  all["current"] = column(&sim::JointState::current);
+  all["winding_celsius"] = column(&sim::JointState::winding_celsius);
+  return all;
+}
+
+py::list contacts_of(sim::World& world) {
+  py::list all;
+  for (const sim::ContactPoint& point : world.contacts()) {
+    py::dict one;
+    one["a"] = point.a;
+    one["b"] = point.b;
+    one["at"] = vector_of(point.at);
+    one["force"] = vector_of(point.force);
+    all.append(one);
+  }
+  return all;
+}
+
+py::array_t<double> link_pose(sim::World& world, const std::string& link) {
+  const auto names = world.link_order();
+  if (std::ranges::find(names, link) == names.end()) {
+    std::string known;
+    for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+    raise({Fault::usage, "no link '" + link + "'; there are " + known});
+  }
+  return matrix_of(world.link_pose(link));
+}
+
+std::vector<Pair> pairs(SimulatedWorld& world) {
+  if (!world.simulation().has_eyes()) raise(sim::Simulation::no_eyes());
+  world.simulation().open_eyes();
+  return released([&] {
+    std::vector<Pair> all;
+    while (auto pair = world.simulation().next_pair()) all.push_back(pair_of(*pair));
+    return all;
+  });
+}
+
+py::array picture(SimulatedWorld& world, const std::array<double, 3>& from,
+                  const std::array<double, 3>& at, int width, int height, double view_rad) {
+  if (width < 16 || height < 16 || width > 4096 || height > 4096)
+    raise({Fault::usage, "picture: width and height are 16 to 4096 pixels"});
+  if (!(view_rad > 0.01 && view_rad < 3.0))
+    raise({Fault::usage, "picture: view_rad, the angle across the picture, is 0.01 to 3 rad"});
+  const Eigen::Vector3d eye(from.data()), target(at.data());
+  if (!eye.allFinite() || !target.allFinite() || (target - eye).head<2>().norm() < 1e-6)
+    raise({Fault::usage,
+           "picture: `from_` and `at` are places in the world, m, not one above the other"});
+  sim::View view;
+  view.camera = sim::Pinhole::from_horizontal_view(width, height, view_rad);
+  view.world_from_optical = sim::look_at(eye, target);
+  view.samples_per_axis = 2;
+  auto drawn = value_of(released(
+      [&] { return world.simulation().picture(view, world.simulation().world().pose()); }));
+  auto* const kept = new std::vector<std::uint8_t>(std::move(drawn.rgb));
+  py::capsule owner(kept, [](void* held) { delete static_cast<std::vector<std::uint8_t>*>(held); });
+  return py::array_t<std::uint8_t>({height, width, 3}, kept->data(), owner);
+}
+
+std::span<const std::uint8_t> bytes_of(const py::bytes& bytes) {
+  const std::string_view text = bytes;
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+std::shared_ptr<SimulatedWorld> make(const py::kwargs& given) {
+  py::dict arguments(given);
+  tools::BackendOptions options = take_world_arguments(arguments);
+  options.recording = take<std::string>(arguments, "recording", "");
+  options.record_pictures = take<bool>(arguments, "record_pictures", false);
+  nothing_left("Simulation", arguments);
+  auto simulation = value_of(released([&]() -> Result<std::unique_ptr<sim::Simulation>> {
+    KAZ_TRY(tools::check(options));
+    return tools::make_simulation(options, sim::FramePolicy::wait);
+  }));
+  simulation->world().watch_contacts(true);
+  return std::make_shared<SimulatedWorld>(std::move(simulation));
+}
+
+void add_fault(SimulatedWorld& world, const std::string& line) {
+  world.simulation().add_fault(value_of(faults::parse(line, world.simulation().time())));
+}
+
+}  // namespace
+
+void add_simulation(py::module_& module) {
+  using World = SimulatedWorld;
+  py::class_<World, std::shared_ptr<World>> made(module, "Simulation");
+  made.def(py::init(&make))
+      .def("step", &step, py::arg("seconds") = 0.001)
+      .def_property_readonly("time", [](World& w) { return seconds(w.simulation().time()); })
+      .def_property_readonly("joint_names",
+                             [](World& w) {
+                               const auto names = w.simulation().world().joint_order();
+                               return std::vector<std::string>(names.begin(), names.end());
+                             })
+      .def_property_readonly("link_names",
+                             [](World& w) {
+                               const auto names = w.simulation().world().link_order();
+                               return std::vector<std::string>(names.begin(), names.end());
+                             })
+      .def("joints", [](World& w) { return joints_of(w.simulation().world()); })
+      .def(
+          "link_pose",
+          [](World& w, const std::string& link) { return link_pose(w.simulation().world(), link); },
+          py::arg("link"))
+      .def(
+          "object_position",
+          [](World& w, const std::string& model) {
+            return vector_of(value_of(w.simulation().world().object_position(model)));
+          },
+          py::arg("model"))
+      .def("contacts", [](World& w) { return contacts_of(w.simulation().world()); })
+      .def(
+          "push",
+          [](World& w, const std::string& link, const std::array<double, 3>& impulse) {
+            const Eigen::Vector3d vector(impulse.data());
+            if (!vector.allFinite()) raise({Fault::usage, "push: the impulse is not finite"});
+            value_of(w.simulation().world().push(link, vector));
+          },
+          py::arg("link"), py::arg("impulse"))
+      .def_property_readonly("supply_volts",
+                             [](World& w) { return w.simulation().board().supply_volts(); })
+      .def_property_readonly("supply_amperes",
+                             [](World& w) { return w.simulation().world().supply_current_a(); })
+      .def_property_readonly("motors_enabled",
+                             [](World& w) { return w.simulation().board().drivers_enabled(); })
+      .def("pairs", &pairs)
+      .def_property_readonly("camera", [](World& w) { return w.simulation().camera().model(); })
+      .def("picture", &picture, py::arg("from_"), py::arg("at"), py::arg("width") = 640,
+           py::arg("height") = 480, py::arg("view_rad") = 0.9)
+      .def("add_fault", &add_fault, py::arg("line"))
+      .def("clear_faults", [](World& w) { w.simulation().clear_faults(); })
+      .def("save",
+           [](World& w) {
+             const auto state = value_of(released([&] { return w.simulation().save(); }));
+             return py::bytes(reinterpret_cast<const char*>(state.data()), state.size());
+           })
+      .def(
+          "restore",
+          [](World& w, const py::bytes& state) {
+            const auto bytes = bytes_of(state);
+            value_of(released([&] { return w.simulation().restore(bytes); }));
+          },
+          py::arg("state"))
+      .def(
+          "write", [](World& w, const py::bytes& bytes) { w.simulation().write(bytes_of(bytes)); },
+          py::arg("bytes"))
+      .def(
+          "read",
+          [](World& w, std::size_t most) {
+            std::vector<std::uint8_t> some(std::min<std::size_t>(most, 1 << 20));
+            const std::size_t count = w.simulation().read(some);
+            return py::bytes(reinterpret_cast<const char*>(some.data()), count);
+          },
+          py::arg("most") = 4096)
+      .def(
+          "start_recording",
+          [](World& w, const std::string& path) {
+            value_of(released([&] { return w.simulation().start_recording(path); }));
+          },
+          py::arg("path"))
+      .def("finish_recording", [](World& w) {
+        return value_of(released([&] { return w.simulation().finish_recording(); }));
+      });
+}
+
+}  // namespace kaz::python
