@@ -18,7 +18,7 @@ import os as _os
 import pathlib as _pathlib
 
 # Robot, worlds and firmware, as `kaz` itself looks for them.
-_share = _pathlib.Path(__file__).resolve().parent / "share"
+_share = _pathlib.Path(__file__).absolute().parent / "share"
 if _share.is_dir():
     _os.environ.setdefault("KAZ_DATA", str(_share))
 

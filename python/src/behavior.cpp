@@ -2,62 +2,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/behavior.h"
 
-#include <chrono>
-#include <future>
-#include <mutex>
+#include <signal.h>
+
+#include <array>
 
 #include "python/src/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/session/session.h"
 
 namespace kaz::python {
 namespace {
 
-// The interrupt of the session that runs, for as long as it is there.
-class Stop {
+// While it lives Ctrl-C and termination end a session as they end `kaz run`, its results kept; else they are
+// Python's.
+class SessionSignals {
  public:
-  void begin(host::Interrupt* of_session) {
-    const std::lock_guard lock(mutex_);
-    interrupt_ = of_session;
+  SessionSignals() {
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], nullptr, &before_[i]);
+    tools::catch_signals();
   }
-  void request() {
-    const std::lock_guard lock(mutex_);
-    if (interrupt_ != nullptr) interrupt_->request();
+  ~SessionSignals() {
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
   }
+  SessionSignals(const SessionSignals&) = delete;
+  SessionSignals& operator=(const SessionSignals&) = delete;
 
  private:
-  std::mutex mutex_;
-  host::Interrupt* interrupt_ = nullptr;
-};
-
-// A backend whose end, before that of the session's interrupt, is known to `stop`.
-class StoppableBackend final : public tools::SessionBackend {
- public:
-  StoppableBackend(std::unique_ptr<SessionBackend> backend, Stop& stop)
-      : backend_(std::move(backend)), stop_(stop) {}
-  ~StoppableBackend() override { stop_.begin(nullptr); }
-  std::vector<host::RobotBoard> boards() override { return backend_->boards(); }
-  host::Clock& clock() override { return backend_->clock(); }
-  const host::PortLink* port() const override { return backend_->port(); }
-  Result<void> open_camera() override { return backend_->open_camera(); }
-  bool sees() const override { return backend_->sees(); }
-  vision::Camera& camera() override { return backend_->camera(); }
-  std::string camera_warning() const override { return backend_->camera_warning(); }
-  vision::Pace pace() const override { return backend_->pace(); }
-  Time camera_latency() const override { return backend_->camera_latency(); }
-  sim::Simulation* simulation() override { return backend_->simulation(); }
-  std::vector<faults::Fault> faults_not_begun() const override {
-    return backend_->faults_not_begun();
-  }
-  void record_behavior(const std::string& json) override { backend_->record_behavior(json); }
-  void record_map(const sim::RecordedMap& map) override { backend_->record_map(map); }
-  Result<std::string> finish_recording(const std::string& interrupted_by) override {
-    return backend_->finish_recording(interrupted_by);
-  }
-  bool recording_failed() const override { return backend_->recording_failed(); }
-
- private:
-  std::unique_ptr<SessionBackend> backend_;
-  Stop& stop_;
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, kSignals.size()> before_{};
 };
 
 // Python's values of options, as the command line has them: True is "true", 3.5 is "3.5".
@@ -96,25 +68,15 @@ py::dict run_behavior(const std::string& name, const py::kwargs& given) {
     ended = outcome;
     duration_s = run_s;
   };
-  Stop stop;
-  session.open_backend =
-      [&](host::Interrupt& of_session) -> Result<std::unique_ptr<tools::SessionBackend>> {
-    auto backend = KAZ_TRY(tools::SessionBackend::open(session.backend, of_session));
-    stop.begin(&of_session);
-    return std::make_unique<StoppableBackend>(std::move(backend), stop);
-  };
-  // In a thread of its own, so that signals reach this one.
-  auto running = std::async(std::launch::async, [&session] { return tools::run_session(session); });
-  bool interrupted = false;
-  while (released([&] { return running.wait_for(std::chrono::milliseconds(50)); }) !=
-         std::future_status::ready) {
-    if (interrupted || PyErr_CheckSignals() == 0) continue;
-    interrupted = true;
-    PyErr_Clear();
-    stop.request();
+  const auto result = [&session] {
+    const SessionSignals signals;
+    return released([&session] { return tools::run_session(session); });
+  }();
+  if (const int number = tools::received_signal(); number != 0) {
+    tools::forget_signal();
+    ::raise(number);  // to Python, whose handler says what it means
+    check_signals();
   }
-  const auto result = running.get();
-  if (interrupted) raise(host::Interrupt::error());
   if (!result) raise(result.error());
 
   py::dict report;

@@ -125,6 +125,13 @@ class PythonRobot {
   std::optional<host::Robot> robot_;
 };
 
+// Calls with the robot, without the GIL.
+template <class F>
+auto on(PythonRobot& self, F call) {
+  host::Robot& robot = self.robot();
+  return value_of(released([&] { return call(robot); }));
+}
+
 host::ConnectOptions options_of(double watchdog, const std::string& reaction) {
   host::ConnectOptions options;
   if (!(watchdog >= 0.01 && watchdog <= 1)) raise({Fault::usage, "watchdog is 0.01 to 1 s"});
@@ -135,7 +142,7 @@ host::ConnectOptions options_of(double watchdog, const std::string& reaction) {
 
 py::dict joint_details(PythonRobot& self, const std::optional<Joints>& joints) {
   const std::uint32_t mask = mask_of(joints);
-  const auto details = value_of(released([&] { return self.robot().joints(mask); }));
+  const auto details = on(self, [&](host::Robot& robot) { return robot.joints(mask); });
   std::vector<std::string> names;
   std::vector<double> angle, speed, duty, load;
   for (const host::JointDetail& joint : details) {
@@ -155,7 +162,7 @@ py::dict joint_details(PythonRobot& self, const std::optional<Joints>& joints) {
 }
 
 py::dict health_of(PythonRobot& self) {
-  const host::Health health = value_of(released([&] { return self.robot().health(); }));
+  const host::Health health = on(self, [&](host::Robot& robot) { return robot.health(); });
   py::dict all;
   all["tick"] = health.tick;
   all["status"] = health.status;
@@ -204,7 +211,7 @@ void add_robot(py::module_& module) {
           "enable",
           [](Robot& self, const std::optional<Joints>& joints) {
             const std::uint32_t mask = mask_of(joints);
-            value_of(released([&] { return self.robot().enable(mask); }));
+            on(self, [&](host::Robot& robot) { return robot.enable(mask); });
           },
           py::arg("joints") = py::none())
       .def(
@@ -212,17 +219,17 @@ void add_robot(py::module_& module) {
           [](Robot& self, const Targets& given, double duration) {
             const auto targets = targets_of(given);
             const Time time = time_of("duration", duration, 65);
-            value_of(released([&] { return self.robot().set_targets(targets, time); }));
+            on(self, [&](host::Robot& robot) { return robot.set_targets(targets, time); });
           },
           py::arg("targets"), py::arg("duration") = 0.0)
       .def("state",
-           [](Robot& self) { return value_of(released([&] { return self.robot().state(); })); })
+           [](Robot& self) { return on(self, [&](host::Robot& robot) { return robot.state(); }); })
       .def(
           "exchange",
           [](Robot& self, const Targets& given, double duration) {
             const auto targets = targets_of(given);
             const Time time = time_of("duration", duration, 65);
-            return value_of(released([&] { return self.robot().exchange(targets, time); }));
+            return on(self, [&](host::Robot& robot) { return robot.exchange(targets, time); });
           },
           py::arg("targets"), py::arg("duration") = 0.0)
       .def("joints", &joint_details, py::arg("joints") = py::none())
@@ -233,7 +240,7 @@ void add_robot(py::module_& module) {
              double dead_band, double friction) {
             const std::uint32_t mask = mask_of(joints);
             const host::Gains gains{kp, kd, dead_band, friction};
-            value_of(released([&] { return self.robot().set_gains(mask, gains); }));
+            on(self, [&](host::Robot& robot) { return robot.set_gains(mask, gains); });
           },
           py::arg("joints") = py::none(), py::kw_only(), py::arg("kp") = host::Gains{}.kp_per_rad,
           py::arg("kd") = host::Gains{}.kd_s_per_rad, py::arg("dead_band") = 0.0,
@@ -244,13 +251,14 @@ void add_robot(py::module_& module) {
              double upper) {
             const std::uint32_t mask = mask_of(joints);
             const host::Limits limits_{ramp, lower, upper};
-            value_of(released([&] { return self.robot().set_limits(mask, limits_); }));
+            on(self, [&](host::Robot& robot) { return robot.set_limits(mask, limits_); });
           },
           py::arg("joints") = py::none(), py::kw_only(),
           py::arg("ramp") = host::Limits{}.ramp_rad_per_s,
           py::arg("lower") = host::Limits{}.lower_rad, py::arg("upper") = host::Limits{}.upper_rad)
-      .def("stop", [](Robot& self) { value_of(released([&] { return self.robot().stop(); })); })
-      .def("clear", [](Robot& self) { value_of(released([&] { return self.robot().clear(); })); })
+      .def("stop", [](Robot& self) { on(self, [&](host::Robot& robot) { return robot.stop(); }); })
+      .def("clear",
+           [](Robot& self) { on(self, [&](host::Robot& robot) { return robot.clear(); }); })
       .def("sleep", &Robot::sleep, py::arg("seconds"))
       .def_property_readonly("time",
                              [](Robot& self) { return seconds(self.robot().clock().now()); })

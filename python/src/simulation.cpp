@@ -8,8 +8,10 @@
 #include "python/src/arguments.h"
 #include "shared/board/board.h"
 #include "shared/faults/faults.h"
+#include "sim/body/description/robot_model.h"
 #include "sim/runtime/time.h"
 #include "sim/view/camera.h"
+#include "tools/app/base/paths.h"
 #include "tools/app/session/backend.h"
 
 namespace kaz::python {
@@ -62,14 +64,14 @@ py::list contacts_of(sim::World& world) {
   return all;
 }
 
-py::array_t<double> link_pose(sim::World& world, const std::string& link) {
-  const auto names = world.link_order();
+py::array_t<double> link_pose(SimulatedWorld& world, const std::string& link) {
+  const std::vector<std::string>& names = world.links();
   if (std::ranges::find(names, link) == names.end()) {
     std::string known;
     for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
     raise({Fault::usage, "no link '" + link + "'; there are " + known});
   }
-  return matrix_of(world.link_pose(link));
+  return matrix_of(world.simulation().world().link_pose(link));
 }
 
 std::vector<Pair> pairs(SimulatedWorld& world) {
@@ -119,7 +121,12 @@ std::shared_ptr<SimulatedWorld> make(const py::kwargs& given) {
     return tools::make_simulation(options, sim::FramePolicy::wait);
   }));
   simulation->world().watch_contacts(true);
-  return std::make_shared<SimulatedWorld>(std::move(simulation));
+  const auto robot = value_of(sim::load_robot(options.robot_file.empty()
+                                                  ? value_of(tools::data_file("robot/kaz/kaz.urdf"))
+                                                  : options.robot_file));
+  std::vector<std::string> links;
+  for (const auto& [name, frame] : robot.frames) links.push_back(name);
+  return std::make_shared<SimulatedWorld>(std::move(simulation), std::move(links));
 }
 
 void add_fault(SimulatedWorld& world, const std::string& line) {
@@ -139,15 +146,10 @@ void add_simulation(py::module_& module) {
                                const auto names = w.simulation().world().joint_order();
                                return std::vector<std::string>(names.begin(), names.end());
                              })
-      .def_property_readonly("link_names",
-                             [](World& w) {
-                               const auto names = w.simulation().world().link_order();
-                               return std::vector<std::string>(names.begin(), names.end());
-                             })
+      .def_property_readonly("link_names", [](World& w) { return w.links(); })
       .def("joints", [](World& w) { return joints_of(w.simulation().world()); })
       .def(
-          "link_pose",
-          [](World& w, const std::string& link) { return link_pose(w.simulation().world(), link); },
+          "link_pose", [](World& w, const std::string& link) { return link_pose(w, link); },
           py::arg("link"))
       .def(
           "object_position",

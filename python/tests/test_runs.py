@@ -42,7 +42,7 @@ class Behavior(unittest.TestCase):
         _, poses = self.recording.messages("/tf")[-1]
         names = [pose["child_frame_id"] for pose in poses["transforms"]]
         self.assertIn("trunk", names)
-        self.assertIn("ball", names)
+        self.assertIn("ball/ball", names)
         for topic in self.recording.topics:  # each has a schema by which it can be decoded whole
             if self.recording.topics[topic]:
                 self.recording.messages(topic)

@@ -145,6 +145,11 @@ int received_signal() noexcept {
   return g_received.load();
 }
 
+void forget_signal() noexcept {
+  g_received = 0;
+  g_first_ns = 0;
+}
+
 const char* received_signal_name() noexcept {
   switch (received_signal()) {
     case SIGINT:

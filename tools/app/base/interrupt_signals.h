@@ -43,6 +43,8 @@ void forget_file(int number);
 // The signal that came, 0 if none: SIGINT and "SIGINT".
 int received_signal() noexcept;
 const char* received_signal_name() noexcept;
+// For a process that goes on after an interrupted run.
+void forget_signal() noexcept;
 
 // What the program's status is for an error: its fault, and for an interrupted one 128 + signal.
 int exit_status(const Error& error);

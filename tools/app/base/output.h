@@ -39,8 +39,9 @@ class Progress {
   std::chrono::steady_clock::time_point last_draw_{};
 };
 
-// A row of a list, with its line break: `columns`, then a text that is broken at spaces where it is wider than
-// `width`, and goes on below itself; or in lines of its own, if `columns` leave too little room. 0: no width.
+// A row of a list, with its line break: `columns`, then a text that is broken at spaces where it is wider
+// than `width`, and goes on below itself; or in lines of its own, if `columns` leave too little room. 0: no
+// width.
 std::string list_row(const std::string& columns, const std::string& text, std::size_t width);
 // Of the terminal at standard output; 0: there is none, so that what reads the list has a line a row.
 std::size_t list_width();
