@@ -159,7 +159,7 @@ def built(installed):
     }
     digests = {
         path.relative_to(installed).as_posix(): output("sha256sum", path)[:64]
-        for path in [*elf, installed / "share/kaz/firmware/kaz.mot"]
+        for path in [*elf, *installed.rglob("*.a"), installed / "share/kaz/firmware/kaz.mot"]
     }
     versions = {
         name: output("dpkg-query", "-W", "-f", "${Version}\n", name).split()[0] for name in direct | loaded

@@ -419,10 +419,9 @@ def bill(root, build, installed, document):
         raise Refused(f"{installed}/bin/kaz is not there; cmake --install puts it there")
     for name, path in files.items():
         document.file(name, path, "BINARY")
-    for name in ("kaz.mot", "kaz.coff", "writer.bin"):
-        path = installed / "share/kaz/firmware" / name
-        if path.exists():
-            document.file(f"share/kaz/firmware/{name}", path, "BINARY")
+    for pattern, kind in (("share/kaz/firmware/*", "BINARY"), ("**/*.a", "ARCHIVE")):
+        for path in sorted(installed.glob(pattern)):
+            document.file(path.relative_to(installed).as_posix(), path, kind)
     direct, indirect = linked(files)
     named = loaded_by_name(root)
     for name in sorted(direct):
