@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: release.py check ROOT
        release.py make ROOT --build BUILD --out OUT [--name NAME] [--tests TEXT]
+                       [--results FOLDER]
 
 check: is this a commit that can be released? Prints its name: the version, where a tag v<version> is at the
 commit, else version and commit. make: writes the files beside OUT and renames them to OUT when all are there.
-NAME is what check printed before the build: a tree that has gone on since is refused."""
+NAME is what check printed before the build: a tree that has gone on since is refused. FOLDER has run-*.xml of
+ctest (JUnit's form): how many tests passed, and which were skipped for want of something on this machine."""
 
 import argparse
 import json
@@ -17,6 +19,7 @@ import signal
 import subprocess
 import sys
 import time
+from xml.etree import ElementTree
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
@@ -138,6 +141,20 @@ def bill_of_materials(commit, build, installed, target):
         raise Refused("there is no bill of materials (above)")
 
 
+def test_facts(text, folder):
+    """What release.json says of the tests: TEXT, and what ctest's files in `folder` have."""
+    facts = {"result": text}
+    passed, skipped = 0, []
+    files = sorted(folder.glob("run-*.xml")) if folder else []
+    for path in files:
+        for case in ElementTree.parse(path).iter("testcase"):
+            if case.find("skipped") is not None:
+                skipped.append(case.get("name"))
+            elif case.get("status") == "run":
+                passed += 1
+    return facts | ({"passed": passed, "skipped": sorted(skipped)} if files else {})
+
+
 def make(commit, build, partial, tests):
     say = lambda text: print(f"== release: {text}", flush=True)  # noqa: E731
     name = f"kaz-{commit.name}"
@@ -179,6 +196,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path)
     parser.add_argument("--name")
     parser.add_argument("--tests", default="not run")
+    parser.add_argument("--results", type=pathlib.Path)
     given = parser.parse_args()
     if given.verb == "make" and not (given.build and given.out):
         parser.error("make needs --build and --out")
@@ -196,7 +214,7 @@ def main():
         partial, old = out.with_name(out.name + ".partial"), out.with_name(out.name + ".old")
         shutil.rmtree(partial, ignore_errors=True)  # of a run that was killed
         try:
-            make(commit, given.build.resolve(), partial, given.tests)
+            make(commit, given.build.resolve(), partial, test_facts(given.tests, given.results))
             shutil.rmtree(old, ignore_errors=True)
             if out.exists():
                 out.rename(old)
