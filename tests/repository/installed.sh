@@ -9,7 +9,8 @@ unset KAZ_DATA
 share=$prefix/share
 for file in kaz/firmware/kaz.mot kaz/firmware/kaz.coff kaz/firmware/writer.bin kaz/udev/70-kaz.rules \
   kaz/wireshark/kaz.lua kaz/robots/arm/arm.urdf kaz/examples/python/kaz_client.py \
-  kaz/examples/behavior/wave.cpp kaz/examples/h8s/seconds.c kaz/gdb/coff_to_elf.py man/man1/kaz.1 man/man1/kaz-flash-write.1 doc/kaz/LICENSE \
+  kaz/examples/behavior/wave.cpp kaz/examples/h8s/seconds.c kaz/gdb/coff_to_elf.py man/man1/kaz.1 \
+  man/man1/kaz-flash-write.1 doc/kaz/LICENSE doc/kaz/CHANGELOG.md \
   bash-completion/completions/kaz; do
   test -s "$share/$file" || { echo "not installed: $file"; exit 1; }
 done

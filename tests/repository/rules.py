@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
+SPDX = "SPDX-License-Identifier"
 COMMENT = re.compile(r"^\s*(//|#|;|/\*|<!--|\*)")
 faults = []
 
@@ -39,7 +40,7 @@ def check_printed():
     sources = {path.read_text() for path in files("*.cpp", "*.py", "*.h")}
     for path in files("docs/*.md", "docs/**/*.md", "README.md"):
         for block in re.findall(r"^```(?:cpp|python)\n(.*?)^```$", path.read_text(), re.M | re.S):
-            if "SPDX-License-Identifier" in block and block not in sources:
+            if SPDX in block and block not in sources:
                 fault(path.relative_to(ROOT), "a file printed there differs from the one in the tree")
 
 
@@ -50,8 +51,7 @@ def check_sources():
         name = path.relative_to(ROOT)
         if not lines or not COMMENT.match(lines[0]):
             fault(name, "the first line does not say what the file is for")
-        if not any(re.match(r"^\s*\S{1,4} SPDX-License-Identifier: Apache-2.0$", line)
-                   for line in lines[:4]):
+        if not any(re.match(rf"^\s*\S{{1,4}} {SPDX}: Apache-2\.0$", line) for line in lines[:4]):
             fault(name, "no SPDX line of its own near the top")
         if len(lines) > 800:
             fault(name, f"{len(lines)} lines: split it")

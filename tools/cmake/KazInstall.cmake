@@ -32,7 +32,8 @@ if(TARGET kaz_interface_header)
   set(KAZ_PLUGIN_INCLUDES "\"\${CMAKE_CURRENT_LIST_DIR}/${headers}\"")
   configure_file(${PROJECT_SOURCE_DIR}/tools/cmake/kazPluginConfig.cmake.in
                  ${PROJECT_BINARY_DIR}/installed/kazPluginConfig.cmake @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/installed/kazPluginConfig.cmake DESTINATION ${config})
+  install(FILES ${PROJECT_BINARY_DIR}/installed/kazPluginConfig.cmake
+                ${PROJECT_BINARY_DIR}/kazPluginConfigVersion.cmake DESTINATION ${config})
 endif()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/shared/robot DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz)
@@ -52,7 +53,7 @@ install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/gdb/build_gdb.sh ${PROJECT_SOURCE_D
         DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/gdb)
 install(FILES ${PROJECT_SOURCE_DIR}/shared/protocol/wireshark/kaz.lua
         DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/wireshark)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(TARGET kaz_firmware)
   install(FILES ${PROJECT_BINARY_DIR}/firmware/kaz.mot ${PROJECT_BINARY_DIR}/firmware/kaz.coff
                 ${PROJECT_BINARY_DIR}/firmware/writer.bin

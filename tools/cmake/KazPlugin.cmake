@@ -20,3 +20,6 @@ add_dependencies(kaz_interface_header kaz_generated_headers)
 set(KAZ_PLUGIN_INCLUDES "\"${PROJECT_SOURCE_DIR}\" \"${PROJECT_BINARY_DIR}/generated\"")
 configure_file(${PROJECT_SOURCE_DIR}/tools/cmake/kazPluginConfig.cmake.in
                ${PROJECT_BINARY_DIR}/kazPluginConfig.cmake @ONLY)
+# Behind this first, coarse check the program compares the id of the headers when it loads a plug-in.
+include(CMakePackageConfigHelpers)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/kazPluginConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -24,7 +24,9 @@ def main(arguments):
         return 2
     root, target, *files = arguments
     text = ("// Which sources this is: made by tools/gen/build_id.py.\n"
+            # REUSE-IgnoreStart
             "// SPDX-License-Identifier: Apache-2.0\n"
+            # REUSE-IgnoreEnd
             f"#define KZ_BUILD_ID 0x{build_id(root, files):08x}UL\n")
     try:
         with open(target, encoding="utf-8") as old:

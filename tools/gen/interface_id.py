@@ -24,7 +24,9 @@ def main(arguments):
         return 2
     root, target, *files = arguments
     text = ("// Which headers of host, vision and shared these are: made by tools/gen/interface_id.py.\n"
+            # REUSE-IgnoreStart
             "// SPDX-License-Identifier: Apache-2.0\n"
+            # REUSE-IgnoreEnd
             f'#define KAZ_INTERFACE_ID "{interface_id(root, files)}"\n')
     try:
         with open(target, encoding="utf-8") as old:
