@@ -323,7 +323,7 @@ TEST(Recorder, ContactsAreArrowsAlongTheirForce) {
     read.number(4);
     const auto type = read.number(4);
     arrow.action = read.number(4);
-    if (arrow.action == 0) EXPECT_EQ(type, 0u);
+    EXPECT_EQ(type, arrow.action == 0 ? 0u : 1u);
     for (double& x : arrow.at) x = real();
     const double x = real(), y = real(), z = real(), w = real();
     // The rotation of the x axis.
