@@ -80,4 +80,5 @@ PYBIND11_MODULE(_kaz, module) {
   add_vision(module);
   add_recording(module);
   add_behavior(module);
+  add_environment(module);
 }

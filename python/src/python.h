@@ -85,5 +85,6 @@ void add_robot(py::module_& module);
 void add_vision(py::module_& module);
 void add_recording(py::module_& module);
 void add_behavior(py::module_& module);
+void add_environment(py::module_& module);
 
 }  // namespace kaz::python

@@ -259,7 +259,7 @@ TEST(Cli, WrongNamesGetTheNearest) {
   EXPECT_TRUE(says({"mcu", "rnu", "--help"}, "there is no verb `rnu`; did you mean run?"));
   EXPECT_TRUE(says({"help", "walk"}, "there is no verb `walk`"));
   EXPECT_TRUE(says({"help", "status", "board"}, "`help` takes a verb alone, not `board` as well"));
-  EXPECT_TRUE(says({"help", "bench", "list", "motor"}, "not `motor` as well"));
+  EXPECT_TRUE(says({"help", "bench", "list", "motor"}, "`help` takes a verb alone, not `motor` as well"));
   EXPECT_TRUE(says({"mcu"}, "the verb is missing: give run or compare"));
   EXPECT_TRUE(says({"evaluate", "mrge", "a", "b", "--out", "y"},
                    "not expected: `a b`; did you mean merge?"));

@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cstdarg>
 #include <cstdio>
 #include <thread>
 
@@ -26,6 +27,16 @@ double other_cpu_s(const RunProfile& profile) {
 
 double share(double a, double b) {
   return b > 0 ? a / b : 0;
+}
+
+// Checked as printf is.
+[[gnu::format(printf, 2, 3)]] void add(std::string& text, const char* format, ...) {
+  char line[160];
+  std::va_list values;
+  va_start(values, format);
+  std::vsnprintf(line, sizeof line, format, values);
+  va_end(values);
+  text += line;
 }
 
 }  // namespace
@@ -70,31 +81,28 @@ nlohmann::ordered_json profile_json(const RunProfile& profile) {
 }
 
 std::string profile_text(const RunProfile& profile) {
-  char line[128];
   std::string text;
-  const auto add = [&](auto... values) {
-    std::snprintf(line, sizeof line, values...);
-    text += line;
-  };
-  add("%-24s %9s %7s %11s %10s\n", "part", "CPU s", "share", "ms/robot s", "waiting s");
+  add(text, "%-24s %9s %7s %11s %10s\n", "part", "CPU s", "share", "ms/robot s", "waiting s");
   const auto row = [&](const char* name, double cpu_s) {
-    add("%-24.24s %9.3f %5.1f %% %11.2f", name, cpu_s, 100 * share(cpu_s, profile.cpu_s),
+    add(text, "%-24.24s %9.3f %5.1f %% %11.2f", name, cpu_s, 100 * share(cpu_s, profile.cpu_s),
         1e3 * share(cpu_s, profile.run_s));
   };
   for (const auto& part : profile.parts) {
     row(part.name.c_str(), part.cpu_s);
-    add(" %10.3f\n", part.waiting_s);
+    add(text, " %10.3f\n", part.waiting_s);
   }
   row("other", other_cpu_s(profile));
-  add("\n");
+  add(text, "\n");
   row("all", profile.cpu_s);
-  add("\n%.1f s of the robot in %.2f s: %.1f times real time; %.1f robot-seconds a CPU second\n",
+  add(text,
+      "\n%.1f s of the robot in %.2f s: %.1f times real time; %.1f robot-seconds a CPU second\n",
       profile.run_s, profile.wall_s, share(profile.run_s, profile.wall_s),
       share(profile.run_s, profile.cpu_s));
-  add("%.2f of %d cores used; threads, share of a core:", share(profile.cpu_s, profile.wall_s),
+  add(text,
+      "%.2f of %d cores used; threads, share of a core:", share(profile.cpu_s, profile.wall_s),
       profile.cores);
   for (const auto& thread : profile.threads)
-    add(" %s %.0f %%%s", thread.name.c_str(), 100 * share(thread.cpu_s, profile.wall_s),
+    add(text, " %s %.0f %%%s", thread.name.c_str(), 100 * share(thread.cpu_s, profile.wall_s),
         &thread == &profile.threads.back() ? "\n" : ",");
   return text;
 }

@@ -1,0 +1,313 @@
+# kaz.VectorEnv: many robots for learning and evaluation, by the interface of Gymnasium's vector environments.
+# SPDX-License-Identifier: Apache-2.0
+"""VectorEnv(task, num_envs=8, engine="native"): robots in C++ threads, cloned from one loaded world.
+
+    env = kaz.VectorEnv("stand", num_envs=16, engine="native")
+    observations, infos = env.reset(seed=1)
+    for _ in range(500):
+        actions = numpy.zeros(env.action_space.shape, numpy.float32)
+        observations, rewards, terminations, truncations, infos = env.step(actions)
+
+engine: "none" (targets straight to the motor model, true angles), "native" (the firmware's C, serial line,
+potentiometers), "h8" (the firmware's image in the emulator): the same task with more and more of the truth.
+
+An action is -1..1 for each controlled joint: an offset from the posture HOME, `reach` rad at most. A period
+is 20 ms. Without gymnasium the spaces are `Box` of this module, with the same members.
+"""
+
+import os
+
+import numpy
+
+from ._kaz import HOME, JOINTS, Batch, UsageError
+
+try:
+    from gymnasium.spaces import Box
+except ImportError:
+    class Box:
+        """Numbers between `low` and `high`."""
+
+        def __init__(self, low, high, shape=None, dtype=numpy.float32, seed=None):
+            self.dtype = numpy.dtype(dtype)
+            self.low = numpy.broadcast_to(numpy.asarray(low, dtype), shape or numpy.shape(low)).copy()
+            self.high = numpy.broadcast_to(numpy.asarray(high, dtype), self.low.shape).copy()
+            self.shape = self.low.shape
+            self._random = numpy.random.default_rng(seed)
+
+        def sample(self):
+            low, high = numpy.maximum(self.low, -1e6), numpy.minimum(self.high, 1e6)
+            return self._random.uniform(low, high).astype(self.dtype)
+
+        def contains(self, x):
+            x = numpy.asarray(x)
+            return x.shape == self.shape and bool(numpy.all(x >= self.low) and numpy.all(x <= self.high))
+
+        def seed(self, seed=None):
+            self._random = numpy.random.default_rng(seed)
+
+_LEGS = [side + part for side in ("l_", "r_") for part in ("hip_roll", "hip_pitch", "knee", "ankle_pitch")]
+_ARMS = [side + part for side in ("l_", "r_") for part in ("sh_pitch", "sh_roll")]
+AUTORESET_MODES = ("next_step", "same_step", "disabled")
+
+
+def _up(trunk):
+    """The world's z component of the trunk's z axis: 1 upright, 0 lying."""
+    x, y = trunk[:, 3], trunk[:, 4]
+    return 1 - 2 * (x * x + y * y)
+
+
+def _heading(trunk):
+    x, y, z, w = trunk[:, 3:7].T
+    return numpy.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+class _Task:
+    """What is asked of the robots. Rows of arrays are robots."""
+
+    world, joints, reach, features, episode_s = "empty", _LEGS, 0.4, 0, 10.0
+
+    def begin(self, i, random, env):
+        """Robot i starts anew."""
+
+    def before(self, env, active):
+        """Before a period of the robots in `active`."""
+
+    def look(self, env, state):
+        """The task's part of the observation: robots x features."""
+        return numpy.zeros((env.num_envs, 0))
+
+    def judge(self, env, state, actions):
+        """Reward of the period, and who has reached what was asked."""
+        raise NotImplementedError
+
+
+class Stand(_Task):
+    """Stay upright under pushes of 0.2 to 0.8 N s against the trunk, from any side, every 1 to 2 s.
+
+    Who holds the posture HOME withstands 0.5 N s, and falls by 0.8.
+
+    Reward: 1 a period, less a twentieth of the actions' mean square. Ends by a fall.
+    """
+
+    joints = _LEGS + _ARMS
+    impulse = (0.2, 0.8)
+
+    def begin(self, i, random, env):
+        if not hasattr(self, "next_push"):
+            self.next_push = numpy.zeros(env.num_envs)
+        self.next_push[i] = random.uniform(1, 2)
+
+    def before(self, env, active):
+        for i in numpy.flatnonzero(active & (env.time >= self.next_push)):
+            random = env.randoms[i]
+            size, angle = random.uniform(*self.impulse), random.uniform(0, 2 * numpy.pi)
+            env.batch.push(int(i), "trunk", [size * numpy.cos(angle), size * numpy.sin(angle), 0])
+            self.next_push[i] = env.time[i] + random.uniform(1, 2)
+
+    def judge(self, env, state, actions):
+        return 1 - 0.05 * numpy.mean(actions**2, axis=1), numpy.zeros(env.num_envs, bool)
+
+
+class Walk(_Task):
+    """Come within 5 cm of a place 0.3 to 0.6 m away, up to 17 degrees aside.
+
+    Features: the place from the trunk, m. Reward: 10 a metre of approach, 10 at the place, less a hundredth
+    of the actions' mean square. Ends there, or by a fall.
+    """
+
+    features, episode_s = 2, 20.0
+
+    def begin(self, i, random, env):
+        if not hasattr(self, "goal"):
+            self.goal, self.left = numpy.zeros((env.num_envs, 2)), numpy.zeros(env.num_envs)
+        far, aside = random.uniform(0.3, 0.6), random.uniform(-0.3, 0.3)
+        self.goal[i] = [far * numpy.cos(aside), far * numpy.sin(aside)]
+        self.left[i] = far
+
+    def look(self, env, state):
+        off, heading = self.goal - state["trunk"][:, :2], _heading(state["trunk"])
+        return numpy.stack([numpy.cos(heading) * off[:, 0] + numpy.sin(heading) * off[:, 1],
+                            numpy.cos(heading) * off[:, 1] - numpy.sin(heading) * off[:, 0]], axis=1)
+
+    def judge(self, env, state, actions):
+        left = numpy.linalg.norm(self.goal - state["trunk"][:, :2], axis=1)
+        there = left < 0.05
+        reward = 10 * (self.left - left) + 10 * there - 0.01 * numpy.mean(actions**2, axis=1)
+        self.left = left
+        return reward, there
+
+
+class Turn(_Task):
+    """Turn on the spot by 0.5 to 2.6 rad, to either side, within 10 degrees.
+
+    Features: sine and cosine of what is left. Reward: 5 a radian of progress, 10 at the heading,
+    less a hundredth of the actions' mean square. Ends there, or by a fall.
+    """
+
+    features, episode_s = 2, 20.0
+
+    def begin(self, i, random, env):
+        if not hasattr(self, "goal"):
+            self.goal, self.left = numpy.zeros(env.num_envs), numpy.zeros(env.num_envs)
+        self.goal[i] = random.uniform(0.5, 2.6) * random.choice([-1, 1])
+        self.left[i] = abs(self.goal[i])
+
+    def _rest(self, state):
+        off = self.goal - _heading(state["trunk"])
+        return numpy.arctan2(numpy.sin(off), numpy.cos(off))
+
+    def look(self, env, state):
+        rest = self._rest(state)
+        return numpy.stack([numpy.sin(rest), numpy.cos(rest)], axis=1)
+
+    def judge(self, env, state, actions):
+        left = numpy.abs(self._rest(state))
+        there = left < numpy.radians(10)
+        reward = 5 * (self.left - left) + 10 * there - 0.01 * numpy.mean(actions**2, axis=1)
+        self.left = left
+        return reward, there
+
+
+class Look(_Task):
+    """Keep the left eye on a ball that is flicked at the start.
+
+    Features: the ball's direction in the eye's frame (right, down, ahead). Reward: the cosine of the angle
+    between the eye's axis and the ball. Ends by a fall.
+    """
+
+    world, joints, reach, features = "ball", ["neck_pan", "neck_tilt"], 1.2, 3
+
+    def begin(self, i, random, env):
+        speed, angle = random.uniform(0.05, 0.25), random.uniform(0, 2 * numpy.pi)
+        env.batch.accelerate(i, "ball", [speed * numpy.cos(angle), speed * numpy.sin(angle), 0])
+
+    def look(self, env, state):
+        made = numpy.zeros((env.num_envs, 3))
+        for i in range(env.num_envs):
+            eye = env.batch.link_pose(i, "left_eye")
+            way = eye[:3, :3].T @ (state["ball"][i] - eye[:3, 3])
+            made[i] = way / max(1e-9, float(numpy.linalg.norm(way)))
+        self.direction = made
+        return made
+
+    def judge(self, env, state, actions):
+        self.look(env, state)
+        return self.direction[:, 2], numpy.zeros(env.num_envs, bool)
+
+
+TASKS = {"stand": Stand, "walk": Walk, "turn": Turn, "look": Look}
+
+
+class VectorEnv:
+    """Robots that are reset and stepped together.
+
+    task: a name of TASKS, or an object with the members of one. threads: 0 is one a core.
+    autoreset_mode: "next_step" (Gymnasium's default), "same_step" (the last observation is
+    infos["final_obs"]), or "disabled" (reset(options={"reset_mask": ...})). sensors, dynamics, imu and the
+    like go to the simulation.
+    """
+
+    def __init__(self, task="stand", num_envs=8, engine="native", threads=0, autoreset_mode="next_step",
+                 episode_s=None, **simulation):
+        if isinstance(task, str) and task not in TASKS:
+            raise UsageError(f"no task '{task}': give one of {', '.join(TASKS)}, or an object like them")
+        if autoreset_mode not in AUTORESET_MODES:
+            raise UsageError(f"autoreset_mode '{autoreset_mode}': give one of {', '.join(AUTORESET_MODES)}")
+        self.task = TASKS[task]() if isinstance(task, str) else task
+        self.num_envs, self.engine, self.autoreset_mode = num_envs, engine, autoreset_mode
+        self.metadata = {"autoreset_mode": autoreset_mode}
+        self.period_s = 0.02
+        self.episode_s = self.task.episode_s if episode_s is None else episode_s
+        simulation.setdefault("world", self.task.world)
+        simulation.setdefault("imu", True)
+        threads = threads or len(os.sched_getaffinity(0))
+        self.batch = Batch(robots=num_envs, engine=engine, threads=min(threads, num_envs),
+                           posture=list(HOME), period_s=self.period_s, **simulation)
+        self._controlled = [JOINTS.index(name) for name in self.task.joints]
+        count = len(self._controlled)
+        self._home = numpy.array(HOME)
+        size = len(JOINTS) + 3 + count + self.task.features
+        self.single_action_space = Box(-numpy.ones(count, numpy.float32), numpy.ones(count, numpy.float32))
+        self.action_space = Box(-numpy.ones((num_envs, count), numpy.float32),
+                                numpy.ones((num_envs, count), numpy.float32))
+        infinite = numpy.full(size, numpy.inf, numpy.float32)
+        self.single_observation_space = Box(-infinite, infinite)
+        every = numpy.tile(infinite, (num_envs, 1))
+        self.observation_space = Box(-every, every)
+        self.time = numpy.zeros(num_envs)
+        self.randoms = [None] * num_envs
+        self._action = numpy.zeros((num_envs, count))
+        self._done = numpy.ones(num_envs, bool)
+        self._begun = False
+
+    def reset(self, *, seed=None, options=None):
+        """seed: of the first robot, the others have those that follow; or one a robot; None: goes on with the
+        random numbers that it has. options["reset_mask"]: which robots."""
+        mask = numpy.ones(self.num_envs, bool)
+        if options and "reset_mask" in options:
+            mask = numpy.asarray(options["reset_mask"], bool)
+            if mask.shape != (self.num_envs,):
+                raise UsageError(f"reset_mask has {mask.shape}, and must have ({self.num_envs},)")
+        seeds = [None] * self.num_envs
+        if seed is not None:
+            seeds = [seed + i for i in range(self.num_envs)] if numpy.ndim(seed) == 0 else list(seed)
+            if len(seeds) != self.num_envs:
+                raise UsageError(f"seed: give one, or {self.num_envs}")
+        for i in numpy.flatnonzero(mask):
+            if seeds[i] is not None or self.randoms[i] is None:
+                self.randoms[i] = numpy.random.default_rng(seeds[i])
+        self._restart(mask)
+        return self._observe(self.batch.state()), {}
+
+    def step(self, actions):
+        if not self._begun:
+            raise UsageError("step: call reset() first")
+        actions = numpy.asarray(actions, float)
+        if actions.shape != self._action.shape:
+            raise UsageError(f"actions have {actions.shape}, and must have {self._action.shape}")
+        restarting = numpy.zeros(self.num_envs, bool)
+        if self._done.any():
+            if self.autoreset_mode == "disabled":
+                raise UsageError("an episode has ended: reset(options={'reset_mask': ...}) it first")
+            restarting = self._done.copy()  # "next_step"
+            self._restart(restarting)
+        active = ~restarting
+        self._action[active] = numpy.clip(actions[active], -1, 1)
+        self.task.before(self, active)
+        targets = numpy.tile(self._home, (self.num_envs, 1))
+        targets[:, self._controlled] += self.task.reach * self._action
+        self.batch.step(targets, restarting.astype(numpy.uint8))
+        self.time[active] += self.period_s
+        state = self.batch.state()
+        rewards, reached = self.task.judge(self, state, self._action)
+        rewards = numpy.where(active, rewards, 0.0)
+        trunk = state["trunk"]
+        fell = (_up(trunk) < 0.6) | (trunk[:, 2] < 0.6 * self._height) | state["off"]
+        terminations = active & (fell | reached)
+        truncations = active & ~terminations & (self.time >= self.episode_s - 1e-9)
+        observations = self._observe(state)
+        self._done = terminations | truncations
+        infos = {"time_s": self.time.copy(), "fell": active & fell, "reached": active & reached & ~fell}
+        if self.autoreset_mode == "same_step" and self._done.any():
+            infos["final_obs"], infos["_final_obs"] = observations.copy(), self._done.copy()
+            self._restart(self._done.copy())
+            observations = self._observe(self.batch.state())
+        return observations, rewards, terminations, truncations, infos
+
+    def close(self):
+        self.batch = None
+
+    def _restart(self, mask):
+        seeds = [int(self.randoms[i].integers(1 << 62)) if mask[i] else None for i in range(self.num_envs)]
+        self.batch.reset(seeds)
+        self.time[mask], self._action[mask], self._done[mask] = 0, 0, False
+        if not self._begun:
+            self._height = self.batch.state()["trunk"][:, 2].copy()
+        self._height[mask] = self.batch.state()["trunk"][mask, 2]
+        for i in numpy.flatnonzero(mask):
+            self.task.begin(int(i), self.randoms[i], self)
+        self._begun = True
+
+    def _observe(self, state):
+        return numpy.concatenate([state["measured"] - self._home, 0.1 * state["inertial"], self._action,
+                                  self.task.look(self, state)], axis=1).astype(numpy.float32)

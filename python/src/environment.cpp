@@ -1,0 +1,133 @@
+// Batch for Python: arrays in, arrays out.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "host/motion/gait.h"
+#include "python/src/arguments.h"
+#include "python/src/batch.h"
+#include "sim/body/description/robot_model.h"
+#include "tools/app/base/paths.h"
+
+namespace kaz::python {
+namespace {
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+std::unique_ptr<Batch> make(const py::kwargs& given) {
+  py::dict arguments(given);
+  BatchOptions options;
+  options.robots = take<int>(arguments, "robots", 1);
+  options.threads = take<int>(arguments, "threads", 1);
+  options.engine = named("engine", take<std::string>(arguments, "engine", "native"), kEngines);
+  options.period_ms =
+      static_cast<int>(std::lround(1000 * take<double>(arguments, "period_s", 0.02)));
+  options.settle_ms =
+      static_cast<int>(std::lround(1000 * take<double>(arguments, "settle_s", 0.3)));
+  if (options.settle_ms < 10 || options.settle_ms > 10'000)
+    raise({Fault::usage, "settle_s is 0.01 to 10 s"});
+  options.kp_per_rad = take<double>(arguments, "kp", options.kp_per_rad);
+  options.kd_s_per_rad = take<double>(arguments, "kd", options.kd_s_per_rad);
+  const auto posture =
+      take<std::vector<double>>(arguments, "posture", std::vector<double>(KZ_JOINTS));
+  if (posture.size() != KZ_JOINTS)
+    raise({Fault::usage, "posture: give " + std::to_string(KZ_JOINTS) + " angles, rad"});
+  std::ranges::copy(posture, options.posture.begin());
+  const tools::BackendOptions backend = take_world_arguments(arguments);
+  nothing_left("Batch", arguments);
+
+  sim::SimulationOptions& simulation = options.simulation;
+  simulation.world_path = value_of(tools::world_file(backend.world));
+  simulation.robot_path = backend.robot_file.empty()
+                              ? value_of(tools::data_file("robot/kaz/kaz.urdf"))
+                              : backend.robot_file;
+  simulation.camera_path = value_of(tools::data_file("robot/kaz/camera.json"));
+  if (options.engine == Engine::h8)
+    simulation.image_path = value_of(tools::firmware_image(backend.image));
+  simulation.dynamics = backend.dynamics;
+  simulation.physics_step_ms = backend.physics_step_ms;
+  simulation.sensors = sim::sensor_switches(backend.sensors);
+  simulation.imu = backend.imu;
+  simulation.supply_volts = backend.supply_volts;
+  return value_of(released([&] { return Batch::create(options); }));
+}
+
+// Copies: the batch writes its own in the next step.
+py::array_t<double> table(const std::vector<double>& values, int columns) {
+  return py::array_t<double>(
+      {static_cast<py::ssize_t>(values.size()) / columns, static_cast<py::ssize_t>(columns)},
+      values.data());
+}
+
+py::dict state_of(const Batch& batch) {
+  const BatchState& state = batch.state();
+  py::dict all;
+  all["measured"] = table(state.measured, KZ_JOINTS);
+  all["inertial"] = table(state.inertial, 3);
+  all["trunk"] = table(state.trunk, 7);
+  all["ball"] = table(state.ball, 3);
+  all["off"] =
+      py::array_t<std::uint8_t>(static_cast<py::ssize_t>(state.off.size()), state.off.data())
+          .attr("astype")("bool");
+  return all;
+}
+
+void reset(Batch& batch, const std::vector<std::optional<std::uint64_t>>& seeds) {
+  if (static_cast<int>(seeds.size()) != batch.options().robots)
+    raise({Fault::usage, "reset: give a seed, or None, for each robot"});
+  value_of(released([&] { return batch.reset(seeds); }));
+}
+
+void step(Batch& batch, const Numbers& targets,
+          const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& resting) {
+  const auto robots = static_cast<py::ssize_t>(batch.options().robots);
+  if (targets.ndim() != 2 || targets.shape(0) != robots || targets.shape(1) != KZ_JOINTS)
+    raise({Fault::usage, "step: targets are an array of " + std::to_string(robots) + " x " +
+                             std::to_string(KZ_JOINTS) + " angles, rad"});
+  if (resting.ndim() != 1 || resting.shape(0) != robots)
+    raise({Fault::usage, "step: `resting` has a flag for each robot"});
+  const std::span<const double> angles(targets.data(), static_cast<std::size_t>(targets.size()));
+  if (!std::ranges::all_of(angles, [](double x) { return std::isfinite(x); }))
+    raise({Fault::usage, "step: a target is not finite"});
+  const std::span<const std::uint8_t> flags(resting.data(),
+                                            static_cast<std::size_t>(resting.size()));
+  value_of(released([&] { return batch.step(angles, flags); }));
+  check_signals();
+}
+
+}  // namespace
+
+void add_environment(py::module_& module) {
+  module.attr("HOME") = py::tuple(py::cast(motion::home()));  // by joint, rad
+  py::class_<Batch>(module, "Batch")
+      .def(py::init(&make))
+      .def("reset", &reset, py::arg("seeds"))
+      .def("step", &step, py::arg("targets"), py::arg("resting"))
+      .def("state", &state_of)
+      .def(
+          "push",
+          [](Batch& batch, int robot, const std::string& link,
+             const std::array<double, 3>& impulse) {
+            const Eigen::Vector3d vector(impulse.data());
+            if (!vector.allFinite()) raise({Fault::usage, "push: the impulse is not finite"});
+            value_of(batch.push(robot, link, vector));
+          },
+          py::arg("robot"), py::arg("link"), py::arg("impulse"))
+      .def(
+          "accelerate",
+          [](Batch& batch, int robot, const std::string& model,
+             const std::array<double, 3>& change) {
+            const Eigen::Vector3d vector(change.data());
+            if (!vector.allFinite()) raise({Fault::usage, "accelerate: the change is not finite"});
+            value_of(batch.accelerate(robot, model, vector));
+          },
+          py::arg("robot"), py::arg("model"), py::arg("change"))
+      .def(
+          "link_pose",
+          [](const Batch& batch, int robot, const std::string& link) {
+            return matrix_of(value_of(batch.link_pose(robot, link)));
+          },
+          py::arg("robot"), py::arg("link"));
+}
+
+}  // namespace kaz::python
