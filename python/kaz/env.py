@@ -22,9 +22,9 @@ import numpy
 from ._kaz import HOME, JOINTS, Batch, UsageError
 
 try:
-    from gymnasium.spaces import Box
+    from gymnasium.spaces import Box  # type: ignore
 except ImportError:
-    class Box:
+    class Box:  # type: ignore
         """Numbers between `low` and `high`."""
 
         def __init__(self, low, high, shape=None, dtype=numpy.float32, seed=None):
