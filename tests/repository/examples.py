@@ -1,5 +1,5 @@
 # Runs each command that README.md and docs/ show in a block marked `sh`, in a folder of its own, with the
-# program on the PATH. A block marked `sh background` runs beside those that follow it in the same file.
+# program on the PATH, and Debian's own Python before others. A block marked `sh background` runs beside those that follow it in the same file.
 # SPDX-License-Identifier: Apache-2.0
 """usage: examples.py ROOT BIN"""
 
@@ -17,7 +17,7 @@ BLOCK = re.compile(r"^```sh( background)?\n(.*?)^```$", re.M | re.S)
 
 
 def run_file(path, folder):
-    environment = dict(os.environ, PATH=f"{BIN}:{os.environ['PATH']}", KAZ_SOURCE=str(ROOT),
+    environment = dict(os.environ, PATH=f"{BIN}:/usr/bin:{os.environ['PATH']}", KAZ_SOURCE=str(ROOT),
                        KAZ_PYTHON=str(pathlib.Path(BIN).parent / "python"))
     background = []
     ran = 0
