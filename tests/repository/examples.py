@@ -1,5 +1,6 @@
 # Runs each command that README.md and docs/ show in a block marked `sh`, in a folder of its own, with the
-# program on the PATH, and Debian's own Python before others. A block marked `sh background` runs beside those that follow it in the same file.
+# program on the PATH, and Debian's own Python before others. A block marked `sh background` runs beside those
+# that follow it in the same file.
 # SPDX-License-Identifier: Apache-2.0
 """usage: examples.py ROOT BIN"""
 
