@@ -24,12 +24,12 @@ if _share.is_dir():
 
 from . import _kaz, env, vision  # noqa: E402
 from ._kaz import (  # noqa: E402
-    JOINT_LIMITS, JOINTS, Camera, CameraModel, EnvironmentFault, Pair, Posture, Robot, RobotError,
+    HOME, JOINT_LIMITS, JOINTS, Camera, CameraModel, EnvironmentFault, Pair, Posture, Robot, RobotError,
     Simulation, UsageError, __version__, behaviors, run_behavior)
 from .env import VectorEnv  # noqa: E402
 from .recording import Recording  # noqa: E402
 
 __all__ = [
-    "JOINTS", "JOINT_LIMITS", "Camera", "CameraModel", "EnvironmentFault", "Pair", "Posture", "Recording",
-    "Robot", "RobotError", "Simulation", "UsageError", "VectorEnv", "__version__", "behaviors", "env",
+    "HOME", "JOINTS", "JOINT_LIMITS", "Camera", "CameraModel", "EnvironmentFault", "Pair", "Posture",
+    "Recording", "Robot", "RobotError", "Simulation", "UsageError", "VectorEnv", "__version__", "behaviors", "env",
     "run_behavior", "vision"]

@@ -120,7 +120,7 @@ LAYERS = {
     },
     "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
-    "python": {"src": (), "kaz": (), "tests": ("src",), ".": ()},
+    "python": {"src": (), "kaz": (), "benchmark": ("kaz",), "tests": ("src",), ".": ()},
     "examples": {"behavior": (), "h8s": (), "python": ()},
     "tools": {
         "cmake": (), "gdb": (), "package": (), "trials": (),
