@@ -31,5 +31,5 @@ from .recording import Recording  # noqa: E402
 
 __all__ = [
     "HOME", "JOINTS", "JOINT_LIMITS", "Camera", "CameraModel", "EnvironmentFault", "Pair", "Posture",
-    "Recording", "Robot", "RobotError", "Simulation", "UsageError", "VectorEnv", "__version__", "behaviors", "env",
-    "run_behavior", "vision"]
+    "Recording", "Robot", "RobotError", "Simulation", "UsageError", "VectorEnv", "__version__", "behaviors",
+    "env", "run_behavior", "vision"]
