@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
 #include "tools/app/base/arguments.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/evaluate/campaign.h"
 #include "tools/app/evaluate/given_options.h"
+#include "tools/app/evaluate/slurm.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 #include "tools/kaz/watch_options.h"
@@ -17,6 +20,8 @@ struct Arguments {
   CampaignOptions campaign;
   std::vector<std::string> settings;
   std::string shard = "1/1";
+  int slurm_tasks = 0;
+  std::string sbatch;
   std::vector<double> friction, supply, distance, lamp, shade, goal_distance, density, props;
   std::vector<std::string> worlds{to_string(WorldKind::clutter)};
 };
@@ -108,6 +113,17 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
   KAZ_TRY(no_repetition("--colors", c.variation.colors));
   KAZ_TRY(no_repetition("--radii", c.variation.radii_m));
   KAZ_TRY(check_given(c, options));
+  if (a.slurm_tasks > 0) {
+    if (static_cast<std::uint64_t>(a.slurm_tasks) > c.episodes)
+      return fail(Fault::usage, "--slurm " + std::to_string(a.slurm_tasks) +
+                                    ": that is more tasks than there are --episodes (" +
+                                    std::to_string(c.episodes) + ")");
+    SlurmOptions slurm{a.slurm_tasks, {}, command_words()};
+    std::istringstream words(a.sbatch);
+    for (std::string word; words >> word;) slurm.submit.push_back(word);
+    const auto succeeded = KAZ_TRY(run_on_slurm(c, slurm));
+    return Outcome(succeeded);
+  }
   const auto succeeded = KAZ_TRY(evaluate_watched(watch, c));
   return Outcome(succeeded);
 }
@@ -243,9 +259,22 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_flag("--realtime", c.realtime,
                  "in real time, kaz sim and kaz run as processes of their own with a pty between "
                  "them; needs two processors for each job");
+  auto* slurm =
+      verb->add_option("--slurm", arguments->slurm_tasks,
+                       "run it on a Slurm cluster, as a job array of so many tasks; DIR is on a "
+                       "disk that all nodes have, and so is kaz; --jobs are the processors of a "
+                       "task")
+          ->check(between(1, 100000))
+          ->type_name("TASKS");
+  verb->add_option("--sbatch", arguments->sbatch,
+                   "options for sbatch, in one text: \"--partition=day --time=60\"")
+      ->needs(slurm)
+      ->type_name("OPTIONS");
+  for (const char* other : {"--shard", "--realtime"}) verb->get_option(other)->excludes(slurm);
   verb->add_flag("--json", c.json, "print result.json, no progress");
   auto watch = std::make_shared<WatchArguments>();
   add_watch_options(*verb, *watch);
+  verb->get_option("--view")->excludes(slurm);
   verb->footer(
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
       "supply and ball (place, radius, colour), all from --seed and the episode's number. Success "
@@ -266,6 +295,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       "  kaz evaluate navigate --worlds corridor,u-trap --density 0.7 1 --episodes 10 --out "
       "narrow\n"
       "  kaz evaluate navigate --worlds moving-box --episodes 400 --mcu native --out moving\n"
+      "  kaz evaluate stand --mcu native --episodes 10000 --slurm 100 --out stood\n"
       "  kaz evaluate navigate --set goal=ball --obstacles 4 --episodes 10 --out caught\n"
       "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
   verb->callback([&action, arguments, watch, verb] {

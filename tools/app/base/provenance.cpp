@@ -17,19 +17,9 @@
 namespace kaz::tools {
 namespace {
 
-std::string& command_line() {
-  static std::string command = "kaz";
-  return command;
-}
-
-// As a shell reads it back.
-std::string shell_word(const std::string& word) {
-  constexpr std::string_view plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
-  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
+std::vector<std::string>& words() {
+  static std::vector<std::string> of_command;
+  return of_command;
 }
 
 // The text behind the first `key` and its separator; "" if there is none.
@@ -57,9 +47,21 @@ std::string cpu_model(const utsname& system) {
 
 }  // namespace
 
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 void set_command_line(int argc, const char* const* argv) {
-  command_line() = "kaz";
-  for (int i = 1; i < argc; ++i) command_line() += " " + shell_word(argv[i]);
+  words().assign(argv + (argc > 0 ? 1 : 0), argv + argc);
+}
+
+const std::vector<std::string>& command_words() {
+  return words();
 }
 
 hil::Provenance provenance() {
@@ -78,7 +80,8 @@ hil::Provenance provenance() {
   from.os = std::string(system.sysname) + " " + system.release + " " + system.machine;
   const std::string name = value_in("/etc/os-release", "PRETTY_NAME", '=');
   if (!name.empty()) from.os = name + ", " + from.os;
-  from.command = command_line();
+  from.command = "kaz";
+  for (const std::string& word : words()) from.command += " " + shell_word(word);
   return from;
 }
 

@@ -3,6 +3,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <nlohmann/json_fwd.hpp>
 
 #include "hil/report/provenance.h"
@@ -11,6 +14,10 @@ namespace kaz::tools {
 
 // Once, from main().
 void set_command_line(int argc, const char* const* argv);
+// Its words, without the program.
+const std::vector<std::string>& command_words();
+// As a shell reads it back: quoted if it has to be.
+std::string shell_word(const std::string& word);
 
 // The date is that of the call.
 hil::Provenance provenance();

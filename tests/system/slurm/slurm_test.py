@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+# An evaluation on a real Slurm of two nodes, one of which loses its power: the result is that of one machine.
+# SPDX-License-Identifier: Apache-2.0
+"""usage: slurm_test.py KAZ [EPISODES TASKS]; ends with 77 where no Slurm can run."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import cluster  # noqa: E402
+
+KAZ = str(pathlib.Path(sys.argv[1]).resolve())
+EPISODES, TASKS = (int(sys.argv[2]), int(sys.argv[3])) if len(sys.argv) > 3 else (24, 8)
+COMMAND = ["evaluate", "stand", "--mcu", "native", "--episodes", str(EPISODES)]
+
+
+def kaz(environment, *words, **more):
+    return subprocess.run([KAZ, *words], env=environment, capture_output=True, text=True, timeout=600, **more)
+
+
+def begun(slurm, words):
+    return subprocess.Popen([KAZ, *words], env=slurm.environment, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True)
+
+
+def check(condition, what):
+    if not condition:
+        sys.exit(f"slurm_test.py: {what}")
+
+
+def same_result(one, two):
+    """All but who ran it when, and how long that took."""
+    check((one / "episodes.csv").read_bytes() == (two / "episodes.csv").read_bytes() or
+          without_times(one) == without_times(two), f"episodes.csv of {one} and {two} differ")
+    results = []
+    for folder in (one, two):
+        result = json.loads((folder / "result.json").read_text())
+        for key in ("provenance", "planned"):
+            result.pop(key, None)
+        results.append(json.dumps({k: v for k, v in result.items() if "rtf" not in k and "wall" not in k}))
+    check(results[0] == results[1], f"result.json of {one} and {two} differ:\n{results[0]}\n{results[1]}")
+
+
+def without_times(folder):
+    rows = [line.split(",") for line in (folder / "episodes.csv").read_text().splitlines()]
+    keep = [i for i, name in enumerate(rows[0]) if name not in ("rtf", "wall_s")]
+    return [[row[i] for i in keep if i < len(row)] for row in rows]
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        try:
+            made = cluster.Cluster(folder / "slurm")
+            with made as slurm:
+                run(slurm, folder)
+        except cluster.Unavailable as why:
+            print(f"skipped: no Slurm can run here: {why}")
+            sys.exit(77)
+
+
+def run(slurm, folder):
+    alone = kaz(dict(os.environ), *COMMAND, "--jobs", "2", "--out", str(folder / "alone"))
+    check(alone.returncode == 0, f"alone: {alone.stderr}")
+
+    # Ctrl-C ends the waiting and not the tasks; the same command waits again.
+    words = [*COMMAND, "--slurm", str(TASKS), "--out", str(folder / "array")]
+    waiting = begun(slurm, words)
+    check("job " in waiting.stdout.readline(), "the job's number is not printed")
+    waiting.send_signal(signal.SIGINT)
+    _, said = waiting.communicate(timeout=20)
+    check(waiting.returncode == 130 and "goes on" in said, f"interrupted: {waiting.returncode}, {said}")
+
+    waiting = begun(slurm, words)
+    first = waiting.stdout.readline()
+    check("is under way" in first, f"the second call says: {first}")
+    # A node loses its power while it has tasks; they are requeued,
+to the other node or to itself when it is back.
+    until = time.monotonic() + 60
+    while time.monotonic() < until and waiting.poll() is None:
+        if "k2" in slurm.run("squeue", "-h", "-t", "R", "-o", "%N").stdout:
+            slurm.kill_node("k2")
+            slurm.start_node("k2")
+            print("k2 lost its power while it had a task")
+            break
+        time.sleep(0.05)
+    out, said = waiting.communicate(timeout=400)
+    check(waiting.returncode == 0, f"on Slurm: {waiting.returncode}: {out} {said}")
+    same_result(folder / "alone", folder / "array")
+    parts = sorted(path.name for path in (folder / "array/parts").iterdir() if "." not in path.name)
+    check(parts == sorted(str(i) for i in range(1, TASKS + 1)), f"parts are {parts}")
+
+    # All is there: the same command only merges. Another one is refused.
+    again = kaz(slurm.environment, *words)
+    check(again.returncode == 0 and "job " not in again.stdout, f"again: {again.stdout} {again.stderr}")
+    other = kaz(slurm.environment, *COMMAND, "--seed", "9", "--slurm", str(TASKS), "--out",
+                str(folder / "array"))
+    check(other.returncode == 2 and "another evaluation" in other.stderr, f"other options: {other.stderr}")
+
+    # What sbatch refuses, and tasks that end without a result.
+    refused = kaz(slurm.environment, *COMMAND, "--slurm", "2", "--sbatch", "--partition=none", "--out",
+                  str(folder / "refused"))
+    check(refused.returncode == 3 and "sbatch refused" in refused.stderr, f"refused: {refused.stderr}")
+    failing = kaz(slurm.environment, *COMMAND, "--slurm", "2", "--sbatch", "--export=KAZ_DATA=/nowhere",
+                  "--out",
+                  str(folder / "failing"))
+    check(failing.returncode == 3 and "ended without a result" in failing.stderr,
+          f"failing: {failing.stderr}")
+    nobody = kaz(dict(os.environ, PATH="/nowhere"), *COMMAND, "--slurm", "2", "--out", str(folder / "nobody"))
+    check(nobody.returncode == 3, f"without sbatch: {nobody.returncode} {nobody.stderr}")
+    print(f"{EPISODES} episodes in {TASKS} tasks on two nodes: as on one machine")
+
+
+main()

@@ -1,0 +1,104 @@
+// The job array of an evaluation: its words, its script, tasks that run twice.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/evaluate/slurm.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "shared/base/files.hpp"
+
+namespace kaz::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+TEST(Slurm, TasksRepeatAllButWhatIsTheArrays) {
+  EXPECT_EQ(task_words({"evaluate", "stand", "--slurm", "10", "--episodes", "100", "--out", "a b",
+                        "--sbatch=--time=3", "--set", "seconds=3", "--json", "--jobs=2"}),
+            (Words{"evaluate", "stand", "--episodes", "100", "--set", "seconds=3", "--jobs=2"}));
+}
+
+TEST(Slurm, AnArrayNamesItsTasksByRanges) {
+  EXPECT_EQ(array_text({1, 2, 3, 7}), "1-3,7");
+  EXPECT_EQ(array_text({4}), "4");
+  EXPECT_EQ(array_text({1, 3, 5, 6}), "1,3,5-6");
+}
+
+// A folder with a program in place of kaz, and the script that runs it.
+class SlurmScript : public testing::Test {
+ protected:
+  SlurmScript() : folder_(make_temporary_folder("kaz-slurm-").value()) {
+    fs::create_directories(folder_ + "/parts");
+    // Writes its words and leaves a result; its status is in the file `status`.
+    write("kaz program",
+          "#!/bin/sh\nfor out; do :; done\nmkdir -p \"$out\"\necho \"$@\" > \"$out/words\"\n"
+          "echo x >> " +
+              folder_ + "/runs\necho {} > \"$out/result.json\"\nexit $(cat " + folder_ +
+              "/status)\n");
+    fs::permissions(folder_ + "/kaz program", fs::perms::owner_all);
+    write("status", "0");
+    write("job.sh", slurm_script(folder_ + "/kaz program", {"evaluate", "stand", "--set", "a=b c"},
+                                 folder_, 3, 2));
+  }
+  ~SlurmScript() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) {
+    ASSERT_TRUE(write_whole_file(folder_ + "/" + name, text));
+  }
+  std::string read(const std::string& name) {
+    return read_whole_file(folder_ + "/" + name, 10000).value_or("");
+  }
+  int task(int number, const std::string& more = "") {
+    return std::system(("SLURM_JOB_ID=5 SLURM_ARRAY_TASK_ID=" + std::to_string(number) + " " +
+                        more + " sh " + folder_ + "/job.sh")
+                           .c_str());
+  }
+  std::size_t folders() {
+    std::size_t count = 0;
+    for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder_ + "/parts")) ++count;
+    return count;
+  }
+  const std::string folder_;
+};
+
+TEST_F(SlurmScript, ATaskLeavesItsPartUnderItsNumber) {
+  EXPECT_EQ(task(2), 0);
+  EXPECT_EQ(folders(), 1u);
+  const std::string words = read("parts/2/words");
+  EXPECT_EQ(words.find("evaluate stand --set a=b c --shard 2/3 --out " + folder_ + "/parts/2."), 0u)
+      << words;
+  EXPECT_NE(read("job.sh").find("#SBATCH --cpus-per-task=2\n"), std::string::npos);
+}
+
+TEST_F(SlurmScript, OneThatHasItsPartDoesNothing) {
+  EXPECT_EQ(task(1), 0);
+  EXPECT_EQ(task(1, "SLURM_RESTART_COUNT=1"), 0);
+  EXPECT_EQ(read("runs"), "x\n");
+}
+
+// Its node was given up, and yet both ran to their end: the second finds the first's part.
+TEST_F(SlurmScript, OfTwoThatRunAtTheSameTimeOneLeavesAPart) {
+  write("kaz program", "#!/bin/sh\nfor out; do :; done\nmkdir -p \"$out\"\nsleep 0.5\necho x >> " +
+                           folder_ + "/runs\necho {} > \"$out/result.json\"\n");
+  fs::permissions(folder_ + "/kaz program", fs::perms::owner_all);
+  const std::string one = "SLURM_JOB_ID=5 SLURM_ARRAY_TASK_ID=1 sh " + folder_ + "/job.sh";
+  EXPECT_EQ(std::system((one + " & SLURM_RESTART_COUNT=1 " + one + "; wait").c_str()), 0);
+  EXPECT_EQ(read("runs"), "x\nx\n");
+  EXPECT_EQ(folders(), 1u);
+  EXPECT_TRUE(fs::exists(folder_ + "/parts/1/result.json"));
+}
+
+TEST_F(SlurmScript, NoEpisodeThatSucceededIsAResultAndATroubleIsNone) {
+  write("status", "1");
+  EXPECT_EQ(task(1), 0);
+  EXPECT_TRUE(fs::exists(folder_ + "/parts/1/result.json"));
+  write("status", "3");
+  EXPECT_NE(task(2), 0);
+  EXPECT_FALSE(fs::exists(folder_ + "/parts/2"));
+}
+
+}  // namespace
+}  // namespace kaz::tools
