@@ -1,5 +1,5 @@
-# Pages of the API reference, from the comments and declarations of the public headers: one page for each header,
-# one for each component, and one with all names.
+# Pages of the API reference, from the comments and declarations of the public headers: one page for each
+# header, one for each component, and one with all names.
 # SPDX-License-Identifier: Apache-2.0
 import html
 import posixpath
@@ -20,13 +20,12 @@ def document(header):
 def escaped(text):
     """A comment's text as Markdown: only `code` and names of files keep a meaning."""
     parts = re.split(r"(`[^`]+`)", text)
-    return "".join(part if part.startswith("`") and len(part) > 1 else re.sub(r"([\\`*_{}\[\]<>#|~$&])", r"\\\1", part)
-                   for part in parts)
+    return "".join(part if part.startswith("`") and len(part) > 1 else re.
+                   sub(r"([\\`*_{}\[\]<>#|~$&])", r"\\\1", part) for part in parts)
 
 
 class Prose:
     """Turns comments into Markdown: paragraphs, lists, and lines whose columns matter as they are."""
-
     def __init__(self, header, documents):
         self.header = header
         self.documents = documents
@@ -37,15 +36,16 @@ class Prose:
             beside = posixpath.join(posixpath.dirname(self.header), found[1])
             for path in (found[1], beside):
                 if path in self.documents and path != self.header:
-                    target = posixpath.relpath(self.documents[path], posixpath.dirname(document(self.header)))
+                    target = posixpath.relpath(self.documents[path],
+                                               posixpath.dirname(document(self.header)))
                     return f"[{found[0]}]({target}.md)"
             return found[0]
 
         # Names in code marks lose them where they become links.
         text = re.sub(r"`([\w/]+\.(?:h|hpp))`", r"\1", text)
         parts = re.split(r"(`[^`]+`)", text)
-        return "".join(part if part.startswith("`") else HEADER_NAME.sub(link, part).replace("\\_", "_")
-                       if HEADER_NAME.search(part) else part for part in parts)
+        return "".join(part if part.startswith("`") else HEADER_NAME.sub(link, part).
+                       replace("\\_", "_") if HEADER_NAME.search(part) else part for part in parts)
 
     def paragraph(self, lines):
         text = " ".join(line.strip() for line in lines)
@@ -59,7 +59,7 @@ class Prose:
             kind = "text"
             if not line.strip():
                 kind = "empty"
-            elif re.match(r"^\s{0,3}(-|\d+[.)]) +\S", line):
+            elif re.match(r"^\s{0,3}(-|\d{1,2}[.)]) +\S", line):
                 kind = "item"
             elif blocks and blocks[-1][0] == "item" and line.startswith(" "):
                 blocks[-1][1].append(line)
@@ -82,7 +82,7 @@ class Prose:
                 if not out or not out[-1].startswith(("- ", "1. ")):
                     out.append("")
                 out.append(("- " if found[1] == "-" else "1. ") + item)
-        return "\n".join(out).strip("\n") + "\n" if out else ""
+        return re.sub(r"\n{3,}", "\n\n", "\n".join(out)).strip("\n") + "\n" if out else ""
 
 
 def anchors(names):
@@ -131,7 +131,8 @@ class HeaderPage:
             elif item.kind == "code":
                 out.append(self.block(item, owner))
             elif level == 2 and item.name:
-                out.append(f"{anchors(self.take([item.name], owner))}\n\n## {item.word} {escaped(item.name)}\n")
+                out.append(
+                    f"{anchors(self.take([item.name], owner))}\n\n## {item.word} {escaped(item.name)}\n")
                 out.append(self.block(item, item.name))
                 out.append(self.render(item.members, 3, item.name))
             else:  # within another type, or without a name
@@ -156,8 +157,10 @@ def component_table(root):
 
 def headers(root):
     """{component: [header]} without those that call themselves internal."""
-    return {component: [path for path in paths if not INTERNAL.search((root / path).open().readline())]
-            for component, paths in components.public_headers(root).items()}
+    return {
+        component: [path for path in paths if not INTERNAL.search((root / path).open().readline())]
+        for component, paths in components.public_headers(root).items()
+    }
 
 
 def documents(root):
@@ -169,15 +172,19 @@ def add_pages(stage):
     described = component_table(stage.root)
     described["base"] = "what all components include: errors, time, files"
     grouped = {component: paths for component, paths in headers(stage.root).items() if paths}
-    found = {path: HeaderPage(path, component, (stage.root / path).read_text(), stage.api_pages)
-             for component, paths in grouped.items() for path in paths}
+    found = {
+        path: HeaderPage(path, component, (stage.root / path).read_text(), stage.api_pages)
+        for component, paths in grouped.items() for path in paths
+    }
     for path, page in found.items():
         stage.files[document(path) + ".md"] = page.page().encode()
     rows = []
     for component, paths in grouped.items():
         if component not in described:
-            raise pages.SiteError(f"component '{component}' has no row in the table of {components.TABLE}: add it")
-        what = stage.rewrite(components.TABLE, described[component]).strip().replace("](", "](../reference/")
+            raise pages.SiteError(
+                f"component '{component}' has no row in the table of {components.TABLE}: add it")
+        what = stage.rewrite(components.TABLE,
+                             described[component]).strip().replace("](", "](../reference/")
         what = what.replace("../reference/../", "../")
         text = f"# {component}\n\n{what[0].upper()}{what[1:]}.\n"
         for folder in dict.fromkeys(posixpath.dirname(path) for path in paths):
@@ -188,12 +195,13 @@ def add_pages(stage):
         stage.files[f"api/{component}.md"] = text.encode()
         rows.append(f"| [{component}]({component}.md) | {what} | {len(paths)} |\n")
     stage.files["api/overview.md"] = (
-        "# API: public headers\n\nEach component of the [installed package](../reference/libraries.md), its headers, and "
-        "their comments and declarations. Private parts, bodies of functions, and headers that call themselves "
-        "internal are left out. [All names](names.md)\n\n| component | what it is | headers |\n|---|---|---|\n"
-        + "".join(rows)).encode()
+        "# API: public headers\n\nEach component of the [installed package](../reference/libraries.md), its "
+        "headers, their comments and declarations. Private parts, bodies of functions, and headers that call "
+        "themselves internal are left out. [All names](names.md)\n\n"
+        "| component | what it is | headers |\n|---|---|---|\n" + "".join(rows)).encode()
     stage.files["api/names.md"] = names_page(found).encode()
-    return pages.toctree("API", ["api/overview", *(f"api/{component}" for component in grouped), "api/names"])
+    return pages.toctree("API",
+                         ["api/overview", *(f"api/{component}" for component in grouped), "api/names"])
 
 
 def names_page(found):
@@ -208,7 +216,8 @@ def names_page(found):
                 out.append("</ul>\n")
             letter = name[0].upper()
             out.append(f"## {letter}\n\n<ul class=\"api-names\">")
-        out.append(f'<li><a href="include/{path}.html#{html.escape(anchor, quote=True)}">{html.escape(name)}</a> '
-                   f"<span>{path}</span></li>")
+        out.append(
+            f'<li><a href="include/{path}.html#{html.escape(anchor, quote=True)}">{html.escape(name)}</a> '
+            f"<span>{path}</span></li>")
     out.append("</ul>\n")
     return "\n".join(out)

@@ -16,7 +16,8 @@ def component_of_folder(root, folder):
     """The KAZ_COMPONENT that a folder's CMakeLists.txt, or that of a folder above it, sets."""
     while folder != root:
         file = folder / "CMakeLists.txt"
-        found = re.search(r"^set\(KAZ_COMPONENT (\w+)\)", file.read_text(), re.M) if file.exists() else None
+        found = re.search(r"^set\(KAZ_COMPONENT (\w+)\)", file.read_text(),
+                          re.M) if file.exists() else None
         if found:
             return found[1]
         folder = folder.parent
@@ -65,6 +66,7 @@ def public_headers(root):
     for folder, component in sorted(header_folders(root).items()):
         found = sorted([*(root / folder).glob("*.h"), *(root / folder).glob("*.hpp")])
         headers.setdefault(component, [])
-        headers[component] += [path.relative_to(root).as_posix() for path in found
-                               if not path.name.endswith("_testing.h")]
+        headers[component] += [
+            path.relative_to(root).as_posix() for path in found if not path.name.endswith("_testing.h")
+        ]
     return headers

@@ -1,4 +1,4 @@
-# Sphinx's configuration of the documentation's site; tools/site/build.py runs it over the pages that it has staged.
+# Sphinx's configuration of the documentation's site; tools/site/build.py runs it over what it has staged.
 # SPDX-License-Identifier: Apache-2.0
 import os
 

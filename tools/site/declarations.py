@@ -1,15 +1,17 @@
-# Reads a header of ours: its comment, and each public declaration with the comment above it. Private parts and the
-# bodies of functions are left out. Relies on the tree's clang-format; repository.site compares with Doxygen.
+# Reads a header of ours: its comment, and each public declaration with the comment above it. Private parts and
+# bodies of functions are left out. Relies on clang-format; the test repository.site compares with ctags.
 # SPDX-License-Identifier: Apache-2.0
 import dataclasses
 import re
 
 LITERAL = re.compile(r'"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])+\'')
 ACCESS = re.compile(r"^\s*(public|protected|private):")
-TYPE = re.compile(r"^(?:typedef )?(class|struct|union|enum(?: class| struct)?)\b(?:[^;=(]|\([^)]*\))*\{", re.S)
-DROPPED = re.compile(r'^\s*(#\s*(pragma|include|if|ifdef|ifndef|elif|else|endif|undef|error)\b|extern "C" \{|namespace\b'
-                     r"|\}\s*(//.*)?$|(class|struct|union|enum|enum class) [\w:]+;|friend\b|static_assert\b"
-                     r"|#define KAZ_\w+_(H|HPP)$)")
+TYPE = re.compile(r"^(?:typedef )?(class|struct|union|enum(?: class| struct)?)\b(?:[^;=(]|\([^)]*\))*\{",
+                  re.S)
+DROPPED = re.compile(
+    r'^\s*(#\s*(pragma|include|if|ifdef|ifndef|elif|else|endif|undef|error)\b|extern "C" \{|namespace\b'
+    r"|\}\s*(//.*)?$|[A-Z][A-Z0-9_]+$|(class|struct|union|enum|enum class) [\w:]+;|friend\b|static_assert\b"
+    r"|#define KAZ_\w+_(H|HPP)$)")
 LONGEST_LISTING = 40  # lines of a type or table that is shown as it is
 
 
@@ -18,10 +20,10 @@ class Item:
     kind: str  # section, text, code, type
     text: list = dataclasses.field(default_factory=list)  # comment lines without their marks
     code: str = ""
-    name: str = ""                                        # of a type
-    word: str = ""                                        # class, struct, enum, union
+    name: str = ""  # of a type
+    word: str = ""  # class, struct, enum, union
     members: list = dataclasses.field(default_factory=list)  # of a type that is not shown as it is
-    names: list = dataclasses.field(default_factory=list)    # declared here
+    names: list = dataclasses.field(default_factory=list)  # declared here
 
 
 def blanked(text):
@@ -60,8 +62,8 @@ def statement_end(lines, begin):
         for character in code:
             depth += (character in "({[") - (character in ")}]")
         rest = code.rstrip()
-        if depth <= 0 and (rest.endswith((";", "}")) or
-                           re.match(r"^\s*[A-Z][A-Z0-9_]*\(.*\)$", code.rstrip())):
+        if depth <= 0 and (rest.endswith(
+            (";", "}")) or re.match(r"^\s*[A-Z][A-Z0-9_]*\(.*\)$", code.rstrip())):
             return number + 1
     return len(lines)
 
@@ -110,14 +112,17 @@ def names_in(code):
     if found:
         return [found[1]]
     flat = re.sub(r"^(template\b[^\n]*\n|\s*\[\[\w+\]\])", "", flat)
-    found = re.match(r"^\s*using (\w+)\s*=", flat) or re.match(r"^\s*typedef\b.*?\(\*(\w+)\)", flat, re.S) or \
+    found = re.match(r"^\s*using (\w+)\s*=", flat) or \
+        re.match(r"^\s*typedef\b.*?\(\*(\w+)\)", flat, re.S) or \
         re.match(r"^\s*typedef\b[^;]*?(\w+)(?:\[\w*\])*;", flat, re.S)
     if found:
         return [found[1]]
-    found = re.search(r"\b(\w+|operator\W{1,3})\(", flat.split("=")[0] if "operator" not in flat else flat)
+    found = re.search(r"\b(\w+|operator\W{1,3})\(",
+                      flat.split("=")[0] if "operator" not in flat else flat)
     if found:
         return [] if found[1] in ("alignas", "noexcept") else [found[1]]
-    return re.findall(r"(\w+)(?:\[[^\]]*\])*\s*(?=[=;,{]|$)", flat.split("=")[0].split("{")[0].split(";")[0] + ";")
+    return re.findall(r"(\w+)(?:\[[^\]]*\])*\s*(?=[=;,{]|$)",
+                      flat.split("=")[0].split("{")[0].split(";")[0] + ";")
 
 
 class Reader:
@@ -190,14 +195,16 @@ class Reader:
                 result.append(Item("code", pending, without_body(lines), names=names))
             return
         head = code[:code.index("{", template.end() if template else 0)]
-        name = re.match(r"(?:class|struct|union)?\s*(?:alignas\([^)]*\)\s*)?(?:\[\[\w+\]\]\s*)?(\w*)",
-                        head[(template.end() if template else 0) + found[0].index(found[1]) + len(found[1]):].strip())
+        name = re.match(
+            r"(?:class|struct|union)?\s*(?:alignas\([^)]*\)\s*)?(?:\[\[\w+\]\]\s*)?(\w*)",
+            head[(template.end() if template else 0) + found[0].index(found[1]) + len(found[1]):].strip())
         name = name[1] if name else ""
         if code.startswith("typedef"):
             name = (re.search(r"\}\s*(\w+)", code) or [None, name])[1]
         word = found[1].split()[0]
         item = Item("type", pending, name=name, word=word)
-        hidden = re.search(r"^\s*(private|protected):", code, re.M) or (word == "class" and "public:" not in code)
+        hidden = re.search(r"^\s*(private|protected):", code, re.M) or (word == "class"
+                                                                        and "public:" not in code)
         bodies = any(line.rstrip().endswith(") {") or line.rstrip().endswith("const {") for line in lines)
         if word == "enum" or len(lines) == 1 or not (hidden or bodies or len(lines) > LONGEST_LISTING):
             item.code = code

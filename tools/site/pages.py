@@ -1,5 +1,5 @@
-# Stages the Markdown pages of the tree for the site: links and pictures lead to staged places, the navigation is
-# that of docs/README.md. The pages stay as they are for a Git host; everything that a generator needs is added here.
+# Stages the Markdown pages of the tree for the site: links and pictures lead to staged places, the navigation
+# is that of docs/README.md. The pages stay as they are for a Git host; what a generator needs is added here.
 # SPDX-License-Identifier: Apache-2.0
 import pathlib
 import posixpath
@@ -9,8 +9,10 @@ LINK = re.compile(r"(!?\[(?:[^\[\]]|\[[^\]]*\]|!\[[^\]]*\]\([^)]*\))*\]\()([^)\s
 FENCE = re.compile(r"^\s*(```+|~~~+)")
 PICTURES = (".png", ".jpg", ".svg")
 INDEX = "docs/README.md"
-LANGUAGES = {".py": "python", ".h": "cpp", ".hpp": "cpp", ".cpp": "cpp", ".c": "c", ".sh": "sh", ".json": "json",
-             ".xml": "xml", ".txt": "text", ".def": "cpp", ".md": "markdown"}
+LANGUAGES = {
+    ".py": "python", ".h": "cpp", ".hpp": "cpp", ".cpp": "cpp", ".c": "c", ".sh": "sh", ".json": "json",
+    ".xml": "xml", ".txt": "text", ".def": "cpp", ".md": "markdown"
+}
 
 
 class SiteError(Exception):
@@ -72,7 +74,7 @@ def links(root, page):
 
 
 def page_paths(root):
-    """Every page of the site: all of docs/, README, CONTRIBUTING, and the Markdown files that these link to."""
+    """Every page of the site: all of docs/, README, CONTRIBUTING, and Markdown files that these link to."""
     found = ["README.md", "CONTRIBUTING.md"]
     found += sorted(path.relative_to(root).as_posix() for path in (root / "docs").rglob("*.md"))
     for page in found:
@@ -93,19 +95,20 @@ def sections(root, pages):
             path = tree_target(root, INDEX, found[2])
             if path in pages and path not in seen:
                 if not result:
-                    raise SiteError(f"{INDEX}: '{path}' is linked above the first '## ' heading: put it below one")
+                    raise SiteError(
+                        f"{INDEX}: '{path}' is linked above the first '## ' heading: put it below one")
                 result[-1][1].append(path)
                 seen.add(path)
     missing = [page for page in pages if page not in seen]
     if missing:
-        raise SiteError(f"{INDEX} has no link to {', '.join(missing)}: each page needs one there, by which it gets "
-                        "its place in the site's navigation")
+        raise SiteError(
+            f"{INDEX} has no link to {', '.join(missing)}: each page needs one there, by which it gets "
+            "its place in the site's navigation")
     return result
 
 
 class Stage:
     """Collects the staged files: path below the source folder -> bytes."""
-
     def __init__(self, root, api_pages):
         self.root = root
         self.files = {}
@@ -145,7 +148,7 @@ class Stage:
         pieces = []
         for piece, prose in passages(text):
             if prose:  # without marks of generators and licences, which are for those who edit the page
-                piece = LINK.sub(changed, re.sub(r"^\s*<!--.*-->\s*$\n?", "", piece, flags=re.M))
+                piece = LINK.sub(changed, re.sub(r"^[ \t]*<!--.*-->[ \t]*$\n?", "", piece, flags=re.M))
             pieces.append(piece)
         return "\n".join(pieces).strip("\n") + "\n"
 
@@ -169,8 +172,9 @@ class Stage:
         """A page with a file of the tree, or with the list of a folder's files; not searched."""
         head = f"---\norphan: true\nnosearch: true\n---\n# {path}\n\n"
         if (self.root / path).is_dir():
-            names = sorted(file.relative_to(self.root / path).as_posix() for file in (self.root / path).rglob("*")
-                           if file.is_file() and "__pycache__" not in file.parts)
+            names = sorted(
+                file.relative_to(self.root / path).as_posix() for file in (self.root / path).rglob("*")
+                if file.is_file() and "__pycache__" not in file.parts)
             for name in names:
                 self.place(f"{path}/{name}")
             folder = posixpath.basename(path)
