@@ -8,6 +8,8 @@ again stays in the work folder (default: build/site). Does nothing if no input h
 site is there; 1 a page has an error, or a program is missing: the last line says which and what to do."""
 
 import argparse
+import contextlib
+import fcntl
 import hashlib
 import os
 import pathlib
@@ -97,7 +99,7 @@ def run_sphinx(work, jobs, version):
                        LC_ALL="C.UTF-8",
                        PYTHONDONTWRITEBYTECODE="1",
                        PYTHONHASHSEED="0")
-    # -a: pages that have not changed are not read again, but written: their links into changed ones are checked.
+    # -a: pages that have not changed are not read again, but written: links into changed ones are checked.
     command = [
         PYTHON, "-m", "sphinx", "-a", "-W", "--keep-going", "-j",
         str(jobs), "-b", "html", "-c",
@@ -144,10 +146,10 @@ def show_progress(output):
 
 
 def mend_theme(html):
-    """Debian's theme is made for a web server: its script is a module, which browsers do not load from file://,
-    and its style imports another one by an absolute path; it has dark colours only for who presses the button.
-    And Sphinx's search reads each page that it found for an excerpt, which browsers refuse there. Here all of it
-    works in any browser from anywhere, and dark is what the system's settings say."""
+    """Debian's theme is made for a web server: its script is a module, which browsers do not load from
+    file://, and its style imports another one by an absolute path; it has dark colours only for who presses
+    the button. And Sphinx's search reads each page that it found for an excerpt, which browsers refuse there.
+    Here all of it works in any browser from anywhere, and dark is what the system's settings say."""
     scripts, styles = html / "_static/scripts", html / "_static/styles"
     script, style = (scripts / "furo.js").read_text(), (styles / "furo.css").read_text()
     module = 'import Gumshoe from "./gumshoe-patched.js";\n'
@@ -192,6 +194,19 @@ def replace(out, html):
         out.rename(old)
     new.rename(out)
     shutil.rmtree(old, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def alone(work):
+    """One build at a time in a work folder."""
+    work.mkdir(parents=True, exist_ok=True)
+    with (work / "lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say(f"waiting for another build in {work}")
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def build(out, work, jobs):
@@ -246,7 +261,8 @@ def main():
         print(PACKAGES)
         return
     try:
-        build(options.out.resolve(), options.work.resolve(), options.jobs)
+        with alone(options.work.resolve()):
+            build(options.out.resolve(), options.work.resolve(), options.jobs)
     except pages.SiteError as error:
         sys.exit(f"site: {error}")
     except OSError as error:

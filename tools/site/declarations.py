@@ -1,5 +1,5 @@
-# Reads a header of ours: its comment, and each public declaration with the comment above it. Private parts and
-# bodies of functions are left out. Relies on clang-format; the test repository.site compares with ctags.
+# Reads a header of ours: its comment, and each public declaration with the comment above it. Private parts
+# and bodies of functions are left out. Relies on clang-format; the test repository.site compares with ctags.
 # SPDX-License-Identifier: Apache-2.0
 import dataclasses
 import re
