@@ -10,7 +10,7 @@ import declarations
 import pages
 
 INTERNAL = re.compile(r"\bInternal\b")
-HEADER_NAME = re.compile(r"(?<![\w/.])([\w/]+\.(?:h|hpp))\b")
+FILE_NAME = re.compile(r"(?<![\w/.])([\w/-]+\.(?:h|hpp|md))\b")
 
 
 def document(header):
@@ -31,7 +31,7 @@ class Prose:
         self.documents = documents
 
     def linked(self, text):
-        """Names of other public headers become links to their pages."""
+        """Names of other public headers, and of pages, become links."""
         def link(found):
             beside = posixpath.join(posixpath.dirname(self.header), found[1])
             for path in (found[1], beside):
@@ -42,14 +42,14 @@ class Prose:
             return found[0]
 
         # Names in code marks lose them where they become links.
-        text = re.sub(r"`([\w/]+\.(?:h|hpp))`", r"\1", text)
+        text = re.sub(r"`([\w/-]+\.(?:h|hpp|md))`", r"\1", text)
         parts = re.split(r"(`[^`]+`)", text)
-        return "".join(part if part.startswith("`") else HEADER_NAME.sub(link, part).
-                       replace("\\_", "_") if HEADER_NAME.search(part) else part for part in parts)
+        return "".join(part if part.startswith("`") else FILE_NAME.sub(link, part).
+                       replace("\\_", "_") if FILE_NAME.search(part) else part for part in parts)
 
     def paragraph(self, lines):
         text = " ".join(line.strip() for line in lines)
-        marked = HEADER_NAME.sub(lambda found: found[0].replace("_", "\0"), text)
+        marked = FILE_NAME.sub(lambda found: found[0].replace("_", "\0"), text)
         text = self.linked(escaped(marked).replace("\0", "_"))
         return re.sub(r"^(\d+)([.)])", r"\1\\\2", re.sub(r"^([-+=])", r"\\\1", text))
 
@@ -144,7 +144,7 @@ class HeaderPage:
 
     def page(self):
         up = posixpath.relpath("api/" + self.component, posixpath.dirname(document(self.header)))
-        head = (f"---\norphan: true\n---\n# {escaped(posixpath.basename(self.header))}\n\n"
+        head = (f"---\norphan: true\n---\n# {escaped(self.header)}\n\n"
                 f"```cpp\n#include \"{self.header}\"\n```\n\nComponent [{self.component}]({up}.md).\n\n")
         return head + self.prose.markdown(self.top) + "\n" + self.render(self.items, 2)
 
@@ -172,8 +172,9 @@ def add_pages(stage):
     described = component_table(stage.root)
     described["base"] = "what all components include: errors, time, files"
     grouped = {component: paths for component, paths in headers(stage.root).items() if paths}
+    linked = {**stage.api_pages, **{page: pages.document(page) for page in stage.pages}}
     found = {
-        path: HeaderPage(path, component, (stage.root / path).read_text(), stage.api_pages)
+        path: HeaderPage(path, component, (stage.root / path).read_text(), linked)
         for component, paths in grouped.items() for path in paths
     }
     for path, page in found.items():

@@ -11,7 +11,7 @@ root_doc = "index"
 source_suffix = {".md": "markdown"}
 highlight_language = "none"  # blocks without a language are mostly commands; guessing gives warnings
 pygments_style = "default"
-pygments_dark_style = "monokai"
+pygments_dark_style = "github-dark"
 
 smartquotes = False  # --view is an option, not a dash
 

@@ -7,6 +7,7 @@ import re
 
 LINK = re.compile(r"(!?\[(?:[^\[\]]|\[[^\]]*\]|!\[[^\]]*\]\([^)]*\))*\]\()([^)\s]+)(\))")
 FENCE = re.compile(r"^\s*(```+|~~~+)")
+HEADER = re.compile(r"(?<![\[`])`([\w/]+\.(?:h|hpp))`(?![\]`])")  # a path in code marks, outside of links
 PICTURES = (".png", ".jpg", ".svg")
 INDEX = "docs/README.md"
 LANGUAGES = {
@@ -145,10 +146,15 @@ class Stage:
                 target = ""
             return inner + target + ("#" + anchor if anchor else "") + found[3]
 
+        def header_link(found):
+            path = self.api_pages.get(found[1])
+            return f"[{found[0]}]({posixpath.relpath(path, here or '.')}.md)" if path else found[0]
+
         pieces = []
         for piece, prose in passages(text):
             if prose:  # without marks of generators and licences, which are for those who edit the page
                 piece = LINK.sub(changed, re.sub(r"^[ \t]*<!--.*-->[ \t]*$\n?", "", piece, flags=re.M))
+                piece = HEADER.sub(header_link, piece)
             pieces.append(piece)
         return "\n".join(pieces).strip("\n") + "\n"
 

@@ -21,7 +21,8 @@ class Pages(unittest.TestCase):
         self.write(
             "README.md",
             "# Kaz\n\n![a robot](docs/pictures/a.png) [all](docs/README.md) [us](CONTRIBUTING.md)\n")
-        self.write("CONTRIBUTING.md", f"# Us\n\n[a]({DOCS}/howto/do.md#it) [code]({TOOLS}) [h]({LINK})\n")
+        self.write("CONTRIBUTING.md",
+                   f"# Us\n\n[a]({DOCS}/howto/do.md#it) [code]({TOOLS}) [h]({LINK}) `{LINK}`\n")
         self.write("docs/README.md", INDEX)
         self.write(f"{DOCS}/tutorial/run.md",
                    "# Run\n\n<!-- made by x -->\n[x](#run)\n\n```cpp\n[](README.md)\n```\n")
@@ -45,7 +46,8 @@ class Pages(unittest.TestCase):
         files = self.staged()
         self.assertIn("![a robot](pictures/a.png) [all](all-pages.md) [us](contributing.md)",
                       files["index.md"])
-        self.assertIn(f"[a](howto/do.md#it) [code](source/tools.md) [h](api/include/{LINK}.md)",
+        self.assertIn(f"[a](howto/do.md#it) [code](source/tools.md) [h](api/include/{LINK}.md) "
+                      f"[`{LINK}`](api/include/{LINK}.md)",
                       files["contributing.md"])
         self.assertIn("[![p](../pictures/a.png)](../tutorial/run.md)", files["howto/do.md"])
         self.assertEqual(files["tutorial/run.md"], "# Run\n\n[x](#run)\n\n```cpp\n[](README.md)\n```\n")
