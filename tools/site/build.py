@@ -15,6 +15,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -110,12 +111,16 @@ def run_sphinx(work, jobs, version):
     ]
     begin = time.monotonic()
     with tempfile.TemporaryFile("w+") as warnings:
-        process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=warnings)
+        process = subprocess.Popen(command,
+                                   env=environment,
+                                   stdout=subprocess.PIPE,
+                                   stderr=warnings,
+                                   start_new_session=True)
         try:
             show_progress(process.stdout)
             process.wait()
         except BaseException:  # Ctrl-C: what is half done does not stay to be taken for whole
-            process.terminate()
+            os.killpg(process.pid, signal.SIGKILL)  # and its workers
             process.wait()
             forget(work)
             raise
@@ -126,7 +131,7 @@ def run_sphinx(work, jobs, version):
         # Sphinx would keep what it has read and be silent about it the next time.
         forget(work)
         raise pages.SiteError(
-            "the pages named above have errors; their lines are those of the staged copies in "
+            "Sphinx failed (above). Lines of pages are those of the staged copies in "
             f"{work / 'source'}, which are the pages without lines that are comments")
     say(f"Sphinx took {time.monotonic() - begin:.0f} s")
 
@@ -265,6 +270,8 @@ def main():
             build(options.out.resolve(), options.work.resolve(), options.jobs)
     except pages.SiteError as error:
         sys.exit(f"site: {error}")
+    except shutil.Error as error:  # of many files: the first says what it is
+        sys.exit(f"site: cannot write the site: {error.args[0][0][2]}")
     except OSError as error:
         sys.exit(f"site: cannot write the site: {error}")
     except KeyboardInterrupt:
