@@ -19,6 +19,8 @@ foreach(library IN LISTS libraries)
   endforeach()
 endforeach()
 list(REMOVE_DUPLICATES folders)
+string(REPLACE ";" "\n" lines "${folders}")
+file(WRITE ${PROJECT_BINARY_DIR}/installed/header_folders.txt "${lines}\n")  # for the test of the site's API pages
 foreach(folder IN LISTS folders)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kaz/${folder}
           FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp" PATTERN "*.def"
