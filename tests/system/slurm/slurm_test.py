@@ -80,7 +80,7 @@ def run(slurm, folder):
     waiting = begun(slurm, words)
     first = waiting.stdout.readline()
     check("is under way" in first, f"the second call says: {first}")
-    # A node loses its power while it has tasks; they are requeued, to the other one, or to it when it is back.
+    # A node loses its power while it has tasks; they are requeued, to the other, or to it when it is back.
     until = time.monotonic() + 60
     while time.monotonic() < until and waiting.poll() is None:
         if "k2" in slurm.run("squeue", "-h", "-t", "R", "-o", "%N").stdout:
