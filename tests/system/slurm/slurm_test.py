@@ -72,7 +72,8 @@ def run(slurm, folder):
     # Ctrl-C ends the waiting and not the tasks; the same command waits again.
     words = [*COMMAND, "--slurm", str(TASKS), "--out", str(folder / "array")]
     waiting = begun(slurm, words)
-    check("job " in waiting.stdout.readline(), "the job's number is not printed")
+    first = waiting.stdout.readline()
+    check("job " in first, f"the job has no number: {first} {waiting.stderr.read() if not first else str()}")
     waiting.send_signal(signal.SIGINT)
     _, said = waiting.communicate(timeout=20)
     check(waiting.returncode == 130 and "goes on" in said, f"interrupted: {waiting.returncode}, {said}")
