@@ -36,7 +36,7 @@ bool is_text(const std::string& value) {
       "CAMERA "
       "ROBOT HOW NAME=VALUE REGEX LIST BEGIN,END X,Y,W,H COLUMNSxROWS I/N native|h8|PATH "
       "PORT|PATH|- "
-      "X,Y[,DEGREES]|ball reduced|exact|quickN ctl:PATH|manual sim|PORT HOST:PORT ";
+      "X,Y[,DEGREES]|ball reduced|exact|quickN ctl:PATH|manual sim|PORT HOST:PORT OPTIONS ";
   return kTexts.find(" " + value.substr(0, value.find(" ...")) + " ") != std::string::npos;
 }
 
