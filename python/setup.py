@@ -14,17 +14,24 @@ from setuptools.command.build_py import build_py
 
 HERE = pathlib.Path(__file__).resolve().parent
 TREE = HERE.parent
-BUILD = TREE / "build/release"
+# KAZ_BUILD: a build folder that has all, which is taken as it is.
+GIVEN = os.environ.get("KAZ_BUILD")
+BUILD = pathlib.Path(GIVEN) if GIVEN else TREE / "build/release"
 VERSION = re.search(r"project\(kaz VERSION ([0-9.]+)", (TREE / "CMakeLists.txt").read_text()).group(1)
 
 
 def make():
-    subprocess.run(["cmake", "--preset", "release"], cwd=TREE, check=True)
-    jobs = os.environ.get("KAZ_JOBS") or str(os.cpu_count())
-    subprocess.run(["cmake", "--build", BUILD, "--target", "kaz_python", "-j", jobs], cwd=TREE, check=True)
+    if not GIVEN:
+        build()
     if not list((BUILD / "python/kaz").glob("_kaz*.so")):
         raise SystemExit("kaz: the module was not built: apt-get install pybind11-dev python3-dev "
                          "python3-numpy")
+
+
+def build():
+    subprocess.run(["cmake", "--preset", "release"], cwd=TREE, check=True)
+    jobs = os.environ.get("KAZ_JOBS") or str(os.cpu_count())
+    subprocess.run(["cmake", "--build", BUILD, "--target", "kaz_python", "-j", jobs], cwd=TREE, check=True)
 
 
 class BuildModule(build_ext):
@@ -36,9 +43,8 @@ class BuildModule(build_ext):
             shutil.copy(module, to.parent / module.name)
         share = to.parent / "share"
         shutil.rmtree(share, ignore_errors=True)
-        for part, source in {"robot": TREE / "shared/robot", "worlds": TREE / "sim/worlds",
-                             "robots": TREE / "sim/robots"}.items():
-            shutil.copytree(source, share / part)
+        for part in ("robot", "worlds"):
+            shutil.copytree(BUILD / "share/kaz" / part, share / part)
         (share / "firmware").mkdir()
         for image in ("kaz.mot", "kaz.coff", "writer.bin"):
             shutil.copy(BUILD / "firmware" / image, share / "firmware")
