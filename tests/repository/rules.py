@@ -121,7 +121,8 @@ LAYERS = {
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
     "tools": {
         "cmake": (), "trials": (), "figure": (), "lockstep": (), "app": ("trials", "figure", "lockstep"),
-        "view": (), "fuzz": ("lockstep", "app", "view"), "kaz": ("figure", "app", "fuzz", "view"),
+        "view": (), "board_page": (), "fuzz": ("lockstep", "app", "view"),
+        "kaz": ("figure", "app", "fuzz", "view"),
         "benchmark": ("lockstep",),
     },
     "tools/app": {
@@ -136,6 +137,7 @@ LAYERS = {
         "vision_run": ("base", "kept", "vision", "session", "replay"),
         "figures": ("base", "vision", "session", "replay"),
     },
+    "tools/board_page": {".": (), "wasm": (".",)},
     "tools/app/figures": {"frame_information": (), ".": ("frame_information",)},
     "tools/fuzz": {".": (), "flash_writer": (".",), "inputs": (".",), "vision": (".",)},
     "tools/benchmark": {"common": (), "bullet": ("common",), "mujoco": ("common",),
@@ -147,7 +149,7 @@ LAYERS = {
         "dynamics_table", "figure7", "gait", "joints", "step_length", "vision_table", "walking")},
     "tests/system": {
         "campaign": (), "catching": (), "guest": (), "planted": (), "v4l2": (), "virtual_robot": (),
-        "flash": (),
+        "flash": (), "board_page": (),
         "command_line": ("flash",), "recording_reader": ("command_line",),
     },
     "tests/system/command_line": {".": (), "plugins": ()},
