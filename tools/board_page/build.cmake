@@ -10,7 +10,7 @@ set(npm ${IN}/npm)
 
 foreach(input ${FIRMWARE}/kaz.mot ${FIRMWARE}/kaz.coff ${GENERATED}/board_params.h ${GENERATED}/kz_limits.h ${TABLE})
   if(NOT EXISTS ${input})
-    message(FATAL_ERROR "${input} is not there: build the target kaz_board_page, which makes it first")
+    message(FATAL_ERROR "${input} is not there: build the target board_page_html, which makes it first")
   endif()
 endforeach()
 
@@ -23,6 +23,8 @@ if(NOT EXISTS ${toolchain})
 endif()
 set(ENV{EM_CACHE} ${IN}/emscripten-cache)
 set(ENV{EM_FROZEN_CACHE} "")
+# Where Debian's node finds node-acorn by itself, and one of another source does not.
+set(ENV{NODE_PATH} /usr/share/nodejs)
 if(DEFINED ENV{KAZ_JOBS})
   set(ENV{EMCC_CORES} $ENV{KAZ_JOBS})
   set(jobs -j $ENV{KAZ_JOBS})

@@ -4,7 +4,7 @@ set(board_page_sources script.cpp session.cpp view.cpp)
 # Of the tree, the few sources that need no library: those of the folders as a whole need ODE, libsdformat, OpenCV.
 set(board_page_tree_sources
   shared/board/table.c
-  shared/faults/link_faults.cpp
+  shared/faults/faults.cpp shared/faults/link_faults.cpp
   shared/protocol/crc16.c shared/protocol/frame.c shared/protocol/frame_encode.c
   shared/servo/fields.c shared/servo/status.c
   sim/board/imu.cpp sim/board/potentiometer.cpp sim/board/servo_board.cpp

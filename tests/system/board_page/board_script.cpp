@@ -1,13 +1,11 @@
 // Runs a script (tools/board_page/script.h) on a board and prints what it did: on this machine, and on node.
 // SPDX-License-Identifier: Apache-2.0
 //
-// board_script [--image FILE] [--engine NAME] [--no-noise] [--speed SECONDS] < SCRIPT
+// board_script [--image FILE] [--engine NAME] [--no-noise] [--speed SECONDS] SCRIPT
 // --speed: afterwards that much board time, and on stderr how fast it was.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <iostream>
-#include <iterator>
 #include <string>
 
 #include "board_params.h"
@@ -37,7 +35,7 @@ kaz::Result<double> measured_speed(Session& session, double seconds) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string image = "/kaz.mot";
+  std::string image = "/kaz.mot", script;
   SessionOptions options{.motor = kaz::board_page::motor_params(),
                          .sensors = kaz::board_page::sensor_params()};
   double speed_s = 0;
@@ -55,13 +53,14 @@ int main(int argc, char** argv) {
                                 kaz::h8s::Engine::translator}) {
         if (name == kaz::h8s::name_of(engine)) options.engine = engine;
       }
-    } else {
+    } else if (word.starts_with("--")) {
       return complain("no option " + word);
+    } else {
+      script = word;
     }
   }
   auto session = Session::begin(image, options);
   if (!session) return complain(session.error().message);
-  const std::string script{std::istreambuf_iterator<char>(std::cin), {}};
   const auto output = run_script(**session, script);
   if (!output) return complain(output.error().message);
   std::fputs(output->c_str(), stdout);

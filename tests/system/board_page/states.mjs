@@ -8,7 +8,7 @@ import { readFileSync } from "node:fs";
 const [native, image, page, path] = process.argv.slice(2);
 const script = readFileSync(path, "utf8");
 function run(program, words) {
-  const done = spawnSync(program, words, { input: script, encoding: "utf8", maxBuffer: 1 << 26 });
+  const done = spawnSync(program, [...words, script], { encoding: "utf8", maxBuffer: 1 << 26 });
   assert.equal(done.status, 0, `${program} ${words.join(" ")}: ${done.error ?? done.stderr}`);
   return done.stdout.trimEnd().split("\n");
 }
@@ -25,6 +25,6 @@ for (const noise of [[], ["--no-noise"]]) {
   assert(frames.length > 50, `only ${frames.length} frames came from the board`);
   // The script does what it says: the joint is turned, motors go off and come back, something is refused.
   assert(new Set(states.map((line) => line.split(" ").at(-1))).size > 8, "nothing moved");
-  assert(frames.some((line) => / 0004?..(ff)/.test(line)), "nothing was refused");
+  assert(frames.some((line) => / 00..01ff/.test(line)), "nothing was refused");
   console.log(`${noise[0] ?? "with noise"}: ${states.length} states, ${frames.length} frames from the board, equal`);
 }

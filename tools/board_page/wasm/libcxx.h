@@ -43,6 +43,10 @@ template <class Range, class Out>
 constexpr void copy(Range&& range, Out out) {
   std::copy(std::begin(range), std::end(range), out);
 }
+template <class Range, class Out, class Test>
+constexpr void copy_if(Range&& range, Out out, Test test) {
+  std::copy_if(std::begin(range), std::end(range), out, test);
+}
 template <class Range, class Value, class Projection>
 constexpr auto find(Range&& range, const Value& value, Projection projection) {
   return std::find_if(std::begin(range), std::end(range), [&](const auto& element) {

@@ -48,8 +48,8 @@ export class Joints {
       put(cells[1], known ? angleText(joint.measured) : "–");
       put(cells[2], known ? String(joint.code) : "–");
       const duty = view.drivers ? joint.duty : 0;
-      put(cells[3]?.firstChild, `${Math.round(100 * duty)} % `);
-      if (!bar.isConnected && cells[3]) cells[3].append(`${Math.round(100 * duty)} % `, bar);
+      if (!bar.isConnected) cells[3]?.append(bar, " ");
+      put(cells[3]?.lastChild, ` ${Math.round(100 * duty)} %`);
       bar.style.setProperty("--duty-of", String(duty));
       cells[3]?.setAttribute("title", `${wire.pwm < 16 ? `PW${wire.pwm}` : `TMO${wire.pwm - 16}`}: ${counts} of 256 high`);
       put(cells[4], `P${wire.port}${wire.bit} ${pin ? "high" : "low"}`);

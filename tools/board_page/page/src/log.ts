@@ -61,7 +61,10 @@ export class Log {
     const arrow = entry.out ? "→ board" : "← board";
     const decoded = entry.result === 1 ? decode(entry.body) : null;
     const name = decoded ? decoded.message?.name ?? `0x${decoded.code.toString(16)}` : RESULTS[entry.result] ?? "?";
-    line.textContent = `${time} ${arrow} ${name}${decoded ? ` #${decoded.sequence}` : ""}`;
+    const short = document.createElement("code");
+    short.textContent = entry.wire;
+    line.textContent = `${time} ${arrow} ${name}${decoded ? ` #${decoded.sequence}` : ""} `;
+    line.append(short);
     const wire = document.createElement("code");
     wire.textContent = entry.wire.replace(/..(?=.)/g, "$& ");
     more.append(line, wire);

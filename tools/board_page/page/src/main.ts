@@ -28,6 +28,7 @@ let due = 0;               // of `simulated`, by the pace
 let last = performance.now();
 let measured = { at: last, simulated: 0, speed: 0 };
 let view: View = chip.view(false);
+let shownAt = 0, plotted = -1;  // when, by the page's clock; states of the plot's newest point
 
 const log = new Log();
 const plot = new Plot(element("plot", HTMLCanvasElement));
@@ -131,7 +132,6 @@ function verdict(): string {
     : "off: no joint is enabled";
 }
 
-let shownAt = 0;
 function show(): void {
   shownAt = performance.now();
   view = chip.view(registers.open);
@@ -155,11 +155,12 @@ function show(): void {
   meter.value = Math.min(silence, limit || 1);
   put(element("silence"), servo && view.power ? `${silence} ms without a valid frame, limit ${limit} ms` : "–");
   put(element("volts"), `${view.supply_volts.toFixed(2)} V at ${view.supply_amperes.toFixed(2)} A; drivers ${view.driver_celsius.toFixed(1)} °C`);
-  plot.add({
+  if (view.states !== plotted) plot.add({
     seconds: view.states / STATES_PER_MS / 1000, names: joints.map(({ name }) => name),
     target: view.joints.map(({ target }) => target / 1e4), measured: view.joints.map(({ measured: angle }) => angle / 1e4),
     duty: view.joints.map(({ duty }) => view.drivers ? duty : 0),
   });
+  plotted = view.states;
   plot.draw();
   list(element("chip"), [
     ["states", `${view.chip_states.toLocaleString("en")} since power-on`], ["instructions", view.instructions.toLocaleString("en")],
@@ -181,6 +182,18 @@ function show(): void {
   }
 }
 
+// A new board, with the supply, wires and heartbeats that the page shows.
+function begin(noise: boolean): void {
+  stopped = chip.begin(noise);
+  chip.supply(Number(element("supply", HTMLInputElement).value) || 0);
+  for (const joint of open) chip.potOpen(joint, true);
+  if (!powered) chip.power(false);
+  keepAlive();
+  log.clear();
+  form.preview();
+  show();
+}
+
 element("joint").dispatchEvent(new Event("change"));
 keepAlive();
 slice();
@@ -191,6 +204,6 @@ Object.assign(window, { kaz: {
   speed: () => measured.speed, running: () => running,
   // Exactly so many ticks, while it is paused.
   run: (milliseconds: number) => { advance(milliseconds); show(); return stopped; },
-  fresh: (noise: boolean) => { setRunning(false); stopped = chip.begin(noise); keepAlive(); log.clear(); form.preview(); show(); },
+  fresh: (noise: boolean) => { setRunning(false); begin(noise); },
   script: (commands: string, noise: boolean) => { setRunning(false); const text = chip.script(commands, noise); show(); return text; },
 } });

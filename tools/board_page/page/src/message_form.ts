@@ -42,7 +42,7 @@ export class MessageForm {
       this.chip().raw(bytesOf(text));
       this.sent();
     };
-    element("raw-copy", HTMLButtonElement).onclick = () => { raw.value = element("preview").textContent ?? ""; };
+    element("raw-copy", HTMLButtonElement).onclick = () => { raw.value = element("preview").textContent ?? ""; note.textContent = ""; };
     this.choose();
   }
 

@@ -98,7 +98,7 @@ export function shown(field: Field, value: number | number[], values: Values): s
   return value.map((number, i) => `${value.length === joints.length || field.mask ? joints[which[i] ?? 0]?.name : i}: ${one(number)}`).join("; ");
 }
 
-export const angleText = (urad100: number) => `${(urad100 * 0.018 / Math.PI).toFixed(1)}°`;
+export const angleText = (urad100: number) => `${(urad100 * 0.018 / Math.PI).toFixed(1).replace(/^-(?=0\.0$)/, "")}°`;
 
 // KZ_RECEIVE_* of shared/protocol/frame.h.
 export const RESULTS = ["not complete", "valid", "wrong check", "impossible stuffing", "too short", "too long", "line error",
