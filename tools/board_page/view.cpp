@@ -84,7 +84,8 @@ class Json {
   bool fresh_ = true;
 };
 
-// The servo's state as it is in the chip's RAM; nullopt: the image has no symbols.
+// The servo's state as it is in the chip's RAM; nullopt: the image has no symbols, or no tick has begun, so
+// that RAM has what it has when the power comes.
 std::optional<kz_servo> servo_of(const sim::H8Mcu& mcu) {
   const auto h8 = mcu.global("kz_servo_state", kz_state_size_h8);
   if (h8.empty()) return std::nullopt;
@@ -99,6 +100,7 @@ std::optional<kz_servo> servo_of(const sim::H8Mcu& mcu) {
         native[at + byte] = static_cast<std::uint8_t>(number >> 8 * byte);
     }
   }
+  if (servo.tick > mcu.chip().now() / KZ_STATES_PER_TICK) return std::nullopt;
   return servo;
 }
 

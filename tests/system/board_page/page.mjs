@@ -3,9 +3,10 @@
 // node page.mjs BOARD_SCRIPT IMAGE PAGE SCRIPT VECTORS FOLDER: pictures go to FOLDER. Exit status 77: no chromium.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { existsSync, mkdirSync, readFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
+import { small } from "./small_png.mjs";
 
 const [native, image, built, scriptPath, vectorsPath, folder] = process.argv.slice(2);
 const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find((path) => existsSync(path));
@@ -208,10 +209,10 @@ try {
   await page.locator("#form button").click();
   await run(20);
   await page.locator("#log summary").first().click();
-  await page.setViewportSize({ width: 1180, height: 1000 });
+  await page.setViewportSize({ width: 1240, height: 1050 });
   await run(1);
   await page.evaluate(() => { for (const side of document.querySelectorAll("#left, aside")) side.scrollTop = 0; });
-  await page.screenshot({ path: `${folder}/page.jpg`, type: "jpeg", quality: 14 });
+  writeFileSync(`${folder}/page.png`, await small(page, await page.screenshot()));
   await page.locator("#log summary").first().click();
   await page.locator("#show-telemetry").check();
 

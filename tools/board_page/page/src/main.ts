@@ -155,7 +155,7 @@ function show(): void {
   meter.value = Math.min(silence, limit || 1);
   put(element("silence"), servo && view.power ? `${silence} ms without a valid frame, limit ${limit} ms` : "–");
   put(element("volts"), `${view.supply_volts.toFixed(2)} V at ${view.supply_amperes.toFixed(2)} A; drivers ${view.driver_celsius.toFixed(1)} °C`);
-  if (view.states !== plotted) plot.add({
+  if (view.states !== plotted && view.servo && view.power) plot.add({
     seconds: view.states / STATES_PER_MS / 1000, names: joints.map(({ name }) => name),
     target: view.joints.map(({ target }) => target / 1e4), measured: view.joints.map(({ measured: angle }) => angle / 1e4),
     duty: view.joints.map(({ duty }) => view.drivers ? duty : 0),
