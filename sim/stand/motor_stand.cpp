@@ -8,8 +8,8 @@
 
 #include "shared/base/random.hpp"
 #include "shared/board/table.h"
-#include "sim/body/description/robot_model.h"
-#include "sim/body/world/staged_world.h"
+#include "sim/body/description/joint_names.h"
+#include "sim/body/motor/stop_margin.h"
 
 namespace kaz::sim {
 namespace {

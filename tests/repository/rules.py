@@ -125,7 +125,8 @@ LAYERS = {
     "tools": {
         "cmake": (), "gdb": (), "package": (), "trials": (),
         "figure": (), "lockstep": (), "app": ("trials", "figure", "lockstep"),
-        "view": (), "fuzz": ("lockstep", "app", "view"), "kaz": ("figure", "app", "fuzz", "view"),
+        "view": (), "board_page": (), "fuzz": ("lockstep", "app", "view"),
+        "kaz": ("figure", "app", "fuzz", "view"),
         "benchmark": ("lockstep",),
     },
     "tools/app": {
@@ -140,6 +141,7 @@ LAYERS = {
         "vision_run": ("base", "kept", "vision", "session", "replay"),
         "figures": ("base", "vision", "session", "replay"),
     },
+    "tools/board_page": {".": (), "wasm": (".",)},
     "tools/app/figures": {"frame_information": (), ".": ("frame_information",)},
     "tools/fuzz": {".": (), "flash_writer": (".",), "inputs": (".",), "vision": (".",)},
     "tools/benchmark": {"common": (), "bullet": ("common",), "mujoco": ("common",),
@@ -151,7 +153,7 @@ LAYERS = {
         "dynamics_table", "figure7", "gait", "joints", "step_length", "vision_table", "walking")},
     "tests/system": {
         "campaign": (), "catching": (), "guest": (), "planted": (), "v4l2": (), "virtual_robot": (),
-        "flash": (),
+        "flash": (), "board_page": (),
         "command_line": ("flash",), "recording_reader": ("command_line",),
     },
     "tests/system/command_line": {".": (), "plugins": ()},

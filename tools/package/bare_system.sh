@@ -19,7 +19,9 @@ apt-get install -qy --no-install-recommends libkaz-dev python3-kaz kaz-doc >/dev
 echo "deb [trusted=yes] file:/srv/next ./" >/etc/apt/sources.list.d/kaz.list
 apt-get update -q
 apt-get upgrade -qy >/dev/null
-test "$(dpkg-query -W -f '${db:Status-Abbrev}${Version}\n' kaz kaz-firmware libkaz-dev python3-kaz kaz-doc | grep -c '^ii .*+next$')" = 5
+dpkg-query -W -f '${db:Status-Abbrev} ${Package} ${Version}\n' kaz kaz-firmware libkaz-dev python3-kaz kaz-doc |
+  tee /tmp/upgraded
+test "$(grep -c '^ii .*+next$' /tmp/upgraded)" = 5
 kaz run stand --out /tmp/stood
 
 packages="kaz kaz-firmware libkaz-dev python3-kaz kaz-doc"

@@ -170,15 +170,6 @@ class Reader {
 
 }  // namespace
 
-const std::array<std::string, KZ_JOINTS>& joint_names() {
-  static const std::array<std::string, KZ_JOINTS> names{
-#define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) #name,
-#include "shared/board/joints.def"
-#undef KZ_JOINT
-  };
-  return names;
-}
-
 std::vector<std::string> RobotModel::joint_order() const {
   std::vector<std::string> names;
   for (const RobotJoint& joint : joints) names.push_back(joint.name);

@@ -14,6 +14,7 @@
 
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"
+#include "sim/body/description/joint_names.h"
 #include "sim/body/description/rigid_link.h"
 
 namespace kaz::sim {
@@ -53,9 +54,6 @@ struct RobotModel {
   // Bounding box of the collision shapes at the zero posture, in the root link's frame.
   Eigen::AlignedBox3d extent() const;
 };
-
-// Names of Kaz's joints, in the order of shared/board/joints.def.
-const std::array<std::string, KZ_JOINTS>& joint_names();
 
 // Errors name file and line.
 Result<RobotModel> load_robot(const std::string& urdf_path);

@@ -12,12 +12,11 @@
 
 #include "sim/body/contact/contacts.h"
 #include "sim/body/motor/joint_motor.h"
+#include "sim/body/motor/stop_margin.h"
 #include "sim/body/world/stage_model.h"
 
 namespace kaz::sim {
 
-// Mechanical stop beyond the firmware's limit, rad.
-constexpr double kStopMargin = 0.0174533;
 // ERP of a stop for a step of 1 ms (contact_surface.h), and its compliance, rad/s per Nm: 1 mrad at the
 // motor's 2.4 Nm, plastic on steel. At a rigid stop the residual of an iterative solver would make the joint
 // bounce.

@@ -4,6 +4,9 @@ import type { BoardState, Torques } from "./ros1";
 
 const SECONDS = 10;
 
+// What is drawn of a board's state.
+export type JointStates = Pick<BoardState, "seconds" | "names" | "target" | "measured" | "duty">;
+
 // What came in the last seconds.
 class History<T extends { seconds: number }> {
   joint = 0;
@@ -19,7 +22,7 @@ class History<T extends { seconds: number }> {
   }
 }
 
-export class Plot extends History<BoardState> {
+export class Plot extends History<JointStates> {
   count(): number { return this.states.length; }
   target(joint: string): number | undefined {
     const newest = this.states.at(-1);
@@ -55,7 +58,7 @@ export class Plot extends History<BoardState> {
     context.textAlign = "left";
     context.fillText("1", right + 5, top + 6); context.fillText("−1", right + 5, bottom + 4);
     context.fillText(`last ${SECONDS} s`, left, height - 4);
-    const line = (read: (s: BoardState) => number, name: string, dash: number[]) => {
+    const line = (read: (s: JointStates) => number, name: string, dash: number[]) => {
       context.strokeStyle = color(name);
       context.lineWidth = 1.6;
       context.setLineDash(dash);
