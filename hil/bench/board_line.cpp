@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "host/link/lateness.h"
 #include "host/robot/connect.h"
 #include "shared/protocol/bytes.h"
 
@@ -14,8 +15,9 @@ constexpr double kTickShare = 8.0 / KZ_STATES_PER_TICK;  // of a tick, in 8 stat
 constexpr std::size_t kCyclesAhead = 3;                  // keep the window full
 // A bad link is to be measured, not given up.
 constexpr int kRetries = 20;
-// A frame may contain an earlier tick than the previous one.
-constexpr std::int32_t kOutOfOrderMs = 50;
+// A frame may contain an earlier tick than the previous one; much earlier, if this program was stopped for a
+// while, and what came meanwhile is read in another order. But none from before the measurement.
+constexpr std::int32_t kOutOfOrderMs = 50, kStoppedMs = 2000;
 constexpr int kTriesToFind = 6, kTriesAtEnd = 3;
 constexpr Time kHeartbeat = std::chrono::milliseconds(25);
 constexpr u8 kWatchdog10ms = 10;  // of the board: whoever was here before may have set it shorter
@@ -74,6 +76,28 @@ void BoardLine::end() noexcept {
     for (int i = 0; i < kTriesAtEnd; ++i) (void)requester_.send(off);
   }
   if (streaming_) (void)stream(0, 0);
+  if (identity_.status >> 8 == KZ_SHUTDOWN_NONE) (void)clear_link_lost();
+}
+
+Result<bool> BoardLine::clear_link_lost() {
+  const auto now = KAZ_TRY(statistics());
+  if (now.status >> 8 != KZ_SHUTDOWN_LINK_LOST) return false;
+  KAZ_TRY(query(KZ_TYPE_clear, kz_clear{}, kz_pack_clear, kz_unpack_clear_reply));
+  on_ = false;
+  return true;
+}
+
+Result<void> BoardLine::with_joints_on(const std::function<Result<void>()>& load) {
+  for (int run = 0; run <= host::LatenessMeter::kRepetitions; ++run) {
+    KAZ_TRY(enable(true));
+    KAZ_TRY(load());
+    if (!KAZ_TRY(clear_link_lost())) return enable(false);
+  }
+  return fail(Fault::environment,
+              "the board on " + link_.name() + " switched its motors off in each of " +
+                  std::to_string(host::LatenessMeter::kRepetitions + 1) +
+                  " runs, since no request came for 100 ms: this machine is too busy, or the line "
+                  "drops out; end other programs and try again");
 }
 
 bool BoardLine::can_stream() const {
@@ -129,7 +153,12 @@ void BoardLine::observe(const host::Reply& reply) {
 }
 
 void BoardLine::observe_tick(std::uint32_t tick) {
-  if (static_cast<std::int32_t>(tick - last_tick_) < -kOutOfOrderMs) was_reset_ = true;
+  const auto since = [tick](std::uint32_t other) {
+    return static_cast<std::int32_t>(tick - other);
+  };
+  if (since(last_tick_) < -kStoppedMs ||
+      (since(last_tick_) < -kOutOfOrderMs && since(identity_.tick) < -kOutOfOrderMs))
+    was_reset_ = true;
   last_tick_ = tick;
 }
 

@@ -28,9 +28,10 @@ class BoardLine {
  public:
   BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address);
 
-  // Finds the board, ends a stream left running, measures, and leaves motors off and no stream, also
-  // after errors. `what`: "its link was", for the error. Errors (environment): there is no board; its
-  // motors are on, which the measurement would switch off; it was reset meanwhile; those of `measure`.
+  // Finds the board, ends a stream left running, measures, and leaves motors off, no stream, and no shutdown
+  // for want of requests that was not there before, also after errors. `what`: "its link was", for the error.
+  // Errors (environment): there is no board; its motors are on, which the measurement would switch off; it
+  // was reset meanwhile; those of `measure`.
   Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>
@@ -60,6 +61,10 @@ class BoardLine {
 
   // Holds all joints where they are; refused while a shutdown is latched.
   Result<void> enable(bool on);
+  // Runs `load` with the joints on, held, and off again; again where the board has switched them off because
+  // no request came for its watchdog's time, as when this program was stopped: the load was not the one that
+  // was meant. Error (environment): it did so each time.
+  Result<void> with_joints_on(const std::function<Result<void>()>& load);
 
   host::Requester& requester() { return requester_; }
   host::Clock& clock() { return clock_; }
@@ -67,6 +72,8 @@ class BoardLine {
 
  private:
   Result<void> begin();
+  // Whether the board has shut down for want of requests; forgotten then.
+  Result<bool> clear_link_lost();
   void end() noexcept;
   void observe_tick(std::uint32_t tick);
   void take(std::uint8_t type, std::span<const std::uint8_t> fields, Time at);

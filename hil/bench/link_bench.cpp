@@ -134,17 +134,17 @@ class LinkBench {
 
   Result<void> measure_cycles() {
     const auto state = KAZ_TRY(line_.state());
-    if (options_.allow_motion) {
-      if (auto on = line_.enable(true); !on) return on;
-    }
-    CycleLoad load(line_, state, [this](double share) {
-      progress(kTripsShare + (kCyclesShare - kTripsShare) * share, "control cycles");
-    });
-    if (auto ran = load.run(0, clock_.now() + options_.cycle_time); !ran) return ran;
-    if (options_.allow_motion) {
-      if (auto off = line_.enable(false); !off) return off;
-    }
-    judge_.enter(kSubject, "link.cycle_rate", load.rate_hz(), 0,
+    double rate_hz = 0;
+    const auto run = [&]() -> Result<void> {
+      CycleLoad load(line_, state, [this](double share) {
+        progress(kTripsShare + (kCyclesShare - kTripsShare) * share, "control cycles");
+      });
+      KAZ_TRY(load.run(0, clock_.now() + options_.cycle_time));
+      rate_hz = load.rate_hz();
+      return {};
+    };
+    KAZ_TRY(options_.allow_motion ? line_.with_joints_on(run) : run());
+    judge_.enter(kSubject, "link.cycle_rate", rate_hz, 0,
                  options_.allow_motion ? "" : "joints off: targets are refused, which is as long");
     return {};
   }

@@ -82,17 +82,17 @@ class TickBench {
 
   Result<void> put_load() {
     const auto state = KAZ_TRY(line_.state());
-    if (options_.allow_motion) {
-      if (auto on = line_.enable(true); !on) return on;
-    }
-    if (auto streamed = stream(kLoadPeriodMs); !streamed) return streamed;
-    (void)line_.take_arrivals();
-    CycleLoad load(line_, state,
-                   [this](double share) { progress(0.3 + 0.4 * share, "under load"); });
-    if (auto ran = load.run(kLoadHz, clock_.now() + options_.load_time); !ran) return ran;
-    load_hz_ = load.rate_hz();
-    loaded_ = line_.take_arrivals();
-    return options_.allow_motion ? line_.enable(false) : Result<void>();
+    const auto run = [&]() -> Result<void> {
+      KAZ_TRY(stream(kLoadPeriodMs));
+      (void)line_.take_arrivals();
+      CycleLoad load(line_, state,
+                     [this](double share) { progress(0.3 + 0.4 * share, "under load"); });
+      KAZ_TRY(load.run(kLoadHz, clock_.now() + options_.load_time));
+      load_hz_ = load.rate_hz();
+      loaded_ = line_.take_arrivals();
+      return {};
+    };
+    return options_.allow_motion ? line_.with_joints_on(run) : run();
   }
 
   void enter_lengths(const kz_statistics_reply& before, const kz_statistics_reply& after) {

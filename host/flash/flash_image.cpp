@@ -48,12 +48,20 @@ void FlashImage::put(std::uint32_t address, std::span<const std::uint8_t> bytes)
 }
 
 std::vector<FlashRange> FlashImage::ranges(std::uint32_t longest) const {
+  return ranges(longest, false);
+}
+
+std::vector<FlashRange> FlashImage::all_ranges(std::uint32_t longest) const {
+  return ranges(longest, true);
+}
+
+std::vector<FlashRange> FlashImage::ranges(std::uint32_t longest, bool with_blank) const {
   std::vector<FlashRange> found;
   for (std::uint32_t line = 0; line < lines_.size(); ++line) {
     const std::uint32_t at = line * kFlashLine;
     const auto first = bytes_.begin() + at;
     const bool blank = std::all_of(first, first + kFlashLine, [](auto b) { return b == 0xff; });
-    if (!lines_[line] || blank) continue;
+    if (!lines_[line] || (blank && !with_blank)) continue;
     if (!found.empty() && found.back().to == at && found.back().size() + kFlashLine <= longest)
       found.back().to += kFlashLine;
     else

@@ -22,6 +22,8 @@ inline constexpr std::uint32_t kBlockStart[kFlashBlocks + 1] = {
     0x0000, 0x0400, 0x0800, 0x0c00, 0x1000, 0x8000, 0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
 // Areas that an update through the resident loader keeps (firmware/kaz.ld).
 inline constexpr int kVectorBlock = 0, kLoaderBlock = 6;
+// Calibration, its second copy, the board's address.
+inline constexpr int kSettingsBlocks[] = {1, 2, 3};
 
 struct FlashRange {
   std::uint32_t from = 0, to = 0;  // one past the last byte
@@ -49,6 +51,8 @@ class FlashImage {
   }
   // Non-blank lines of the image; consecutive lines are joined to ranges of at most `longest` bytes.
   std::vector<FlashRange> ranges(std::uint32_t longest = kFlashBytes) const;
+  // The same with lines that are blank in it.
+  std::vector<FlashRange> all_ranges(std::uint32_t longest = kFlashBytes) const;
   // Whether any line of the block is part of the image.
   bool touches(int block) const;
   std::uint32_t size() const;  // bytes of all ranges
@@ -65,6 +69,7 @@ class FlashImage {
  private:
   // CRC-16 continued from `from`.
   std::uint16_t crc(FlashRange range, std::uint16_t from) const;
+  std::vector<FlashRange> ranges(std::uint32_t longest, bool with_blank) const;
 
   std::vector<std::uint8_t> bytes_;
   std::vector<bool> lines_;

@@ -76,7 +76,9 @@ std::string progress_text(const FlashProgress& progress) {
   return text + rate;
 }
 
-Result<void> Flasher::check_loader(const FlashImage& image, bool through_boot) const {
+namespace {
+
+Result<void> check_loader(const FlashImage& image, bool through_boot) {
   if (!image.has_loader()) {
     if (!through_boot) return {};
     return fail(
@@ -100,7 +102,7 @@ Result<void> Flasher::check_loader(const FlashImage& image, bool through_boot) c
 }
 
 // Of a program that is none of Kaz: whether anything of it can be written.
-Result<void> Flasher::check_foreign(const FlashImage& image, bool through_boot) const {
+Result<void> check_foreign(const FlashImage& image, bool through_boot) {
   std::string kept_blocks;
   for (int block = 0; block < kFlashBlocks; ++block) {
     if (!image.touches(block)) continue;
@@ -118,10 +120,12 @@ Result<void> Flasher::check_foreign(const FlashImage& image, bool through_boot) 
           "and writes all of the image"});
 }
 
-Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
+}  // namespace
+
+Result<void> check_image(const FlashImage& image, bool through_boot, bool force) {
   const auto identity = image.identity();
   if (!identity) {
-    if (options_.force) return check_foreign(image, through_boot);
+    if (force) return check_foreign(image, through_boot);
     return fail(
         Fault::usage,
         Diagnostic{"the image is no application of a Kaz board",
@@ -140,8 +144,13 @@ Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
                             "it was linked but not stamped (tools/gen/stamp_image.py)"},
                            "build it again; --force does not write a damaged image"});
   }
-  if (auto whole = check_loader(image, through_boot); !whole) return whole;
-  if (board_id_ && *board_id_ != identity->board_id && !options_.force) {
+  return check_loader(image, through_boot);
+}
+
+Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
+  KAZ_TRY(check_image(image, through_boot, options_.force));
+  const auto identity = image.identity();
+  if (identity && board_id_ && *board_id_ != identity->board_id && !options_.force) {
     return fail(Fault::failed,
                 Diagnostic{"the image is for another board; nothing was changed",
                            "board id " + hex_word(identity->board_id) + ", of the image",
@@ -272,6 +281,13 @@ bool Flasher::kept(std::uint32_t address) const {
   return info_ && info_->by_loader && (in(kVectorBlock) || in(kLoaderBlock));
 }
 
+bool Flasher::is_setting(std::uint32_t address, const FlashImage& image) const {
+  if (!info_ || !info_->by_loader || !image.identity()) return false;
+  return std::ranges::any_of(kSettingsBlocks, [&](int block) {
+    return address >= kBlockStart[block] && address < kBlockStart[block + 1];
+  });
+}
+
 Result<bool> Flasher::same(FlashRange range, const FlashImage& image) {
   WriterSums wanted;
   for (const std::uint8_t byte : image.bytes(range)) wanted.add(byte);
@@ -357,6 +373,12 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
   int skipped = 0;
   for (int block = 0; block < kFlashBlocks; ++block) {
     if (!image.touches(block)) continue;
+    if (is_setting(kBlockStart[block], image)) {
+      report_line("EB" + std::to_string(block) + " stays as it is: the board's " +
+                  (block == 3 ? "address" : "calibration") +
+                  ", which the image's bytes there do not replace");
+      continue;
+    }
     if (kept(kBlockStart[block])) {
       const auto equal = KAZ_TRY(same(block_range(block), image));
       if (!equal)
@@ -429,10 +451,25 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
 Result<FlashReport> Flasher::verify(const FlashImage& image) {
   FlashReport report;
   report.bytes = image.size();
-  std::vector<FlashRange> written, loaders;
-  for (const FlashRange& range : image.ranges(4096))
-    (kept(range.from) ? loaders : written).push_back(range);
+  std::vector<FlashRange> written, loaders, settings;
+  for (const FlashRange& range : image.all_ranges()) {
+    int block = 0;
+    for (std::uint32_t at = range.from; at < range.to;) {
+      while (at >= kBlockStart[block + 1]) ++block;
+      const std::uint32_t end = std::min({range.to, kBlockStart[block + 1], at + 4096});
+      auto& to = kept(at) ? loaders : is_setting(at, image) ? settings : written;
+      to.push_back({at, end});
+      at = end;
+    }
+  }
   KAZ_TRY(compare(written, image));
+  if (auto same = compare(settings, image); !same) {
+    if (same.error().fault != Fault::failed) return tl::unexpected(same.error());
+    return kaz::fail(
+        Fault::failed,
+        "the application is that of the image, calibration or address (EB1 to EB3) are "
+        "not: they are the board's own, which `kaz flash write` keeps");
+  }
   // An update through the loader keeps them, so a difference is no damage.
   if (auto same = compare(loaders, image); !same) {
     if (same.error().fault != Fault::failed) return tl::unexpected(same.error());

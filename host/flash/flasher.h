@@ -60,14 +60,16 @@ struct FlashReport {
   double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
 
+// Checks that `image` is valid. Through boot mode it needs vectors and loader too, which are erased there.
+// `force`: it may be no Kaz application. Error (usage): it is damaged, not enough or foreign.
+Result<void> check_image(const FlashImage& image, bool through_boot, bool force);
+
 class Flasher {
  public:
   // `program` is the flash writer (firmware's writer.bin). All must outlive it.
   Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program, FlasherOptions options);
 
-  // Checks that `image` is valid and for the board that was found. Through boot mode it
-  // needs vectors and loader too, which are erased there. Errors: Fault::usage for an image that is
-  // damaged, not enough or foreign, Fault::failed for another board.
+  // check_image(), and that it is for the board that was found. Error (failed): it is for another.
   Result<void> check(const FlashImage& image, bool through_boot) const;
 
   // Starts the loader of a board whose firmware or loader answers at 115,200 baud; `found` then contains
@@ -81,7 +83,8 @@ class Flasher {
   std::optional<std::uint16_t> board_id() const { return board_id_; }
 
   // Erases the blocks that differ, writes everything except the application's header, verifies it, then
-  // writes and verifies the header. Through the loader the blocks of vectors and loader are unchanged.
+  // writes and verifies the header. Through the loader the blocks of vectors and loader are unchanged, and of
+  // a Kaz application, such as a copy of a board's flash, those of calibration and address, too.
   Result<FlashReport> write(const FlashImage& image);
   // Errors (failed): which block differs.
   Result<FlashReport> verify(const FlashImage& image);
@@ -96,8 +99,6 @@ class Flasher {
  private:
   enum class State { untouched, boot_mode, loader_erased };
 
-  Result<void> check_loader(const FlashImage& image, bool through_boot) const;
-  Result<void> check_foreign(const FlashImage& image, bool through_boot) const;
   Result<void> load_writer_rest();
   Result<void> write_ranges(const std::vector<FlashRange>& ranges, const FlashImage& image,
                             std::uint32_t& done, std::uint32_t total);
@@ -105,6 +106,8 @@ class Flasher {
   Result<void> erase_block(int block);
   Result<void> compare(const std::vector<FlashRange>& ranges, const FlashImage& image);
   bool kept(std::uint32_t address) const;
+  // Calibration or address, which no image of a Kaz application changes through the loader.
+  bool is_setting(std::uint32_t address, const FlashImage& image) const;
   void report_line(const std::string& line) const;
   void report_progress(const char* phase, std::uint32_t done, std::uint32_t total);
 

@@ -5,6 +5,7 @@
 
 #include "hil/bench/report.h"
 #include "host/link/requester.h"
+#include "host/link/stalling_testing.h"
 #include "host/robot/connect.h"
 #include "tests/integration/bench/measured_testing.h"
 #include "tests/integration/bench/rewriting_link_testing.h"
@@ -213,6 +214,44 @@ TEST(BoardLine, AResetMeanwhileIsAnError) {
   const auto measured = bench_link(board, board, link, judge);
   ASSERT_FALSE(measured);
   EXPECT_NE(measured.error().message.find("was reset"), std::string::npos);
+}
+
+// The board switches its motors off when the program is stopped for a while: with joints off the load is
+// another one. It is run again, and the board is left as it was.
+TEST(BoardLine, AStoppedProgramRunsItsLoadAgainAndLeavesNoShutdown) {
+  for (const bool of_link : {true, false}) {
+    lockstep::VirtualBench board(sim::make_native());
+    host::StallingLine line(board, board);
+    line.length = milliseconds(400);
+    int loads = 0;
+    double last = 1;
+    const BenchProgress progress = [&](double share, const std::string& what) {
+      if (what.find(of_link ? "control cycles" : "under load") == std::string::npos) return;
+      if (share < last) ++loads;
+      last = share;
+      if (loads == 1 && share > (of_link ? 0.55 : 0.5)) line.stalls = 1;
+      if (loads == 2) line.stalls = 0;
+    };
+    BenchReport report;
+    const Limits none;
+    BenchJudge judge(report, none);
+    LinkBenchOptions link;
+    link.allow_motion = true;
+    link.round_trips = 20;
+    link.progress = progress;
+    TickBenchOptions tick;
+    tick.allow_motion = true;
+    tick.progress = progress;
+    const auto measured =
+        of_link ? bench_link(line, line, link, judge) : bench_tick(line, line, tick, judge);
+    ASSERT_TRUE(measured) << measured.error().message;
+    EXPECT_EQ(loads, 2) << of_link;
+    host::Requester after(board, board, {});
+    const auto identity = host::identify_board(after);
+    ASSERT_TRUE(identity) << identity.error().message;
+    EXPECT_EQ(identity->status >> 8, KZ_SHUTDOWN_NONE);
+    EXPECT_FALSE(identity->status & KZ_STATUS_ENABLED);
+  }
 }
 
 TEST(BoardLine, ProgressGoesFromNothingToAll) {

@@ -118,6 +118,20 @@ TEST(Cli, ADryRunOfFlashingNeedsNoPort) {
   EXPECT_NE(looked.out.find(" bytes in EB"), std::string::npos) << looked.out;
 }
 
+// What can be seen in the file alone is seen without a port.
+TEST(Cli, ADryRunOfFlashingRefusesDamagedAndForeignImages) {
+  const std::string image = "$(dirname " + kaz({}).front() + ")/../firmware/kaz.mot";
+  for (const auto& [make, part] :
+       {std::pair<std::string, std::string>{"head -n 1000 " + image, "is not whole"},
+        {"tail -n +40 " + image, "is no application of a Kaz board"}}) {
+    const Finished looked = run({"/bin/sh", "-c",
+                                 "f=$(mktemp) && " + make + " > $f && " + kaz({}).front() +
+                                     " flash write $f --dry-run; status=$?; rm $f; exit $status"});
+    EXPECT_EQ(looked.exit_code, 2) << looked.out;
+    EXPECT_NE(looked.err.find(part), std::string::npos) << looked.err;
+  }
+}
+
 TEST(Cli, StatusInJsonStatesItsError) {
   const Finished none = run(kaz({"status", "/nowhere", "--json"}));
   EXPECT_EQ(none.exit_code, 3);
@@ -259,7 +273,8 @@ TEST(Cli, WrongNamesGetTheNearest) {
   EXPECT_TRUE(says({"mcu", "rnu", "--help"}, "there is no verb `rnu`; did you mean run?"));
   EXPECT_TRUE(says({"help", "walk"}, "there is no verb `walk`"));
   EXPECT_TRUE(says({"help", "status", "board"}, "`help` takes a verb alone, not `board` as well"));
-  EXPECT_TRUE(says({"help", "bench", "list", "motor"}, "`help` takes a verb alone, not `motor` as well"));
+  EXPECT_TRUE(
+      says({"help", "bench", "list", "motor"}, "`help` takes a verb alone, not `motor` as well"));
   EXPECT_TRUE(says({"mcu"}, "the verb is missing: give run or compare"));
   EXPECT_TRUE(says({"evaluate", "mrge", "a", "b", "--out", "y"},
                    "not expected: `a b`; did you mean merge?"));

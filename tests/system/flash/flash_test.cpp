@@ -358,6 +358,52 @@ TEST(Flash, VerifyLooksAtVectorsAndLoaderToo) {
   }
 }
 
+// A copy of another board's whole flash: the application is taken from it, calibration and address are not.
+TEST(Flash, ACopyOfAnotherBoardLeavesCalibrationAndAddress) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  for (const std::uint32_t at : {0x400u, 0x800u, 0xc00u}) bench.chip().poke(at, 0x5a);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  FlashImage copy = changed(kBuildId, 0x55);
+  copy.put(0x400, std::vector<std::uint8_t>(0x400, 0xff));  // of a board that was never calibrated
+  copy.put(0x800, std::vector<std::uint8_t>(0x800, 0xa5));
+  std::vector<std::string> notes;
+  FlasherOptions options;
+  options.note = [&](const std::string& line) { notes.push_back(line); };
+  Flasher flasher(bench, bench, writer(), options);
+  ASSERT_TRUE(flasher.enter_loader());
+  const auto report = flasher.write(copy);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->erased, 1);
+  for (const std::uint32_t at : {0x400u, 0x800u, 0xc00u}) {
+    std::uint8_t is = 0;
+    bench.chip().peek(at, {&is, 1});
+    EXPECT_EQ(is, 0x5a) << std::hex << at;
+  }
+  ASSERT_EQ(notes.size(), 3u);
+  EXPECT_EQ(notes[2].find("EB3 stays as it is: the board's address"), 0u) << notes[2];
+  const auto verified = flasher.verify(copy);
+  ASSERT_FALSE(verified);
+  EXPECT_NE(verified.error().message.find("calibration or address (EB1 to EB3) are not"),
+            std::string::npos)
+      << verified.error().message;
+  EXPECT_TRUE(flasher.verify(changed(kBuildId, 0x55)));
+}
+
+// Bytes ff of a file are compared as all others.
+TEST(Flash, VerifyComparesBlankBytesToo) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  bench.chip().poke(0x18000, 0);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_loader());
+  FlashImage image = firmware();
+  EXPECT_TRUE(flasher.verify(image));
+  image.put(0x18000, std::vector<std::uint8_t>(64, 0xff));
+  const auto verified = flasher.verify(image);
+  ASSERT_FALSE(verified);
+  EXPECT_EQ(verified.error().fault, Fault::failed);
+}
+
 // Replies come later than they are waited for at first, and hardly any request is repeated for it.
 TEST(Flash, SlowRepliesAreWaitedFor) {
   FlashBench bench;

@@ -63,7 +63,7 @@ void Answer::written(const host::FlashReport& report) {
   put("seconds", report.seconds);
   put("min_seconds", report.min_seconds);
   if (report.written > 0) put("efficiency", report.efficiency());
-  if (report.written == 0)
+  if (report.written == 0 && report.erased == 0)
     return say("nothing to write: the flash holds these " + std::to_string(report.bytes) +
                " bytes already, " + counted(report.unchanged, "block") + " compared");
   say("written and verified: " + std::to_string(report.written) + " bytes, " +

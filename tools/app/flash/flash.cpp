@@ -202,7 +202,8 @@ Result<void> flash(const FlashArguments& arguments, Answer& answer) {
   if (arguments.port.empty()) {
     answer.put("dry_run", true);
     answer.image(*image);
-    return {};
+    if (arguments.verb != "write") return {};
+    return host::check_image(*image, !arguments.reset.empty(), arguments.force);
   }
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
