@@ -127,10 +127,7 @@ class Session {
 };
 
 Result<Outcome> run(Context& context) {
-  if (context.requests == nullptr)
-    return fail(Fault::usage,
-                "pose: joints are set on the page of --view, of the virtual robot; give --view, or "
-                "play a file with kaz run play --poses FILE");
+  if (context.requests == nullptr) return fail(Fault::usage, kNoRequests);
   KAZ_TRY(hold_still(context.robot));
   return Session(context).run();
 }

@@ -21,6 +21,12 @@ struct PoseRequest {
   double angle_rad = 0;  // -pi to pi
 };
 
+// Of a run that nobody can make requests of.
+inline constexpr const char* kNoRequests =
+    "pose: joints are set on the page of --view, of the virtual robot; give --view, or play a file "
+    "with "
+    "kaz run play --poses FILE";
+
 // Errors (usage) state what was expected.
 Result<PoseRequest> parse_pose_request(std::string_view line);
 

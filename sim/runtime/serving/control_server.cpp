@@ -159,12 +159,12 @@ bool ControlServer::serve(Client& client) {
   if (got == 0) client.closing = true;
   if (got > 0) client.received.append(buffer, static_cast<std::size_t>(got));
 
-  for (auto end = client.received.find('\n'); end != std::string::npos;
+  for (auto end = client.received.find('\n'); end != std::string::npos && end <= longest_line;
        end = client.received.find('\n')) {
     client.to_send += line_of(answer_(std::string_view(client.received).substr(0, end)));
     client.received.erase(0, end + 1);
   }
-  if (client.received.size() > longest_line) {
+  if (client.received.find('\n') > longest_line && client.received.size() > longest_line) {
     client.to_send += line_of(refusal("a request has at most 1024 characters"));
     client.received.clear();
     client.closing = true;

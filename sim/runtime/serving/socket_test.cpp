@@ -286,14 +286,17 @@ TEST(ControlServer, LongLineIsRefusedAndTheClientDropped) {
   Board board;
   auto server = ControlServer::open(folder.file("ctl"), board.commands);
   ASSERT_TRUE(server);
-  const Descriptor client = connect_to(folder.file("ctl"));
-  const auto reply = parse_json(answer_to(**server, client, std::string(5000, 'x')));
-  EXPECT_FALSE(reply["ok"]);
-  char rest = 0;
-  while (true) {
-    (*server)->poll();
-    const ssize_t got = ::recv(client.get(), &rest, 1, MSG_DONTWAIT);
-    if (got == 0 || (got < 0 && errno != EAGAIN)) break;
+  for (const std::string& line : {std::string(5000, 'x'), std::string(1025, 'x') + "\n"}) {
+    const Descriptor client = connect_to(folder.file("ctl"));
+    const auto reply = parse_json(answer_to(**server, client, line));
+    EXPECT_FALSE(reply["ok"]);
+    EXPECT_EQ(reply["error"], "a request has at most 1024 characters");
+    char rest = 0;
+    while (true) {
+      (*server)->poll();
+      const ssize_t got = ::recv(client.get(), &rest, 1, MSG_DONTWAIT);
+      if (got == 0 || (got < 0 && errno != EAGAIN)) break;
+    }
   }
   EXPECT_TRUE(connect_to(folder.file("ctl"))) << "others are still served";
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -101,9 +102,10 @@ TEST(Poses, WrongOnesAreRefusedBeforeAnythingMoves) {
            {{"run", "play"}, "give --poses FILE"},
            {{"run", "play", "--poses", folder / "none"}, "none: cannot be read"},
            {{"run", "stand", "--poses", folder / "bad.json"}, "--poses is of play"},
-           {{"run", "pose"}, "give --view"}}) {
+           {{"run", "pose", "--out", folder / "posed"}, "give --view"}}) {
     const Finished refused = run(kaz(arguments));
     EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_FALSE(std::filesystem::exists(folder / "posed"));
     EXPECT_NE(refused.err.find(hint), std::string::npos) << refused.err;
   }
 }

@@ -139,6 +139,9 @@ class Calibration {
       return fail(Fault::usage,
                   "--robot " + options_.backend.robot +
                       ": boards are calibrated one by one: give its port and --address");
+    if (options_.backend.robot == "sim" && options_.backend.address != KZ_ADDRESS_DEFAULT)
+      return fail(Fault::usage,
+                  "--address is for a port, as --robot serial:PATH; the virtual board has address 1");
     const InterruptSignals signals(interrupt_);
     if (!options_.out.empty()) folder_ = KAZ_TRY(OutputFolder::open(options_.out, joints_output()));
     if (!options_.memory.empty()) {

@@ -129,6 +129,14 @@ TEST(Compare, SaysWhenTheHostSentOtherTargets) {
   EXPECT_TRUE(compare(make({}), make({})).notes.empty());
 }
 
+TEST(Compare, ARecordingThatEndsEarlyIsNamed) {
+  RunTrace cut = make({});
+  cut.early_end = "the recording was cut off, its run went on";
+  const Comparison comparison = compare(make({}), cut);
+  ASSERT_EQ(comparison.notes.size(), 1u);
+  EXPECT_EQ(comparison.notes[0], "B: the recording was cut off, its run went on");
+}
+
 TEST(Compare, CommandsAreRampsFromWhereTheJointStood) {
   RunTrace trace;
   trace.duration_s = 3;

@@ -353,6 +353,7 @@ std::vector<std::string> notes_of(const RunTrace& a, const RunTrace& b, double s
                                        seconds_text(same_s)) +
                     "; angles may differ for this reason, too");
   for (const auto& [run, letter] : {std::pair{&a, "A"}, std::pair{&b, "B"}}) {
+    if (!run->early_end.empty()) notes.push_back(std::string(letter) + ": " + run->early_end);
     for (const std::string& reason : run->shutdowns)
       notes.push_back(std::string(letter) + ": the board switched its motors off: " + reason);
   }

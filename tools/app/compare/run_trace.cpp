@@ -249,6 +249,10 @@ Result<RunTrace> RunTrace::of(const sim::McapRecording& recording, const std::st
                                   ": no posture came over its wire: nothing to compare; give a "
                                   "recording of `kaz run` or `kaz demo`");
   trace.duration_s = std::max(end_s - start_s, trace.postures.back().time_s);
+  if (!recording.whole)
+    trace.early_end = "the recording was cut off, its run went on";
+  else if (const std::string by = recording.interrupted_by(); !by.empty())
+    trace.early_end = "the run was interrupted (" + by + ")";
   if (!(trace.duration_s > 0 && trace.duration_s <= kLongest_s))
     return fail(Fault::usage, name +
                                   ": its run did not last between nothing and an hour; compare a "

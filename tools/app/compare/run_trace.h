@@ -22,6 +22,7 @@ struct RunTrace {
   std::string settings;  // JSON
   std::string robot;     // "virtual", or the port
   double duration_s = 0;
+  std::string early_end;  // why the recording ends before the run; empty: it does not
 
   struct Posture {
     double time_s =

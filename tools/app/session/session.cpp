@@ -15,6 +15,7 @@
 #include "host/behavior/ball_detector.h"
 #include "host/behavior/behavior.h"
 #include "host/behavior/plugin.h"
+#include "host/behavior/pose_request.h"
 #include "host/camera/capture.h"
 #include "host/link/requester.h"
 #include "host/link/wall_clock.h"
@@ -343,6 +344,9 @@ Result<void> Session::prepare() {
   behavior_ = KAZ_TRY(guarded_behavior(options_.behavior, options_.label));
   values_ = KAZ_TRY(behavior::OptionValues::parse(behavior_.options, options_.settings));
   KAZ_TRY(parse_modules(options_.vision.modules));
+  // As the behaviour itself says, but before a folder has anything of it.
+  if (behavior_.takes_requests && !options_.requests)
+    return fail(Fault::usage, behavior::kNoRequests);
   if (!options_.open_backend)
     options_.backend.joints = KAZ_TRY(other_joints(options_.backend.robot_file));
   options_.backend.needs_camera = behavior_.needs_camera;
