@@ -121,12 +121,15 @@ TEST(Cli, ADryRunOfFlashingNeedsNoPort) {
 // What can be seen in the file alone is seen without a port.
 TEST(Cli, ADryRunOfFlashingRefusesDamagedAndForeignImages) {
   const std::string image = "$(dirname " + kaz({}).front() + ")/../firmware/kaz.mot";
-  for (const auto& [make, part] :
-       {std::pair<std::string, std::string>{"head -n 1000 " + image, "is not whole"},
-        {"tail -n +40 " + image, "is no application of a Kaz board"}}) {
-    const Finished looked = run({"/bin/sh", "-c",
-                                 "f=$(mktemp) && " + make + " > $f && " + kaz({}).front() +
-                                     " flash write $f --dry-run; status=$?; rm $f; exit $status"});
+  for (const auto& [make, options, part] :
+       {std::tuple<std::string, std::string, std::string>{"sed 500,520d " + image, "",
+                                                          "the image is not whole"},
+        {"head -c 4096 /dev/zero", "--format raw --at 0x2000",
+         "is no application of a Kaz board"}}) {
+    const Finished looked =
+        run({"/bin/sh", "-c",
+             "f=$(mktemp) && " + make + " > $f && " + kaz({}).front() +
+                 " flash write $f --dry-run " + options + "; status=$?; rm $f; exit $status"});
     EXPECT_EQ(looked.exit_code, 2) << looked.out;
     EXPECT_NE(looked.err.find(part), std::string::npos) << looked.err;
   }
