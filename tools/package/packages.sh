@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 usage() {
   cat <<'TEXT'
-usage: ./tools/dev packages [--twice] [--no-test] [--build-only]
+usage: ./tools/dev packages [--twice] [--no-test] [--built] [--suite S]
 
 Builds the Debian packages of the commit that is checked out (kaz, kaz-firmware, libkaz-dev, python3-kaz, kaz-doc) for Debian 12
 and leaves them in out/packages, an archive that apt can use, with SHA256SUMS. Built without network in a chroot that
@@ -15,6 +15,7 @@ has only what debian/control names; examined by lintian; then installed into a b
 
   --twice     build a second time with other path, user, time zone, language and umask; the packages must be equal
   --no-test   build and examine, do not install
+  --built     do not build: go on with what an earlier run has built
   --suite S   Debian's release: bookworm
 
 Needs some 6 GB in build/packages, root or sudo, and the network for Debian's packages and those of npm.
@@ -24,11 +25,12 @@ TEXT
 say() { printf '== %s\n' "$*"; }
 die() { printf 'packages: %s\n' "$*" >&2; exit 1; }
 
-twice=0 test=1 suite=bookworm
+twice=0 test=1 built=0 suite=bookworm
 while [ $# -gt 0 ]; do
   case $1 in
     --twice) twice=1 ;;
     --no-test) test=0 ;;
+    --built) built=1 ;;
     --suite) suite=${2:?--suite needs a name}; shift ;;
     -h|--help) usage; exit ;;
     *) usage >&2; die "unknown option $1" ;;
@@ -132,10 +134,14 @@ next_version() {
 }
 
 if [ "$test" = 1 ]; then stages=4; else stages=2; fi
-say "1 of $stages: source package"
-source_package
-say "2 of $stages: packages, in a chroot without network (some 15 minutes on two cores)"
-build "$work/built" /build/kaz LANG=C.UTF-8
+if [ "$built" = 1 ]; then
+  ls "$work/built"/*.changes >/dev/null 2>&1 || die "--built: nothing is built yet; leave it out"
+else
+  say "1 of $stages: source package"
+  source_package
+  say "2 of $stages: packages, in a chroot without network (some 15 minutes on two cores)"
+  build "$work/built" /build/kaz LANG=C.UTF-8
+fi
 say "lintian"
 # These are no upload to Debian: there is no bug to close, and no address to write to.
 lintian --fail-on error,warning --suppress-tags initial-upload-closes-no-bugs,bogus-mail-host \
