@@ -111,7 +111,7 @@ build() {
 publish() {
   rm -rf "$out.part"
   mkdir -p "$out.part"
-  cp "$work/built"/kaz_* "$work/built"/*.deb "$out.part"
+  cp "$work/built"/* "$out.part"
   (cd "$out.part" && apt-ftparchive packages . >Packages && gzip -kn9 Packages &&
     apt-ftparchive release . >Release && find . -type f ! -name SHA256SUMS -printf '%P\n' | sort | xargs sha256sum >SHA256SUMS)
   rm -rf "$out"
