@@ -218,6 +218,8 @@ function(kaz_library name)
                                                 $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
                                                 $<INSTALL_INTERFACE:include/kaz>)
   target_link_libraries(kaz_${name} PRIVATE $<BUILD_INTERFACE:kaz_flags> ${ARG_PRIVATE} PUBLIC ${ARG_PUBLIC})
+  # For projects that link an installed one; in the tree all is compiled so.
+  target_compile_features(kaz_${name} INTERFACE $<INSTALL_INTERFACE:cxx_std_20>)
   if(ARG_STRICT)
     target_compile_options(kaz_${name} PRIVATE -Wconversion)
   endif()

@@ -17,7 +17,8 @@ def text_at(data, at, size):
 def read_coff(data):
     magic, sections, _, symbols_at, symbol_count, optional, _ = struct.unpack_from(">HHIIIHH", data)
     if magic not in (0x8302, 0x8304):
-        raise SystemExit("coff_to_elf.py: magic is neither 8302 nor 8304")
+        raise SystemExit("coff_to_elf.py: IN is no program of h8300-hms-ld: its first bytes are neither 8302 "
+                         "nor 8304 (an ELF file needs no conversion)")
     entry = struct.unpack_from(">I", data, 20 + 16)[0] if optional >= 20 else 0
     strings = symbols_at + 18 * symbol_count
     found = []
@@ -95,4 +96,7 @@ def convert(source, target):
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         raise SystemExit(__doc__)
-    convert(sys.argv[1], sys.argv[2])
+    try:
+        convert(sys.argv[1], sys.argv[2])
+    except (OSError, struct.error) as wrong:
+        raise SystemExit(f"coff_to_elf.py: {wrong}") from None

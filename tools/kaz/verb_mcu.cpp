@@ -222,7 +222,9 @@ void add_bare_run(CLI::App& mcu, Action& action) {
 }  // namespace
 
 void add_mcu(CLI::App& program, Action& action) {
-  auto* mcu = program.add_subcommand("mcu", "run or compare the servo board's chip by itself");
+  auto* mcu = program.add_subcommand("mcu",
+                                     "the emulator of the Hitachi H8S/2128: run any image, or "
+                                     "compare the firmware with its native build");
   mcu->require_subcommand(1);
   mcu->footer(
       "Examples:\n"

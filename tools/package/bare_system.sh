@@ -15,16 +15,16 @@ kaz demo --out /tmp/demo
 test -s /tmp/demo/result.json
 kaz conformance --virtual h8 --filter identify
 
-apt-get install -qy --no-install-recommends libkaz-dev python3-kaz kaz-doc >/dev/null
+apt-get install -qy --no-install-recommends kaz-dev python3-kaz kaz-doc >/dev/null
 echo "deb [trusted=yes] file:/srv/next ./" >/etc/apt/sources.list.d/kaz.list
 apt-get update -q
 apt-get upgrade -qy >/dev/null
-dpkg-query -W -f '${db:Status-Abbrev} ${Package} ${Version}\n' kaz kaz-firmware libkaz-dev python3-kaz kaz-doc |
+dpkg-query -W -f '${db:Status-Abbrev} ${Package} ${Version}\n' kaz kaz-firmware kaz-dev python3-kaz kaz-doc |
   tee /tmp/upgraded
 test "$(grep -c '^ii .*+next$' /tmp/upgraded)" = 5
 kaz run stand --out /tmp/stood
 
-packages="kaz kaz-firmware libkaz-dev python3-kaz kaz-doc"
+packages="kaz kaz-firmware kaz-dev python3-kaz kaz-doc"
 # shellcheck disable=SC2086  # several words
 dpkg -L $packages | sort -u >/tmp/files
 # shellcheck disable=SC2086

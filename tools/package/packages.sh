@@ -8,7 +8,7 @@ usage() {
   cat <<'TEXT'
 usage: ./tools/dev packages [--twice] [--no-test] [--built] [--suite S]
 
-Builds the Debian packages of the commit that is checked out (kaz, kaz-firmware, libkaz-dev, python3-kaz, kaz-doc) for Debian 12
+Builds the Debian packages of the commit that is checked out (kaz, kaz-firmware, kaz-dev, python3-kaz, kaz-doc) for Debian 12
 and leaves them in out/packages, an archive that apt can use, with SHA256SUMS. Built without network in a chroot that
 has only what debian/control names; examined by lintian; then installed into a bare system with no compiler, where
 `kaz demo` runs, upgraded, removed, and what is left behind is an error; last, debian/tests run under autopkgtest.
