@@ -22,7 +22,8 @@ if(NOT EXISTS ${toolchain})
   get_filename_component(toolchain ${emcc}/../cmake/Modules/Platform/Emscripten.cmake ABSOLUTE)
 endif()
 set(ENV{EM_CACHE} ${IN}/emscripten-cache)
-set(ENV{EM_FROZEN_CACHE} "")
+# Empty, which means no; set(ENV{...} "") would leave it out, and Debian's configuration says yes.
+set(unfrozen ${CMAKE_COMMAND} -E env EM_FROZEN_CACHE=)
 # Where Debian's node finds node-acorn by itself, and one of another source does not.
 set(ENV{NODE_PATH} /usr/share/nodejs)
 if(DEFINED ENV{KAZ_JOBS})
@@ -31,7 +32,7 @@ if(DEFINED ENV{KAZ_JOBS})
 endif()
 
 function(run what)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status)
+  execute_process(COMMAND ${unfrozen} ${ARGN} RESULT_VARIABLE status)
   if(NOT status EQUAL 0)
     message(FATAL_ERROR "The page of the board is not built: ${what} failed (above)")
   endif()

@@ -203,6 +203,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
   host::WallClock waiting(&interrupt);
   Progress progress("kaz evaluate", options.json);
   int gone = 0;
+  std::size_t at_submission = missing.size();
   while (!missing.empty()) {
     const auto done = static_cast<std::size_t>(slurm.tasks) - missing.size();
     progress.update(static_cast<double>(done) / slurm.tasks,
@@ -218,6 +219,15 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
     if (missing.empty()) break;
     gone = under_way && !*under_way ? gone + 1 : 0;
     if (gone < kLooks) continue;
+    // Tasks that a failing node took along: again, as long as some come through.
+    if (missing.size() < at_submission) {
+      at_submission = missing.size();
+      gone = 0;
+      remove_unfinished(out, slurm.tasks);
+      job = KAZ_TRY(submit(out, slurm, missing));
+      progress.announce(0, "job " + job + ": " + task_list(missing) + " once more");
+      continue;
+    }
     progress.done();
     return fail(Fault::environment, task_list(missing) + " of job " + job +
                                         " ended without a result: see " + out + "/slurm/" + job +

@@ -16,7 +16,7 @@
 namespace kaz::tools {
 
 struct SlurmOptions {
-  int tasks = 0;  // of the array; 0: no Slurm
+  int tasks = 0;                         // of the array; 0: no Slurm
   std::vector<std::string> submit = {};  // options for sbatch
   // How this program was called, without its name: what tasks repeat, as task_words() has it.
   std::vector<std::string> words = {};
@@ -24,8 +24,9 @@ struct SlurmOptions {
 
 // Waits until all parts are there and merges them into options.out, whose result is returned as
 // run_campaign() does. Called again, it waits for the tasks that are under way and submits those that have
-// ended without a part. Errors (environment): no sbatch, or it refuses; tasks that ended without a part,
-// whose output is named. An interrupt ends the waiting alone: the tasks go on.
+// ended without a part; so it does by itself, as long as some parts come. Errors (environment): no sbatch,
+// or it refuses; tasks that ended without a part, whose output is named. An interrupt ends the waiting alone:
+// the tasks go on.
 Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& slurm);
 
 // Of the words of a command line, those that a task repeats.
