@@ -162,6 +162,10 @@ try {
   await page.waitForFunction(() => document.getElementById("connection").textContent.startsWith("not connected"));
   const again = run(port);
   await again.url;
+  // Its token is new: the page looks on, and says why it does no more.
+  await page.waitForFunction(() => document.getElementById("connection").textContent === "live"
+    && document.getElementById("locked").textContent.includes("another run's token"), null, { timeout: 20000 });
+  assert(await page.isVisible("#locked") && await page.isHidden("#hands"), "an old token still controls");
   await page.goto(await again.url);
   await page.waitForFunction(() => document.getElementById("connection").textContent === "live", null, { timeout: 10000 });
   await page.close();

@@ -71,13 +71,28 @@ try {
   await page.locator("#pose-open").setInputFiles({ name: "other.json", mimeType: "application/json",
     buffer: Buffer.from("{}") });
   await page.waitForFunction(() => document.getElementById("pose-note").textContent.includes("other.json"));
-  await page.click("[aria-label='remove pose 1']");
+  for (const [poses, complaint] of [[[{ time_s: 0, angles_rad: { tail: 0 } }], "no joint is called tail"],
+    [[{ time_s: 0, angles_rad: { neck_pan: 9 } }], "must be an angle from"], [[{ time_s: 0 }], "angles_rad"],
+    [[{ time_s: 2, angles_rad: { neck_pan: 0 } }, { time_s: 1, angles_rad: { neck_pan: 0 } }], "greater"],
+    [[null], "time_s"], [[], "at least one"]]) {
+    await page.locator("#pose-open").setInputFiles({ name: "bad.json", mimeType: "application/json",
+      buffer: Buffer.from(JSON.stringify({ format: "kaz-poses-1", poses })) });
+    await page.waitForFunction((text) => document.getElementById("pose-note").textContent.includes(text), complaint);
+    assert.equal(await page.locator("#pose-list li").count(), 3);
+  }
+  for (let i = 0; i < 3; ++i) await page.click("[aria-label='remove pose 1']");
+  assert(await page.isDisabled("#pose-play"), "nothing can be played");
   await page.locator("#pose-open").setInputFiles(`${folder}/poses.json`);
   await page.waitForFunction(() => document.querySelectorAll("#pose-list li").length === 3);
 
   await page.click("#pose-play");
   await page.waitForFunction(() => document.getElementById("phase").textContent === "pose: play");
   await page.waitForFunction(() => document.getElementById("phase").textContent === "pose: hold");
+  // The sliders, which stood at the first pose, go to what the motion left.
+  await page.waitForFunction(() => document.querySelector("[for=pose-of-neck_pan] + input + output").textContent === "31.0°");
+  await page.reload();
+  await page.waitForFunction(() => document.querySelectorAll("#pose-list li").length === 3);
+  await page.waitForSelector("#pose-of-neck_pan");
   await page.click("#pose-end");
   assert.equal(await run.ended, 0, run.text);
   assert.match(run.text, /1 motions played/);

@@ -19,7 +19,11 @@ export class Client {
   private delay = 250;
   private watched: string | undefined;
 
-  constructor(private readonly url: string) {}
+  // The server that is there now has another token: one may look at most.
+  refused = false;
+  private suspected = false;
+
+  constructor(private readonly url: string, private readonly token: string | null) {}
 
   on(topic: string, handler: Handler): void { this.handlers.set(topic, handler); }
   // Those that the server offers, with a name that begins so; `onTopics` says that there are more.
@@ -44,12 +48,22 @@ export class Client {
   }
 
   open(): void {
-    const socket = new WebSocket(this.url, ["foxglove.sdk.v1", "foxglove.websocket.v1"]);
+    const asked = this.token !== null && !this.refused;
+    const url = asked ? `${this.url}?token=${encodeURIComponent(this.token ?? "")}` : this.url;
+    const socket = new WebSocket(url, ["foxglove.sdk.v1", "foxglove.websocket.v1"]);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.topics = new Map();
-    socket.onopen = () => { this.delay = 250; this.onState(true); };
-    socket.onclose = () => {
+    let opened = false;
+    socket.onopen = () => {
+      opened = true;
+      this.suspected = false;
+      this.delay = 250;
+      this.onState(true);
+    };
+    socket.onclose = async () => {
+      if (opened) this.refused = false;
+      else if (this.token !== null) await this.suspect();
       this.onState(false);
       setTimeout(() => this.open(), this.delay);
       this.delay = Math.min(2 * this.delay, 4000);
@@ -58,6 +72,14 @@ export class Client {
       if (typeof data === "string") this.text(data);
       else this.binary(new DataView(data));
     };
+  }
+
+  // A browser does not tell why a socket was not opened: a server that answers before and after an attempt
+  // with the token has refused it.
+  private async suspect(): Promise<void> {
+    const there = await fetch("/", { cache: "no-store" }).then(() => true, () => false);
+    this.refused = there && (this.refused || this.suspected);
+    this.suspected = there;
   }
 
   // A line of what is to be done by hand; only for who has the token.

@@ -26,8 +26,9 @@ element("theme").onclick = () => {
 };
 
 const token = new URLSearchParams(location.search).get("token");
-const client = new Client(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${
-  token === null ? "" : `?token=${encodeURIComponent(token)}`}`);
+const client = new Client(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`, token);
+// May things be done here? Not with the token of a program that ended.
+const trusted = () => token !== null && !client.refused;
 const scene = new Scene(element<HTMLCanvasElement>("view"));
 const plot = new Plot(element<HTMLCanvasElement>("plot"));
 const torque = new TorquePlot(element<HTMLCanvasElement>("torque"));
@@ -42,16 +43,19 @@ let robot: Pose | undefined;
 let pictures = 0;
 
 client.onState = (open) => {
-  output("connection", open ? "live" : "not connected: trying again");
+  output("connection", open ? "live" : client.refused
+    ? "not connected: this address has another run's token; open the one that the program printed" : "not connected: trying again");
   element("player").hidden = true;
 };
 client.onInfo = (info) => {
   end = info.capabilities.includes("playbackControl") ? info.end : undefined;
   element("player").hidden = end === undefined;
   if (end !== undefined) output("connection", "recording");
-  element("locked").hidden = token !== null;
-  hands.offer(token !== null && info.capabilities.includes("clientPublish"));
-  poses.offer(token !== null && info.capabilities.includes("clientPublish"));
+  element("locked").hidden = trusted();
+  output("locked", client.refused ? "another run's token: open the address that this one printed to control"
+    : "open the address with its token to control");
+  hands.offer(trusted() && info.capabilities.includes("clientPublish"));
+  poses.offer(trusted() && info.capabilities.includes("clientPublish"));
 };
 client.onTime = (seconds) => { time = seconds; };
 client.onRefusal = (sentence) => output("refusal", sentence);
@@ -64,7 +68,7 @@ client.on("/behavior", (_r, _s, data) => {
   const state = JSON.parse(new TextDecoder().decode(data)) as { behavior?: string; phase?: string };
   if (state.phase === undefined) return;
   output("phase", `${state.behavior ?? ""}: ${state.phase}`);
-  poses.behavior(state.behavior ?? "");
+  poses.behavior(state.behavior ?? "", state.phase);
 });
 
 const joints = element<HTMLSelectElement>("joint");
@@ -78,7 +82,7 @@ client.on("/board/state", (r) => {
     joints.selectedIndex = plot.joint = torque.joint = Math.max(0, pan);
   }
   plot.add(state);
-  poses.board(state.names, state.measured);
+  poses.board(state.names, state.target, state.measured);
   plotDue = true;
   output("supply", state.supply > 0 ? `${state.supply.toFixed(2)} V` : "–");
   const flags = ["motors on", "moving", "holding", "unlocked", "raw drive", "telemetry", "uncalibrated", "missed a tick"];

@@ -8,6 +8,8 @@ interface File { format: string; poses: Pose[] }
 const FORMAT = "kaz-poses-1";
 const DEGREE = Math.PI / 180;
 const STEP = 0.5;  // degrees, of a slider
+const LONGEST_S = 600;
+const KEPT = "poses";  // in the tab's storage: what is not saved outlives a reload
 
 function element<T extends HTMLElement>(id: string): T { return document.getElementById(id) as T; }
 // As the wire carries angles: units of 0.1 mrad.
@@ -15,22 +17,29 @@ const round = (rad: number) => Math.round(rad * 1e4) / 1e4;
 
 export class Poses {
   private limits: Record<string, [number, number]> = {};
-  private readonly sliders = new Map<string, { range: HTMLInputElement; text: HTMLOutputElement }>();
+  // The angle is exact, where the slider has steps.
+  private readonly sliders = new Map<string, { range: HTMLInputElement; text: HTMLOutputElement; rad: number }>();
   private poses: Pose[] = [];
   private allowed = false;
   private running = false;
   private measured: Record<string, number> | undefined;
+  private playing = false;
+  private follow = 0;  // messages of the board until the sliders go where the joints are held
   private readonly due = new Map<string, number>();  // targets that were not sent yet
   private timer = 0;
 
   constructor(private readonly send: (line: string) => void) {
     element("pose-keep").onclick = () => this.keep();
-    element("pose-play").onclick = () => { if (this.poses.length > 0) this.send(`play ${this.text()}`); };
+    element("pose-play").onclick = () => { this.note(""); this.send(`play ${this.text()}`); };
     element("pose-stop").onclick = () => this.send("stop");
     element("pose-end").onclick = () => this.send("end");
     element("pose-save").onclick = () => this.save();
     element<HTMLInputElement>("pose-open").onchange = (event) => void this.open(event.target as HTMLInputElement);
+    this.poses = JSON.parse(sessionStorage.getItem(KEPT) ?? "[]") as Pose[];
+    this.list();
   }
+
+  private note(text: string): void { element("pose-note").textContent = text; }
 
   // Of the program that the page is connected to now.
   offer(allowed: boolean): void {
@@ -45,16 +54,24 @@ export class Poses {
     });
   }
 
-  behavior(name: string): void {
+  behavior(name: string, phase: string): void {
     this.running = name === "pose";
     this.show();
+    if (!this.running) return;
+    if (phase.startsWith("refused: ")) this.note(phase);
+    // The message that is on its way now may be older than the end of the motion.
+    if (this.playing && phase !== "play") this.follow = 2;
+    this.playing = phase === "play";
   }
 
-  // The first of a run is where the sliders begin.
-  board(names: string[], measured: number[]): void {
-    if (this.measured || !this.running) return;
-    this.measured = Object.fromEntries(names.map((name, i) => [name, measured[i] ?? 0]));
-    for (const name of this.sliders.keys()) this.place(name, this.measured[name] ?? 0);
+  // The sliders begin where the joints are, and follow a motion when it ends.
+  board(names: string[], target: number[], measured: number[]): void {
+    if (!this.running) return;
+    const first = this.measured === undefined;
+    if (!first && (this.follow === 0 || --this.follow > 0)) return;
+    const angle = (i: number) => (first || !Number.isFinite(target[i]) ? measured[i] : target[i]) ?? 0;
+    this.measured = Object.fromEntries(names.map((name, i) => [name, angle(i)]));
+    for (const name of this.sliders.keys()) if (!this.due.has(name)) this.place(name, this.measured[name] ?? 0);
   }
 
   private show(): void {
@@ -71,7 +88,7 @@ export class Poses {
       const text = document.createElement("output");
       range.oninput = () => this.turn(name, Number(range.value) * DEGREE);
       element("pose-joints").append(label, range, text);
-      this.sliders.set(name, { range, text });
+      this.sliders.set(name, { range, text, rad: 0 });
       this.place(name, this.measured?.[name] ?? 0);
     }
   }
@@ -79,15 +96,16 @@ export class Poses {
   private place(name: string, rad: number): void {
     const slider = this.sliders.get(name);
     if (!slider) return;
-    slider.range.value = String(rad / DEGREE);
-    slider.text.textContent = `${(rad / DEGREE).toFixed(1)}°`;
+    const [low, high] = this.limits[name] ?? [rad, rad];
+    slider.rad = round(Math.min(high, Math.max(low, rad)));
+    slider.range.value = String(slider.rad / DEGREE);
+    slider.text.textContent = `${(slider.rad / DEGREE).toFixed(1).replace(/^-0\.0$/, "0.0")}°`;
   }
 
   // At most 20 times a second.
   private turn(name: string, rad: number): void {
     this.place(name, rad);
-    const [low, high] = this.limits[name] ?? [rad, rad];
-    this.due.set(name, round(Math.min(high, Math.max(low, rad))));
+    this.due.set(name, this.sliders.get(name)?.rad ?? rad);
     if (this.timer !== 0) return;
     this.timer = window.setTimeout(() => {
       this.timer = 0;
@@ -97,17 +115,23 @@ export class Poses {
   }
 
   private angles(): Record<string, number> {
-    return Object.fromEntries([...this.sliders].map(([name, { range }]) => [name, round(Number(range.value) * DEGREE)]));
+    return Object.fromEntries([...this.sliders].map(([name, { rad }]) => [name, rad]));
   }
 
   private keep(): void {
     const gap = Number(element<HTMLInputElement>("pose-gap").value);
     const last = this.poses.at(-1);
-    this.poses.push({ time_s: last ? round(last.time_s + (gap > 0 ? gap : 1)) : 0, angles_rad: this.angles() });
+    const time = last ? round(last.time_s + gap) : 0;
+    if (last && !(gap > 0)) return this.note("not kept: a pose comes more than 0 s after the last");
+    if (time > LONGEST_S) return this.note(`not kept: it would come at ${time} s, and a motion lasts ${LONGEST_S} s at most`);
+    this.note("");
+    this.poses.push({ time_s: time, angles_rad: this.angles() });
     this.list();
   }
 
   private list(): void {
+    sessionStorage.setItem(KEPT, JSON.stringify(this.poses));
+    for (const id of ["pose-play", "pose-save"]) element<HTMLButtonElement>(id).disabled = this.poses.length === 0;
     element("pose-list").replaceChildren(...this.poses.map((pose, i) => {
       const row = document.createElement("li");
       row.className = "row";
@@ -115,7 +139,10 @@ export class Poses {
       Object.assign(time, { type: "number", min: "0", max: "600", step: "0.1", value: String(pose.time_s) });
       time.setAttribute("aria-label", `time of pose ${i + 1}, s`);
       time.onchange = () => {
-        pose.time_s = Math.min(600, Math.max(0, Number(time.value)));
+        const given = time.value === "" ? NaN : Number(time.value);
+        const free = given >= 0 && given <= LONGEST_S && this.poses.every((other) => other === pose || other.time_s !== given);
+        this.note(free ? "" : `a time is 0 to ${LONGEST_S} s, and no other pose's`);
+        if (free) pose.time_s = given;
         this.poses.sort((a, b) => a.time_s - b.time_s);
         this.list();
       };
@@ -127,8 +154,17 @@ export class Poses {
       };
       row.append(time, " s ",
         button("show", () => { for (const [name, rad] of Object.entries(pose.angles_rad)) this.turn(name, rad); }),
-        button("replace", () => { pose.angles_rad = this.angles(); }),
-        button("remove", () => { this.poses.splice(i, 1); this.list(); }));
+        button("replace", () => {
+          pose.angles_rad = this.angles();
+          this.list();
+          this.note(`pose ${i + 1} replaced`);
+        }),
+        button("remove", () => {
+          this.poses.splice(i, 1);
+          this.list();
+          const next = element("pose-list").children[Math.min(i, this.poses.length - 1)];
+          (next?.querySelector<HTMLElement>("button:last-child") ?? element("pose-keep")).focus();
+        }));
       return row;
     }));
   }
@@ -147,17 +183,40 @@ export class Poses {
     const file = input.files?.[0];
     input.value = "";
     if (!file) return;
-    const note = element("pose-note");
     try {
-      const read = JSON.parse(await file.text()) as File;
-      const good = read.format === FORMAT && Array.isArray(read.poses) && read.poses.every(({ time_s, angles_rad }) =>
-        Number.isFinite(time_s) && typeof angles_rad === "object" && Object.values(angles_rad).every(Number.isFinite));
-      if (!good) throw new Error(`it is no file of poses: "format" must be "${FORMAT}"`);
-      this.poses = read.poses;
+      this.poses = this.parse(await file.text());
       this.list();
-      note.textContent = "";
+      this.note("");
     } catch (error) {
-      note.textContent = `${file.name}: ${error instanceof Error ? error.message : String(error)}`;
+      this.note(`${file.name}: ${error instanceof Error ? error.message : String(error)}`);
     }
+  }
+
+  // What the program would refuse to play is not opened. Throws with a sentence.
+  private parse(text: string): Pose[] {
+    if (text.trim() === "") throw new Error("it is empty");
+    const read = JSON.parse(text) as Partial<File> | null;
+    if (read === null || typeof read !== "object" || read.format !== FORMAT)
+      throw new Error(`it is no file of poses: "format" must be "${FORMAT}"`);
+    const poses: unknown = read.poses;
+    if (!Array.isArray(poses) || poses.length === 0) throw new Error('"poses" must be a list of at least one');
+    let before = -1;
+    return poses.map((entry: unknown, i) => {
+      const { time_s, angles_rad } = (entry ?? {}) as Partial<Pose>;
+      const where = `pose ${i + 1}`;
+      if (typeof time_s !== "number" || time_s <= before || time_s < 0 || time_s > LONGEST_S)
+        throw new Error(`${where}: "time_s" must be a number, 0 to ${LONGEST_S}, greater than that of the pose before`);
+      before = time_s;
+      if (angles_rad === null || typeof angles_rad !== "object" || Object.keys(angles_rad).length === 0)
+        throw new Error(`${where}: "angles_rad" must have the angle of a joint at least`);
+      for (const [name, rad] of Object.entries(angles_rad)) {
+        const limits = this.limits[name];
+        if (!limits) throw new Error(`${where}: no joint is called ${name}`);
+        // What a file rounds is within.
+        if (typeof rad !== "number" || rad < limits[0] - 1e-4 || rad > limits[1] + 1e-4)
+          throw new Error(`${where}: ${name} must be an angle from ${limits[0].toFixed(3)} to ${limits[1].toFixed(3)} rad`);
+      }
+      return { time_s, angles_rad };
+    });
   }
 }
