@@ -23,9 +23,9 @@ struct PoseRequest {
 
 // Of a run that nobody can make requests of.
 inline constexpr const char* kNoRequests =
-    "pose: joints are set on the page of --view, of the virtual robot; give --view, or play a file "
-    "with "
-    "kaz run play --poses FILE";
+    "pose: joints are set on the page of --view, and of the virtual robot alone: give --view and "
+    "no "
+    "--robot; a robot at a port plays files: kaz run play --poses FILE";
 
 // Errors (usage) state what was expected.
 Result<PoseRequest> parse_pose_request(std::string_view line);

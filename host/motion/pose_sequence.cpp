@@ -77,8 +77,16 @@ Value between(const Knot& a, const Knot& b, double time_s) {
 Result<PoseSequence> parse_poses(std::string_view text, const std::string& name) {
   if (text.size() > kMaxPosesBytes) return wrong(name, "it is larger than 1 MiB");
   if (json_too_deep(text)) return wrong(name, "it is nested too deeply");
-  const Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) return wrong(name, "it is no JSON object");
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const std::string_view before = text.substr(0, error.byte);
+    return wrong(name, "it is no JSON object: line " +
+                           std::to_string(1 + std::ranges::count(before, '\n')) +
+                           " cannot be read as JSON");
+  }
+  if (!json.is_object()) return wrong(name, "it is no JSON object");
   for (const auto& [key, value] : json.items()) {
     if (key != "format" && key != "poses") return wrong(name, "\"" + key + "\" is not known here");
   }

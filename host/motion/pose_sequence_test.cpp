@@ -44,6 +44,7 @@ TEST(Poses, WhatIsWrongIsNamed) {
   const std::string one = R"({"time_s": 1, "angles_rad": {"pan": 0}})";
   for (const auto& [text, hint] : std::vector<std::pair<std::string, std::string>>{
            {"", "no JSON object"},
+           {"{\"format\": \"kaz-poses-1\",\n \"poses\": [,]}", "line 2"},
            {"[]", "no JSON object"},
            {R"({"poses": []})", "\"format\" must be"},
            {file(""), "a list of 1 to 1000"},
