@@ -8,5 +8,6 @@ cd "$2"
 "$kaz" man >kaz.1
 sed -n "s/^ *'kaz \([a-z -]*\)') words=.*/\1/p" kaz | while read -r verb; do
   # shellcheck disable=SC2086  # several words
-  "$kaz" man $verb >"kaz-$(echo "$verb" | tr ' ' -).1"
+  # Where this build found its firmware is no fact of an installed one.
+  "$kaz" man $verb | sed '/^The firmware of this kaz: /d' >"kaz-$(echo "$verb" | tr ' ' -).1"
 done
