@@ -7,7 +7,9 @@ cd "$2"
 "$kaz" completion bash >kaz
 "$kaz" man >kaz.1
 sed -n "s/^ *'kaz \([a-z -]*\)') words=.*/\1/p" kaz | while read -r verb; do
+  page=kaz-$(echo "$verb" | tr ' ' -).1
   # shellcheck disable=SC2086  # several words
+  "$kaz" man $verb >"$page"
   # Where this build found its firmware is no fact of an installed one.
-  "$kaz" man $verb | sed '/^The firmware of this kaz: /d' >"kaz-$(echo "$verb" | tr ' ' -).1"
+  sed -i '/^The firmware of this kaz: /d' "$page"
 done
