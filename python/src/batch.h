@@ -48,8 +48,8 @@ struct BatchState {
   std::vector<double> measured;  // robots x 18, rad
   std::vector<double>
       inertial;               // robots x 3: yaw rate rad/s, specific force forward and left m/s^2
-  std::vector<double> trunk;  // robots x 7: position m, quaternion x y z w
-  std::vector<double> ball;   // robots x 3, m; 0 where the world has none
+  std::vector<double> trunk;  // robots x 7, world frame: position m, quaternion x y z w
+  std::vector<double> ball;   // robots x 3, world frame, m; 0 where the world has none
   std::vector<std::uint8_t> off;  // the board has switched its motors off
 };
 
@@ -62,12 +62,12 @@ class Batch {
   // Robot `i` anew, for those with a seed: powered on, enabled, moved to the posture, settled. The seed is
   // that of the sensors' noise.
   Result<void> reset(std::span<const std::optional<std::uint64_t>> seeds);
-  // One period of all robots but those of `resting`. `targets`: robots x 18, rad; clipped to the joints'
-  // limits.
+  // One period of all robots but those whose entry of `resting` (one each) is not 0. `targets`: robots x 18,
+  // rad; clipped to the joints' limits. Errors: before reset(); a robot's chip or board has stopped.
   Result<void> step(std::span<const double> targets, std::span<const std::uint8_t> resting);
-  // In the next period, N s.
+  // In the next period, N s, world frame. Errors, here and below: no such robot, link or model.
   Result<void> push(int robot, const std::string& link, const Eigen::Vector3d& impulse);
-  // Changes an object's velocity, m/s.
+  // Changes an object's velocity, m/s, world frame.
   Result<void> accelerate(int robot, const std::string& model, const Eigen::Vector3d& change);
   const BatchState& state() const { return state_; }
   const BatchOptions& options() const { return options_; }

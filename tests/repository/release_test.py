@@ -111,20 +111,13 @@ def build(folder):
     output("cmake", "--build", folder / "build")
 
 
+def make_words(folder):
+    options = ["--build", folder / "build", "--out", folder / "out/release"]
+    return [sys.executable, "-B", RELEASE, "make", folder, *options]
+
+
 def make(folder, *more, **settings):
-    return run(
-        sys.executable,
-        "-B",
-        RELEASE,
-        "make",
-        folder,
-        "--build",
-        folder / "build",
-        "--out",
-        folder / "out/release",
-        *more,
-        **settings,
-    )
+    return run(*make_words(folder), *more, **settings)
 
 
 def left(folder):
@@ -282,17 +275,7 @@ def check_refusals(folder):
     # Interrupted while it works: the first sign of work is the folder beside.
     for number in (signal.SIGINT, signal.SIGTERM):
         child = subprocess.Popen(
-            [
-                sys.executable,
-                "-B",
-                RELEASE,
-                "make",
-                folder,
-                "--build",
-                folder / "build",
-                "--out",
-                folder / "out/release",
-            ],
+            make_words(folder),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
