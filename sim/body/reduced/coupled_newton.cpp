@@ -15,9 +15,7 @@
 // step in twenty needs it, and two or three iterations are enough.
 //
 // The merit function may have a local minimum that is no zero, where many contacts change between sticking,
-// slipping and open. Then contacts are made softer, normal and tangential alike, and hardened step by step,
-// each solution being where the next search begins (continuation, also called homotopy: E. Allgower & K.
-// Georg, "Introduction to Numerical Continuation Methods", 1990). Few steps of many catches need that.
+// slipping and open: then friction_path.cpp.
 #include <algorithm>
 #include <cmath>
 
@@ -36,8 +34,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kSteps = 24, kHalvings = 24;
-// Continuation begins with contacts that are softer by this factor; exactness on the way, m/s or rad/s.
-constexpr double kSoftest = 16, kOnTheWay = 1e-4;
 // Share of the decrease that the derivative promises, which a shortened step must reach (Armijo).
 constexpr double kMinDecrease = 1e-4;
 
@@ -187,23 +183,6 @@ int VelocitySolver::solve_coupled(std::span<const double> momentum, std::span<do
     before = now;
   }
   return kSteps;
-}
-
-int VelocitySolver::solve_softened(std::span<const double> momentum, std::span<double> v,
-                                   double tolerance, double& left) {
-  const auto harden = [this](double factor) {
-    for (const int i : its_points_) {
-      Contact& contact = points_[at(i)];
-      for (double* of : {&contact.hardness, &contact.firmness, &contact.moment_firm}) *of *= factor;
-    }
-  };
-  int steps = 0;
-  for (double softer = kSoftest; softer >= 1; softer /= 2) {
-    harden(1 / softer);  // powers of two: exact
-    steps += solve_coupled(momentum, v, softer > 1 ? kOnTheWay : tolerance, left);
-    harden(softer);
-  }
-  return steps;
 }
 
 }  // namespace kaz::sim

@@ -18,10 +18,10 @@ constexpr double kSafety = 0.05;
 constexpr double kNear = 1e-3;
 constexpr double kMaxExtrapolation = 4;  // in units of the last change
 
-// After this many iterations normal forces and friction radii are solved for together. Where that fails,
-// as in a jamming wedge, one after the other with under-relaxed radii, and together again after each
-// kRelaxedSteps.
-constexpr int kPatience = 12, kRelaxedSteps = 8;
+// After this many iterations normal forces and friction radii are solved for together, and where that fails
+// along a path. Where there is no solution, as in a jamming wedge, one after the other again, by this much.
+constexpr int kPatience = 12;
+constexpr double kRelaxed = 0.25;
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -205,36 +205,19 @@ void VelocitySolver::accelerate() {
   });
 }
 
-int VelocitySolver::solve_island(std::span<const double> momentum, std::span<double> v,
-                                 double tolerance, int max_steps) {
+int VelocitySolver::iterate(std::span<const double> momentum, std::span<double> v, double tolerance,
+                            int max_steps, double relaxed, double& left) {
   const BlockMatrix::Island& island = matrix_.islands()[island_];
   matrix_.multiply(island, v.data(), inertia_v_.data());
   relaxation_ = 1;
   gradient(momentum, v);
-  double left = change_left();
+  relaxation_ = relaxed;
+  left = change_left();
   int steps = 0;
   bool near = false;  // same active set as in the iteration before, and that changed little
-  double relaxed = 1;
-  int next_coupled = kPatience;
   while (steps < max_steps && left > kSafety * tolerance) {
-    if (steps >= next_coupled) {
-      start_.assign(v.begin(), v.end());
-      steps += solve_coupled(momentum, v, tolerance, left);
-      if (left > tolerance) {
-        std::ranges::copy(start_, v.begin());
-        steps += solve_softened(momentum, v, tolerance, left);
-      }
-      if (left <= tolerance) break;
-      next_coupled = steps + kRelaxedSteps;
-      std::ranges::copy(start_, v.begin());
-      matrix_.multiply(island, v.data(), inertia_v_.data());
-      gradient(momentum, v);
-      near = false;
-      relaxed = 0.25;
-    }
     ++steps;
     // Newton step: (M + J^T D J) d = -g with D = -dl/du.
-    relaxation_ = relaxed;
     if (!near) {
       add_stiffness();
       matrix_.factor(island);
@@ -258,6 +241,25 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
     gradient(momentum, v);
     if (left <= tolerance) break;
     near = left < kNear && length == 1 && !pattern_changed();
+  }
+  return steps;
+}
+
+int VelocitySolver::solve_island(std::span<const double> momentum, std::span<double> v,
+                                 double tolerance, int max_steps) {
+  double left = 0;
+  int steps = iterate(momentum, v, tolerance, std::min(kPatience, max_steps), 1, left);
+  if (left > tolerance && steps < max_steps) {
+    start_.assign(v.begin(), v.end());
+    steps += solve_coupled(momentum, v, tolerance, left);
+  }
+  if (left > tolerance && steps < max_steps) {
+    std::ranges::copy(start_, v.begin());
+    steps += solve_along_path(momentum, v, tolerance, left);
+  }
+  if (left > tolerance && steps < max_steps) {
+    std::ranges::copy(start_, v.begin());
+    steps += iterate(momentum, v, tolerance, max_steps - steps, kRelaxed, left);
   }
   residual_ = worse(residual_, left);
   return steps;

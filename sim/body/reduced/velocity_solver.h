@@ -15,7 +15,8 @@
 // contact slips. Newton's method with an exact line search converges in few iterations however many points
 // share a load; after each iteration the radii are updated from l_n. This is Coulomb's law without the
 // artefact of the convex cone, where friction lifts a sliding body. Where the radii do not converge in a
-// dozen iterations, Newton's method goes on with the radii as functions of v (coupled_newton.cpp).
+// dozen iterations, Newton's method goes on with the radii as functions of v (coupled_newton.cpp), and where
+// that finds no solution, one is reached along the path of growing friction (friction_path.cpp).
 //
 // All contact points of a pair of bodies act on one relative motion of six components. Their stiffness is
 // therefore summed in 6 x 6 first and then mapped to the coordinates.
@@ -172,12 +173,16 @@ class VelocitySolver {
   static void add_coupled_stiffness(const Contact& contact, Stiffness& k);
   void assemble_coupled(std::span<const int> coordinates);
   double merit() const;
-  // Both from v, with the number of iterations; `left`: the velocity change of the last. Above `tolerance` v
-  // is no solution. solve_softened() begins with softer contacts.
+  // From v, with the number of iterations; `left`: the velocity change of the last. Above `tolerance` v is no
+  // solution.
   int solve_coupled(std::span<const double> momentum, std::span<double> v, double tolerance,
                     double& left);
-  int solve_softened(std::span<const double> momentum, std::span<double> v, double tolerance,
-                     double& left);
+  // friction_path.cpp
+  class FrictionPath;
+  int solve_along_path(std::span<const double> momentum, std::span<double> v, double tolerance,
+                       double& left);
+  int iterate(std::span<const double> momentum, std::span<double> v, double tolerance,
+              int max_steps, double relaxed, double& left);
   int solve_island(std::span<const double> momentum, std::span<double> v, double tolerance,
                    int max_steps);
 

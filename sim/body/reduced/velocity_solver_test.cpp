@@ -4,17 +4,24 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <string>
 
 #include <Eigen/Dense>
 
+#include "shared/base/random.hpp"
+
 namespace kaz::sim {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+double normal(Random& random) {
+  return keyed_normal(random.next(), 0, 0);
+}
 
 // A step as testdata/README.md has it, with everything dense for the judgement.
 class RecordedStep {
@@ -41,9 +48,26 @@ class RecordedStep {
   }
   bool is_whole() const { return whole_file_; }
 
+  // Another step of the same bodies: other friction, up to twice as much, impulses before from none to twice
+  // as large, and other momenta and velocities of contacts.
+  void disturb(Random& random) {
+    const double friction = std::pow(2.0, random.uniform()), before = 2 * random.uniform(),
+                 share = 0.3 * random.uniform();
+    for (VelocitySolver::Point& point : points_) {
+      point.mu *= friction;
+      point.before *= before * (1 + share * normal(random));
+      point.target += 0.02 * share * normal(random);
+    }
+    for (std::size_t k = 0; k < momentum_.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      momentum_[k] += 0.3 * share * inertia_(i, i) * normal(random);
+    }
+  }
+
   VelocitySolver& solve() {
+    for (const VelocitySolver::Point& point : points_) solver_.add_point(point);
     solver_.close();
-    solver_.solve(momentum_, velocity_, 1e-8, 100);
+    solver_.solve(momentum_, velocity_, 1e-8, 300);
     return solver_;
   }
 
@@ -159,7 +183,6 @@ class RecordedStep {
     for (int i = 0; i < 3; ++i) point.arm[i] = number();
     for (int i = 0; i < 6; ++i) point.before[i] = number();
     points_.push_back(point);
-    solver_.add_point(point);
   }
 
   std::ifstream file_;
@@ -172,19 +195,40 @@ class RecordedStep {
   std::vector<double> momentum_, velocity_;
 };
 
-class Unconverged : public testing::TestWithParam<int> {};
+class Unconverged : public testing::TestWithParam<int> {
+ protected:
+  static std::string path() {
+    const std::string number = std::to_string(GetParam());
+    return "sim/body/reduced/testdata/unconverged_" + std::string(number.size() < 2 ? "0" : "") +
+           number + ".txt";
+  }
+  // Velocities are exact to 1e-8 m/s or rad/s; stiff contacts make up to some ten times that of it.
+  static void expect_law(const RecordedStep& step, double max_imbalance) {
+    double worst_friction = 0;
+    EXPECT_LT(step.imbalance(worst_friction), max_imbalance);
+    EXPECT_LT(worst_friction, 1e-10);
+  }
+};
 
 TEST_P(Unconverged, IsSolvedNow) {
-  const std::string number = std::to_string(GetParam());
-  RecordedStep step("sim/body/reduced/testdata/unconverged_" +
-                    std::string(number.size() < 2 ? "0" : "") + number + ".txt");
+  RecordedStep step(path());
   ASSERT_TRUE(step.is_whole());
   const VelocitySolver& solver = step.solve();
   EXPECT_LE(solver.residual(), 1e-8);
-  EXPECT_LE(solver.steps(), GetParam() <= 10 ? 30 : 100);  // those above 10 need continuation
-  double worst_friction = 0;
-  EXPECT_LT(step.imbalance(worst_friction), 1e-7);
-  EXPECT_LT(worst_friction, 1e-10);
+  EXPECT_LE(solver.steps(), GetParam() <= 10 ? 30 : 100);  // 11 needs the path of growing friction
+  expect_law(step, 1e-7);
+}
+
+// Two or three in a thousand of these need the path of growing friction (friction_path.cpp).
+TEST_P(Unconverged, IsSolvedHoweverDisturbed) {
+  Random random(static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 300 && !HasFailure(); ++i) {
+    SCOPED_TRACE("disturbed for the " + std::to_string(i + 1) + ". time");
+    RecordedStep step(path());
+    step.disturb(random);
+    EXPECT_LE(step.solve().residual(), 1e-8);
+    expect_law(step, 3e-7);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Recorded, Unconverged, testing::Range(1, 12));
