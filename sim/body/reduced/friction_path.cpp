@@ -7,15 +7,15 @@
 //
 // are curves in the space of (v, t). At t = 0 there is one solution, the minimum of a convex function; the
 // curve that begins there is followed until t = 1. It may turn back in t (a grasp that with more friction
-// jams in another way), so t is an unknown like v, and the curve's parameter is its length s: pseudo-arclength
+// jams in another way), so t is an unknown like v, and the curve's parameter is its length: pseudo-arclength
 // continuation (H. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", 1977; E.
-// Allgower & K. Georg, "Introduction to Numerical Continuation Methods", 1990, chapters 2 and 6). On each piece
-// of F the direction along the curve is
+// Allgower & K. Georg, "Introduction to Numerical Continuation Methods", 1990, chapters 2 and 6). On each
+// piece of F the direction along the curve is
 //
 //   (v', t') = sign(det H) (-H^-1 dF/dt, 1) / |...|        H = dF/dv, not symmetric
 //
-// where the determinant's sign, positive at t = 0, says which way is ahead, also across the edges between
-// pieces, at which the direction jumps (B. Eaves & H. Scarf, "The solution of systems of piecewise linear
+// The determinant's sign, positive at t = 0, says which way is ahead, also across the edges between pieces,
+// at which the direction jumps (B. Eaves & H. Scarf, "The solution of systems of piecewise linear
 // equations", Mathematics of Operations Research 1(1), 1976).
 #include <algorithm>
 #include <array>
