@@ -49,6 +49,13 @@ TEST_F(Bench, EmulatorAndFirmwareAreMeasured) {
   EXPECT_FALSE(all.contains("mcu.tick_median"));
 }
 
+// The time of all threads, under a name of Google Benchmark's own.
+TEST_F(Bench, AllModulesOnAPairAreMeasured) {
+  ASSERT_EQ(run("--quick --filter vision.pipeline --json " + json_.string()), 0);
+  for (const char* name : {"vision.pipeline_ms.320", "vision.pipeline_ms.640"})
+    EXPECT_GT(numbers().value(name, 0.0), 0) << name;
+}
+
 // Simulated time: what is due has to be reached here.
 TEST_F(Bench, FlashingIsMeasured) {
   for (int k = 0; k < 2; ++k) {

@@ -15,7 +15,7 @@ namespace {
 // cloning; many worlds.
 std::vector<Name> dynamics() {
   using sim::bench::name_of;
-  std::vector<Name> names{{name_of("step_us", "walking"), "us", 25, 12, false, 1}};
+  std::vector<Name> names{{name_of("step_us", "walking"), "us", 16, 12, false, 1}};
   for (const std::string load : sim::bench::kLoads) {
     for (const auto& [what, unit] : {std::pair{"step_us", "us"},
                                      {"step_kinstr", "k instr"},
@@ -51,7 +51,7 @@ std::vector<Name> all_names() {
       {"mcu.host_per_guest.matrix", "instr", 0, 0, false, 1},
       {"mcu.host_per_guest.mix", "instr", 0, 0, false, 1},
       {"mcu.host_per_guest.firmware", "instr", 0, 0, false, 1},
-      {"mcu.firmware_x", "x real", 50, 200, true, 1},
+      {"mcu.firmware_x", "x real", 120, 200, true, 1},
       {"mcu.tick_worst", "% of tick", 75, 60, false, 1},
       {"mcu.tick_median", "% of tick", 45, 35, false, 1},
       {"wire.rate_hz", "Hz", 100, 0, true, 1},
@@ -84,7 +84,7 @@ std::vector<Name> all_names() {
       {"vision.regions_ms.640", "ms", 2, 0.4, false, 3},
       {"vision.ball_ms.320", "ms", 0, 0, false, 3},
       {"vision.ball_ms.640", "ms", 0, 0, false, 3},
-      {"vision.depth_ms.320", "ms", 2.4, 1.2, false, 3},
+      {"vision.depth_ms.320", "ms", 1.2, 0, false, 3},
       {"vision.depth_ms.640", "ms", 22, 11, false, 3},
       {"peer.opencv_stereobm_ms.320", "ms", 0, 0, false, 3},
       {"peer.opencv_stereobm_ms.640", "ms", 0, 0, false, 3},
@@ -94,7 +94,7 @@ std::vector<Name> all_names() {
       {"vision.edges_ms.640", "ms", 0, 0, false, 3},
       {"vision.map_ms.320", "ms", 0.5, 0, false, 3},
       {"vision.map_ms.640", "ms", 0, 0, false, 3},
-      {"vision.pipeline_ms.320", "ms", 8, 4, false, 3},
+      {"vision.pipeline_ms.320", "ms", 3.5, 2.5, false, 3},
       {"vision.pipeline_ms.640", "ms", 0, 0, false, 3},
       {"vision.flow_ms.320", "ms", 0.8, 0.55, false, 3},
       {"vision.flow_ms.640", "ms", 4, 2.7, false, 3},
