@@ -75,6 +75,13 @@ TEST(DynamicsTable, Sliding) {
   EXPECT_LT(errors.of("block on a slope of 35", "acceleration"), 1e-6);
 }
 
+// Friction that changes the normal force which bounds it.
+TEST(DynamicsTable, Braking) {
+  const Errors errors(brake);
+  EXPECT_LT(errors.of("shoe on a lever", "deceleration, trailing"), 1e-6);
+  EXPECT_LT(errors.of("shoe on a lever", "deceleration, leading"), 1e-6);
+}
+
 TEST(DynamicsTable, Rolling) {
   const Errors errors(roll);
   EXPECT_LT(errors.of("ball rolls down", "acceleration"), 1e-6);

@@ -44,11 +44,12 @@ void fly(const std::string& stepper, Table& table);
 void swing(const std::string& stepper, Table& table);
 void swing_by_step(const std::string& stepper, Table& table);
 void slide(const std::string& stepper, Table& table);
+void brake(const std::string& stepper, Table& table);
 void roll(const std::string& stepper, Table& table);
 void stand(const std::string& stepper, Table& table);
 
 inline void run_all(const std::string& stepper, Table& table) {
-  for (const auto scene : {fly, swing, slide, roll, stand}) scene(stepper, table);
+  for (const auto scene : {fly, swing, slide, brake, roll, stand}) scene(stepper, table);
 }
 
 }  // namespace kaz::dynamics_table
