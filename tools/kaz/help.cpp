@@ -109,6 +109,60 @@ std::string exit_status(const CLI::App& app, const std::string& differing) {
   return all + ".";
 }
 
+// The last space up to `columns` that is not in quotes, nor in the first `indent` columns.
+std::size_t last_space(const std::string& line, std::size_t columns, std::size_t indent) {
+  std::size_t found = std::string::npos;
+  char quote = 0;
+  for (std::size_t i = indent; i < line.size() && i <= columns; ++i) {
+    if (quote == 0 && (line[i] == '\'' || line[i] == '"')) {
+      quote = line[i];
+    } else if (line[i] == quote) {
+      quote = 0;
+    } else if (line[i] == ' ' && quote == 0) {
+      found = i;
+    }
+  }
+  return found;
+}
+
+// A command goes on behind a backslash, so that what is copied from the terminal runs. Its comment, where
+// both are too long for a line, stands before it.
+std::string wrapped_example(std::string line, std::size_t columns) {
+  constexpr const char* kGoesOn = " \\";
+  constexpr std::size_t kDeeper = 4;
+  std::string out;
+  const auto indent = line.find_first_not_of(' ');
+  if (line.size() <= columns || indent == std::string::npos) return line + "\n";
+  if (const auto comment = line.find(" # "); comment != std::string::npos) {
+    std::string text = line.substr(comment + 1);
+    while (indent + text.size() > columns) {
+      const auto space = text.rfind(' ', columns - indent);
+      if (space == std::string::npos || space < 2) break;
+      out += std::string(indent, ' ') + text.substr(0, space) + "\n";
+      text = "# " + text.substr(space + 1);
+    }
+    out += std::string(indent, ' ') + text + "\n";
+    line.resize(line.find_last_not_of(' ', comment) + 1);
+  }
+  // Of an example that has lines of its own, the end of this one is its backslash.
+  const bool goes_on = line.ends_with(kGoesOn);
+  if (goes_on) line.resize(line.size() - 2);
+  while (line.size() + (goes_on ? 2 : 0) > columns) {
+    const auto space = last_space(line, columns - 2, line.find_first_not_of(' '));
+    if (space == std::string::npos) break;  // one long word
+    out += line.substr(0, space) + kGoesOn + "\n";
+    line = std::string(indent + kDeeper, ' ') + line.substr(space + 1);
+  }
+  return out + line + (goes_on ? kGoesOn : "") + "\n";
+}
+
+std::string wrapped_examples(const std::string& examples) {
+  std::string out;
+  std::istringstream lines(examples);
+  for (std::string line; std::getline(lines, line);) out += wrapped_example(line, help_columns());
+  return out;
+}
+
 }  // namespace
 
 std::size_t help_columns() {
@@ -242,7 +296,7 @@ std::string HelpFormatter::make_footer(const CLI::App* app) const {
   const Footer footer = footer_of(*app);
   std::string text = footer.notes.empty() ? "" : wrapped(footer.notes) + "\n";
   if (!footer.exit_status.empty()) text += wrapped("Exit status: " + footer.exit_status, 4) + "\n";
-  if (!footer.examples.empty()) text += "Examples:\n" + wrapped(footer.examples) + "\n";
+  if (!footer.examples.empty()) text += "Examples:\n" + wrapped_examples(footer.examples);
   return text;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "tools/app/base/output.h"
 #include "tools/app/base/output_file.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/session/live_camera.h"
@@ -63,12 +64,12 @@ Result<Outcome> learn(const LearnArguments& arguments) {
     std::printf("%s", text.c_str());
     return Outcome(true);
   }
-  std::printf(
+  print_lines(
       "hue %.3f to %.3f rad, saturation from %.2f, lightness from %.0f: %.1f %% of the "
       "region, %.2f %% of the rest of the picture\nwritten: %s\n",
       learned->range.hue_min, learned->range.hue_max, learned->range.saturation_min,
       learned->range.y_min, 100 * learned->inside, 100 * learned->outside, arguments.out.c_str());
-  if (!warning.empty()) std::printf("warning: %s\n", warning.c_str());
+  if (!warning.empty()) print_lines("warning: %s\n", warning.c_str());
   return Outcome(true);
 }
 

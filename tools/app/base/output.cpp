@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdarg>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -50,6 +51,36 @@ std::size_t list_width() {
   winsize size{};
   const bool known = ::isatty(STDOUT_FILENO) == 1 && ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0;
   return known ? size.ws_col : 0;
+}
+
+std::string broken_lines(const std::string& text, std::size_t width) {
+  constexpr std::size_t kDeeper = 2;
+  std::string broken;
+  for (std::size_t at = 0, end; at < text.size(); at = end + 1) {
+    end = std::min(text.find('\n', at), text.size());
+    std::string line = text.substr(at, end - at);
+    const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
+    while (width > 0 && line.size() > width) {
+      const std::size_t space = line.rfind(' ', width);
+      if (space == std::string::npos || space <= first + kDeeper) break;  // one long word
+      broken += line.substr(0, line.find_last_not_of(' ', space) + 1) + "\n";
+      line = std::string(first + kDeeper, ' ') + line.substr(space + 1);
+    }
+    broken += line + "\n";
+  }
+  return broken;
+}
+
+void print_lines(const char* format, ...) {
+  va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  std::string text(static_cast<std::size_t>(std::max(std::vsnprintf(nullptr, 0, format, again), 0)),
+                   '\0');
+  va_end(again);
+  std::vsnprintf(text.data(), text.size() + 1, format, arguments);
+  va_end(arguments);
+  std::fputs(broken_lines(text, list_width()).c_str(), stdout);
 }
 
 Progress::Progress(std::string label, bool quiet)

@@ -46,6 +46,11 @@ std::string list_row(const std::string& columns, const std::string& text, std::s
 // Of the terminal at standard output; 0: there is none, so that what reads the list has a line a row.
 std::size_t list_width();
 
+// Lines wider than `width` go on, indented by two columns more than they begin; 0: no width.
+std::string broken_lines(const std::string& text, std::size_t width);
+// printf() of whole lines, broken at the terminal's width.
+[[gnu::format(printf, 1, 2)]] void print_lines(const char* format, ...);
+
 // A result on standard output. Text that is not UTF-8 (a recording may hold any bytes) is
 // replaced: JSON has none.
 void print_json(const nlohmann::ordered_json& value);

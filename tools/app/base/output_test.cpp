@@ -87,6 +87,13 @@ TEST(ProgressOfABehavior, FitsIntoTheTerminal) {
   }
 }
 
+TEST(BrokenLines, GoOnDeeperAtSpaces) {
+  EXPECT_EQ(broken_lines("a line of words\n", 0), "a line of words\n");
+  EXPECT_EQ(broken_lines("a line of words\nand more\n", 10), "a line of\n  words\nand more\n");
+  EXPECT_EQ(broken_lines("  two words\n", 8), "  two\n    words\n");
+  EXPECT_EQ(broken_lines("oneverylongword\n", 8), "oneverylongword\n");
+}
+
 TEST(ListRow, GoesOnBelowItselfOrInLinesOfItsOwn) {
   EXPECT_EQ(list_row("name  ", "a text of many words", 0), "name  a text of many words\n");
   EXPECT_EQ(list_row("name  ", "a text of many words", 26), "name  a text of many words\n");

@@ -91,11 +91,11 @@ void print(const Json& now, const std::string& fault) {
               now["supply_v"].get<double>(), now["supply_lowest_v"].get<double>(),
               now["drivers_celsius"].get<double>());
   const auto failed = now.value("self_test_failed", std::string());
-  std::printf("self-test: %s; calibration: %s\n", failed.empty() ? "passed" : failed.c_str(),
+  print_lines("self-test: %s; calibration: %s\n", failed.empty() ? "passed" : failed.c_str(),
               now["calibrated"].get<bool>()
                   ? "from flash"
                   : "none stored, nominal unless a host has set other values");
-  std::printf("link: %d frames, %d refused, %d damaged; watchdog %d ms, then %s\n",
+  print_lines("link: %d frames, %d refused, %d damaged; watchdog %d ms, then %s\n",
               now["frames"].get<int>(), now["refusals"].get<int>(),
               now["damaged_frames"].get<int>(), now["watchdog_ms"].get<int>(),
               now["reaction"].get<std::string>().c_str());
@@ -121,7 +121,7 @@ Result<bool> read_status(const StatusOptions& arguments) {
     now["provenance"] = provenance_json();
     print_json(now);
   } else {
-    std::printf("%s\n", host::board_text(robot->identity()).c_str());
+    print_lines("%s\n", host::board_text(robot->identity()).c_str());
     print(now, health.shutdown.empty() ? "" : robot->describe_fault(health.status));
   }
   for (const std::string& sentence : earlier_notes(port.name()))

@@ -124,15 +124,20 @@ class Reports {
 };
 
 void say(const hil::CaseResult& one) {
-  std::printf("%-9s %-36s %s\n", verdict_text(one.verdict), one.of->id.c_str(),
-              one.verdict == hil::Verdict::passed ? one.of->sentence.c_str() : one.message.c_str());
+  char columns[120];
+  std::snprintf(columns, sizeof columns, "%-9s %-36s ", verdict_text(one.verdict),
+                one.of->id.c_str());
+  std::fputs(list_row(columns, one.verdict == hil::Verdict::passed ? one.of->sentence : one.message,
+                      list_width())
+                 .c_str(),
+             stdout);
   if (one.runs > 1 && one.verdict != hil::Verdict::undecided)
     std::printf("          run %d times: this machine was late before\n", one.runs);
   if (one.verdict == hil::Verdict::failed) {
     for (const std::string& id : one.of->statements) {
       for (const hil::Statement& statement : hil::statements()) {
         if (statement.id == id)
-          std::printf("          %s: %s\n", id.c_str(), statement.text.c_str());
+          print_lines("          %s: %s\n", id.c_str(), statement.text.c_str());
       }
     }
   }
@@ -276,7 +281,7 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   KAZ_TRY(reports.write(*report, facts));
   if (!quiet) {
     const char* board = report->board.empty() ? "not identified" : report->board.c_str();
-    std::printf("%s on %s: %s, %d passed, %d failed, %d left out, %d undecided\n", board,
+    print_lines("%s on %s: %s, %d passed, %d failed, %d left out, %d undecided\n", board,
                 facts.port.c_str(), counted(report->results.size(), "case").c_str(),
                 report->count(hil::Verdict::passed), report->count(hil::Verdict::failed),
                 report->count(hil::Verdict::left_out), report->count(hil::Verdict::undecided));

@@ -89,7 +89,7 @@ void print_plan(bool stops, bool floor) {
   if (stops) {
     std::printf("The robot hangs by its trunk, arms and legs free.\n");
     for (const auto& group : calibration::stop_groups()) {
-      std::printf("%s: %s\n", group.name, group.text);
+      print_lines("%s: %s\n", group.name, group.text);
       for (const auto& step : group.steps) {
         std::string presses;
         for (const auto& press : step.presses) {
@@ -99,7 +99,7 @@ void print_plan(bool stops, bool floor) {
                         calibration::stop_angle(press.joint, press.stop) / kDegree);
           presses += one;
         }
-        if (!presses.empty()) std::printf("  against the stops, degrees: %s\n", presses.c_str());
+        if (!presses.empty()) print_lines("  against the stops, degrees: %s\n", presses.c_str());
       }
     }
   }
@@ -140,8 +140,9 @@ class Calibration {
                   "--robot " + options_.backend.robot +
                       ": boards are calibrated one by one: give its port and --address");
     if (options_.backend.robot == "sim" && options_.backend.address != KZ_ADDRESS_DEFAULT)
-      return fail(Fault::usage,
-                  "--address is for a port, as --robot serial:PATH; the virtual board has address 1");
+      return fail(
+          Fault::usage,
+          "--address is for a port, as --robot serial:PATH; the virtual board has address 1");
     const InterruptSignals signals(interrupt_);
     if (!options_.out.empty()) folder_ = KAZ_TRY(OutputFolder::open(options_.out, joints_output()));
     if (!options_.memory.empty()) {

@@ -56,7 +56,7 @@ Result<bool> compare_recordings(const CompareOptions& options) {
   if (options.json) {
     print_json(json);
   } else {
-    std::printf("%s", comparison_text(comparison, a, b, options.all).c_str());
+    std::printf("%s", comparison_text(comparison, a, b, options.all, list_width()).c_str());
     if (folder) std::printf("report.html, plots and result.json are in %s\n", options.out.c_str());
   }
   return comparison.differing() == 0;

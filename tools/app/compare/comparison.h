@@ -57,8 +57,9 @@ struct CommandCurve {
 };
 CommandCurve command_curve(const RunTrace& trace, int joint);
 
+// `width`: of the terminal (list_row).
 std::string comparison_text(const Comparison& comparison, const RunTrace& a, const RunTrace& b,
-                            bool all);
+                            bool all, std::size_t width = 0);
 nlohmann::ordered_json comparison_json(const Comparison& comparison, const RunTrace& a,
                                        const RunTrace& b);
 // Joints that moved (command of A, both angles), supply, round trips, delays of pictures.

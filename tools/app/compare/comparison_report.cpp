@@ -8,6 +8,7 @@
 
 #include "host/robot/posture.h"
 #include "shared/base/angle.hpp"
+#include "tools/app/base/output.h"
 #include "tools/app/compare/comparison.h"
 
 namespace kaz::tools {
@@ -31,15 +32,15 @@ std::string value_text(const Measured& value) {
   return text;
 }
 
-void print_measure(std::string& text, const Measure& measure) {
+void print_measure(std::string& text, const Measure& measure, std::size_t width) {
   char line[240];
   const std::string apart =
       measure.comparable() ? (measure.difference() > 0 ? "+" : "") + number(measure.difference())
                            : "";
-  std::snprintf(line, sizeof line, "%-22s %-4s %18s %18s %9s  %s\n", measure.name.c_str(),
+  std::snprintf(line, sizeof line, "%-22s %-4s %18s %18s %9s  ", measure.name.c_str(),
                 measure.unit.c_str(), value_text(measure.a).c_str(), value_text(measure.b).c_str(),
-                apart.c_str(), measure.meaning.c_str());
-  text += line;
+                apart.c_str());
+  text += list_row(line, measure.meaning, width);
 }
 
 Json measured_json(const Measured& value) {
@@ -130,7 +131,7 @@ plot::LinePlot both(const char* title, const char* unit, const RunTrace& a, cons
 }  // namespace
 
 std::string comparison_text(const Comparison& comparison, const RunTrace& a, const RunTrace& b,
-                            bool all) {
+                            bool all, std::size_t width) {
   std::string text;
   char line[400];
   for (const auto& [letter, run] : {std::pair{"A", &a}, std::pair{"B", &b}}) {
@@ -152,11 +153,11 @@ std::string comparison_text(const Comparison& comparison, const RunTrace& a, con
                 "B - A");
   text += line;
   for (const Measure& measure : comparison.measures)
-    if (measure.differs()) print_measure(text, measure);
+    if (measure.differs()) print_measure(text, measure, width);
   if (!all) return text;
   text += "\nwithin their noise, or not known of both:\n";
   for (const Measure& measure : comparison.measures)
-    if (!measure.differs()) print_measure(text, measure);
+    if (!measure.differs()) print_measure(text, measure, width);
   return text;
 }
 

@@ -291,8 +291,13 @@ Result<bool> run_doctor(const DoctorOptions& options) {
     return wrong == 0;
   }
   for (const Finding& one : findings) {
-    std::printf("%-5s  %-9s  %s%s%s\n", word(one.level), one.part.c_str(), one.subject.c_str(),
-                one.subject.empty() ? "" : ": ", one.text.c_str());
+    char columns[60];
+    std::snprintf(columns, sizeof columns, "%-5s  %-9s  ", word(one.level), one.part.c_str());
+    std::fputs(
+        list_row(columns, one.subject + (one.subject.empty() ? "" : ": ") + one.text, list_width())
+            .c_str(),
+        stdout);
+    // A command to be copied stays in one line.
     if (!one.remedy.empty()) std::printf("                  %s\n", one.remedy.c_str());
   }
   const auto notes = std::ranges::count(findings, Level::note, &Finding::level);

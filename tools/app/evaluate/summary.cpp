@@ -11,6 +11,7 @@
 #include "hil/report/junit.h"
 #include "hil/report/provenance.h"
 #include "shared/base/one_line.hpp"
+#include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/evaluate/breakdown.h"
 #include "tools/app/evaluate/campaign.h"
@@ -124,24 +125,26 @@ void print(const Json& result, const OutputFolder& folder) {
     std::printf(
         ", %.1f %% (95 %% interval %.1f to %.1f)", 100 * result["success_rate"].get<double>(),
         100 * result["interval"][0].get<double>(), 100 * result["interval"][1].get<double>());
-  std::printf("\nfalls %llu", result["falls"].get<unsigned long long>());
+  char seconds[80] = "", rtf[40] = "";
   if (result.contains("seconds"))
-    std::printf("; seconds of the robot, median %.1f, 95 %% of them under %.1f",
-                result["seconds"]["median"].get<double>(), result["seconds"]["p95"].get<double>());
+    std::snprintf(
+        seconds, sizeof seconds, "; seconds of the robot, median %.1f, 95 %% of them under %.1f",
+        result["seconds"]["median"].get<double>(), result["seconds"]["p95"].get<double>());
   if (result.contains("rtf_median"))
-    std::printf("; %.1f x real time", result["rtf_median"].get<double>());
-  std::printf("\n");
+    std::snprintf(rtf, sizeof rtf, "; %.1f x real time", result["rtf_median"].get<double>());
+  print_lines("\nfalls %llu%s%s\n", result["falls"].get<unsigned long long>(), seconds, rtf);
   for (const auto& [cause, numbers] : result["failures"].items()) {
-    std::printf("  %-24s %3zu  episodes", cause.c_str(), numbers.size());
+    std::string episodes;
     for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 12); ++i)
-      std::printf(" %llu", numbers[i].get<unsigned long long>());
-    std::printf("%s\n", numbers.size() > 12 ? " ..." : "");
+      episodes += " " + std::to_string(numbers[i].get<unsigned long long>());
+    print_lines("  %-24s %3zu  episodes%s%s\n", cause.c_str(), numbers.size(), episodes.c_str(),
+                numbers.size() > 12 ? " ..." : "");
   }
-  if (result.contains("claims")) std::printf("%s\n", claims_text(result["claims"]).c_str());
+  if (result.contains("claims")) print_lines("%s\n", claims_text(result["claims"]).c_str());
   if (const auto by = result.find("by"); by != result.end())
     std::printf("%s", breakdown_text(*by).c_str());
   for (const Json& one : result["environment"])
-    std::printf("  not decided, lost to the machine: episode %llu: %s\n",
+    print_lines("  not decided, lost to the machine: episode %llu: %s\n",
                 one["episode"].get<unsigned long long>(),
                 one["sentence"].get<std::string>().c_str());
   if (!result["failures"].empty())

@@ -32,7 +32,7 @@ std::string line_of(const host::ImageIdentity& identity) {
 }  // namespace
 
 void Answer::say(const std::string& line) const {
-  if (!json_) std::printf("%s\n", line.c_str());
+  if (!json_) print_lines("%s\n", line.c_str());
 }
 
 void Answer::image(const host::FlashImage& image) {

@@ -91,7 +91,7 @@ nlohmann::ordered_json to_json(const sim::WireReport& report) {
 
 template <class Report>
 void print(const Report& report, bool json) {
-  if (!json) return void(std::printf("%s\n", report.text().c_str()));
+  if (!json) return print_lines("%s\n", report.text().c_str());
   nlohmann::ordered_json result = to_json(report);
   if (report.stopped) mark_interrupted(result);
   result["provenance"] = provenance_json();

@@ -120,12 +120,12 @@ void print(const ReplayOptions& options, const sim::McapRecording& recorded,
   }
   std::printf("host and simulation run again from the seed, everything compared\n");
   if (const auto by = recorded.interrupted_by(); !by.empty())
-    std::printf("the recording ends here, its run was interrupted by %s: compared up to %.6f s\n",
+    print_lines("the recording ends here, its run was interrupted by %s: compared up to %.6f s\n",
                 by.c_str(), end_s);
   else if (!recorded.whole)
-    std::printf("the recording ends here, it was cut off: compared up to its end at %.6f s\n",
+    print_lines("the recording ends here, it was cut off: compared up to its end at %.6f s\n",
                 end_s);
-  if (!changed.empty()) std::printf("files that have changed since: %s\n", changed.c_str());
+  if (!changed.empty()) print_lines("files that have changed since: %s\n", changed.c_str());
   if (!difference) {
     std::printf("identical: %zu messages\n", messages);
     return;

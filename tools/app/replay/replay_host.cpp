@@ -120,12 +120,12 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
     print_json(result);
     return;
   }
-  std::printf("the host alone runs again: bytes of the board and pictures are those recorded\n");
+  print_lines("the host alone runs again: bytes of the board and pictures are those recorded\n");
   if (run.cut_off)
-    std::printf("%s: compared up to its last whole step at %.6f s\n", early_end(run).c_str(),
+    print_lines("%s: compared up to its last whole step at %.6f s\n", early_end(run).c_str(),
                 seconds(sim::time_of(run.end)));
   if (identical) {
-    std::printf(
+    print_lines(
         "identical: %s sent at the same times, %s of the behaviour, on %s received and %s of "
         "pictures\n",
         counted(run.to_board.size(), "byte").c_str(),

@@ -319,7 +319,7 @@ void print_report(const ordered_json& result, const RunReport& report, const std
     for (const auto& [name, why] : result["not_drawn"].items())
       std::printf("no %s: %s\n", name.c_str(), why.get<std::string>().c_str());
   }
-  if (report.profile) std::printf("%s", profile_text(*report.profile).c_str());
+  if (report.profile) print_lines("%s", profile_text(*report.profile).c_str());
   const bool pictures = result.contains("pictures") && !result["pictures"].empty();
   if (!out.empty() && !report.interrupted)
     std::printf("%sresult.json %s in %s\n", pictures ? "pictures and " : "",

@@ -157,7 +157,7 @@ Json as_json(const Sightings& seen, const StereoResult& result,
 }
 
 void print_eye(const char* side, const vision::EyeQuality& eye, const vision::Lens& lens) {
-  std::printf(
+  print_lines(
       "%-5s  %d pictures, reprojection %.3f px rms; focal length %.2f px +- %.2f, centre "
       "%.1f, %.1f; board in %.0f %% of the picture\n",
       side, eye.pictures, eye.rms_px, lens.fx, eye.focal_sigma_px, lens.cx, lens.cy,
@@ -183,13 +183,13 @@ void print(const Sightings& seen, const StereoResult& result,
       continue;
     }
     const bool left = !s.left_error.empty();
-    std::printf("%-24s left out: %s: %s\n", both.c_str(),
+    print_lines("%-24s left out: %s: %s\n", both.c_str(),
                 name(left ? s.files.left : s.files.right).c_str(),
                 (left ? s.left_error : s.right_error).c_str());
   }
   print_eye("left", result.left, result.calibration.left.lens);
   print_eye("right", result.right, result.calibration.right.lens);
-  std::printf(
+  print_lines(
       "both   %d of %zu pairs, reprojection %.3f px rms, rows of the rectified pictures "
       "%.3f px rms\n       right eye %.5f m from the left one, turned by %.4f rad\n",
       result.pairs_used, seen.pairs.size(), result.rms_px, result.row_rms_px,

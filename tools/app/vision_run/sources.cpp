@@ -138,14 +138,14 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   for (const Json& one : report.frames()) {
     if (!one.contains("error")) continue;
     if (++reported <= kMaxReported)
-      std::printf("error: %s\n", one["error"].get<std::string>().c_str());
+      print_lines("error: %s\n", one["error"].get<std::string>().c_str());
   }
   if (reported > kMaxReported)
     std::printf("... and %d more (frames.csv)\n", reported - kMaxReported);
-  std::printf("%zu of %s looked at%s%s\n", report.looked_at(),
+  print_lines("%zu of %s looked at%s%s\n", report.looked_at(),
               counted(report.frames().size(), "pair").c_str(),
               text.empty() ? "" : "; computing a pair: ", text.c_str());
-  if (report.cameras_swapped()) std::printf("warning: %s\n", vision::kSwappedCameras);
+  if (report.cameras_swapped()) print_lines("warning: %s\n", vision::kSwappedCameras);
   std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
   return ended();
 }
