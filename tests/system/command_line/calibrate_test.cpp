@@ -184,6 +184,19 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
                                   "--modules", "depth", "--out", folder / "wrong"}));
   EXPECT_NE(wrong.out.find("left and right look exchanged"), std::string::npos) << wrong.out;
 
+  // Three of them, of which the first and the last hardly differ either way: a pattern that repeats.
+  copy_pairs(folder.path(), {"03"});
+  const Finished three = run(kaz({"vision", "run", "--left", folder / "right0[1-3].jpg", "--right",
+                                  folder / "left0[1-3].jpg", "--calibration", folder / "stereo.yml",
+                                  "--modules", "depth", "--out", folder / "wrong", "--json"}));
+  EXPECT_EQ(three.exit_code, 0) << three.err;
+  EXPECT_NE(three.out.find("left and right look exchanged"), std::string::npos) << three.out;
+  const Finished as_named =
+      run(kaz({"vision", "run", "--left", folder / "left0[1-3].jpg", "--right",
+               folder / "right0[1-3].jpg", "--calibration", folder / "stereo.yml", "--modules",
+               "depth", "--out", folder / "right", "--json"}));
+  EXPECT_EQ(as_named.out.find("exchanged"), std::string::npos) << as_named.out;
+
   // One file for both eyes is refused before anything is written, a copy of it once it is read.
   fs::copy_file(folder / "left01.jpg", folder / "copy01.jpg");
   const auto with_right = [&](const std::string& right) {
