@@ -48,6 +48,13 @@ bool depends_on_lateness(const MeasurementInfo& info) {
          info.name == "tick.clock_error";
 }
 
+// The others are the line's own, or counts of the board that come whole or not at all.
+bool depends_on_line(const Measurement& one) {
+  return one.of->group == BenchGroup::motor ||
+         (one.of->group == BenchGroup::tick &&
+          (std::isnan(one.value) || depends_on_lateness(*one.of)));
+}
+
 // The judgement in words; empty: the value is as it should be.
 std::string what_is_wrong(const Measurement& one) {
   const std::string& unit = one.of->unit;
@@ -170,6 +177,10 @@ int BenchReport::count(Verdict verdict) const {
                     [&](const Measurement& one) { return one.verdict == verdict; }));
 }
 
+bool BenchReport::disturbed() const {
+  return std::ranges::any_of(measurements, &Measurement::disturbed);
+}
+
 Measurement BenchJudge::begin(const std::string& subject, const std::string& name) const {
   Measurement measurement;
   measurement.of = find_measurement(name);
@@ -193,7 +204,18 @@ void BenchJudge::finish(Measurement measurement) {
   if (listener_ && !in_part_) listener_(report_.measurements.back());
 }
 
-Result<void> BenchJudge::timed(const std::function<Result<void>()>& part, Time at_least) {
+void BenchJudge::leave_undecided(std::size_t first, const std::string& why, bool disturbed) {
+  for (std::size_t i = first; i < report_.measurements.size(); ++i) {
+    Measurement& one = report_.measurements[i];
+    if (one.verdict != Verdict::failed || (disturbed && !depends_on_line(one))) continue;
+    one.verdict = Verdict::undecided;
+    one.disturbed = disturbed;
+    one.message += "; but " + why;
+  }
+}
+
+Result<void> BenchJudge::timed(const std::function<Result<void>()>& part, Time at_least,
+                               const LineTrouble& line_trouble) {
   const auto first = static_cast<std::ptrdiff_t>(report_.measurements.size());
   const auto plots = static_cast<std::ptrdiff_t>(report_.plots.size());
   std::vector<Measurement>& all = report_.measurements;
@@ -201,15 +223,24 @@ Result<void> BenchJudge::timed(const std::function<Result<void>()>& part, Time a
   Result<void> ran;
   for (int run = 1;; ++run) {
     if (lateness_) lateness_->begin();
+    if (line_trouble) (void)line_trouble();
     ran = part();
+    if (!ran) break;
     const auto in_doubt = [at_least](const Measurement& one) {
       return one.verdict == Verdict::failed &&
              (at_least > Time::zero() || depends_on_lateness(*one.of));
     };
-    if (!ran || !lateness_ || std::none_of(all.begin() + first, all.end(), in_doubt)) break;
-    const std::string excuse = lateness_->excuse(at_least);
-    if (excuse.empty()) break;
-    if (lateness_->other_end_gone()) {
+    const auto by_line = [](const Measurement& one) {
+      return one.verdict == Verdict::failed && depends_on_line(one);
+    };
+    std::string excuse, trouble;
+    if (lateness_ && std::any_of(all.begin() + first, all.end(), in_doubt))
+      excuse = lateness_->excuse(at_least);
+    // Of a late program replies are missing, too.
+    if (excuse.empty() && line_trouble && std::any_of(all.begin() + first, all.end(), by_line))
+      trouble = line_trouble();
+    if (excuse.empty() && trouble.empty()) break;
+    if (!excuse.empty() && lateness_->other_end_gone()) {
       all.erase(std::remove_if(all.begin() + first, all.end(), in_doubt), all.end());
       ran = fail(Fault::environment, excuse);
       break;
@@ -218,6 +249,13 @@ Result<void> BenchJudge::timed(const std::function<Result<void>()>& part, Time a
       all.erase(all.begin() + first, all.end());
       report_.plots.erase(report_.plots.begin() + plots, report_.plots.end());
       continue;
+    }
+    if (!trouble.empty()) {
+      leave_undecided(
+          static_cast<std::size_t>(first),
+          trouble + ", and the line was disturbed in all of " + std::to_string(run) + " runs",
+          true);
+      break;
     }
     for (auto one = all.begin() + first; one != all.end(); ++one) {
       if (!in_doubt(*one)) continue;

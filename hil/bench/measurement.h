@@ -42,6 +42,7 @@ struct Measurement {
   double error = 0;          // standard error of the value, 0: not known
   double low = 0, high = 0;  // the limits that were applied
   std::string message;       // why it failed, was skipped, or could not be judged
+  bool disturbed = false;    // undecided because of the line; not read back from JSON
 };
 
 // A curve or a cloud of points.
@@ -82,6 +83,8 @@ struct BenchReport {
   std::string signal;       // if a signal ended it: "SIGINT"
 
   int count(Verdict verdict) const;
+  // A measurement is undecided because of the line.
+  bool disturbed() const;
 };
 
 // Collects what is measured and judges it: a value inside its limits passes, NaN fails.
@@ -102,11 +105,17 @@ class BenchJudge {
   void enter_without_default_limits(const std::string& subject, const std::string& name,
                                     double value, double error, const std::string& note);
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
+  // What befell the line since the last call, as "3 replies did not come"; empty: nothing.
+  using LineTrouble = std::function<std::string()>;
   // Runs a part that measures times with this machine's clock. If one of them fails and the machine
   // was late, all that was entered is dropped and the part repeated; if it was late each time, they
   // are undecided. With `at_least` every measurement of the part bears lateness below that, and none above
-  // it. Error (environment): the program at the other end does not reply any more.
-  Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero());
+  // it. Likewise where the line was disturbed, for what is no measurement of the line itself. Error
+  // (environment): the program at the other end does not reply any more.
+  Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
+                     const LineTrouble& line_trouble = nullptr);
+  // Of what has failed from the measurement `first` on: it is undecided, "but " + why.
+  void leave_undecided(std::size_t first, const std::string& why, bool disturbed);
   // Those that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;
   void add(Plot plot) { report_.plots.push_back(std::move(plot)); }

@@ -219,6 +219,54 @@ TEST_F(JudgeOfTimes, APartThatIsCutShortWhileThisMachineWasLateIsUndecided) {
   EXPECT_EQ(report_.measurements[2].verdict, Verdict::failed) << "this machine was punctual";
 }
 
+TEST_F(JudgeOfTimes, OnADisturbedLineOnlyTheLineItselfFails) {
+  const auto part = [this](int disturbed_runs) {
+    runs_ = 0;
+    return timed_part(
+        judge_,
+        [this](int run) -> Result<void> {
+          runs_ = run;
+          judge_.enter("l_knee", "step.error", 99);
+          judge_.enter("link", "link.error_rate", 99);
+          return {};
+        },
+        Time::zero(),
+        [this, disturbed_runs] {
+          return runs_ > 0 && runs_ <= disturbed_runs
+                     ? std::string("on the line 2 replies did not come")
+                     : std::string();
+        });
+  };
+  ASSERT_TRUE(part(100));
+  EXPECT_EQ(runs_, 1 + host::LatenessMeter::kRepetitions);
+  ASSERT_EQ(report_.measurements.size(), 2u);
+  EXPECT_EQ(report_.measurements[0].verdict, Verdict::undecided);
+  EXPECT_NE(report_.measurements[0].message.find(
+                "; but on the line 2 replies did not come, and the line was disturbed in all of 4"),
+            std::string::npos)
+      << report_.measurements[0].message;
+  EXPECT_EQ(report_.measurements[1].verdict, Verdict::failed);
+  EXPECT_TRUE(report_.disturbed());
+  ASSERT_TRUE(part(1));
+  EXPECT_EQ(runs_, 2);
+  ASSERT_EQ(report_.measurements.size(), 4u);
+  EXPECT_EQ(report_.measurements[2].verdict, Verdict::failed) << "on a healthy line it is so, too";
+}
+
+TEST_F(JudgeOfTimes, WhatFailedBeforeTheBoardWasLostIsUndecided) {
+  ASSERT_FALSE(timed_part(
+      judge_,
+      [this](int) -> Result<void> {
+        judge_.enter("l_knee", "step.error", 99);
+        return fail(Fault::environment, "the board stopped answering");
+      },
+      Time::zero(), [] { return std::string("on the line the board was lost"); }));
+  ASSERT_EQ(report_.measurements.size(), 1u);
+  EXPECT_EQ(report_.measurements[0].verdict, Verdict::undecided);
+  EXPECT_NE(report_.measurements[0].message.find("the run ended before it was measured again"),
+            std::string::npos);
+}
+
 TEST_F(JudgeOfTimes, ARepetitionIsNamed) {
   std::vector<std::string> names;
   ASSERT_TRUE(timed_part(judge_, [&](int run) -> Result<void> {
@@ -228,7 +276,8 @@ TEST_F(JudgeOfTimes, ARepetitionIsNamed) {
     judge_.enter("link", "link.round_trip_worst", run == 1 ? 90 : 10);
     return {};
   }));
-  EXPECT_EQ(names, (std::vector<std::string>{"telemetry", "late machine, again: telemetry"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"telemetry", "late machine or bad line, again: telemetry"}));
   EXPECT_EQ(report_.count(Verdict::passed), 1);
 }
 

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
+#include "hil/bench/line_trouble.h"
 #include "hil/bench/samples.h"
 #include "hil/bench/timed_part.h"
 
@@ -34,10 +36,13 @@ class TickBench {
 
   Result<void> run() {
     return line_.measure("its ticks were", [this] {
-      return timed_part(judge_, [this](int run) {
-        run_ = run;
-        return measure();
-      });
+      return timed_part(
+          judge_,
+          [this](int run) {
+            run_ = run;
+            return measure();
+          },
+          Time::zero(), [this] { return take_line_trouble(); });
     });
   }
 
@@ -57,6 +62,11 @@ class TickBench {
 
   void progress(double share, const char* what) const {
     if (options_.progress) options_.progress(share, run_text(what, run_));
+  }
+
+  std::string take_line_trouble() {
+    const host::LinkStatistics now = line_.counts();
+    return line_trouble(std::exchange(counted_, now), now);
   }
 
   Result<void> stream(int period_ms) {
@@ -214,6 +224,7 @@ class TickBench {
   std::uint32_t first_tick_ = 0;
   std::vector<Arrival> quiet_, loaded_;
   double load_hz_ = 0;
+  host::LinkStatistics counted_;  // by take_line_trouble()
 };
 
 }  // namespace

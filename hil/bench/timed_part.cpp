@@ -5,36 +5,29 @@
 namespace kaz::hil {
 namespace {
 
-// All that failed: a late part is measured again as a whole.
-void leave_undecided(BenchJudge& judge, std::size_t first, Time at_least) {
-  if (judge.lateness() == nullptr) return;
-  const std::string excuse = judge.lateness()->excuse(at_least);
-  if (excuse.empty()) return;
-  auto& all = judge.report().measurements;
-  for (std::size_t i = first; i < all.size(); ++i) {
-    if (all[i].verdict != Verdict::failed) continue;
-    all[i].verdict = Verdict::undecided;
-    all[i].message += "; but " + excuse + ", and the run ended before it was measured again";
-  }
-}
+constexpr const char* kNotAgain = ", and the run ended before it was measured again";
 
 }  // namespace
 
 Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int run)>& part,
-                        Time at_least) {
+                        Time at_least, const BenchJudge::LineTrouble& line_trouble) {
   int run = 0;
   return judge.timed(
       [&]() -> Result<void> {
         const std::size_t first = judge.report().measurements.size();
         auto ran = part(++run);
-        if (!ran) leave_undecided(judge, first, at_least);
+        if (ran) return ran;
+        const std::string late = judge.lateness() ? judge.lateness()->excuse(at_least) : "";
+        if (!late.empty()) judge.leave_undecided(first, late + kNotAgain, false);
+        const std::string trouble = line_trouble ? line_trouble() : "";
+        if (!trouble.empty()) judge.leave_undecided(first, trouble + kNotAgain, true);
         return ran;
       },
-      at_least);
+      at_least, line_trouble);
 }
 
 std::string run_text(const std::string& what, int run) {
-  return run == 1 ? what : "late machine, again: " + what;
+  return run == 1 ? what : "late machine or bad line, again: " + what;
 }
 
 }  // namespace kaz::hil

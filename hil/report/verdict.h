@@ -4,7 +4,8 @@
 
 namespace kaz::hil {
 
-// undecided: it failed while this machine was late (host/link/lateness.h), also when repeated.
+// undecided: it failed while this machine was late (host/link/lateness.h) or the line was disturbed, also
+// when repeated.
 enum class Verdict { passed, failed, left_out, undecided };
 
 // "passed", "failed", "left out", "undecided"

@@ -174,10 +174,12 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
             }
             return {};
           },
-          kBorne));
+          kBorne, [&motor] { return motor.take_line_trouble(); }));
     }
   } catch (const Lost& lost) {
     return tl::unexpected(lost.error);
+  } catch (const Failed& failed) {  // before the first part
+    return fail(Fault::environment, "the motor cannot be measured: " + failed.message);
   }
   return {};
 }

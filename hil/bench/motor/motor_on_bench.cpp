@@ -6,6 +6,10 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
+
+#include "hil/bench/line_trouble.h"
+#include "shared/base/counted.hpp"
 
 namespace kaz::hil {
 namespace {
@@ -75,6 +79,34 @@ void MotorOnBench::wait(double length_s) {
   sure(robot_.clock().sleep_until(robot_.clock().now() + from_seconds(length_s)));
 }
 
+void MotorOnBench::check_potentiometer() {
+  const auto details = or_throw(robot_.joints(bit(joint_)));
+  check(!details.empty() && (details.front().flags & KZ_JOINT_POT) == 0,
+        "the potentiometer's input is at an end of the converter's range, where no shaft turns it: "
+        "its wiper is open or touches a supply, so there is no reading to judge; check its three "
+        "wires");
+}
+
+double MotorOnBench::potentiometer_code(double angle_rad) {
+  const auto all = or_throw(robot_.calibration());
+  const host::JointCalibration& joint = all.joints[static_cast<std::size_t>(joint_)];
+  return 0.5 * KZ_POT_CODES * (1 + (angle_rad - joint.centre_rad) / joint.scale_rad);
+}
+
+std::string MotorOnBench::take_line_trouble() {
+  const host::LinkStatistics now = robot_.statistics();
+  std::string trouble = line_trouble(std::exchange(counted_, now), now);
+  const auto resumed = robot_.take_resumption();
+  if (std::exchange(link_lost_, false)) {
+    add_trouble(trouble, "the board was lost");
+  } else if (resumed && resumed->cause == host::Resumption::Cause::link) {
+    add_trouble(trouble, "the board was lost for a while");
+  }
+  if (const auto frames = std::exchange(frames_lost_, 0); frames > 0)
+    add_trouble(trouble, counted(frames, "frame") + " of telemetry did not come");
+  return trouble;
+}
+
 void MotorOnBench::unlock() {
   const Time now = robot_.clock().now();
   if (now < unlocked_until_) return;
@@ -108,6 +140,10 @@ void MotorOnBench::collect(Trace& to, std::uint32_t begin_tick, Time until, doub
     if (ms < 0) continue;
     if (const std::uint16_t why = frame->status & host::kMotorsOffFaults; why != 0) {
       throw Failed{robot_.describe_fault(frame->status)};
+    }
+    if (!to.empty()) {
+      const auto periods = std::lround((1e-3 * ms - to.back().t_s) / seconds(kSampling));
+      frames_lost_ += static_cast<std::uint64_t>(std::max(periods - 1, 0L));
     }
     to.push_back({1e-3 * ms, frame->values[static_cast<std::size_t>(joint_)], frame->supply_volts});
     if (enough(to.back())) return;

@@ -51,6 +51,13 @@ class MotorOnBench {
   void wait(double length_s);
   // By the loop, then off.
   void go_to(double angle_rad);
+  // Failed if the board has no valid reading of the potentiometer now: it then keeps the last angle, which
+  // looks like a reading without noise.
+  void check_potentiometer();
+  // 0 to 1023, by the calibration in use.
+  double potentiometer_code(double angle_rad);
+  // What befell the line since the last call, as "on the line 3 replies did not come"; empty: nothing.
+  std::string take_line_trouble();
   // Motor off: samples of its potentiometer every 5 ms.
   Trace watch(double length_s);
   // Duty -1..1, rounded to 1/255, for that long or, with a shaft that may turn, until it has come
@@ -70,8 +77,10 @@ class MotorOnBench {
   // A refusal fails the measurement: the board is there.
   template <class T>
   T or_throw(Result<T> result) {
-    if (!result && robot_.health()) throw Failed{result.error().message};
-    return sure(std::move(result));
+    if (result) return sure(std::move(result));
+    if (robot_.health()) throw Failed{result.error().message};
+    link_lost_ = result.error().fault == Fault::environment;
+    throw Lost{result.error()};
   }
   void unlock();
   void listen(bool on);
@@ -89,6 +98,9 @@ class MotorOnBench {
   std::optional<host::Limits> own_limits_;  // if they were others
   bool listening_ = false;
   Time unlocked_until_{};
+  bool link_lost_ = false;
+  std::uint64_t frames_lost_ = 0;  // of telemetry
+  host::LinkStatistics counted_;   // by take_line_trouble()
 };
 
 // Mean of the samples' angles; Failed if there are none.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "hil/bench/motor/motor_bench.h"
 #include "hil/bench/samples.h"
@@ -15,6 +16,9 @@ constexpr double kRange = 2e-4 * KZ_POT_HALF_SPAN;  // rad
 constexpr double kCode = kRange / 1024;
 constexpr int kPlaces = 13;
 constexpr double kMargin = 0.05;  // rad, from the soft limits
+// So near an end of the converter's range, a reading that does not move is none: that of a wiper which
+// touches a supply through some ohms.
+constexpr double kRailCodes = 12, kRailNoise = 0.05;
 
 Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
   Series off{"read, less the line", Series::Style::line, {}};
@@ -34,6 +38,7 @@ Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
 
 void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
   std::vector<double> codes;
+  motor.check_potentiometer();
   for (const Sample& sample : motor.watch(2)) {
     // The ends of the potentiometer's range are beyond the joint's.
     check(sample.angle_rad > motor.lower_rad() - kMargin &&
@@ -41,8 +46,16 @@ void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
           "the potentiometer reads an angle beyond the joint's limits: is it connected?");
     codes.push_back(sample.angle_rad / kCode);
   }
+  motor.check_potentiometer();  // it may have gone meanwhile
   // Less than that is the rounding of sums.
   const double noise = std::round(1e6 * standard_deviation(codes)) / 1e6;
+  const double code = motor.potentiometer_code(kCode * mean_of(codes).value);
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the potentiometer stands at A/D code %.0f, an end of its range, without any "
+                "noise: its wiper touches a supply or is open",
+                code);
+  check(noise > kRailNoise || (code > kRailCodes && code < KZ_POT_CODES - 1 - kRailCodes), text);
   judge.enter(motor.name(), "pot.noise", noise,
               noise / std::sqrt(2.0 * static_cast<double>(codes.size())));
 }
@@ -51,6 +64,7 @@ void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge) {
   Stand& stand = motor.stand();
   const double low = motor.lower_rad() + kMargin, high = motor.upper_rad() - kMargin;
   Points read;
+  motor.check_potentiometer();
   for (int place = 0; place < kPlaces; ++place) {
     const double goal = low + (high - low) * place / (kPlaces - 1);
     const double turned = sure(stand.turn(motor.joint(), goal));

@@ -108,15 +108,15 @@ Result<hil::Limits> limits_of(const std::string& path) {
 }
 
 void say(const hil::Measurement& one) {
-  std::printf("%-9s %-11s %-24s", hil::verdict_text(one.verdict), one.subject.c_str(),
-              one.of->name.c_str());
-  if (one.verdict == hil::Verdict::left_out && !std::isfinite(one.value)) {
-    std::printf(" %s\n", one.message.c_str());
-  } else if (std::isnan(one.value)) {
-    std::printf(" %9s %-7s  %s\n", "-", "", one.message.c_str());
-  } else {
-    std::printf(" %9.4g %-7s  %s\n", one.value, one.of->unit.c_str(), one.message.c_str());
+  char columns[160], value[60] = " ";
+  if (one.verdict != hil::Verdict::left_out && std::isnan(one.value)) {
+    std::snprintf(value, sizeof value, " %9s %-7s  ", "-", "");
+  } else if (one.verdict != hil::Verdict::left_out || std::isfinite(one.value)) {
+    std::snprintf(value, sizeof value, " %9.4g %-7s  ", one.value, one.of->unit.c_str());
   }
+  std::snprintf(columns, sizeof columns, "%-9s %-11s %-24s%s", hil::verdict_text(one.verdict),
+                one.subject.c_str(), one.of->name.c_str(), value);
+  std::fputs(list_row(columns, one.message, list_width()).c_str(), stdout);
 }
 
 Result<void> measure_motors(const BenchOptions& arguments, const std::vector<int>& joints,
@@ -161,6 +161,10 @@ Result<BenchOptions> with_filter(BenchOptions arguments) {
     KAZ_TRY(hil::check_motor_filter(arguments.filter));  // which says so
   }
   arguments.motor = chosen(arguments, hil::BenchGroup::motor);
+  if (!arguments.motor && !arguments.of_motors.empty() && (arguments.link || arguments.tick))
+    return fail(Fault::usage, arguments.of_motors + " is of motors, and --filter " +
+                                  arguments.filter + " takes none of their measurements; leave " +
+                                  arguments.of_motors + " out");
   if (!arguments.link && !arguments.tick) KAZ_TRY(hil::check_motor_filter(arguments.filter));
   return arguments;
 }
@@ -377,16 +381,17 @@ Result<Outcome> run_bench(const BenchOptions& given) {
   if (arguments.json) {
     std::fputs(hil::bench_json(report).c_str(), stdout);
   } else {
-    std::printf("%s on %s: %d passed, %d failed, %d left out, %d undecided; the report is %s\n",
+    print_lines("%s on %s: %d passed, %d failed, %d left out, %d undecided; the report is %s\n",
                 report.board.c_str(), report.port.c_str(), report.count(hil::Verdict::passed),
                 failed, report.count(hil::Verdict::left_out), undecided,
                 folder.reports.path("report.html").c_str());
   }
   if (failed == 0 && undecided > 0) {
-    std::fprintf(stderr,
-                 "%s: this machine was too late to judge all measurements; end other programs and "
-                 "run it again\n",
-                 verb.c_str());
+    std::fprintf(stderr, "%s: %s; run it again\n", verb.c_str(),
+                 report.disturbed()
+                     ? "the line was too disturbed to judge all measurements: check cable and "
+                       "adapter, which kaz bench link measures"
+                     : "this machine was too late to judge all measurements: end other programs");
     return Outcome::with_status(static_cast<int>(Fault::environment));
   }
   if (!arguments.json && std::ranges::none_of(report.plots, has_points))

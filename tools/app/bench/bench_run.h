@@ -19,6 +19,7 @@ struct BenchOptions {
   std::string filter, limits;
   std::string out = "kaz-bench";  // the verb adds what is measured
   double supply_volts = 10;
+  std::string of_motors;  // an option that was given and is of motors alone; empty: none
   bool allow_motion = false, json = false;
 };
 
