@@ -22,20 +22,25 @@ class Run {
 
   Result<Verdict> go(std::span<const Event> events) {
     const Time began = clock_.now();
+    const auto ran = run(events);
+    Verdict verdict{violation(), conversation_.features(), conversation_.counts(),
+                    seconds(clock_.now() - began)};
+    if (ran) return verdict;
+    verdict.violation.reset();
+    if (options_.broken_off != nullptr) *options_.broken_off = verdict;
+    return tl::unexpected(ran.error());
+  }
+
+ private:
+  Result<void> run(std::span<const Event> events) {
     KAZ_TRY(wake());
     for (const Event& event : events) {
       KAZ_TRY(act(event));
       if (violation()) break;
     }
-    if (!violation()) {
-      KAZ_TRY(end());
-    }
-    Verdict verdict{violation(), conversation_.features(), conversation_.counts(),
-                    seconds(clock_.now() - began)};
-    return verdict;
+    return violation() ? Result<void>() : end();
   }
 
- private:
   std::optional<std::string> violation() const {
     if (violation_) return violation_;
     if (conversation_.violation()) return conversation_.violation();

@@ -31,6 +31,8 @@ struct RunnerOptions {
   Time patience = std::chrono::milliseconds(100);
   Time longest_start = std::chrono::seconds(3);
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board
+  // What a case that an error ends has done until then, without a judgement; may be null.
+  Verdict* broken_off = nullptr;
 };
 
 // Waits until the board answers, applies the events, and checks once more that it answers;

@@ -38,7 +38,8 @@ constexpr FileKind kFailingCase{"failing case"};
 using WallTime = std::chrono::steady_clock;
 
 struct Totals {
-  long long cases = 0, ticks = 0, requests = 0, replies = 0, refusals = 0, damaged = 0;
+  long long cases = 0, broken_off = 0, shortening = 0;  // begun, not ended; of the cases
+  long long ticks = 0, requests = 0, replies = 0, refusals = 0, damaged = 0;
   double board_s = 0, worst_overshoot_rad = 0;
   std::uint16_t worst_busy_8states = 0;
   std::string emulator_engine;
@@ -63,6 +64,8 @@ class PortTarget {
     port->kept_ = std::move(kept);
     return port;
   }
+  // Of the last case, if an error ended it.
+  Verdict broken_off;
   // The board is afterwards as it was found.
   Result<void> end() { return kept_->end(); }
   // A violation is one where this machine and the program at the other end were punctual.
@@ -90,6 +93,7 @@ class PortTarget {
     hil::fuzz::RunnerOptions runner;
     runner.patience = std::chrono::milliseconds(200);
     runner.address = options_.address;
+    runner.broken_off = &broken_off;
     runner.fault = [&](faults::Fault fault) {
       fault.at = faulty.age();
       faulty.add(fault);
@@ -152,9 +156,9 @@ class Fuzzing {
     if (auto loaded = load(search); !loaded) return ended(loaded.error(), search);
     if (failing_) return report_failure(*failing_, search);
     Progress progress("kaz fuzz", arguments_.json);
-    const auto begun = WallTime::now();  // without the corpus
+    const auto started = WallTime::now();  // without the corpus
     const auto elapsed = [&] {
-      return std::chrono::duration<double>(WallTime::now() - begun).count();
+      return std::chrono::duration<double>(WallTime::now() - started).count();
     };
     while (arguments_.cases > 0 ? totals_.cases < arguments_.cases
                                 : elapsed() < arguments_.seconds) {
@@ -222,6 +226,10 @@ class Fuzzing {
     if (arguments_.body)
       return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
     KAZ_TRY(check_port());
+    if (arguments_.seed_given && !arguments_.replay.empty())
+      return fail(Fault::usage,
+                  "--seed: a case that is replayed at a port draws nothing; leave it out, or "
+                  "replay it on --target native or h8, whose noise and faults it is of");
     if (!arguments_.allow_motion)
       return fail(Fault::usage, "this moves the joints of the robot at " + arguments_.target +
                                     " at random: hang the robot up or take the motors' supply "
@@ -281,8 +289,11 @@ class Fuzzing {
     if (error.fault == Fault::environment || error.fault == Fault::interrupted)
       report(search, std::nullopt, "");
     if (error.fault != Fault::interrupted) return tl::unexpected(error);
-    return fail(Fault::interrupted,
-                "interrupted after " + counted(totals_.cases, "case") + ", none of them failed");
+    return fail(
+        Fault::interrupted,
+        totals_.cases == 0
+            ? std::string("interrupted before a case had ended: nothing is decided")
+            : "interrupted after " + counted(totals_.cases, "case") + ", none of them failed");
   }
 
   Result<Verdict> one(const Genome& genome) {
@@ -294,14 +305,30 @@ class Fuzzing {
 
   Result<Verdict> one_to_its_end(const Genome& genome) {
     if (port_) {
+      port_->broken_off = {};
       auto verdict = port_->run(genome, grammar_);
-      if (verdict) count(*verdict);
+      if (!verdict) begun(port_->broken_off);
+      count(verdict ? *verdict : port_->broken_off);
       return verdict;
     }
     engine_.grammar = grammar_;
     engine_.interrupt = &interrupt_;
-    const auto verdict = KAZ_TRY(kaz::fuzz::run_engine_case(genome, engine_));
+    kaz::fuzz::EngineVerdict broken_off;
+    engine_.broken_off = &broken_off;
+    auto verdict = kaz::fuzz::run_engine_case(genome, engine_);
+    if (!verdict) begun(broken_off);
+    count_engine(verdict ? *verdict : broken_off);
+    if (!verdict) return tl::unexpected(verdict.error());
+    return *verdict;
+  }
+
+  void begun(const Verdict& broken_off) {
+    if (broken_off.counts.requests + broken_off.counts.damaged > 0) ++totals_.broken_off;
+  }
+
+  void count_engine(const kaz::fuzz::EngineVerdict& verdict) {
     count(verdict);
+    if (verdict.emulator_engine.empty() && verdict.ticks == 0) return;
     totals_.ticks += verdict.ticks;
     totals_.emulator_engine = verdict.emulator_engine;
     totals_.instructions += verdict.instructions;
@@ -309,7 +336,6 @@ class Fuzzing {
     totals_.worst_busy_8states = std::max(totals_.worst_busy_8states, verdict.worst_busy_8states);
     totals_.worst_overshoot_rad =
         std::max(totals_.worst_overshoot_rad, verdict.worst_overshoot_rad);
-    return verdict;
   }
 
   void count(const Verdict& verdict) {
@@ -321,9 +347,11 @@ class Fuzzing {
   }
 
   Result<bool> report_failure(const Genome& genome, const hil::fuzz::Search& search) {
+    const long long found = totals_.cases;
     const auto runner = [this](const Genome& candidate) { return one(candidate); };
     const Genome shorter = hil::fuzz::shortened(genome, runner, port_ ? 20 : 400);
     const auto verdict = one(shorter);
+    totals_.shortening = totals_.cases - found;
     const bool interrupted = !verdict && verdict.error().fault == Fault::interrupted;
     // A board at a port need not fail twice.
     const Genome& kept = !verdict || verdict->violation ? shorter : genome;
@@ -370,6 +398,7 @@ class Fuzzing {
       nlohmann::ordered_json json{{"target", arguments_.target},
                                   {"ok", !violation},
                                   {"cases", totals_.cases},
+                                  {"cases_broken_off", totals_.broken_off},
                                   {"seconds", seconds},
                                   {"damaged_frames", totals_.damaged},
                                   {"board_s", totals_.board_s},
@@ -378,7 +407,9 @@ class Fuzzing {
                                   {"refusals", totals_.refusals},
                                   {"corpus", search.corpus().size()},
                                   {"features", search.features()}};
-      if (arguments_.replay.empty()) json["seed"] = arguments_.seed;
+      if (arguments_.replay.empty() || !port_) json["seed"] = arguments_.seed;
+      if (totals_.shortening > 0) json["cases_to_shorten"] = totals_.shortening;
+      if (totals_.cases == 0 && !violation) json["ok"] = nullptr;  // nothing is decided
       if (interrupt_.requested()) mark_interrupted(json);
       if (!broken_off_.empty()) {
         if (!violation) json["ok"] = nullptr;  // not known
@@ -402,37 +433,63 @@ class Fuzzing {
       return;
     }
     if (!text.empty()) std::printf("%s", text.c_str());
-    std::printf(
-        "tried: %s in %.1f s, that is %.1f s of the board; %s sent and %lld damaged ones, %lld "
+    const std::string part = totals_.broken_off > 0 ? " and a part of one more" : "";
+    const std::string shortening =
+        totals_.shortening > 0
+            ? " (" + std::to_string(totals_.shortening) + " to shorten the one that failed)"
+            : "";
+    print_lines(
+        "tried: %s%s%s in %.1f s, that is %.1f s of the board; %s sent and %lld damaged ones, %lld "
         "replies, %lld of them refusals\n",
-        counted(totals_.cases, "case").c_str(), seconds, totals_.board_s,
-        counted(totals_.requests, "frame").c_str(), totals_.damaged, totals_.replies,
-        totals_.refusals);
+        counted(totals_.cases, "case").c_str(), shortening.c_str(), part.c_str(), seconds,
+        totals_.board_s, counted(totals_.requests, "frame").c_str(), totals_.damaged,
+        totals_.replies, totals_.refusals);
     if (arguments_.replay.empty())  // which collects none
-      std::printf(
+      print_lines(
           "%s seen (distinct reactions of the board, such as a reply with another status)\n",
           counted(search.features(), "feature").c_str());
-    if (engine_.mcu == sim::McuKind::h8)
-      std::printf(
+    if (engine_.mcu == sim::McuKind::h8 && totals_.instructions > 0)
+      print_lines(
           "longest tick: %d of 18432 states; emulator's engine: %s, %.0f %% of instructions as "
           "translated code\n",
           8 * totals_.worst_busy_8states, totals_.emulator_engine.c_str(),
           100.0 * static_cast<double>(totals_.translated_instructions) /
               static_cast<double>(std::max(1LL, totals_.instructions)));
     if (arguments_.body && totals_.worst_overshoot_rad > 0)
-      std::printf("furthest past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
+      print_lines("furthest past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
     else if (arguments_.body)
       std::printf("no joint went past a soft limit\n");
     if (!violation) {
-      std::printf("%s%s\n", totals_.cases > 0 ? "nothing was wrong" : "nothing was tried",
-                  broken_off_.empty() ? "" : " until the run broke off");
+      std::printf("%s%s\n",
+                  totals_.cases > 0        ? "nothing was wrong"
+                  : totals_.broken_off > 0 ? "no case came to its end, so nothing is decided"
+                                           : "nothing was tried",
+                  totals_.cases == 0       ? ""
+                  : !broken_off_.empty()   ? " until the run broke off"
+                  : interrupt_.requested() ? " until the run was interrupted"
+                                           : "");
       return;
     }
-    std::printf("wrong: %s\n", violation->c_str());
+    print_lines("wrong: %s\n", violation->c_str());
     if (arguments_.replay.empty())
-      std::printf("The case is in %s; see it again with: kaz fuzz --target %s%s --replay %s\n",
-                  arguments_.out.c_str(), arguments_.target.c_str(), port_ ? " --allow-motion" : "",
+      std::printf("The case is in %s; see it again with:\n  kaz fuzz --target %s%s --replay %s\n",
+                  arguments_.out.c_str(), arguments_.target.c_str(), same_options().c_str(),
                   arguments_.out.c_str());
+  }
+
+  // Of which the case's course depends, but for --target.
+  std::string same_options() const {
+    std::string options;
+    if (port_) options += " --allow-motion";
+    if (arguments_.address != KZ_ADDRESS_DEFAULT)
+      options += " --address " + std::to_string(arguments_.address);
+    if (arguments_.wear_flash) options += " --wear-flash";
+    if (arguments_.body) options += " --body";
+    if (!arguments_.image.empty()) options += " --image " + arguments_.image;
+    // Of the chances of its faults, and of noise.
+    if (!port_ && arguments_.seed != FuzzOptions().seed)
+      options += " --seed " + std::to_string(arguments_.seed);
+    return options;
   }
 
   const FuzzOptions& arguments_;

@@ -18,6 +18,7 @@ struct FuzzOptions {
   double seconds = 10;
   long long cases = 0;  // above 0: so many instead of `seconds`
   std::uint64_t seed = 1;
+  bool seed_given = false;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board at a port
   bool body = false, json = false;
   bool allow_motion = false, wear_flash = false;  // at a port, which needs the former

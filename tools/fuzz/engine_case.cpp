@@ -176,8 +176,9 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
     return body.violation();
   };
   const auto events = hil::fuzz::events_of(genome, options.grammar);
-  const auto run = KAZ_TRY(hil::fuzz::run_case(link, clock, events, runner));
-  static_cast<hil::fuzz::Verdict&>(verdict) = run;
+  runner.broken_off = &verdict;
+  const auto run = hil::fuzz::run_case(link, clock, events, runner);
+  if (run) static_cast<hil::fuzz::Verdict&>(verdict) = *run;
   verdict.features.insert(ticks.features().begin(), ticks.features().end());
   verdict.ticks = ticks.ticks();
   if (engine.h8 != nullptr) {
@@ -186,7 +187,9 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
     verdict.translated_instructions = engine.h8->chip().translated_instructions();
   }
   verdict.worst_overshoot_rad = body.worst_overshoot();
-  return verdict;
+  if (run) return verdict;
+  if (options.broken_off != nullptr) *options.broken_off = verdict;
+  return tl::unexpected(run.error());
 }
 
 }  // namespace kaz::fuzz

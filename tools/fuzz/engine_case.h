@@ -13,6 +13,8 @@
 
 namespace kaz::fuzz {
 
+struct EngineVerdict;
+
 struct EngineOptions {
   sim::McuKind mcu = sim::McuKind::native;  // h8: native computes each of its ticks again
   std::string image;                        // firmware, for h8
@@ -21,6 +23,7 @@ struct EngineOptions {
   std::string world_path, robot_path;
   hil::fuzz::GrammarOptions grammar;
   const host::Interrupt* interrupt = nullptr;  // ends a case with its error
+  EngineVerdict* broken_off = nullptr;         // RunnerOptions::broken_off
 };
 
 struct EngineVerdict : hil::fuzz::Verdict {

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Long runs: `kaz fuzz`, `./tools/dev fuzz` (docs/howto/fuzzing.md).
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -79,6 +81,30 @@ TEST(Fuzz, ACaseIsTheSameEachTime) {
   ASSERT_TRUE(two);
   EXPECT_EQ(one->features, two->features);
   EXPECT_EQ(one->ticks, two->ticks);
+}
+
+TEST(Fuzz, WhatAnInterruptedCaseHasDoneIsKnown) {
+  // As early or late as the machine makes it: some of them end within the case.
+  const hil::fuzz::Genome genome = hil::fuzz::Search(9).next();
+  for (int tenths_ms = 1; tenths_ms < 400; ++tenths_ms) {
+    host::Interrupt interrupt;
+    EngineVerdict broken_off;
+    EngineOptions options;
+    options.interrupt = &interrupt;
+    options.broken_off = &broken_off;
+    const std::jthread signal([&] {
+      std::this_thread::sleep_for(std::chrono::microseconds(100 * tenths_ms));
+      interrupt.request();
+    });
+    const auto verdict = run_engine_case(genome, options);
+    if (verdict || broken_off.ticks == 0) continue;
+    EXPECT_EQ(verdict.error().fault, Fault::interrupted);
+    EXPECT_GT(broken_off.counts.requests, 0);
+    EXPECT_GT(broken_off.seconds, 0);
+    EXPECT_FALSE(broken_off.violation);
+    return;
+  }
+  FAIL() << "no case was interrupted";
 }
 
 #ifdef KAZ_FIRMWARE_IMAGE

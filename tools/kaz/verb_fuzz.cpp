@@ -14,9 +14,9 @@ void add_fuzz(CLI::App& program, Action& action) {
       "fuzz", "send hostile requests to a board and check that motors and replies stay in order");
   auto arguments = std::make_shared<FuzzOptions>();
   verb->add_option("--target,--port", arguments->target,
-                   "native or h8, simulated in this process, or a serial port or pty")
+                   std::string("native or h8, simulated in this process, or a ") + kPortText)
       ->capture_default_str()
-      ->type_name("native|h8|PATH");
+      ->type_name("native|h8|PORT");
   add_address(*verb, arguments->address);
   auto* seconds = verb->add_option("--seconds", arguments->seconds,
                                    "how long to run; a case that has begun is finished")
@@ -28,7 +28,8 @@ void add_fuzz(CLI::App& program, Action& action) {
                     ->transform(whole_number_above_zero())
                     ->excludes(seconds)
                     ->type_name("N");
-  verb->add_option("--seed", arguments->seed, "seed of the cases")
+  verb->add_option("--seed", arguments->seed,
+                   "seed of the cases, and on native and h8 of noise and of the chances of faults")
       ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
@@ -74,7 +75,10 @@ void add_fuzz(CLI::App& program, Action& action) {
       "  kaz fuzz --body --seconds 60\n"
       "  kaz fuzz --target /dev/ttyUSB0 --allow-motion --seconds 600\n"
       "  kaz fuzz --replay kaz-fuzz-failure");
-  verb->callback([&action, arguments] { action = [arguments] { return fuzz(*arguments); }; });
+  verb->callback([&action, arguments, verb] {
+    arguments->seed_given = verb->count("--seed") > 0;
+    action = [arguments] { return fuzz(*arguments); };
+  });
 }
 
 }  // namespace kaz::tools
