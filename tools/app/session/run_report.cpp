@@ -163,6 +163,7 @@ Result<std::vector<std::string>> write_pictures(const RunReport& report, const S
   if (page.plots.empty()) return names;
   for (const auto& [name, write] : {std::pair{"pan_tilt.png", &figure::write_plot_png},
                                     std::pair{"pan_tilt.svg", &figure::write_plot_svg}}) {
+    if (snapshots.stopped()) break;
     KAZ_TRY(write(folder.path(name), page));
     names->push_back(name);
   }
@@ -279,7 +280,11 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     } else {
       const auto names = KAZ_TRY(write_pictures(report, snapshots, *folder));
       result["pictures"] = names;
-      if (std::ranges::find(names, "pan_tilt.png") == names.end())
+      // The run had ended: its outcome stands.
+      if (snapshots.stopped()) {
+        mark_interrupted(result);
+        result["not_drawn"] = {{"other pictures", "interrupted while they were drawn"}};
+      } else if (std::ranges::find(names, "pan_tilt.png") == names.end())
         result["not_drawn"] = {{"pan_tilt.png", "nothing of head and ball was measured"}};
     }
     KAZ_TRY(folder->write("vision.csv", report.vision_table));
@@ -295,9 +300,9 @@ void print_report(const ordered_json& result, const RunReport& report, const std
     print_json(result);
     return;
   }
-  std::printf("%s: %s\n", word_of(report), report.outcome.sentence.c_str());
+  print_lines("%s: %s\n", word_of(report), report.outcome.sentence.c_str());
   if (report.score.found_s && report.score.within_3deg) {
-    std::printf(
+    print_lines(
         "within 3 degrees of the picture's centre %.1f %% of the time after the ball was "
         "found (by %s)\n",
         100 * *report.score.within_3deg, report.score.measured_by.c_str());
@@ -309,9 +314,9 @@ void print_report(const ordered_json& result, const RunReport& report, const std
   }
   std::printf("\n");
   if (!report.vision_text.empty())
-    std::printf("vision, computing a picture: %s\n", report.vision_text.c_str());
+    print_lines("vision, computing a picture: %s\n", report.vision_text.c_str());
   if (result.contains("warning"))
-    std::printf("warning: %s\n", result["warning"].get<std::string>().c_str());
+    print_lines("warning: %s\n", result["warning"].get<std::string>().c_str());
   if (result.contains("recording_sha256")) {
     std::printf("recording %s\n", result["recording_sha256"].get<std::string>().c_str());
   }

@@ -461,7 +461,9 @@ Result<void> Session::begin_vision() {
     floor_.emplace(*pipeline_);
     gated_floor_.emplace(*floor_, gate());
   }
-  snapshots_.emplace(*camera_, backend_->simulation(), options_.vision.ball);
+  // Not by interrupt_, which also ends a run that has had its time.
+  snapshots_.emplace(*camera_, backend_->simulation(), options_.vision.ball,
+                     [] { return received_signal() != 0; });
   return {};
 }
 
@@ -751,7 +753,8 @@ Result<bool> Session::report() {
   const auto written =
       write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
   if (!written) return tl::unexpected(lost(written.error()));
-  if (!interrupted()) KAZ_TRY(show_moments());
+  const bool undrawn = !interrupted() && written->contains("interrupted");
+  if (!interrupted() && !undrawn) KAZ_TRY(show_moments());
   if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
   if (!not_begun_.empty())
     std::fprintf(stderr, "%s: %s\n", options_.label.c_str(),
@@ -761,6 +764,10 @@ Result<bool> Session::report() {
     if (options_.on_loss) options_.on_loss(error);
     return tl::unexpected(std::move(error));
   }
+  if (undrawn)
+    return fail(Fault::interrupted, "interrupted while pictures were drawn; the run had ended (" +
+                                        outcome_->sentence + "), what there is of it is kept in " +
+                                        options_.out);
   if (!interrupted()) return outcome_->success;
   char until[48];
   std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s_);

@@ -73,6 +73,7 @@ Result<vision::Image> Snapshots::outside(const Snapshot& snapshot) const {
 Result<std::vector<MomentPictures>> Snapshots::draw() const {
   std::vector<MomentPictures> moments;
   for (const Snapshot& snapshot : moments_) {
+    if (stopped()) return std::vector<MomentPictures>();
     const auto images = snapshot.pair.images.get();
     if (images == nullptr) continue;
     MomentPictures moment = look(images->left, snapshot.pair.info, ball_);
@@ -87,6 +88,7 @@ Result<std::vector<MomentPictures>> Snapshots::draw() const {
 Result<std::vector<std::string>> Snapshots::write(const OutputFolder& folder) const {
   std::vector<std::string> names;
   const auto write = [&](const std::string& name, const vision::Image& image) -> Result<void> {
+    if (stopped()) return {};
     names.push_back(name);
     return figure::write_png(folder.path(name), image);
   };
@@ -105,16 +107,17 @@ Result<std::vector<std::string>> Snapshots::write(const OutputFolder& folder) co
     panels.push_back({moment.extraction, "colour extraction"});
     if (moment.found || best == nullptr) best = &moment;
   }
-  if (best == nullptr) return names;
+  if (best == nullptr || stopped()) return names;
   Result<void> written = write("left_eye.png", best->left);
   if (written) written = write("color_extraction.png", best->extraction);
   if (written && best->outside.width > 0) written = write("outside.png", best->outside);
   const int columns = simulation_ != nullptr ? 3 : 2;
   const vision::Image all = figure::compose(panels, columns, 300);
   if (written) written = write("moments.png", all);
-  names.emplace_back("moments.jpg");
-  if (written) written = figure::write_jpeg(folder.path("moments.jpg"), all, 80);
   if (!written) return tl::unexpected(written.error());
+  if (stopped()) return names;
+  names.emplace_back("moments.jpg");
+  KAZ_TRY(figure::write_jpeg(folder.path("moments.jpg"), all, 80));
   return names;
 }
 

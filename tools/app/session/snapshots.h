@@ -59,20 +59,23 @@ struct MomentPictures {
 class Snapshots {
  public:
   // `simulation` may be null: then there is no onlooker.
-  // `ball`: what is looked for in the left eye.
+  // `ball`: what is looked for in the left eye. `stopped`: whether drawing, which takes seconds, is to end.
   Snapshots(const RememberingCamera& camera, sim::Simulation* simulation,
-            const vision::BallOptions& ball)
-      : camera_(camera), simulation_(simulation), ball_(ball) {}
+            const vision::BallOptions& ball, std::function<bool()> stopped = nullptr)
+      : camera_(camera), simulation_(simulation), ball_(ball), stopped_(std::move(stopped)) {}
+
+  bool stopped() const { return stopped_ && stopped_(); }
 
   // Keeps the present pictures and poses under the name `shown`; nothing without pictures. The
   // onlooker's view is drawn only by write().
   void take(Time now, const std::string& shown);
 
-  // In order of time; without those whose pixels are not there.
+  // In order of time; without those whose pixels are not there, and none once it is stopped.
   Result<std::vector<MomentPictures>> draw() const;
 
   // left_eye.png, color_extraction.png, outside.png of the latest snapshot with the ball in view, and
-  // moments.png with all of them, and the same as moments.jpg, a tenth as large. Returns the names written.
+  // moments.png with all of them, and the same as moments.jpg, a tenth as large. Returns the names written:
+  // those that were whole when it was stopped.
   Result<std::vector<std::string>> write(const OutputFolder& folder) const;
 
  private:
@@ -89,6 +92,7 @@ class Snapshots {
   const RememberingCamera& camera_;
   sim::Simulation* simulation_;
   vision::BallOptions ball_;
+  std::function<bool()> stopped_;
   std::vector<Snapshot> moments_;
 };
 
