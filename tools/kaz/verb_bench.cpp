@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "host/robot/posture.h"
 #include "tools/app/bench/bench_run.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -13,8 +14,9 @@ namespace {
 
 void add_common(CLI::App& verb, BenchOptions& arguments) {
   auto* port = verb.add_option("--port", arguments.target.port,
-                               "serial port or pty of a board; without it an emulated one on a "
-                               "virtual motor stand, in simulated time")
+                               std::string(kPortText) +
+                                   "; without it an emulated one on a virtual motor stand, in "
+                                   "simulated time")
                    ->type_name("PORT");
   add_address(verb, arguments.target.address)->needs(port);
   add_choice(verb, "--mcu", sim::kMcuKinds, arguments.target.backend.mcu,
@@ -92,17 +94,23 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   add_watch_options(*verb, *watch);
   auto* motion = verb->add_flag(
       "--allow-motion", arguments->allow_motion,
-      arguments->motor
+      arguments->motor && arguments->link
+          ? "link and tick with the joints on and held where they are, for a realistic load; at a "
+            "port without a stand also: the joint may move at full speed through its range"
+      : arguments->motor
           ? "at a port without a stand: the joint may move at full speed through its range"
           : "switch the joints on and hold them where they are, for a realistic load; without it "
             "the board refuses the target frames, which are as long");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
     motion->needs(verb->get_option("--port"))->excludes(verb->get_option("--stand"));
-  verb->footer(std::string(arguments->motor
-                               ? "A motor takes three and a half minutes on a port, a few "
-                                 "seconds on the emulated board.\n"
-                               : "") +
+  std::string joints;
+  for (const host::JointInfo& joint : host::joint_table())
+    joints += (joints.empty() ? "" : ", ") + std::string(joint.name);
+  verb->footer((arguments->motor ? "A motor takes three and a half minutes on a port, a few "
+                                   "seconds on the emulated board. Joints: " +
+                                       joints + ".\n"
+                                 : std::string()) +
                "Exit status: 0 all within its limits, 1 a limit failed, 2 wrong usage, 3 port "
                "error, or this "
                "machine was too late to judge.\nExamples:\n" +
@@ -115,6 +123,16 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
         return fail(Fault::usage,
                     "--disc is that of the virtual stand, or of yours with --stand manual: the "
                     "stand of kaz sim has a --disc of its own; leave it out");
+      if (arguments->motor && verb->count("--supply") > 0 && !target.port.empty() &&
+          target.stand.empty())
+        return fail(Fault::usage,
+                    "--supply is what a stand's supply is set to, and without --stand nobody sets "
+                    "it; leave it out");
+      if (arguments->motor) {
+        for (const char* option :
+             {"--joint", "--stand", "--supply", "--motor-file", "--motor", "--disc"})
+          if (verb->count(option) > 0) arguments->of_motors = option;
+      }
       return bench_watched(*watch, *arguments);
     };
   });

@@ -71,6 +71,29 @@ constexpr const char* kVirtualOnly[] = {"--world",    "--mcu",          "--image
                                         "--imu",      "--no-imu",       "--supply", "--seed",
                                         "--dynamics", "--physics-step", "--memory"};
 
+// Errors: an option that has no effect beside the others.
+Result<void> check_joint_options(const CLI::App& verb, const JointCalibrationOptions& options) {
+  const bool gauge = options.only == "gauge" || !options.gauge.empty();
+  const bool sim = options.backend.robot == "sim";
+  const struct {
+    const char* option;
+    bool idle;
+    const char* why;
+  } rows[] = {{"--gauge-error", !gauge,
+               "is of angles of a gauge, and none is used (--gauge NAME=DEGREES, --only gauge)"},
+              {"--yes", sim, "is for a robot at a port: the virtual one moves without a question"},
+              {"--yes", gauge, "is of motions, and with a gauge nothing is moved"},
+              {"--json", options.dry_run,
+               "is of results, and --dry-run has none: it prints its plan as text"},
+              {"--out", options.dry_run, "is for results, and --dry-run has none"},
+              {"--no-store", options.dry_run, "is of a calibration, and --dry-run makes none"}};
+  for (const auto& [option, idle, why] : rows) {
+    if (idle && verb.count(option) > 0)
+      return fail(Fault::usage, std::string(option) + " " + why + "; leave " + option + " out");
+  }
+  return {};
+}
+
 void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
   options.backend.world = "empty";
   options.backend.imu = true;
@@ -87,7 +110,7 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
   verb.add_option(
           "--gauge", options.gauge,
           "by a gauge or a jig: that this joint, or all, is at this angle now; may be repeated")
-      ->type_name("NAME=VALUE")
+      ->type_name("NAME=DEGREES")
       ->expected(1)
       ->allow_extra_args(false)
       ->take_all();
@@ -146,6 +169,7 @@ void add_joints(CLI::App& calibrate, Action& action) {
                                         " is for the virtual robot; leave it out with --robot " +
                                         arguments->backend.robot);
       }
+      KAZ_TRY(check_joint_options(*verb, *arguments));
       return calibrate_joints(*arguments);
     };
   });

@@ -19,7 +19,8 @@ void add_compare(CLI::App& program, Action& action) {
   verb->add_option("--out", arguments->out, "folder for report.html, its plots and result.json")
       ->type_name("DIR");
   verb->add_flag("--all", arguments->all, "print also what does not differ");
-  verb->add_flag("--json", arguments->json, "print result.json instead");
+  verb->add_flag("--json", arguments->json, "print result.json instead, which has all measures")
+      ->excludes("--all");
   verb->footer(
       "For a real robot and a virtual one, or before and after a change. Only what passed the wire "
       "and "

@@ -13,7 +13,8 @@ void add_conformance(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "conformance", "check case by case that a board does what docs/reference/protocol.md says");
   auto arguments = std::make_shared<ConformanceOptions>();
-  auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
+  auto* port = verb->add_option("--port", arguments->port,
+                                std::string(kPortText) + "; either this or --virtual")
                    ->type_name("PORT");
   add_address(*verb, arguments->address)->needs(port);
   add_choice(*verb, "--virtual", sim::kMcuKinds, arguments->mcu,

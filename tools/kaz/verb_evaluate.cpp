@@ -128,6 +128,17 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
   return Outcome(succeeded);
 }
 
+// Errors: options before `merge`, which are of episodes to be run.
+Result<void> check_nothing_given(const CLI::App& evaluate) {
+  for (const CLI::Option* option : evaluate.get_options()) {
+    if (option->count() > 0)
+      return fail(Fault::usage, option->get_name() +
+                                    " before merge: it runs no episode; leave it out, or give what "
+                                    "is merge's (--out, --json) behind it");
+  }
+  return {};
+}
+
 void add_merge(CLI::App& evaluate, Action& action) {
   auto* verb = evaluate.add_subcommand("merge", "join the parts of an evaluation");
   struct Merge {
@@ -151,8 +162,9 @@ void add_merge(CLI::App& evaluate, Action& action) {
       "  kaz evaluate search-ball --episodes 8 --shard 1/2 --out one\n"
       "  kaz evaluate search-ball --episodes 8 --shard 2/2 --out two\n"
       "  kaz evaluate merge one two --out all");
-  verb->callback([&action, arguments] {
-    action = [arguments]() -> Result<Outcome> {
+  verb->callback([&action, &evaluate, arguments] {
+    action = [&evaluate, arguments]() -> Result<Outcome> {
+      KAZ_TRY(check_nothing_given(evaluate));
       const auto succeeded =
           KAZ_TRY(merge_campaigns(arguments->folders, arguments->out, arguments->json));
       return Outcome(succeeded);

@@ -19,15 +19,20 @@ constexpr const char* kOfRuns[] = {"--world", "--goal",      "--yard",     "--mc
 
 // Errors: an option of figures that --only leaves out.
 Result<void> check_drawn(const CLI::App& verb, const std::vector<int>& only) {
-  const std::pair<const char*, std::vector<int>> kOf[] = {
-      {"--world", {5, 6}}, {"--goal", {5, 6}}, {"--yard", {7}}};
+  const std::pair<const char*, std::vector<int>> kOf[] = {{"--world", {5, 6}},
+                                                          {"--goal", {5, 6}},
+                                                          {"--yard", {7}},
+                                                          {"--imu", {3, 5, 6, 8}},
+                                                          {"--no-imu", {3, 5, 6, 8}}};
   for (const auto& [option, figures] : kOf) {
     const bool drawn = only.empty() || std::ranges::any_of(figures, [&only](int figure) {
                          return std::ranges::count(only, figure) > 0;
                        });
     if (verb.count(option) > 0 && !drawn)
       return fail(Fault::usage, std::string(option) + " is of figure" +
-                                    (figures.size() > 1 ? "s 5 and 6" : " 7") +
+                                    (figures.size() == 1   ? " 7"
+                                     : figures.size() == 2 ? "s 5 and 6"
+                                                           : "s 3, 5, 6 and 8") +
                                     ", which --only leaves out; leave it out too");
   }
   return {};

@@ -38,9 +38,12 @@ void add_replay(CLI::App& program, Action& action) {
                    "the plug-in, if the run was of one: a recording loads no code by itself")
       ->type_name("FILE");
   add_watch_options(*verb, arguments->watch);
+  verb->get_option("--pace")->description(
+      "with --view: seconds of the recording in a second (default: 1)");
   for (const char* option : {"--host", "--whole", "--seed", "--set", "--plugin"})
     verb->get_option("--view")->excludes(verb->get_option(option));
-  verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output");
+  verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output")
+      ->excludes("--view");  // which has no result
   verb->footer(
       "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
       "first difference is reported with time, place in the stream, and its message. Changed "

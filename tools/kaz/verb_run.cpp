@@ -5,6 +5,8 @@
 #include <string>
 
 #include "host/behavior/behavior.h"
+#include "host/behavior/plugin.h"
+#include "tools/app/base/output.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/run_options.h"
@@ -34,15 +36,28 @@ std::string timed_behaviors() {
   return list;
 }
 
-// Options of the virtual robot, which have no effect on one at a port. --seed has: behaviours choose by it,
-// and so has --faults.
+// Options of the virtual robot, which have no effect on one at a port.
 constexpr const char* kVirtualOnly[] = {
     "--world",     "--mcu",      "--image",           "--sensors",       "--imu",
     "--no-imu",    "--dynamics", "--physics-step",    "--supply",        "--eyes",
     "--eye-width", "--renderer", "--record-pictures", "--restore-every", "--memory"};
 
+// Errors: nothing is drawn at a port. Behaviours that look choose the side on which they begin by the seed,
+// and so may plug-ins; faults of the line have chances.
+Result<void> check_seed(const CLI::App& verb, const std::string& behavior,
+                        const std::string& robot) {
+  if (verb.count("--seed") == 0 || verb.count("--faults") > 0 || behavior::names_plugin(behavior))
+    return {};
+  const auto known = behavior::find_behavior(behavior);
+  if (!known || known->needs_camera) return {};
+  return fail(Fault::usage, "--seed: " + behavior +
+                                " draws nothing, and a robot at a port has no " +
+                                "simulated noise; leave it out with --robot " + robot);
+}
+
 // Errors: an option was given that has no effect on this kind of robot.
-Result<void> check_given(const CLI::App& verb, const std::string& robot) {
+Result<void> check_given(const CLI::App& verb, const std::string& behavior,
+                         const std::string& robot) {
   if (robot == "sim" && verb.count("--address") > 0)
     return fail(Fault::usage,
                 "--address is for a port, as --robot serial:PATH; the virtual board has address 1");
@@ -52,6 +67,17 @@ Result<void> check_given(const CLI::App& verb, const std::string& robot) {
       return fail(Fault::usage, std::string(option) +
                                     " is for the virtual robot; leave it out with " + "--robot " +
                                     robot);
+  }
+  return check_seed(verb, behavior, robot);
+}
+
+// Errors: an option beside --options, which runs nothing.
+Result<void> check_alone(const CLI::App& verb) {
+  for (const CLI::Option* option : verb.get_options()) {
+    if (option->count() > 0 && option->nonpositional() && option->get_name() != "--options")
+      return fail(Fault::usage, option->get_name() +
+                                    ": --options prints what there is to set, and runs nothing; "
+                                    "leave one of them out");
   }
   return {};
 }
@@ -149,12 +175,13 @@ void add_run(CLI::App& program, Action& action) {
   verb->callback([&action, arguments, verb, list] {
     action = [arguments, verb, list]() -> Result<Outcome> {
       if (*list) {
+        KAZ_TRY(check_alone(*verb));
         const auto behavior =
             KAZ_TRY(guarded_behavior(arguments->session.behavior, arguments->session.label));
-        std::printf("%s", behavior_text(behavior).c_str());
+        print_lines("%s", behavior_text(behavior).c_str());
         return Outcome();
       }
-      KAZ_TRY(check_given(*verb, arguments->session.backend.robot));
+      KAZ_TRY(check_given(*verb, arguments->session.behavior, arguments->session.backend.robot));
       return run_behavior(*arguments);
     };
   });

@@ -38,6 +38,23 @@ std::string not_of_a_stand(const CLI::App& verb) {
   return "";
 }
 
+// What of the options given would act in a simulator that runs: without --serial only a calibration is
+// written. Empty if there is none.
+std::string not_of_a_calibration(const CLI::App& verb) {
+  static const std::set<std::string> kTaken = {
+      "--write-calibration", "--world", "--robot-file", "--eyes",
+      "--eye-width",         "--mcu",   "--image"};
+  for (const CLI::Option* option : verb.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() > 0 && !kTaken.contains(name))
+      return name +
+             ": without --serial nothing runs, only the calibration is written; give "
+             "--serial PATH, or leave " +
+             name + " out";
+  }
+  return "";
+}
+
 // What of the options given is nothing of a servo bus; empty if there is none.
 std::string not_of_a_bus(const CLI::App& verb) {
   static const std::set<std::string> kTaken = {"--bus",   "--serial",   "--robot-file",
@@ -139,7 +156,10 @@ void add_sim(CLI::App& program, Action& action) {
       };
       return;
     }
-    const std::string wrong = arguments->backend.stand ? not_of_a_stand(*verb) : "";
+    const bool runs = !arguments->real_time.serial_path.empty() || arguments->calibration.empty();
+    const std::string wrong = arguments->backend.stand ? not_of_a_stand(*verb)
+                              : runs                   ? ""
+                                                       : not_of_a_calibration(*verb);
     action = [arguments, watch, wrong]() -> Result<bool> {
       if (!wrong.empty()) return fail(Fault::usage, wrong);
       return serve_watched(*watch, *arguments);

@@ -49,7 +49,7 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
         arguments.where = where;
       },
       "show it in a browser, or in Foxglove, at this address and port (default: "
-      "127.0.0.1:8765); of another address than this machine's own whoever looks needs the token "
+      "127.0.0.1:8765); at an address that is not this machine's own, who looks needs the token "
       "that is printed");
   view->check(CLI::Validator(
       [](std::string& text) {
@@ -65,7 +65,7 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
   if (!paced) return;
   verb.add_option("--pace", arguments.pace,
                   "with --view: simulated seconds in a second at most (default: as fast as it "
-                  "goes; of a recording 1)")
+                  "goes)")
       ->check(between(0.01, 100))
       ->type_name("TIMES")
       ->needs(view);

@@ -72,6 +72,11 @@ TEST(Cli, EachHelpHasItsOwnExamplesWithin100Columns) {
     std::istringstream lines(finished.out);
     for (std::string line; std::getline(lines, line);)
       EXPECT_LE(line.size(), 100u) << example << ": " << line;
+    // One that is too long for a line goes on behind a backslash.
+    std::istringstream commands(finished.out.substr(examples));
+    std::string before;
+    for (std::string line; std::getline(commands, line); before = line)
+      EXPECT_EQ(line.starts_with("      "), before.ends_with(" \\")) << before << "\n" << line;
   }
 }
 
@@ -237,6 +242,28 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
       {{"flash", "info", "--port", "board", "--writer", "x"}, {"--writer"}},
       {{"flash", "run", "--port", "board", "--boot-baud", "4800"}, {"--boot-baud"}},
       {{"figures", "--only", "7", "--goal", "1,0"}, {"--goal is of figures 5 and 6", "--only"}},
+      {{"figures", "--only", "7", "--imu"}, {"--imu is of figures 3, 5, 6 and 8", "--only"}},
+      {{"run", "stand", "--robot", "serial:none", "--seed", "3"},
+       {"--seed: stand draws nothing", "leave it out"}},
+      {{"run", "stand", "--options", "--seed", "3"}, {"--seed: --options prints", "leave one"}},
+      {{"sim", "--write-calibration", folder / "lcov", "--record", folder / "r.mcap"},
+       {"--record: without --serial nothing runs"}},
+      {{"sim", "--write-calibration", folder / "lcov", "--fast"},
+       {"--fast: without --serial nothing runs"}},
+      {{"calibrate", "joints", "--gauge-error", "1"}, {"--gauge-error is of angles of a gauge"}},
+      {{"calibrate", "joints", "--yes"}, {"--yes is for a robot at a port", "leave --yes out"}},
+      {{"calibrate", "joints", "--robot", "serial:none", "--only", "gauge", "--yes"},
+       {"--yes is of motions", "leave --yes out"}},
+      {{"calibrate", "joints", "--dry-run", "--json"}, {"--json is of results", "--dry-run"}},
+      {{"calibrate", "joints", "--dry-run", "--out", folder / "lcov"}, {"--out", "--dry-run"}},
+      {{"evaluate", "--seed", "3", "merge", folder / "a", folder / "b", "--out", folder / "lcov"},
+       {"--seed before merge"}},
+      {{"replay", folder / "a", "--view", "--json"}, {"--json", "--view"}},
+      {{"compare", folder / "a", folder / "b", "--all", "--json"}, {"--all", "--json"}},
+      {{"bench", "all", "--filter", "^link", "--joint", "l_knee"},
+       {"--joint is of motors", "--filter ^link"}},
+      {{"bench", "motor", "--port", "none", "--allow-motion", "--supply", "8"},
+       {"--supply is what a stand's supply is set to", "--stand"}},
   };
   for (const auto& one : cases) {
     auto arguments = one.arguments;

@@ -34,7 +34,8 @@ bool is_text(const std::string& value) {
   static const std::string kTexts =
       " FILE [FILE] DIR PATH PORT NAME NAME|FILE NAME,NAME NAMES PNG PATTERN PICTURE SOURCE "
       "CAMERA "
-      "ROBOT HOW NAME=VALUE REGEX LIST BEGIN,END X,Y,W,H COLUMNSxROWS I/N native|h8|PATH "
+      "ROBOT HOW NAME=VALUE NAME=DEGREES REGEX LIST BEGIN,END X,Y,W,H COLUMNSxROWS I/N "
+      "native|h8|PORT "
       "PORT|PATH|- "
       "X,Y[,DEGREES]|ball reduced|exact|quickN ctl:PATH|manual sim|PORT HOST:PORT OPTIONS ";
   return kTexts.find(" " + value.substr(0, value.find(" ...")) + " ") != std::string::npos;
