@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 constexpr double kMu = 0.5, kLeverMass = 0.1, kPlankMass = 0.5;
 constexpr double kAhead = 0.15, kBelow = 0.12, kTip = 0.005;  // m, of the contact from the hinge
 
-// A lever hinged above the plank, its weight in the middle, with a small ball as shoe. Frame: x from the hinge
-// to the shoe, z up.
+// A lever hinged above the plank, its weight in the middle, with a small ball as shoe. Frame: x from the
+// hinge to the shoe, z up.
 sim::RobotModel lever() {
   sim::RigidLink rigid;
   rigid.name = "lever";
