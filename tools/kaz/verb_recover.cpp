@@ -34,6 +34,9 @@ void add_recover(CLI::App& program, Action& action) {
                    "notes of an interrupted run, whose message names them: also put back "
                    "calibration, gains and limits")
       ->type_name("FILE");
+  verb->add_flag("--port-changed", arguments->port_changed,
+                 "the notes of --from are of this board, though it was on another port then")
+      ->needs("--from");
   verb->add_flag("--json", arguments->json, "print what was found and done as JSON");
   verb->footer(
       "Searches all 14 addresses, switches the motors off, resets the board, which clears latched "

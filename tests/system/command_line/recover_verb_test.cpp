@@ -129,6 +129,30 @@ TEST_F(RecoverVerb, StatusNamesTheFirmware) {
   EXPECT_LE(now["supply_v"].dump().size(), 6u) << now;
 }
 
+// Notes of another board would give this one its address and calibration.
+TEST_F(RecoverVerb, NotesOfAnotherPortOrOfARunUnderWayAreRefused) {
+  const host::BoardState before = state(1, true);
+  Process suite(conformance("^calibration"));
+  for (int tries = 0; tries < 200 && notes().empty(); ++tries)
+    std::this_thread::sleep_for(milliseconds(20));
+  ASSERT_EQ(notes().size(), 1u);
+  const std::string path = notes().front();
+  Process other(kaz({"sim", "--mcu", "native", "--world", "empty", "--serial", folder_ / "other"}));
+  ASSERT_TRUE(other.wait_for_output("ready", seconds(30)));
+  const Finished early = run(kaz({"recover", folder_ / "other", "--from", path}));
+  EXPECT_EQ(early.exit_code, 2) << early.out;
+  EXPECT_NE(early.err.find("still under way"), std::string::npos) << early.err;
+
+  suite.signal(SIGKILL);
+  suite.wait(seconds(20));
+  const Finished wrong = run(kaz({"recover", folder_ / "other", "--from", path}));
+  EXPECT_EQ(wrong.exit_code, 2) << wrong.out;
+  EXPECT_NE(wrong.err.find("notes of the board on " + port()), std::string::npos) << wrong.err;
+  EXPECT_EQ(notes().size(), 1u);
+  EXPECT_EQ(run(kaz({"recover", port(), "--from", path})).exit_code, 0);
+  EXPECT_EQ(state(1, true), before);
+}
+
 TEST_F(RecoverVerb, At20RandomTimesOfASuiteTheBoardIsAsBefore) {
   const host::BoardState before = state(1, true);
   std::mt19937 random(20260702);

@@ -101,9 +101,21 @@ nlohmann::ordered_json as_json(const Recovered& result, const std::string& port,
           {"notes", result.notes}};
 }
 
-Result<std::optional<KeptFile>> read_notes(const std::string& path) {
-  if (path.empty()) return std::nullopt;
-  return KAZ_TRY(read_kept(path));
+// Notes say nothing of which board they are of but its port.
+Result<std::optional<KeptFile>> read_notes(const RecoverOptions& options, const std::string& port) {
+  if (options.from.empty()) return std::nullopt;
+  KeptFile kept = KAZ_TRY(read_kept(options.from));
+  if (notes_in_use(options.from))
+    return fail(Fault::usage, options.from + ": " + kept.verb + " on " + kept.port +
+                                  " is still under way and puts its board back itself: end it, or "
+                                  "leave --from out");
+  if (!same_port(kept.port, port) && !options.port_changed)
+    return fail(Fault::usage,
+                options.from + ": notes of the board on " + kept.port + ", not on " + port +
+                    ": another board would get its address and calibration; if the same board is "
+                    "on " +
+                    port + " now, add --port-changed");
+  return kept;
 }
 
 // They have served. Others than those of this program's folder are the user's.
@@ -146,7 +158,7 @@ Result<Recovered> recover_board(host::Link& link, host::Clock& clock, const Reco
 
 Result<bool> recover(const RecoverOptions& options) {
   const auto port = KAZ_TRY(parse_port(options.port));
-  const auto kept = KAZ_TRY(read_notes(options.from));
+  const auto kept = KAZ_TRY(read_notes(options, port.name()));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   auto link = KAZ_TRY(host::open_port(port, &interrupt));

@@ -19,6 +19,7 @@ struct RecoverOptions {
   std::optional<std::uint8_t> found_at = {};  // which board, where there are several
   std::optional<bool> shared_line = {};       // as in the notes, else as it is
   std::string from = {};                      // notes of an interrupted run; empty: none
+  bool port_changed = false;  // the notes are of this board, but name another port
   bool json = false;
 };
 

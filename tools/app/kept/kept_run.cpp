@@ -60,6 +60,22 @@ std::string kept_folder() {
   return home.empty() ? "" : home + "/.local/state/kaz";
 }
 
+bool notes_in_use(const std::string& path) {
+  const std::string name = fs::path(path).stem();
+  const std::size_t end = name.find_last_not_of("0123456789-");
+  const std::size_t dash = end == std::string::npos ? 0 : name.find('-', end);
+  return name.starts_with("board_") && dash != std::string::npos && dash + 1 < name.size() &&
+         runs(name.substr(dash + 1));
+}
+
+bool same_port(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  if (host::names_port_kind(a) || host::names_port_kind(b)) return false;
+  std::error_code error;
+  return fs::absolute(a, error).lexically_normal() == fs::absolute(b, error).lexically_normal() ||
+         fs::equivalent(a, b, error);
+}
+
 std::vector<std::string> earlier_notes(const std::string& port, const std::string& folder) {
   const std::string begin = file_name_of(port) + "-", end = ".json";
   std::vector<std::string> paths, sentences;
@@ -112,7 +128,10 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
   const KeptRunOptions& o = run->options_;
   run->ended_ = true;  // until it is known what to put back
   run->kept_.verb = o.verb;
-  run->kept_.port = o.port;
+  std::error_code no_folder;
+  run->kept_.port = host::names_port_kind(o.port)
+                        ? o.port
+                        : fs::absolute(o.port, no_folder).lexically_normal().string();
   const auto board = host::read_board(link, clock, o.address);
   // Also what fails because of a signal is its end.
   const auto ended = [&](Error error) {

@@ -26,6 +26,11 @@ std::vector<std::string> earlier_notes(const std::string& port,
 Error with_earlier_notes(Error error, const std::string& port,
                          const std::string& folder = kept_folder());
 
+// Whether the run that wrote these notes, by their name, is still under way.
+bool notes_in_use(const std::string& path);
+// Whether both names are of one port: equal, or two names of one file.
+bool same_port(const std::string& a, const std::string& b);
+
 struct KeptRunOptions {
   std::string verb;  // "kaz conformance"
   std::string port;
