@@ -65,7 +65,9 @@ std::string LatenessMeter::excuse(Time at_least) const {
       return "the program at the other end fell behind by " + in_ms(*lost - *lost_before_);
   }
   const Time excusing = std::max(kExcusing, at_least);
-  const bool often = total_ >= excusing && seconds(total_) > kExcusingShare * length_s;
+  // What bears a lateness bears it often, too.
+  const bool often =
+      at_least == Time::zero() && total_ >= excusing && seconds(total_) > kExcusingShare * length_s;
   if (longest_ < excusing && !often) return "";
   return "this program was kept waiting for up to " + in_ms(longest_) + ", " + in_ms(total_) +
          " in all";

@@ -42,7 +42,7 @@ class LatenessMeter final : public Link, public Clock {
   Time total() const { return total_; }
   // Why a failure since begin() proves nothing, as "this program was kept waiting for up to 34 ms,
   // ..."; empty if it was punctual: then the failure is the board's. `at_least`: what is judged bears
-  // lateness below that.
+  // any number of shorter ones.
   std::string excuse(Time at_least = Time::zero()) const;
   // Whether the last excuse() was that the program at the other end does not reply: nothing more can be
   // decided.

@@ -19,9 +19,9 @@
 namespace kaz::vision {
 namespace {
 
-constexpr int kLargestMatrixSide = 14;        // distortion in a row
+constexpr int kLargestMatrixSide = 14;         // distortion in a row
 constexpr std::size_t kLargestFile = 1 << 16;  // bytes; ours are of 3000
-constexpr double kLargest = 1e6;               // px, and m; their products are still written and read
+constexpr double kLargest = 1e6;  // px, and m; their products are still written and read
 
 cv::Mat camera_matrix(const Lens& lens) {
   return (cv::Mat_<double>(3, 3) << lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
@@ -68,15 +68,22 @@ class Reader {
     return static_cast<int>(value);
   }
 
-  // Rows and columns, where the file states them; how many numbers a matrix has is checked by its list.
+  // Rows and columns, where the file states them.
   Result<void> check_shape(const char* key, const CalibrationEntry& entry) const {
+    double numbers = 1;  // rows times columns; 0: not both are stated
     for (const auto& [name, text] : {std::pair{"rows", entry.rows}, {"cols", entry.cols}}) {
       double count = 0;
       if (!text.empty() && (!calibration_number(text, count) || count != std::floor(count) ||
                             count < 1 || count > kLargestMatrixSide))
-        return bad(std::string(key) + " has " + name + ": " + std::string(text) + "; a matrix has 1 to " +
-                   std::to_string(kLargestMatrixSide) + " rows and columns");
+        return bad(std::string(key) + " has " + name + ": " + std::string(text) +
+                   "; a matrix has 1 to " + std::to_string(kLargestMatrixSide) +
+                   " rows and columns");
+      numbers *= text.empty() ? 0 : count;
     }
+    if (numbers > 0 && numbers != static_cast<double>(entry.values.size()))
+      return bad(std::string(key) + " has rows: " + std::string(entry.rows) +
+                 " and cols: " + std::string(entry.cols) + ", but " +
+                 std::to_string(entry.values.size()) + " numbers");
     return {};
   }
 

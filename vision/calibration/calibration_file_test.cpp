@@ -145,6 +145,10 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
   rows.replace(rows.find("rows: 3"), 7, "rows: -3");
   EXPECT_NE(message(rows).find("camera_matrix_left has rows: -3"), std::string::npos)
       << message(rows);
+  std::string shape = whole;
+  shape.replace(shape.find("rows: 3"), 7, "rows: 2");
+  EXPECT_NE(message(shape).find("has rows: 2 and cols: 3, but 9 numbers"), std::string::npos)
+      << message(shape);
   std::string odd = whole;
   odd.replace(odd.find("image_width: 320"), 16, "image_width: -3 ");
   EXPECT_NE(message(odd).find("image_width is -3"), std::string::npos) << message(odd);

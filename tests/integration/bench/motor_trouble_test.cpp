@@ -18,8 +18,10 @@ faults::Schedule schedule_of(const std::string& text) {
 }
 
 // `inside`: faults of the simulated joint; `on_line`: of the line, their times from when the bench begins.
+// `stopped`: an emergency stop of before is latched.
 Benched bench_with(const std::string& inside, const std::string& on_line, const std::string& filter,
-                   sim::SimulationOptions board = kaz_board(), std::uint64_t seed = 1) {
+                   sim::SimulationOptions board = kaz_board(), std::uint64_t seed = 1,
+                   bool stopped = false) {
   Benched benched;
   auto made = sim::make_stand(board, {.motor = kaz_motor()});
   EXPECT_TRUE(made) << made.error().message;
@@ -31,6 +33,9 @@ Benched bench_with(const std::string& inside, const std::string& on_line, const 
   auto robot = host::Robot::connect(line, backend.clock(), bench_connection());
   EXPECT_TRUE(robot) << robot.error().message;
   if (!robot) return benched;
+  if (stopped) {
+    EXPECT_TRUE(robot->stop());
+  }
   MotorBenchOptions options;
   options.filter = filter;
   const Limits none;
@@ -117,6 +122,13 @@ TEST(DisturbedLine, OneThatIsCutForGoodEndsTheBench) {
 TEST(DisturbedLine, ExcusesNoMotorOnAHealthyOne) {
   const Benched benched = bench_with("at 0 s joint_stuck joint 2", "", "no_load");
   EXPECT_TRUE(failed(benched.report).contains("no_load.speed")) << all_values(benched.report);
+}
+
+// A shutdown that is older than the bench is none of the motor's.
+TEST(LatchedShutdown, OfBeforeIsCleared) {
+  const Benched benched = bench_with("", "", "^pot|backlash", kaz_board(), 1, true);
+  ASSERT_TRUE(benched.ran) << benched.ran.error().message;
+  EXPECT_EQ(failed(benched.report), Names{}) << all_values(benched.report);
 }
 
 }  // namespace
