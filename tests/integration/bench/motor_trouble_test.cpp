@@ -131,5 +131,44 @@ TEST(LatchedShutdown, OfBeforeIsCleared) {
   EXPECT_EQ(failed(benched.report), Names{}) << all_values(benched.report);
 }
 
+// One after the other on the same motor, the heat of the one before still in it: a healthy motor does not
+// fail, and one that rests passes again.
+TEST(WarmMotor, IsNoWeakOne) {
+  auto made = sim::make_stand(kaz_board(), {.motor = kaz_motor()});
+  ASSERT_TRUE(made) << made.error().message;
+  lockstep::StandBackend backend(std::move(*made));
+  bool undecided = false;
+  const auto bench = [&](const std::string& filter) {
+    BenchReport report;
+    auto robot = host::Robot::connect(backend.link(), backend.clock(), bench_connection());
+    ASSERT_TRUE(robot) << robot.error().message;
+    MotorBenchOptions options;
+    options.filter = filter;
+    const Limits none;
+    BenchJudge judge(report, none);
+    const auto ran = bench_motor(*robot, &backend.stand(), options, judge);
+    ASSERT_TRUE(ran) << ran.error().message;
+    EXPECT_EQ(failed(report), Names{}) << all_values(report);
+    const Names doubtful = names_with(report, Verdict::undecided);
+    undecided = !doubtful.empty();
+    for (const Measurement& one : report.measurements) {
+      if (one.verdict != Verdict::undecided) continue;
+      EXPECT_NE(one.message.find("the motor was warm: at rest its torque grew by "),
+                std::string::npos)
+          << one.message;
+    }
+  };
+  bench("stall");
+  EXPECT_FALSE(undecided) << "a cold motor passes";
+  bench("thermal");
+  for (int again = 0; again < 3; ++again) {
+    bench("stall");
+    EXPECT_TRUE(undecided) << again;
+  }
+  ASSERT_TRUE(backend.clock().sleep_until(backend.clock().now() + std::chrono::minutes(40)));
+  bench("stall");
+  EXPECT_FALSE(undecided) << "cold again";
+}
+
 }  // namespace
 }  // namespace kaz::hil
