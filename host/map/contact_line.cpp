@@ -13,6 +13,10 @@ constexpr int kStanding = 2;        // points of a column, fewer are strays
 constexpr double kWidest_m = 0.3;   // of a face without depth
 constexpr double kStraight_px = 2;  // of a face's foot, which may be round
 constexpr int kLowestFace_px = 3;
+constexpr int kBeside_px = 8;          // half a block: as far as a rim's depth reaches beside it
+constexpr float kSameThing_m = 0.05F;  // between the feet of columns of one thing
+constexpr float kLowerThan_m = 0.01F;  // by how much the top of a thing may seem lower than its rim
+constexpr float kDeepest_m = 0.15F;    // of a thing whose height is not known
 
 }  // namespace
 
@@ -53,11 +57,31 @@ float ContactLine::distance(int u) const {
   return column.floor_row < 0 ? 0 : distance_above(u, column.floor_row);
 }
 
-void ContactLine::add(int u, float votes) {
+void ContactLine::add(int u, float votes, float height_m) {
   Column& column = columns_[static_cast<std::size_t>(u)];
+  if (column.top_row != column.floor_row) {
+    column.top_row = column.floor_row;
+    column.foot_m = distance(u);
+    column.top_m = 0;
+  }
+  column.top_m = std::max(column.top_m, height_m);
   if (column.points == 0) column.row = column.floor_row;
   column.votes += votes;
   ++column.points;
+}
+
+bool ContactLine::mixed(int u, float distance_m, float height_m) const {
+  const float foot_m = distance(u);
+  if (foot_m <= 0) return false;
+  float top_m = 0;
+  const int first = std::max(0, u - kBeside_px),
+            last = std::min(planes_->width - 1, u + kBeside_px);
+  for (int k = first; k <= last; ++k) {
+    const Column& column = columns_[static_cast<std::size_t>(k)];
+    if (column.top_row >= 0 && std::abs(column.foot_m - foot_m) < kSameThing_m)
+      top_m = std::max(top_m, column.top_m);
+  }
+  return top_m > 0 ? height_m < top_m - kLowerThan_m : distance_m > foot_m + kDeepest_m;
 }
 
 int ContactLine::end_near(int u, double expected, int rows,

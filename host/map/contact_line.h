@@ -34,8 +34,12 @@ class ContactLine {
   // Horizontal distance from the eye at which the floor ends in column u, below the rows to come, m; 0 where
   // none was entered.
   float distance(int u) const;
-  // A point of the current row that stands there.
-  void add(int u, float votes);
+  // A point of the current row that stands there, at that height.
+  void add(int u, float votes, float height_m);
+  // Whether a point of the current row, farther from the eye than the floor's end below it, is one that
+  // the depth of the rim and of what is behind have mixed: what is there is lower than what stands before
+  // it, where that is known; else it is farther beyond the floor's end than things are deep.
+  bool mixed(int u, float distance_m, float height_m) const;
 
   // Between neighbouring columns that stand, `stride` or more apart: a face, if what is between ends the
   // floor along a straight line and has no floor above it up to `low_m`, nor pixels of `own`.
@@ -48,6 +52,9 @@ class ContactLine {
     int row = -1;        // of the floor below the points
     float votes = 0;
     int points = 0;
+    int top_row = -1;  // of the floor below the highest of the points
+    float top_m = 0;   // its height
+    float foot_m = 0;  // distance() there
   };
   bool floor_at(int u, int v) const;
   Eigen::Vector3f ray_above(int u, int v) const;

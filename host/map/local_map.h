@@ -10,7 +10,8 @@
 //
 // Each picture gives a cell at most one vote:
 // - Floor. The middle of each cell in view is projected into the picture; the cell is floor if the pixel
-//   belongs to the floor segment. Projecting cells to pixels, not pixels to cells, leaves no holes far
+//   belongs to the floor segment, and is not at a side of the picture, where what is cut off a thing may be
+//   called floor. Projecting cells to pixels, not pixels to cells, leaves no holes far
 //   away, where a pixel is larger than a cell, and clears nothing behind an obstacle.
 // - Obstacle. Each other pixel with a depth is a point. It votes for its cell if it is lower than the
 //   robot and above the floor by more than `obstacle_m` and by more than three sigma of its height. The
@@ -22,8 +23,9 @@
 //   (contact_line.h).
 // - Hole. A pixel whose point is below the floor by more than `drop_m`, and three sigma, shows that there
 //   is no floor where its ray passes the floor's height: that cell is an obstacle.
-// Strays count for nothing: points that those above and below contradict, and those that are too few for
-// even a low obstacle.
+// Strays count for nothing: points that those above and below contradict, those that are too few for even a
+// low obstacle, and those beyond the floor's end that are lower than what stands there: a rim's depth mixed
+// with that of the floor behind it (contact_line.h).
 // The eye's tilt, roll and height are taken from the floor's plane where a tenth of the picture shows it: a
 // walking robot's posture errs by a degree and 2 cm, as much as 5 cm of the floor a metre away.
 // A vote's weight is min(1, cell_m / dz), with dz = z^2 / (fx baseline) disparity_error_px, one sigma of

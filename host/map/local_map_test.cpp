@@ -86,7 +86,8 @@ TEST(LocalMap, ForgetsNothingThatStandsBesideTheFeet) {
   EXPECT_EQ(map.at(0.495, 0).state, CellState::floor) << "0.30 m away";
 }
 
-// Each cell whose middle is in view is known: none is left out where a pixel is larger than a cell.
+// Each cell whose middle is in view, and not at its sides, is known: none is left out where a pixel is larger
+// than a cell. What a side cuts off a thing may be called floor.
 TEST(LocalMap, HasNoHolesInTheFloorFarAway) {
   for (const int width : {160, 320, 640}) {
     LocalMap map = make();
@@ -99,11 +100,11 @@ TEST(LocalMap, HasNoHolesInTheFloorFarAway) {
         const Vector3d at(map.middle(x), map.middle(y), 0);
         const Vector3d p = view.depth.info.foot_from_eye.inverse() * at;
         const double u = c.fx * p.x() / p.z() + c.cx, v = c.fy * p.y() / p.z() + c.cy;
-        const bool visible = p.z() > 0.03 && u > -0.5 && v > -0.5 && u < width - 0.5 &&
+        const double left = width / 20.0 - 0.5, right = width - width / 20.0 - 0.5;
+        const bool visible = p.z() > 0.03 && u > left && v > -0.5 && u < right &&
                              v < c.height - 0.5 && at.norm() < 1.5;
-        const double edge =
-            std::min(std::min(std::abs(u + 0.5), std::abs(v + 0.5)),
-                     std::min(std::abs(u - width + 0.5), std::abs(v - c.height + 0.5)));
+        const double edge = std::min(std::min(std::abs(u - left), std::abs(v + 0.5)),
+                                     std::min(std::abs(u - right), std::abs(v - c.height + 0.5)));
         if (edge < 2e-3 || std::abs(at.norm() - 1.5) < 1e-6) continue;  // of single precision
         EXPECT_EQ(map.log_odds(x, y) < 0, visible) << width << ": " << at.transpose();
         in_view += visible ? 1 : 0;
@@ -120,7 +121,7 @@ TEST(LocalMap, EdgesAreWithinACellFromAnySideAndWithNoise) {
       enter(map, kBoxAhead.seen(test_eye(pan, 0.5), 0.2, k, 640));
     for (double y = -0.045; y < 0.15; y += 0.01) {
       const Vector3d p = test_eye(pan, 0.5).inverse() * Vector3d(0.45, y, 0);
-      if (std::abs(p.x()) > 0.8 * p.z()) continue;  // out of view
+      if (std::abs(p.x()) > 0.7 * p.z()) continue;  // out of view, or at its side
       double x = 0.35;
       while (map.at(x, y).state == CellState::floor) x += 0.001;
       EXPECT_NEAR(x, 0.45, 0.01) << pan << " " << y;
@@ -152,6 +153,50 @@ TEST(LocalMap, APlainFaceStandsBetweenItsEdges) {
   }
   for (double y = -0.04; y < 0.145; y += 0.01)
     EXPECT_EQ(map.at(0.455, y).state, CellState::obstacle) << y;
+}
+
+// The floor from from_x to to_x behind the box is not called floor, and seems nearer by this share of its
+// depth: what block matching makes of a rim and the floor behind it.
+void mix_behind(TestView& view, const Isometry3d& eye, double from_x, double to_x, double nearer) {
+  const vision::CameraModel& c = view.depth.info.camera;
+  for (int v = 0; v < c.height; ++v) {
+    for (int u = 0; u < c.width; ++u) {
+      const auto pixel = static_cast<std::size_t>(v * c.width + u);
+      float& d = view.depth.disparity_px[pixel];
+      const double z = c.fx * c.baseline_m / static_cast<double>(d);
+      const Vector3d p = eye * (z * Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+      if (view.planes.label[pixel] != 1 || p.x() < from_x || p.x() > to_x || p.y() < -0.02 ||
+          p.y() > 0.12)
+        continue;
+      view.planes.label[pixel] = 0;
+      d = static_cast<float>(d / (1 - nearer));
+    }
+  }
+}
+
+// The box's rim hides the floor from 0.55 to 0.87 m; beyond it a strip has depths between.
+TEST(LocalMap, DepthThatARimMixesWithTheFloorBehindItIsNoObstacle) {
+  LocalMap map = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) {
+    TestView view = kBoxAhead.seen(test_eye(0, 0.5), 0, k);
+    mix_behind(view, test_eye(0, 0.5), 0.87, 1.05, 0.25);
+    enter(map, view);
+  }
+  EXPECT_EQ(map.at(0.455, 0.05).state, CellState::obstacle);
+  for (double x = 0.57; x < 1; x += 0.01) {
+    for (double y = -0.05; y < 0.15; y += 0.01)
+      EXPECT_NE(map.at(x, y).state, CellState::obstacle) << x << " " << y;
+  }
+}
+
+// Its foot is hidden by the box, but it is higher.
+TEST(LocalMap, AHigherThingBehindALowerOneIsAnObstacle) {
+  TestYard yard = kBoxAhead;
+  yard.boxes.push_back({{0.75, 0.05, 0.10}, {0.06, 0.20, 0.20}});
+  LocalMap map = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) enter(map, yard.seen(test_eye(0, 0.3), 0.1, k));
+  for (const double y : {-0.03, 0.05, 0.12})
+    EXPECT_EQ(map.at(0.725, y).state, CellState::obstacle) << y;
 }
 
 // Two posts, whose depth is of their edges as well, and floor between them that is not seen from some

@@ -49,6 +49,8 @@ void keep_above(double a, double b, double& from, double& to) {
 // visible cells are an interval of k, clipped by the four image borders, the minimum depth and the maximum
 // range. Each visible cell whose pixel is labelled floor gets a vote against an obstacle, weighted by
 // min(1, (z0 / z)^2): the accuracy of stereo depth decreases with z^2.
+// At the picture's sides floor is not believed: what they cut off a thing is too narrow for the floor's
+// edges.
 // Where points are taken for the robot's own body, floor does not clear what was seen from afar, several
 // times: a thin rod beside the feet would be forgotten.
 void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes,
@@ -63,6 +65,7 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes,
   if (eye.z() <= 0) return;  // below the floor: none of it is visible
   const auto update = static_cast<std::uint32_t>(counts_.updates);
   const int width = c.width, height = c.height;
+  const double side = kSide * width, right = width - side;
   const double own2 = options_.own_m * options_.own_m;
   constexpr int kept = static_cast<int>(kKeptBeside / kStep);
   int *const row_u = row_u_.data(), *const row_v = row_v_.data(),
@@ -78,9 +81,9 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes,
     double from = std::max(0.0, under - reach), to = std::min(cells_ - 1.0, under + reach);
     const Vector3d at = turn * (Vector3d(middle(x), middle(0), 0) - eye);
     keep_above(at.z() - kNearest_m, step.z(), from, to);
-    keep_above(at.x() + 0.5 * at.z(), step.x() + 0.5 * step.z(), from, to);
+    keep_above(at.x() + (0.5 - side) * at.z(), step.x() + (0.5 - side) * step.z(), from, to);
     keep_above(at.y() + 0.5 * at.z(), step.y() + 0.5 * step.z(), from, to);
-    keep_above((width - 0.5) * at.z() - at.x(), (width - 0.5) * step.z() - step.x(), from, to);
+    keep_above((right - 0.5) * at.z() - at.x(), (right - 0.5) * step.z() - step.x(), from, to);
     keep_above((height - 0.5) * at.z() - at.y(), (height - 0.5) * step.z() - step.y(), from, to);
     if (from > to) continue;
     // Single precision, for SIMD: error of a thousandth of a pixel.
@@ -223,9 +226,12 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
       const float votes = share * std::min(reach * reach, weight_z2);
       const float foot_m = drop ? 0 : contact_.distance(u);
       const float off_px = d[u] - fb * ray.head<2>().norm() / foot_m;  // if it stands there
+      const bool beyond = foot_m > 0 && off_px < -kContactSigmas * error;
+      if (beyond && contact_.mixed(u, offset.norm(), up[u])) continue;
       int cell = -1;
       if (foot_m > 0 && std::abs(off_px) < kContactSigmas * error) {
-        contact_.add(u, votes);
+        const float height = eye.z() + foot_m / ray.head<2>().norm() * ray.z();
+        contact_.add(u, votes, height);
         cell = cell_beyond(foot_m, ray);
       } else {
         cell = cell_of(reach, ray);

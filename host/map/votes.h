@@ -24,6 +24,9 @@ inline constexpr int kMinPoints = 4;
 inline constexpr double kMinShare = 0.3;
 // Of disparity, between a point and the floor's end below it, of what stands there.
 inline constexpr float kContactSigmas = 3;
+// Of the picture's width: twice as far as the floor's edges are looked for (vision/planes/floor_edges.h, 8 px
+// of 320). A thing of which a side of the picture shows less is called floor.
+inline constexpr double kSide = 16.0 / 320;
 inline constexpr double kMaxOdds = 10;  // saturation, so that a cell can change again
 // Log-odds, three obstacle votes, from which floor beside the feet does not clear a cell.
 inline constexpr double kKeptBeside = 3.6;
