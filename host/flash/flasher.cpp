@@ -530,8 +530,9 @@ std::string Flasher::left_behind() const {
   switch (state_) {
     case State::boot_mode:
       return "the board is still in boot mode and has no firmware, or only a part of it, which "
-             "does "
-             "not run; give the same command again: boot mode can always be entered";
+             "does not run; boot mode has erased its stored calibration and its address, too; give "
+             "the "
+             "same command again: boot mode can always be entered";
     case State::loader_erased:
       return "what was erased is not whole again, and the board's loader starts nothing that is "
              "not; "

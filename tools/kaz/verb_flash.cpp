@@ -25,7 +25,9 @@ void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
       verb.add_option(
               "--reset", arguments.reset,
               "boot mode, entered by dtr-rts (DTR at RES, RTS at the mode pins), ctl:PATH (control "
-              "socket of kaz sim) or manual; without it the resident loader")
+              "socket of kaz sim) or manual; it erases the whole flash, with stored calibration "
+              "and "
+              "address; without it the resident loader")
           ->type_name("HOW");
   verb.add_option("--boot-baud", arguments.boot_baud, "baud rate in boot mode")
       ->check(CLI::IsMember({4800, 9600, 19200}))

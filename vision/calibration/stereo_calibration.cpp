@@ -214,6 +214,19 @@ Corners find_board(const Image& image, const Board& board) {
   }
 }
 
+Board largest_board(const Image& image, Board board) {
+  constexpr int kMore = 4;
+  for (int Board::*side : {&Board::columns, &Board::rows}) {
+    for (int more = 0; more < kMore; ++more) {
+      Board larger = board;
+      ++(larger.*side);
+      if (find_board(image, larger).empty()) break;
+      board = larger;
+    }
+  }
+  return board;
+}
+
 Result<StereoResult> calibrate_stereo(std::span<const BoardPair> pairs, const Board& board,
                                       int width, int height) {
   if (board.columns < 3 || board.rows < 3 || !(board.square_m > 0))

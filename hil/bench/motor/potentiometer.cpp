@@ -16,6 +16,7 @@ constexpr double kRange = 2e-4 * KZ_POT_HALF_SPAN;  // rad
 constexpr double kCode = kRange / 1024;
 constexpr int kPlaces = 13;
 constexpr double kMargin = 0.05;  // rad, from the soft limits
+constexpr double kFollows = 0.2;  // share of the shaft's turns; less is no error of the scale
 // So near an end of the converter's range, a reading that does not move is none: that of a wiper which
 // touches a supply through some ohms.
 constexpr double kRailCodes = 12, kRailNoise = 0.05;
@@ -72,6 +73,12 @@ void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge) {
   }
   sure(stand.let_go(motor.joint()));
   const Line line = fit_line(read);
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the reading follows the shaft by %.1f %% of its turns: the wiper or its gear is "
+                "loose, or the input is another joint's",
+                100 * line.slope);
+  check(std::abs(line.slope) > kFollows, text);
   judge.enter(motor.name(), "pot.linearity", 100 * line.worst / kRange);
   judge.enter(motor.name(), "pot.scale", 100 * (line.slope - 1), 100 * line.slope_error);
   judge.enter(motor.name(), "pot.offset", line.at_zero / kDegree, line.at_zero_error / kDegree);

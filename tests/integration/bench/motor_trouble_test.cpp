@@ -76,6 +76,17 @@ TEST(BrokenPotentiometer, AlsoWhereItBreaksMeanwhile) {
   EXPECT_EQ(failed(benched.report), Names{"pot.noise"}) << all_values(benched.report);
 }
 
+// A reading that stays where it is has no line to judge.
+TEST(BrokenPotentiometer, ThatDoesNotFollowHasNoLine) {
+  const Benched benched = bench_with("at 0 s pot_stuck joint 2", "", "^pot");
+  ASSERT_TRUE(benched.ran) << benched.ran.error().message;
+  EXPECT_EQ(failed(benched.report), (Names{"pot.linearity", "pot.scale", "pot.offset"}))
+      << all_values(benched.report);
+  const Measurement* linearity = find(benched.report, "pot.linearity");
+  ASSERT_TRUE(linearity);
+  EXPECT_NE(linearity->message.find("follows the shaft by "), std::string::npos);
+}
+
 // Quiet because the sensors are ideal, and healthy.
 TEST(BrokenPotentiometer, IsNoneThatIsOnlyQuiet) {
   auto board = kaz_board();

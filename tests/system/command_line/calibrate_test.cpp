@@ -61,6 +61,13 @@ void expect_refusal(const Finished& finished, int exit_code, const std::string& 
   EXPECT_FALSE(fs::exists(out));
 }
 
+// The part of a larger board may be another one for each eye.
+TEST(Calibrate, APartOfTheBoardIsRefused) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "part.yml";
+  expect_refusal(calibrate(kPictures, out, {}, "8x6"), 2, out, {"9x6 inner corners", "8x6"});
+}
+
 TEST(Calibrate, PhotographsOfAChessboardToUnderHalfAPixel) {
   const TemporaryFolder folder;
   const std::string out = folder / "stereo.yml";

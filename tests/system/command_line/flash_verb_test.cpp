@@ -61,6 +61,7 @@ TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
   ASSERT_TRUE(report.is_object()) << first.out;
   EXPECT_TRUE(report["ok"]);
   EXPECT_TRUE(report["verified"]);
+  EXPECT_EQ(report["erased"], "all");
   EXPECT_GT(report["efficiency"].get<double>(), 0);
   EXPECT_TRUE(report["runs"].contains("crc")) << first.out;
   // The same image through the loader: nothing to do.
@@ -105,6 +106,8 @@ TEST_F(FlashVerb, KilledInTheMiddleAndTakenUpAgain) {
   const Finished again = run(write({"--reset", control()}), seconds(90));
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_NE(again.out.find("efficiency"), std::string::npos);
+  EXPECT_NE(again.out.find("the whole flash erased"), std::string::npos) << again.out;
+  EXPECT_NE(again.out.find("boot mode has erased the stored calibration"), std::string::npos);
 }
 
 // The test is who sets the switch and presses the button.

@@ -53,7 +53,8 @@ void Answer::image(const host::FlashImage& image) {
   say(line);
 }
 
-void Answer::written(const host::FlashReport& report) {
+void Answer::written(const host::FlashReport& report, bool by_boot_mode) {
+  if (by_boot_mode) put("erased", "all");
   put("bytes", report.bytes);
   put("written", report.written);
   put("blocks_erased", report.erased);
@@ -67,8 +68,13 @@ void Answer::written(const host::FlashReport& report) {
     return say("nothing to write: the flash holds these " + std::to_string(report.bytes) +
                " bytes already, " + counted(report.unchanged, "block") + " compared");
   say("written and verified: " + std::to_string(report.written) + " bytes, " +
-      counted(report.erased, "block") + " erased, " + std::to_string(report.unchanged) +
-      " unchanged, " + counted(report.repeated, "request") + " repeated");
+      (by_boot_mode ? "the whole flash erased"
+                    : counted(report.erased, "block") + " erased, " +
+                          std::to_string(report.unchanged) + " unchanged") +
+      ", " + counted(report.repeated, "request") + " repeated");
+  if (by_boot_mode)
+    say("boot mode has erased the stored calibration, which `kaz calibrate joints` makes anew, and "
+        "the board's address, which is 1 now");
   char times[96];
   std::snprintf(times, sizeof times,
                 "%.2f s, of which line and cells take %.2f: efficiency %.1f %%", report.seconds,

@@ -25,7 +25,8 @@ class Answer {
   }
 
   void image(const host::FlashImage& image);
-  void written(const host::FlashReport& report);
+  // `by_boot_mode`: that has erased the whole flash before.
+  void written(const host::FlashReport& report, bool by_boot_mode);
   void application(const std::optional<host::ImageIdentity>& identity);
   void runs(const kz_identify_reply& board);
 

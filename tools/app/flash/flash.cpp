@@ -53,7 +53,7 @@ Result<void> write_image(FlashSession& session, const FlashArguments& arguments,
   const auto report = session.flasher().write(image);
   session.end_progress();
   if (!report) return tl::unexpected(report.error());
-  answer.written(*report);
+  answer.written(*report, session.through_boot());
   if (!arguments.start) return {};
   if (auto started = session.start(); !started) return started;
   if (const auto identity = image.identity()) return check_running(session, answer, *identity);

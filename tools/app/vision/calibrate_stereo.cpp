@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -80,10 +81,30 @@ Result<void> check_new(const vision::Corners& corners, const std::string& path,
                   "' show the board at exactly the same place: give each picture once");
 }
 
+// Refuses a grid that is a part of the board's: `seen` is how much larger it looked in the picture before.
+Result<void> check_whole(const vision::Image& image, const std::string& path, const Board& board,
+                         std::optional<Board>& seen) {
+  const Board whole = vision::largest_board(image, board);
+  const bool again = seen && seen->columns == whole.columns && seen->rows == whole.rows;
+  seen = whole;
+  if (!again || (whole.columns == board.columns && whole.rows == board.rows)) return {};
+  const auto text = [](const Board& of) {
+    return std::to_string(of.columns) + "x" + std::to_string(of.rows);
+  };
+  return fail(Fault::usage, "'" + path + "' and the picture before show a board of " + text(whole) +
+                                " inner corners, of which --board " + text(board) +
+                                " is a part that may be another one for each eye: give --board " +
+                                text(whole));
+}
+
 Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board& board,
                               bool quiet) {
   Sightings all;
   Progress progress("kaz calibrate", quiet);
+  constexpr int kAskedForMore =
+      3;  // pictures; each such search takes as long as the one for the board
+  int asked = 0;
+  std::optional<Board> seen;
   for (const PicturePair& files : pairs) {
     progress.update(
         static_cast<double>(all.pairs.size()) / static_cast<double>(pairs.size()),
@@ -95,6 +116,8 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
       return fail(Fault::usage,
                   "'" + files.left + "' and '" + files.right +
                       "' are the same picture: give --left and --right pictures of two eyes");
+    if (!left.corners.empty() && asked++ < kAskedForMore)
+      KAZ_TRY(check_whole(left.image, files.left, board, seen));
     for (std::size_t i = 0; i < all.pairs.size(); ++i) {
       const PicturePair& before = all.pairs[i].files;
       KAZ_TRY(check_new(left.corners, files.left, all.boards[i].left, before.left));
