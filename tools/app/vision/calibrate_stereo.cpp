@@ -101,9 +101,9 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
                               bool quiet) {
   Sightings all;
   Progress progress("kaz calibrate", quiet);
-  constexpr int kAskedForMore =
+  constexpr int kSearchedForMore =
       3;  // pictures; each such search takes as long as the one for the board
-  int asked = 0;
+  int searched = 0;
   std::optional<Board> seen;
   for (const PicturePair& files : pairs) {
     progress.update(
@@ -116,7 +116,7 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
       return fail(Fault::usage,
                   "'" + files.left + "' and '" + files.right +
                       "' are the same picture: give --left and --right pictures of two eyes");
-    if (!left.corners.empty() && asked++ < kAskedForMore)
+    if (!left.corners.empty() && asked++ < kSearchedForMore)
       KAZ_TRY(check_whole(left.image, files.left, board, seen));
     for (std::size_t i = 0; i < all.pairs.size(); ++i) {
       const PicturePair& before = all.pairs[i].files;
