@@ -28,8 +28,8 @@ inline constexpr int kLeastPairs = 5;
 // Row by row, px; empty if the board is not completely visible.
 using Corners = std::vector<Eigen::Vector2d>;
 Corners find_board(const Image& image, const Board& board);
-// The board of which `board`, found in the picture, is a part: as many columns and rows as are in sight, up to
-// four more of each. Which part of a larger board is found may differ from eye to eye.
+// The board of which `board`, found in the picture, is a part: as many columns and rows as are in sight, up
+// to four more of each. Which part of a larger board is found may differ from eye to eye.
 Board largest_board(const Image& image, Board board);
 
 struct BoardPair {

@@ -116,7 +116,7 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
       return fail(Fault::usage,
                   "'" + files.left + "' and '" + files.right +
                       "' are the same picture: give --left and --right pictures of two eyes");
-    if (!left.corners.empty() && asked++ < kSearchedForMore)
+    if (!left.corners.empty() && searched++ < kSearchedForMore)
       KAZ_TRY(check_whole(left.image, files.left, board, seen));
     for (std::size_t i = 0; i < all.pairs.size(); ++i) {
       const PicturePair& before = all.pairs[i].files;
