@@ -53,10 +53,15 @@ std::string without(std::string yaml, const std::string& key) {
   return yaml.erase(begin, end + 1 - begin);
 }
 
-std::string with_data(const std::string& yaml, const std::string& key, const std::string& data) {
+// `columns`: of the matrix of one row that it then is; empty: the shape stays.
+std::string with_data(const std::string& yaml, const std::string& key, const std::string& data,
+                      const std::string& columns = "") {
   std::string text = yaml;
-  const auto begin = text.find('[', text.find("\n" + key + ": "));
-  return text.replace(begin, text.find(']', begin) + 1 - begin, "[ " + data + " ]");
+  const auto at = text.find("\n" + key + ": ");
+  const auto begin = text.find('[', at);
+  text.replace(begin, text.find(']', begin) + 1 - begin, "[ " + data + " ]");
+  if (!columns.empty()) text.replace(text.find("cols: ", at), 7, "cols: " + columns);
+  return text;
 }
 
 std::string message(const std::string& text) {
@@ -119,8 +124,9 @@ TEST(CalibrationFile, NamesFileAndKeyOfWhatIsMissing) {
 
 TEST(CalibrationFile, NamesWhatIsWrong) {
   const std::string whole = calibration_text(askew(), CalibrationFormat::yaml);
-  const auto expect = [&](const std::string& key, const std::string& data, const std::string& why) {
-    const std::string said = message(with_data(whole, key, data));
+  const auto expect = [&](const std::string& key, const std::string& data, const std::string& why,
+                          const std::string& columns = "") {
+    const std::string said = message(with_data(whole, key, data, columns));
     EXPECT_EQ(said.rfind("eyes.yml: ", 0), 0u) << said;
     EXPECT_NE(said.find(key), std::string::npos) << said;
     EXPECT_NE(said.find(why), std::string::npos) << said;
@@ -131,7 +137,8 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
   expect("camera_matrix_right", ".Nan, 0., 5., 0., 9., 5., 0., 0., 1.", "not finite");
   expect("camera_matrix_right", "9., 0., .Inf, 0., 9., 5., 0., 0., 1.", "not finite");
   expect("camera_matrix_right", "a, 0., 5., 0., 9., 5., 0., 0., 1.", "no number");
-  expect("distortion_coefficients_left", "0., 0., 0., 0., 0., .1, 0., 0.", "five coefficients");
+  expect("distortion_coefficients_left", "0., 0., 0., 0., 0., .1, 0., 0.", "five coefficients",
+         "8");
   expect("R1", "1., 0., 0., 0., 1., 0., 0., 0., -1.", "no rotation");
   expect("P2", "9., 0., 5., 0., 0., 9., 5., 0., 0., 0., 1., 0.", "different pinholes");
   expect("T", "-0.05, 0., 0.", "do not fit");
@@ -167,7 +174,7 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
 TEST(CalibrationFile, EightCoefficientsOfWhichThreeAreZeroAreFive) {
   const std::string text =
       with_data(calibration_text(askew(), CalibrationFormat::yaml), "distortion_coefficients_left",
-                "-0.18, 0.03, 0.0006, -0.0004, 0.001, 0., 0., 0.");
+                "-0.18, 0.03, 0.0006, -0.0004, 0.001, 0., 0., 0.", "8");
   const auto read = parse_calibration(text, "a");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->left.lens.distortion[4], 0.001);
