@@ -55,12 +55,15 @@ struct BatchState {
 
 class Batch {
  public:
-  // Loads the world once. Errors: those of Simulation::create; robots or threads out of range.
+  // Loads the world once, and powers one board on, which enables its motors, moves to the posture and
+  // settles: each episode begins from that state. Errors: those of Simulation::create; robots or threads out
+  // of range.
   static Result<std::unique_ptr<Batch>> create(BatchOptions options);
   ~Batch();
 
-  // Robot `i` anew, for those with a seed: powered on, enabled, moved to the posture, settled. The seed is
-  // that of the sensors' noise.
+  // Robot `i` anew, for those with a seed: standing in the posture. The seed is that of the sensors' noise
+  // and errors, which the board has felt for a period then; where they move the posture (pot_as_built),
+  // for `settle_ms` more.
   Result<void> reset(std::span<const std::optional<std::uint64_t>> seeds);
   // One period of all robots but those whose entry of `resting` (one each) is not 0. `targets`: robots x 18,
   // rad; clipped to the joints' limits. Errors: before reset(); a robot's chip or board has stopped.
@@ -77,6 +80,8 @@ class Batch {
   struct Robot;
   class Workers;
   explicit Batch(BatchOptions options);
+  Result<void> prepare();
+  Result<std::unique_ptr<sim::Simulation>> assemble(const sim::SimulationOptions& options) const;
   Result<void> reset_one(std::size_t i, std::uint64_t seed);
   Result<void> period(Robot& robot, std::span<const double> targets, int ms);
   Result<void> run_simulated(Robot& robot, std::span<const double> targets, int ms);
@@ -85,7 +90,10 @@ class Batch {
   Result<Robot*> robot_at(int robot) const;
 
   BatchOptions options_;
+  // Where all begin: on `none` the world alone, else `start_`. `prototype_` is as loaded.
   std::unique_ptr<sim::World> prototype_;
+  std::unique_ptr<Robot> settled_;
+  sim::Simulation::Start start_;
   bool has_ball_ = false;
   sim::CameraFile camera_;
   std::vector<std::unique_ptr<Robot>> robots_;

@@ -45,6 +45,11 @@ void Imu::advance(std::int64_t tick, const ImuMotion& motion) {
   started_ = true;
 }
 
+void Imu::follow(const Imu& other) {
+  started_ = other.started_;
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].filtered = other.axes_[i].filtered;
+}
+
 double Imu::ratio(int index) const {
   const Axis& axis = axes_[static_cast<std::size_t>(index)];
   double value = axis.filtered + axis.offset + axis.wandered;

@@ -29,6 +29,9 @@ class Imu {
   // The motion during the millisecond that ends with this tick. Ticks must increase.
   void advance(std::int64_t tick, const ImuMotion& motion);
 
+  // Goes on with the motion that another has measured so far, with errors of its own.
+  void follow(const Imu& other);
+
   // Fractions of AVCC, 0..1, at AN3 (yaw rate), AN4 (forward), AN5 (left): axis 0, 1, 2.
   double ratio(int axis) const;
 

@@ -63,18 +63,20 @@ double duty_of(const PinLevels& pins, std::size_t joint) {
 
 ServoBoard::ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options)
     : mcu_(std::move(mcu)), options_(options), heat_(options.params.driver), pins_(mcu_->pins()) {
-  for (int j = 0; j < KZ_JOINTS; ++j) {
-    const auto i = static_cast<std::size_t>(j);
-    potentiometers_[i] =
-        Potentiometer(j, options_.params.potentiometer, options_.sensors, options_.seed);
-    pot_[i] = potentiometers_[i].ratio(0.0);
-  }
-  if (options_.imu) imu_.emplace(options_.params, options_.sensors, options_.seed);
+  make_sensors();
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) pot_[j] = potentiometers_[j].ratio(0.0);
   mcu_->on_pins(
       [this](States at, const PinLevels& levels) { pins_changed(at + off_time_, levels); });
   mcu_->set_analog([this](int channel, const PinLevels& levels, States at) {
     return analog(channel, levels, at + off_time_);
   });
+}
+
+void ServoBoard::make_sensors() {
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j)
+    potentiometers_[j] = Potentiometer(static_cast<int>(j), options_.params.potentiometer,
+                                       options_.sensors, options_.seed);
+  if (options_.imu) imu_.emplace(options_.params, options_.sensors, options_.seed);
 }
 
 Result<void> ServoBoard::run_until(States until) {
@@ -122,6 +124,21 @@ void ServoBoard::save(StateWriter& to) {
 void ServoBoard::restore(StateReader& from) {
   mcu_->restore(from);
   transfer(from);
+}
+
+std::unique_ptr<const Mcu::Kept> ServoBoard::keep(StateWriter& to) {
+  auto kept = mcu_->keep(to);
+  transfer(to);
+  return kept;
+}
+
+void ServoBoard::take(StateReader& from, const Mcu::Kept* kept, std::uint64_t seed) {
+  mcu_->take(from, kept);
+  transfer(from);
+  options_.seed = seed;
+  const auto measured = imu_;
+  make_sensors();
+  if (imu_) imu_->follow(*measured);
 }
 
 double ServoBoard::supply_volts() const {

@@ -106,6 +106,9 @@ class ServoBoard {
 
   void save(StateWriter& to);
   void restore(StateReader& from);
+  // As Mcu has them. take() goes on with the sensors' errors and noise of `seed`; set the angles after it.
+  std::unique_ptr<const Mcu::Kept> keep(StateWriter& to);
+  void take(StateReader& from, const Mcu::Kept* kept, std::uint64_t seed);
 
  private:
   template <class A>
@@ -115,6 +118,7 @@ class ServoBoard {
   double noise_codes(unsigned input) const;
   void pins_changed(States at, const PinLevels& levels);
   void integrate(States until);
+  void make_sensors();
 
   std::unique_ptr<Mcu> mcu_;
   ServoBoardOptions options_;

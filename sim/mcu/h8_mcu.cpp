@@ -145,6 +145,32 @@ void H8Mcu::restore(StateReader& from) {
   chip_.read_state(from);
 }
 
+namespace {
+
+struct KeptChip final : Mcu::Kept {
+  explicit KeptChip(std::shared_ptr<const h8s::Chip> saved) : chip(std::move(saved)) {}
+  std::shared_ptr<const h8s::Chip> chip;
+};
+
+}  // namespace
+
+std::unique_ptr<const Mcu::Kept> H8Mcu::keep(StateWriter& to) {
+  if (wiring_error_) {
+    to.refuse("the chip has stopped: " + wiring_error_->message);
+    return nullptr;
+  }
+  to(base_, transmitted_, pins_, hung_, hung_at_);
+  return std::make_unique<KeptChip>(chip_.save());
+}
+
+void H8Mcu::take(StateReader& from, const Kept* kept) {
+  const auto* const chip = dynamic_cast<const KeptChip*>(kept);
+  if (chip == nullptr) return from.refuse("it is of another engine");
+  wiring_error_.reset();
+  from(base_, transmitted_, pins_, hung_, hung_at_);
+  chip_.restore(*chip->chip);
+}
+
 void H8Mcu::on_pins(std::function<void(States, const PinLevels&)> listener) {
   on_pins_ = std::move(listener);
 }

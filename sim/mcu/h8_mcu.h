@@ -49,6 +49,8 @@ class H8Mcu final : public Mcu {
 
   void save(StateWriter& to) override;
   void restore(StateReader& from) override;
+  std::unique_ptr<const Kept> keep(StateWriter& to) override;
+  void take(StateReader& from, const Kept* kept) override;
 
   h8s::Chip& chip() { return chip_; }
   const h8s::Chip& chip() const { return chip_; }

@@ -116,6 +116,20 @@ class Mcu {
   // not support it.
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
+
+  // The same for many chips of a process that go on from one state: what takes long to read from bytes is in
+  // the returned object, the rest is in `to`. Null: all is in `to`. Several may take() from one at once.
+  struct Kept {
+    virtual ~Kept() = default;
+  };
+  virtual std::unique_ptr<const Kept> keep(StateWriter& to) {
+    save(to);
+    return nullptr;
+  }
+  virtual void take(StateReader& from, const Kept* kept) {
+    static_cast<void>(kept);
+    restore(from);
+  }
 };
 
 // The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick`

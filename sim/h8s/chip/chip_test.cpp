@@ -51,6 +51,38 @@ TEST(Snapshot, GoesOnAsIfNothingHadHappened) {
   expect_same(straight, split);
 }
 
+// Episodes begin again by the thousand: translating anew would cost more than they do.
+TEST(Snapshot, KeepsTranslatedCodeOfTheSameFlash) {
+  Chip chip = busy_chip();
+  if (chip.engine() != Engine::translator) GTEST_SKIP() << "no translator here";
+  chip.run_until(100'000);
+  const auto saved = chip.save();
+  const auto translated = [&](States until) {
+    const std::int64_t before = chip.translated_instructions();
+    chip.run_until(until);
+    return chip.translated_instructions() - before;
+  };
+  const std::int64_t after = translated(101'000);
+  EXPECT_GT(after, 20);
+  chip.restore(*saved);
+  EXPECT_EQ(translated(101'000), after);
+}
+
+TEST(Snapshot, ForgetsCodeOfAnotherFlash) {
+  Chip chip = busy_chip();
+  chip.run_until(100'000);
+  const auto saved = chip.save();
+  chip.run_until(110'000);
+  Chip straight = chip.clone();
+  chip.restore(*saved);
+  chip.poke(handler(52), std::vector<std::uint8_t>{0x56, 0x70});
+  chip.run_until(110'000);
+  EXPECT_NE(chip.registers().er, straight.registers().er);
+  chip.restore(*saved);
+  chip.run_until(110'000);
+  expect_same(chip, straight);
+}
+
 TEST(Snapshot, CloneIsIndependent) {
   Chip chip = busy_chip();
   chip.run_until(5'000);

@@ -56,7 +56,8 @@ void Machine::attach() {
 
 void Machine::take_state(const Machine& other) {
   if (this == &other) return;
-  flash_ = other.flash_;
+  const bool decoded = runs_code_of(other);
+  if (!decoded) flash_ = other.flash_;
   block_ = other.block_;
   cpu = other.cpu;
   irq = other.irq;
@@ -97,8 +98,17 @@ void Machine::take_state(const Machine& other) {
   cpu.ip = moved(other.cpu.ip);
   for (std::size_t k = 0; k < kTrail; ++k)
     cpu.trail[k] = {moved(other.cpu.trail[k].from), moved(other.cpu.trail[k].to)};
-  forget_all_code();
+  if (!decoded) forget_all_code();
   pins.forget(*this, cpu.now);
+}
+
+// Decoding and translating the firmware anew costs milliseconds, and what was decoded depends on flash and on
+// what is compared here alone. Code in RAM may differ by now, and its lines are in `cpu`.
+bool Machine::runs_code_of(const Machine& other) const {
+  return !cpu.code_in_ram && !other.cpu.code_in_ram && cpu.mask == other.cpu.mask &&
+         cpu.normal == other.cpu.normal && cpu.ram_size == other.cpu.ram_size &&
+         cpu.flash_size == other.cpu.flash_size && flash_control.plain() &&
+         other.flash_control.plain() && options == other.options && flash_ == other.flash_;
 }
 
 void Machine::forget_all_code() {

@@ -233,6 +233,8 @@ class Machine final : public Bus {
   template <class A>
   void transfer_cpu(A& a);
   void attach();
+  // Code that this machine has decoded is good for the other's state.
+  bool runs_code_of(const Machine& other) const;
   void sleep_until(States at);
   std::uint8_t io_read_at(std::uint32_t address, States at);
   void io_write_at(std::uint32_t address, std::uint8_t value, States at);

@@ -88,6 +88,8 @@ struct Options {
   int flash_worn_block = -1;
   // Treat each register misuse as fatal instead of counting it.
   bool stop_on_misuse = false;
+
+  bool operator==(const Options&) const = default;
 };
 
 }  // namespace kaz::h8s

@@ -108,6 +108,48 @@ TEST_P(Restored, DetoursChangeNothing) {
   EXPECT_TRUE(contents(folder.file("a.mcap")) == contents(folder.file("b.mcap")));
 }
 
+// Whatever it has done before; with another seed it is another episode. By recordings: saved bytes have the
+// last jumps too, for error reports, which translated code notes more rarely.
+TEST_P(Restored, BeginsAgainFromAStart) {
+  const TestFolder folder;
+  auto options = real_options(GetParam());
+  options.faults = {};
+  options.imu = true;
+  options.sensors = SensorSwitches::as_built();
+  auto first = make(options);
+  run(*first, 200);
+  auto start = first->keep();
+  ASSERT_TRUE(start) << start.error().message;
+  auto second = make(options);
+  run(*second, 77);
+  const auto episode = [&](Simulation& simulation, std::uint64_t seed) {
+    const auto begun = simulation.begin(*start, seed);
+    EXPECT_TRUE(begun) << begun.error().message;
+    EXPECT_EQ(simulation.time(), std::chrono::milliseconds(200));
+    EXPECT_TRUE(simulation.start_recording(folder.file("episode.mcap")));
+    run(simulation, 300);
+    EXPECT_TRUE(simulation.finish_recording());
+    return contents(folder.file("episode.mcap"));
+  };
+  const Bytes a = episode(*first, 7);
+  EXPECT_GT(a.size(), 20'000u);
+  EXPECT_TRUE(episode(*second, 8) != a);
+  EXPECT_TRUE(episode(*second, 7) == a);
+  EXPECT_TRUE(episode(*first, 7) == a);
+}
+
+TEST(Start, IsRefusedAmidARecordingAndByAnotherEngine) {
+  const TestFolder folder;
+  auto native = make(real_options(McuKind::native)), h8 = make(real_options(McuKind::h8));
+  const auto start = native->keep();
+  ASSERT_TRUE(start);
+  EXPECT_FALSE(h8->begin(*start, 1));
+  EXPECT_FALSE(h8->step());
+  ASSERT_TRUE(native->start_recording(folder.file("a.mcap")));
+  EXPECT_FALSE(native->begin(*start, 1));
+  EXPECT_TRUE(native->step());
+}
+
 INSTANTIATE_TEST_SUITE_P(Engines, Restored, testing::ValuesIn(kMcuKinds),
                          [](const auto& mcu) { return to_string(mcu.param); });
 

@@ -19,6 +19,11 @@ class SerialLine {
  public:
   explicit SerialLine(std::uint64_t seed = 1)
       : fault_to_board_(seed, faults::Way::to_board), fault_to_host_(seed, faults::Way::to_host) {}
+  // Goes on with the random numbers of another seed.
+  void reseed(std::uint64_t seed) {
+    fault_to_board_ = faults::LinkFaults(seed, faults::Way::to_board);
+    fault_to_host_ = faults::LinkFaults(seed, faults::Way::to_host);
+  }
   // Link faults for bytes written or sent from now on. Null: none. Must outlive the line.
   void set_faults(const faults::Schedule* schedule) { schedule_ = schedule; }
   // The host's bit rate from now on; each byte of the board carries its own. If they differ, the receiver

@@ -150,6 +150,19 @@ class Simulation {
   // Continues exactly like the saved simulation. This one must have the same options and build. Errors: those
   // of Snapshot (then the state is unchanged); inconsistent bytes (then only another restore() is valid).
   Result<void> restore(std::span<const std::uint8_t> blob);
+  // A state from which many episodes of one process begin.
+  struct Start {
+    std::unique_ptr<const World> world;
+    std::unique_ptr<const Mcu::Kept> chip;
+    std::vector<std::uint8_t> rest;
+  };
+  // As save(). Errors also: this kind of world cannot be cloned.
+  Result<Start> keep();
+  // Goes on from there as the simulation that it was kept of, but with the random numbers, and the constant
+  // errors of the sensors, of `seed`. This one must have the same options but for seed and sensors. Takes
+  // microseconds, where restore() takes milliseconds; several may begin from one start at once. Errors: a
+  // recording is in progress; the start does not fit.
+  Result<void> begin(const Start& start, std::uint64_t seed);
   // Saves, runs `steps` steps that are not recorded, and restores. Must have no visible effect: tests that
   // save() is complete.
   Result<void> detour(int steps);

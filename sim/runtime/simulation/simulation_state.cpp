@@ -148,6 +148,37 @@ Result<void> Simulation::restore(std::span<const std::uint8_t> blob) {
   return {};
 }
 
+Result<Simulation::Start> Simulation::keep() {
+  if (error_) return tl::unexpected(*error_);
+  Start start;
+  start.world = KAZ_TRY(world_->clone());
+  StateWriter to;
+  start.chip = board_.keep(to);
+  transfer(to);
+  if (!to.good()) return fail(Fault::failed, "the simulation cannot be kept: " + to.error());
+  start.rest = std::move(to.bytes());
+  return start;
+}
+
+Result<void> Simulation::begin(const Start& start, std::uint64_t seed) {
+  if (recorder_)
+    return fail(Fault::usage, "a recording cannot go on from another state; finish it first");
+  world_ = KAZ_TRY(start.world->clone());
+  options_.seed = seed;
+  StateReader from(start.rest);
+  board_.take(from, start.chip.get(), seed);
+  transfer(from);
+  if (from.good() && from.left() != 0) from.refuse("it is longer than it should be");
+  if (!from.good()) {
+    error_ = Error{Fault::usage, "this simulation cannot begin there: " + from.error()};
+    return tl::unexpected(*error_);
+  }
+  line_.reseed(seed);
+  set_sensors(0);
+  error_.reset();
+  return {};
+}
+
 Result<void> Simulation::detour(int steps) {
   const auto blob = KAZ_TRY(save());
   auto recorder = std::exchange(recorder_, nullptr);
