@@ -8,6 +8,7 @@
 #include "tools/app/base/provenance.h"
 #include "tools/app/evaluate/campaign.h"
 #include "tools/app/evaluate/given_options.h"
+#include "tools/app/evaluate/hosts.h"
 #include "tools/app/evaluate/slurm.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -21,7 +22,8 @@ struct Arguments {
   std::vector<std::string> settings;
   std::string shard = "1/1";
   int slurm_tasks = 0;
-  std::string sbatch;
+  std::string sbatch, hosts;
+  int hosts_tasks = 0;
   std::vector<double> friction, supply, distance, lamp, shade, goal_distance, density, props;
   std::vector<std::string> worlds{to_string(WorldKind::clutter)};
 };
@@ -75,6 +77,13 @@ std::vector<std::string> given_options(const CLI::App& verb) {
   return given;
 }
 
+Result<void> check_tasks(const std::string& option, int tasks, std::uint64_t episodes) {
+  if (tasks <= 0 || static_cast<std::uint64_t>(tasks) <= episodes) return {};
+  return fail(Fault::usage, option + " " + std::to_string(tasks) +
+                                ": that is more tasks than there are --episodes (" +
+                                std::to_string(episodes) + ")");
+}
+
 Result<Outcome> start(Arguments a, const WatchArguments& watch,
                       const std::vector<std::string>& options) {
   CampaignOptions& c = a.campaign;
@@ -113,15 +122,17 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
   KAZ_TRY(no_repetition("--colors", c.variation.colors));
   KAZ_TRY(no_repetition("--radii", c.variation.radii_m));
   KAZ_TRY(check_given(c, options));
+  KAZ_TRY(check_tasks("--slurm", a.slurm_tasks, c.episodes));
+  KAZ_TRY(check_tasks("--parallel-tasks", a.hosts_tasks, c.episodes));
   if (a.slurm_tasks > 0) {
-    if (static_cast<std::uint64_t>(a.slurm_tasks) > c.episodes)
-      return fail(Fault::usage, "--slurm " + std::to_string(a.slurm_tasks) +
-                                    ": that is more tasks than there are --episodes (" +
-                                    std::to_string(c.episodes) + ")");
     SlurmOptions slurm{a.slurm_tasks, {}, command_words()};
     std::istringstream words(a.sbatch);
     for (std::string word; words >> word;) slurm.submit.push_back(word);
     const auto succeeded = KAZ_TRY(run_on_slurm(c, slurm));
+    return Outcome(succeeded);
+  }
+  if (!a.hosts.empty()) {
+    const auto succeeded = KAZ_TRY(run_on_hosts(c, {a.hosts, a.hosts_tasks, command_words()}));
     return Outcome(succeeded);
   }
   const auto succeeded = KAZ_TRY(evaluate_watched(watch, c));
@@ -282,11 +293,24 @@ void add_evaluate(CLI::App& program, Action& action) {
                    "options for sbatch, in one text: \"--partition=day --time=60\"")
       ->needs(slurm)
       ->type_name("OPTIONS");
-  for (const char* other : {"--shard", "--realtime"}) verb->get_option(other)->excludes(slurm);
+  auto* hosts =
+      verb->add_option("--parallel-hosts", arguments->hosts,
+                       "run it on the machines of this file by GNU parallel, a line each: :, "
+                       "which is this one, or what ssh takes, with 8/ before it for 8 "
+                       "processors; they have DIR and kaz at the same place")
+          ->type_name("FILE");
+  verb->add_option("--parallel-tasks", arguments->hosts_tasks,
+                   "in so many parts; by default 100, or an episode each")
+      ->check(between(1, 100000))
+      ->needs(hosts)
+      ->type_name("TASKS");
+  hosts->excludes(slurm);
+  for (const char* other : {"--shard", "--realtime"})
+    verb->get_option(other)->excludes(slurm)->excludes(hosts);
   verb->add_flag("--json", c.json, "print result.json, no progress");
   auto watch = std::make_shared<WatchArguments>();
   add_watch_options(*verb, *watch);
-  verb->get_option("--view")->excludes(slurm);
+  verb->get_option("--view")->excludes(slurm)->excludes(hosts);
   verb->footer(
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
       "supply and ball (place, radius, colour), all from --seed and the episode's number. Success "
@@ -308,6 +332,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       "narrow\n"
       "  kaz evaluate navigate --worlds moving-box --episodes 400 --mcu native --out moving\n"
       "  kaz evaluate stand --mcu native --episodes 10000 --slurm 100 --out stood\n"
+      "  kaz evaluate stand --mcu native --episodes 10000 --parallel-hosts hosts.txt --out stood\n"
       "  kaz evaluate navigate --set goal=ball --obstacles 4 --episodes 10 --out caught\n"
       "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
   verb->callback([&action, arguments, watch, verb] {

@@ -66,7 +66,9 @@ def free_ports(count):
 
 
 class Cluster:
-    def __init__(self, folder):
+    def __init__(self, folder, processors=0):
+        """processors: of a node; 0: all of this machine, which the nodes then have twice."""
+        self.processors = processors or os.cpu_count()
         self.folder = pathlib.Path(folder).resolve()
         self.processes = {}
         self.environment = dict(os.environ, SLURM_CONF=str(self.folder / "slurm.conf"))
@@ -84,9 +86,9 @@ class Cluster:
         key.write_bytes(os.urandom(1024))
         key.chmod(0o600)
         ports = free_ports(3)
-        # A node has as many processors as the machine; slurmd refuses more than there are.
+        # slurmd refuses more processors than there are.
         text = CONFIGURATION.format(host=socket.gethostname(), folder=self.folder, port=ports[0],
-                                    first=ports[1], second=ports[2], cpus=os.cpu_count())
+                                    first=ports[1], second=ports[2], cpus=self.processors)
         if ports[2] != ports[1] + 1:
             text = text.replace(f"Port=[{ports[1]}-{ports[2]}]", f"Port=[{ports[1]},{ports[2]}]")
         (self.folder / "slurm.conf").write_text(text)

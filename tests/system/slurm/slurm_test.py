@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 # An evaluation on a real Slurm of two nodes, one of which loses its power: the result is that of one machine.
 # SPDX-License-Identifier: Apache-2.0
-"""usage: slurm_test.py KAZ [EPISODES TASKS]; ends with 77 where no Slurm can run."""
+"""usage: slurm_test.py KAZ [EPISODES TASKS KILLS]; ends with 77 where no Slurm can run.
 
-import json
+With numbers: the nodes share the processors, and one is killed so many times while it has tasks.
+Prints what the cluster costs.
+"""
+
 import os
 import pathlib
 import signal
@@ -14,14 +17,18 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import cluster  # noqa: E402
+from compared import check, same_result  # noqa: E402
 
 KAZ = str(pathlib.Path(sys.argv[1]).resolve())
-EPISODES, TASKS = (int(sys.argv[2]), int(sys.argv[3])) if len(sys.argv) > 3 else (24, 8)
+LONG = len(sys.argv) > 2
+EPISODES, TASKS, KILLS = (int(word) for word in sys.argv[2:5]) if LONG else (24, 8, 1)
+PROCESSORS = max(1, os.cpu_count() // 2) if LONG else 0
 COMMAND = ["evaluate", "stand", "--mcu", "native", "--episodes", str(EPISODES)]
 
 
 def kaz(environment, *words, **more):
-    return subprocess.run([KAZ, *words], env=environment, capture_output=True, text=True, timeout=600, **more)
+    return subprocess.run([KAZ, *words], env=environment, capture_output=True, text=True,
+                          timeout=20000 if LONG else 600, **more)
 
 
 def begun(slurm, words):
@@ -29,35 +36,11 @@ def begun(slurm, words):
                             stderr=subprocess.PIPE, text=True)
 
 
-def check(condition, what):
-    if not condition:
-        sys.exit(f"slurm_test.py: {what}")
-
-
-def same_result(one, two):
-    """All but who ran it when, and how long that took."""
-    check((one / "episodes.csv").read_bytes() == (two / "episodes.csv").read_bytes() or
-          without_times(one) == without_times(two), f"episodes.csv of {one} and {two} differ")
-    results = []
-    for folder in (one, two):
-        result = json.loads((folder / "result.json").read_text())
-        for key in ("provenance", "planned"):
-            result.pop(key, None)
-        results.append(json.dumps({k: v for k, v in result.items() if "rtf" not in k and "wall" not in k}))
-    check(results[0] == results[1], f"result.json of {one} and {two} differ:\n{results[0]}\n{results[1]}")
-
-
-def without_times(folder):
-    rows = [line.split(",") for line in (folder / "episodes.csv").read_text().splitlines()]
-    keep = [i for i, name in enumerate(rows[0]) if name not in ("rtf", "wall_s")]
-    return [[row[i] for i in keep if i < len(row)] for row in rows]
-
-
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         try:
-            made = cluster.Cluster(folder / "slurm")
+            made = cluster.Cluster(folder / "slurm", PROCESSORS)
             with made as slurm:
                 run(slurm, folder)
         except cluster.Unavailable as why:
@@ -66,8 +49,11 @@ def main():
 
 
 def run(slurm, folder):
+    begun_at = time.monotonic()
     alone = kaz(dict(os.environ), *COMMAND, "--jobs", "2", "--out", str(folder / "alone"))
     check(alone.returncode == 0, f"alone: {alone.stderr}")
+    alone_s = time.monotonic() - begun_at
+    begun_at = time.monotonic()
 
     # Ctrl-C ends the waiting and not the tasks; the same command waits again.
     words = [*COMMAND, "--slurm", str(TASKS), "--out", str(folder / "array")]
@@ -82,16 +68,19 @@ def run(slurm, folder):
     first = waiting.stdout.readline()
     check("is under way" in first, f"the second call says: {first}")
     # A node loses its power while it has tasks; they are requeued, to the other, or to it when it is back.
-    until = time.monotonic() + 60
-    while time.monotonic() < until and waiting.poll() is None:
+    killed, until = 0, time.monotonic() + (20000 if LONG else 60)
+    while killed < KILLS and time.monotonic() < until and waiting.poll() is None:
         if "k2" in slurm.run("squeue", "-h", "-t", "R", "-o", "%N").stdout:
+            time.sleep(20 if LONG else 0)  # amid its work
             slurm.kill_node("k2")
             slurm.start_node("k2")
-            print("k2 lost its power while it had a task")
-            break
+            killed += 1
+            print("k2 lost its power while it had a task", flush=True)
         time.sleep(0.05)
-    out, said = waiting.communicate(timeout=400)
+    check(killed == KILLS or not LONG, f"k2 was killed {killed} times only")
+    out, said = waiting.communicate(timeout=20000 if LONG else 400)
     check(waiting.returncode == 0, f"on Slurm: {waiting.returncode}: {out} {said}")
+    print(f"alone {alone_s:.1f} s, on two nodes {time.monotonic() - begun_at:.1f} s", flush=True)
     same_result(folder / "alone", folder / "array")
     parts = sorted(path.name for path in (folder / "array/parts").iterdir() if "." not in path.name)
     check(parts == sorted(str(i) for i in range(1, TASKS + 1)), f"parts are {parts}")

@@ -14,12 +14,18 @@
 namespace kaz::tools {
 
 Result<Child> Child::begin(const std::vector<std::string>& arguments, const std::string& log) {
+  return begin("/proc/self/exe", arguments, log);
+}
+
+Result<Child> Child::begin(const std::string& program, const std::vector<std::string>& arguments,
+                           const std::string& log) {
   const auto wrong = [&](const std::string& what) {
     return fail(Fault::environment, what + ": " + std::strerror(errno));
   };
   const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (out < 0) return wrong("'" + log + "' cannot be written");
-  std::vector<char*> argv{const_cast<char*>("kaz")};
+  const bool own = program.starts_with("/proc/self/");
+  std::vector<char*> argv{const_cast<char*>(own ? "kaz" : program.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   const pid_t parent = ::getpid();
@@ -34,11 +40,11 @@ Result<Child> Child::begin(const std::vector<std::string>& arguments, const std:
     ::dup2(nothing, STDIN_FILENO);
     ::dup2(out, STDOUT_FILENO);
     ::dup2(out, STDERR_FILENO);
-    ::execv("/proc/self/exe", argv.data());
+    ::execvp(program.c_str(), argv.data());
     ::_exit(127);
   }
   ::close(out);
-  if (pid < 0) return wrong("no process for kaz " + arguments.front());
+  if (pid < 0) return wrong("no process for " + (own ? "kaz " + arguments.front() : program));
   return Child(pid);
 }
 

@@ -19,6 +19,9 @@ class Child {
  public:
   // This very program with other arguments; what it prints goes into the file `log`.
   static Result<Child> begin(const std::vector<std::string>& arguments, const std::string& log);
+  // A program of the PATH; its status is 127 where there is none.
+  static Result<Child> begin(const std::string& program, const std::vector<std::string>& arguments,
+                             const std::string& log);
   Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, -1)), status_(other.status_) {}
   Child& operator=(Child&&) = delete;
   ~Child();

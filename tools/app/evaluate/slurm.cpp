@@ -10,13 +10,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <set>
 
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/evaluate/tasks.h"
 
 namespace kaz::tools {
 namespace {
@@ -49,18 +49,6 @@ Ran run(const std::string& command) {
 
 std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
-}
-
-std::string part_folder(const std::string& out, int task) {
-  return out + "/parts/" + std::to_string(task);
-}
-
-std::vector<int> without_part(const std::string& out, int tasks) {
-  std::vector<int> missing;
-  for (int task = 1; task <= tasks; ++task) {
-    if (!fs::exists(part_folder(out, task) + "/result.json")) missing.push_back(task);
-  }
-  return missing;
 }
 
 // The number of the job that an earlier call has submitted; empty: none.
@@ -100,70 +88,13 @@ Result<std::string> submit(const std::string& out, const SlurmOptions& slurm,
   return job;
 }
 
-std::string task_list(const std::vector<int>& tasks) {
-  return (tasks.size() == 1 ? "task " : "tasks ") + array_text(tasks);
-}
-
-// What is left of tasks that were killed. A task that still runs has a folder, too: only when none does.
-void remove_unfinished(const std::string& out, int tasks) {
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(out + "/parts", none)) {
-    const std::string name = entry.path().filename().string();
-    if (name.find('.') != std::string::npos && std::atoi(name.c_str()) <= tasks)
-      fs::remove_all(entry.path(), none);
-  }
-}
-
 }  // namespace
-
-std::vector<std::string> task_words(const std::vector<std::string>& words) {
-  static const std::set<std::string, std::less<>> kWithValue{"--slurm", "--sbatch", "--out"};
-  std::vector<std::string> kept;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string name = words[i].substr(0, words[i].find('='));
-    if (kWithValue.contains(name)) {
-      if (name == words[i]) ++i;
-    } else if (words[i] != "--json") {
-      kept.push_back(words[i]);
-    }
-  }
-  return kept;
-}
-
-std::string array_text(const std::vector<int>& tasks) {
-  std::string text;
-  for (std::size_t i = 0; i < tasks.size();) {
-    std::size_t last = i;
-    while (last + 1 < tasks.size() && tasks[last + 1] == tasks[last] + 1) ++last;
-    text += (text.empty() ? "" : ",") + std::to_string(tasks[i]);
-    if (last > i) text += "-" + std::to_string(tasks[last]);
-    i = last + 1;
-  }
-  return text;
-}
 
 std::string slurm_script(const std::string& program, const std::vector<std::string>& words,
                          const std::string& folder, int tasks, int jobs) {
-  std::string command = shell_word(program);
-  for (const std::string& word : words) command += " " + shell_word(word);
-  return "#!/bin/sh\n"
-         "# A task of an evaluation, written by kaz evaluate --slurm. It may run twice: the first "
-         "to end "
-         "counts.\n"
-         "#SBATCH --cpus-per-task=" +
-         std::to_string(jobs) +
-         "\n"
-         "part=" +
-         shell_word(folder + "/parts") +
-         "/$SLURM_ARRAY_TASK_ID\n"
-         "if [ -e \"$part/result.json\" ]; then exit 0; fi\n"
-         "work=$part.$SLURM_JOB_ID.${SLURM_RESTART_COUNT:-0}.$$\n" +
-         command + " --shard \"$SLURM_ARRAY_TASK_ID/" + std::to_string(tasks) +
-         "\" --out \"$work\"\n"
-         "status=$?\n"
-         "# 1: not one episode succeeded, which is a result, too.\n"
-         "if [ $status -gt 1 ]; then exit $status; fi\n"
-         "mv -T \"$work\" \"$part\" 2>/dev/null || rm -rf \"$work\"\n";
+  const TaskScript by{"#SBATCH --cpus-per-task=" + std::to_string(jobs) + "\n",
+                      "$SLURM_ARRAY_TASK_ID", "$SLURM_JOB_ID.${SLURM_RESTART_COUNT:-0}.$$"};
+  return task_script(by, program, words, folder, tasks);
 }
 
 Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& slurm) {
@@ -171,22 +102,10 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
   const InterruptSignals signals(interrupt);
   std::error_code wrong;
   const std::string out = fs::absolute(options.out, wrong).lexically_normal().string();
-  for (const char* folder : {"/parts", "/slurm"}) {
-    fs::create_directories(out + folder, wrong);
-    if (wrong)
-      return fail(Fault::environment,
-                  "--out: cannot create '" + out + folder + "': " + wrong.message());
-  }
   const std::string program = fs::read_symlink("/proc/self/exe", wrong).string();
   const std::string script =
       slurm_script(program, task_words(slurm.words), out, slurm.tasks, options.jobs);
-  // Other tasks with other parts would be no whole.
-  const auto earlier = read_whole_file(out + "/slurm/job.sh", 1 << 20);
-  if (earlier && *earlier != script)
-    return fail(Fault::usage, "--out: '" + options.out +
-                                  "' has the tasks of another evaluation (slurm/job.sh): give the "
-                                  "same options, or another folder");
-  KAZ_TRY(write_whole_file(out + "/slurm/job.sh", script));
+  KAZ_TRY(write_task_script(out, "slurm", "job.sh", script));
 
   std::string job = job_of(out);
   std::vector<int> missing = without_part(out, slurm.tasks);
@@ -235,9 +154,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
                                         ".out; the same command submits them again");
   }
   progress.done();
-  std::vector<std::string> parts;
-  for (int task = 1; task <= slurm.tasks; ++task) parts.push_back(part_folder(out, task));
-  return merge_campaigns(parts, out, options.json);
+  return merge_tasks(out, slurm.tasks, options.json);
 }
 
 }  // namespace kaz::tools

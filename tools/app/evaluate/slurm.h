@@ -1,10 +1,7 @@
 // An evaluation as a Slurm job array: written, submitted, waited for, merged.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each task is `kaz evaluate` with a --shard of its own. It works in a folder that no other has and renames
-// that at the end, so a task that runs twice (requeued when its node was given up, though its steps lived on)
-// leaves one part. DIR/parts/N is the part of task N; DIR/slurm has the script, what tasks printed, and the
-// job's number.
+// Tasks are those of tasks.h; DIR/slurm has their script, what they printed, and the job's number.
 #pragma once
 
 #include <string>
@@ -29,12 +26,8 @@ struct SlurmOptions {
 // the tasks go on.
 Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& slurm);
 
-// Of the words of a command line, those that a task repeats.
-std::vector<std::string> task_words(const std::vector<std::string>& words);
 // The array's script. `program`: the path of kaz.
 std::string slurm_script(const std::string& program, const std::vector<std::string>& words,
                          const std::string& folder, int tasks, int jobs);
-// "1-3,7" of 1, 2, 3, 7.
-std::string array_text(const std::vector<int>& tasks);
 
 }  // namespace kaz::tools

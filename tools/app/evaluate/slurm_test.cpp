@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/evaluate/slurm.h"
 
+#include "tools/app/evaluate/hosts.h"
+#include "tools/app/evaluate/tasks.h"
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -17,7 +20,8 @@ using Words = std::vector<std::string>;
 
 TEST(Slurm, TasksRepeatAllButWhatIsTheArrays) {
   EXPECT_EQ(task_words({"evaluate", "stand", "--slurm", "10", "--episodes", "100", "--out", "a b",
-                        "--sbatch=--time=3", "--set", "seconds=3", "--json", "--jobs=2"}),
+                        "--sbatch=--time=3", "--parallel-hosts", "h", "--parallel-tasks=4", "--set",
+                        "seconds=3", "--json", "--jobs=2"}),
             (Words{"evaluate", "stand", "--episodes", "100", "--set", "seconds=3", "--jobs=2"}));
 }
 
@@ -71,6 +75,12 @@ TEST_F(SlurmScript, ATaskLeavesItsPartUnderItsNumber) {
   EXPECT_EQ(words.find("evaluate stand --set a=b c --shard 2/3 --out " + folder_ + "/parts/2."), 0u)
       << words;
   EXPECT_NE(read("job.sh").find("#SBATCH --cpus-per-task=2\n"), std::string::npos);
+}
+
+TEST_F(SlurmScript, OfParallelHostsHasItsNumberAsArgument) {
+  write("job.sh", hosts_script(folder_ + "/kaz program", {"evaluate"}, folder_, 3));
+  EXPECT_EQ(std::system(("sh " + folder_ + "/job.sh 3").c_str()), 0);
+  EXPECT_EQ(read("parts/3/words").find("evaluate --shard 3/3 --out " + folder_ + "/parts/3."), 0u);
 }
 
 TEST_F(SlurmScript, OneThatHasItsPartDoesNothing) {

@@ -1,0 +1,111 @@
+// Writes the script of an evaluation's tasks, and looks after their parts.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/evaluate/tasks.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "shared/base/files.hpp"
+#include "tools/app/base/provenance.h"
+#include "tools/app/evaluate/campaign.h"
+
+namespace kaz::tools {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> task_words(const std::vector<std::string>& words) {
+  static const std::set<std::string, std::less<>> kWithValue{
+      "--slurm", "--sbatch", "--parallel-hosts", "--parallel-tasks", "--out"};
+  std::vector<std::string> kept;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string name = words[i].substr(0, words[i].find('='));
+    if (kWithValue.contains(name)) {
+      if (name == words[i]) ++i;
+    } else if (words[i] != "--json") {
+      kept.push_back(words[i]);
+    }
+  }
+  return kept;
+}
+
+std::string task_script(const TaskScript& by, const std::string& program,
+                        const std::vector<std::string>& words, const std::string& folder,
+                        int tasks) {
+  std::string command = shell_word(program);
+  for (const std::string& word : words) command += " " + shell_word(word);
+  return "#!/bin/sh\n"
+         "# A task of an evaluation, written by kaz evaluate. It may run twice: the first to end "
+         "counts.\n" +
+         by.head + "task=" + by.number + "\npart=" + shell_word(folder + "/parts") +
+         "/$task\n"
+         "if [ -e \"$part/result.json\" ]; then exit 0; fi\n"
+         "work=$part." +
+         by.unique + "\n" + command + " --shard \"$task/" + std::to_string(tasks) +
+         "\" --out \"$work\"\n"
+         "status=$?\n"
+         "# 1: not one episode succeeded, which is a result, too.\n"
+         "if [ $status -gt 1 ]; then exit $status; fi\n"
+         "mv -T \"$work\" \"$part\" 2>/dev/null || rm -rf \"$work\"\n";
+}
+
+Result<void> write_task_script(const std::string& out, const std::string& name,
+                               const std::string& file, const std::string& script) {
+  for (const std::string& folder : {out + "/parts", out + "/" + name}) {
+    std::error_code wrong;
+    fs::create_directories(folder, wrong);
+    if (wrong)
+      return fail(Fault::environment, "--out: cannot create '" + folder + "': " + wrong.message());
+  }
+  const std::string path = out + "/" + name + "/" + file;
+  const auto earlier = read_whole_file(path, 1 << 20);
+  if (earlier && *earlier != script)
+    return fail(Fault::usage, "--out: '" + out + "' has the tasks of another evaluation (" + name +
+                                  "/" + file + "): give the same options, or another folder");
+  return write_whole_file(path, script);
+}
+
+std::string part_folder(const std::string& out, int task) {
+  return out + "/parts/" + std::to_string(task);
+}
+
+std::vector<int> without_part(const std::string& out, int tasks) {
+  std::vector<int> missing;
+  for (int task = 1; task <= tasks; ++task) {
+    if (!fs::exists(part_folder(out, task) + "/result.json")) missing.push_back(task);
+  }
+  return missing;
+}
+
+void remove_unfinished(const std::string& out, int tasks) {
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(out + "/parts", none)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find('.') != std::string::npos && std::atoi(name.c_str()) <= tasks)
+      fs::remove_all(entry.path(), none);
+  }
+}
+
+Result<bool> merge_tasks(const std::string& out, int tasks, bool json) {
+  std::vector<std::string> parts;
+  for (int task = 1; task <= tasks; ++task) parts.push_back(part_folder(out, task));
+  return merge_campaigns(parts, out, json);
+}
+
+std::string array_text(const std::vector<int>& tasks) {
+  std::string text;
+  for (std::size_t i = 0; i < tasks.size();) {
+    std::size_t last = i;
+    while (last + 1 < tasks.size() && tasks[last + 1] == tasks[last] + 1) ++last;
+    text += (text.empty() ? "" : ",") + std::to_string(tasks[i]);
+    if (last > i) text += "-" + std::to_string(tasks[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
+std::string task_list(const std::vector<int>& tasks) {
+  return (tasks.size() == 1 ? "task " : "tasks ") + array_text(tasks);
+}
+
+}  // namespace kaz::tools
