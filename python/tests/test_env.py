@@ -9,15 +9,19 @@ import numpy
 import kaz
 
 
-def played(engine="native", threads=1, seed=1, steps=110, mode="next_step", task="stand", **more):
+def played(engine="native", threads=1, seed=1, steps=110, mode="next_step", task="stand", env=None, **more):
     """A digest of observations, rewards and flags of random actions."""
-    env = kaz.VectorEnv(task, num_envs=4, engine=engine, threads=threads, autoreset_mode=mode, **more)
+    env = env or kaz.VectorEnv(task, num_envs=4, engine=engine, threads=threads, autoreset_mode=mode, **more)
     random = numpy.random.default_rng(5)
+
+    def rows_of(observation):
+        return list(observation.values()) if isinstance(observation, dict) else [observation]
+
     observation, _ = env.reset(seed=seed)
-    rows = [observation]
+    rows = rows_of(observation)
     for _ in range(steps):
         observation, reward, ended, cut, _ = env.step(random.uniform(-1, 1, env.action_space.shape))
-        rows += [observation, reward, ended, cut]
+        rows += rows_of(observation) + [reward, ended, cut]
     return hashlib.sha256(b"".join(numpy.ascontiguousarray(row).tobytes() for row in rows)).hexdigest()
 
 
@@ -105,6 +109,44 @@ class Repeatability(unittest.TestCase):
     def test_and_for_any_number_of_threads(self):
         for engine in ("native", "h8"):
             self.assertEqual(played(engine, threads=1), played(engine, threads=3))
+
+    def test_whatever_the_robots_did_before(self):
+        for engine in ("none", "native", "h8"):
+            with self.subTest(engine=engine):
+                env = kaz.VectorEnv("stand", num_envs=4, engine=engine)
+                first = played(env=env, steps=40)
+                self.assertNotEqual(first, played(env=env, seed=7, steps=33))
+                self.assertEqual(first, played(env=env, steps=40))
+
+    def test_robots_differ_by_their_seeds_from_the_start(self):
+        for sensors in ("nominal", "as-built"):
+            env = kaz.VectorEnv("stand", num_envs=3, engine="native", sensors=sensors)
+            observation, _ = env.reset(seed=[1, 2, 1])
+            self.assertTrue((observation[0] == observation[2]).all())
+            for part in (slice(0, 18), slice(18, 21)):  # potentiometers, inertial sensors
+                self.assertFalse((observation[0, part] == observation[1, part]).all())
+            # They stand in the posture as their own potentiometers measure it, as well as friction lets them.
+            self.assertLess(numpy.abs(observation[:, :18]).max(), 0.05)
+
+    def test_inertial_sensors_are_read_over_the_wire(self):
+        angles = []
+        for engine in ("none", "native", "h8"):
+            env = kaz.VectorEnv("turn", num_envs=1, engine=engine)
+            env.reset(seed=1)
+            twist = numpy.zeros(env.action_space.shape)
+            twist[0, [env.task.joints.index("l_hip_pitch"), env.task.joints.index("r_hip_pitch")]] = 0.5, -0.5
+            rows = [env.step(twist)[0][0, 18:21] for _ in range(15)]
+            angles.append(10 * numpy.array(rows))
+        self.assertGreater(numpy.abs(angles[0]).max(axis=0).min(), 0.2)
+        for k in (1, 2):  # later by the filter, and with noise
+            self.assertGreater(numpy.abs(angles[k]).max(axis=0).min(), 0.1)
+
+    def test_a_batch_gives_each_robot_what_it_has_alone(self):
+        many = kaz.VectorEnv("stand", num_envs=3, engine="native")
+        observations, _ = many.reset(seed=[4, 5, 6])
+        alone = kaz.VectorEnv("stand", num_envs=1, engine="native")
+        observation, _ = alone.reset(seed=[6])
+        numpy.testing.assert_array_equal(observations[2], observation[0])
 
     def test_native_and_h8_measure_the_same_robot(self):
         angles = []
