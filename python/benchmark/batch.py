@@ -2,6 +2,7 @@
 # Steps of kaz.VectorEnv per second, as a table: engines, many robots beside one, threads.
 # SPDX-License-Identifier: Apache-2.0
 """Periods of 20 ms of one robot per CPU second, medians of alternating runs; `threads`: per second.
+Resets: ms of CPU time a robot.
 
 usage: PYTHONPATH=build/release/python python3 python/benchmark/batch.py [--quick] [--json FILE]
 """
@@ -16,8 +17,9 @@ import numpy
 import kaz
 
 
-def rate(engine, robots, threads, clock, seconds):
-    env = kaz.VectorEnv("stand", num_envs=robots, engine=engine, threads=threads, episode_s=1e6)
+def rate(engine, robots, threads, clock, seconds, **more):
+    env = kaz.VectorEnv(more.pop("task", "stand"), num_envs=robots, engine=engine, threads=threads,
+                        episode_s=1e6, **more)
     env.task.impulse = (0, 0)
     env.reset(seed=1)
     random = numpy.random.default_rng(2)
@@ -31,6 +33,19 @@ def rate(engine, robots, threads, clock, seconds):
     return steps * robots / (clock() - begun)
 
 
+def reset_ms(engine, robots, seconds, **more):
+    """CPU time of one robot's new episode."""
+    env = kaz.VectorEnv("stand", num_envs=robots, engine=engine, threads=1, **more)
+    env.reset(seed=1)
+    for _ in range(2):  # robots that have run
+        env.step(numpy.zeros(env.action_space.shape))
+    resets, begun = 0, time.process_time()
+    while time.process_time() - begun < seconds:
+        env.reset()
+        resets += 1
+    return 1000 * (time.process_time() - begun) / (resets * robots)
+
+
 def main():
     options = argparse.ArgumentParser(description=__doc__,
                                       formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -42,13 +57,22 @@ def main():
              for engine in ("none", "native", "h8") for robots in (1, 16, 256)}
     cases["native, 16 robots, 1 thread, elapsed"] = ("native", 16, 1, time.monotonic)
     cases["native, 16 robots, 2 threads, elapsed"] = ("native", 16, 2, time.monotonic)
-    measured = {name: [] for name in cases}
+    pictures = {f"{engine}, {eyes} pictures, {robots} robot{'s' if robots > 1 else ''}":
+                (engine, robots, dict(task="look", pictures=eyes))
+                for engine in ("native", "h8") for eyes in ("ideal", "real") for robots in (1, 16)}
+    resets = {f"reset, {engine}, {robots} robot{'s' if robots > 1 else ''}, ms": (engine, robots)
+              for engine in ("none", "native", "h8") for robots in (1, 16)}
+    measured = {name: [] for name in (*cases, *pictures, *resets)}
     for _ in range(repeats):
         for name, (engine, robots, threads, clock) in cases.items():
             measured[name].append(rate(engine, robots, threads, clock, seconds))
+        for name, (engine, robots, more) in pictures.items():
+            measured[name].append(rate(engine, robots, 1, time.process_time, seconds, **more))
+        for name, (engine, robots) in resets.items():
+            measured[name].append(reset_ms(engine, robots, seconds / 3))
     print("| | periods per second |\n|---|---|")
     for name, values in measured.items():
-        print(f"| {name} | {statistics.median(values):.0f} |")
+        print(f"| {name} | {statistics.median(values):.{3 if name in resets else 0}f} |")
     if given.json:
         with open(given.json, "w", encoding="utf-8") as file:
             json.dump({name: statistics.median(values) for name, values in measured.items()}, file, indent=2)

@@ -12,7 +12,7 @@ engine: "none" (targets straight to the motor model, true angles), "native" (the
 potentiometers), "h8" (the firmware's image in the emulator): the same task with more and more of the truth.
 
 An action is -1..1 for each controlled joint: an offset from the posture HOME, `reach` rad at most. A period
-is 20 ms. Without gymnasium the spaces are `Box` of this module, with the same members.
+is 20 ms. Without gymnasium the spaces are `Box` and `Dict` of this module, with the same members.
 """
 
 import os
@@ -22,7 +22,7 @@ import numpy
 from ._kaz import HOME, JOINTS, Batch, UsageError
 
 try:
-    from gymnasium.spaces import Box  # type: ignore
+    from gymnasium.spaces import Box, Dict  # type: ignore
 except ImportError:
     class Box:  # type: ignore
         """Numbers between `low` and `high`."""
@@ -35,6 +35,8 @@ except ImportError:
             self._random = numpy.random.default_rng(seed)
 
         def sample(self):
+            if self.dtype.kind == "u":
+                return self._random.integers(self.low, self.high, dtype=self.dtype, endpoint=True)
             low, high = numpy.maximum(self.low, -1e6), numpy.minimum(self.high, 1e6)
             return self._random.uniform(low, high).astype(self.dtype)
 
@@ -45,8 +47,29 @@ except ImportError:
         def seed(self, seed=None):
             self._random = numpy.random.default_rng(seed)
 
+    class Dict:  # type: ignore
+        """Spaces by name."""
+
+        def __init__(self, spaces):
+            self.spaces = dict(spaces)
+
+        def __getitem__(self, name):
+            return self.spaces[name]
+
+        def sample(self):
+            return {name: space.sample() for name, space in self.spaces.items()}
+
+        def contains(self, x):
+            return isinstance(x, dict) and x.keys() == self.spaces.keys() and all(
+                space.contains(x[name]) for name, space in self.spaces.items())
+
+        def seed(self, seed=None):
+            for space in self.spaces.values():
+                space.seed(seed)
+
 _LEGS = [side + part for side in ("l_", "r_") for part in ("hip_roll", "hip_pitch", "knee", "ankle_pitch")]
 _ARMS = [side + part for side in ("l_", "r_") for part in ("sh_pitch", "sh_roll")]
+PICTURES = ("ideal", "real")
 AUTORESET_MODES = ("next_step", "same_step", "disabled")
 
 
@@ -205,14 +228,21 @@ class VectorEnv:
     autoreset_mode: "next_step" (Gymnasium's default), "same_step" (the last observation is
     infos["final_obs"]), or "disabled" (reset(options={"reset_mask": ...})). sensors, dynamics, imu and the
     like go to the simulation.
+
+    pictures: "ideal" or "real", the kind of eyes; not on the engine "none". Observations are then a dict:
+    "state", which is all there is without, and "pictures", the newest pair that has reached the host, of
+    30 a second: robots x 2 (left, right) x height x width x 3 bytes, RGB. infos["picture_age_s"]: time since
+    its exposure.
     """
 
     def __init__(self, task="stand", num_envs=8, engine="native", threads=0, autoreset_mode="next_step",
-                 episode_s=None, **simulation):
+                 episode_s=None, pictures=None, **simulation):
         if isinstance(task, str) and task not in TASKS:
             raise UsageError(f"no task '{task}': give one of {', '.join(TASKS)}, or an object like them")
         if autoreset_mode not in AUTORESET_MODES:
             raise UsageError(f"autoreset_mode '{autoreset_mode}': give one of {', '.join(AUTORESET_MODES)}")
+        if pictures is not None and pictures not in PICTURES:
+            raise UsageError(f"pictures '{pictures}': give one of {', '.join(PICTURES)}, or None")
         self.task = TASKS[task]() if isinstance(task, str) else task
         self.num_envs, self.engine, self.autoreset_mode = num_envs, engine, autoreset_mode
         self.metadata = {"autoreset_mode": autoreset_mode}
@@ -220,6 +250,10 @@ class VectorEnv:
         self.episode_s = self.task.episode_s if episode_s is None else episode_s
         simulation.setdefault("world", self.task.world)
         simulation.setdefault("imu", True)
+        if pictures is not None:
+            simulation.update(pictures=True, eyes=pictures)
+        self.pictures = None  # of the last step or reset
+        self._has_pictures = pictures is not None
         threads = threads or len(os.sched_getaffinity(0))
         self.batch = Batch(robots=num_envs, engine=engine, threads=min(threads, num_envs),
                            posture=list(HOME), period_s=self.period_s, **simulation)
@@ -231,14 +265,21 @@ class VectorEnv:
         self.action_space = Box(-numpy.ones((num_envs, count), numpy.float32),
                                 numpy.ones((num_envs, count), numpy.float32))
         infinite = numpy.full(size, numpy.inf, numpy.float32)
-        self.single_observation_space = Box(-infinite, infinite)
         every = numpy.tile(infinite, (num_envs, 1))
-        self.observation_space = Box(-every, every)
+        self.single_observation_space = self._space(Box(-infinite, infinite), ())
+        self.observation_space = self._space(Box(-every, every), (num_envs,))
         self.time = numpy.zeros(num_envs)
         self.randoms = [None] * num_envs
         self._action = numpy.zeros((num_envs, count))
         self._done = numpy.ones(num_envs, bool)
         self._begun = False
+
+    def _space(self, state, shape):
+        if not self._has_pictures:
+            return state
+        camera = self.batch.camera
+        return Dict({"state": state, "pictures": Box(
+            0, 255, shape + (2, camera.height, camera.width, 3), numpy.uint8)})
 
     def reset(self, *, seed=None, options=None):
         """seed: of the first robot, the others have those that follow; or one a robot; None: goes on with the
@@ -257,7 +298,8 @@ class VectorEnv:
             if seeds[i] is not None or self.randoms[i] is None:
                 self.randoms[i] = numpy.random.default_rng(seeds[i])
         self._restart(mask)
-        return self._observe(self.batch.state()), {}
+        state = self.batch.state()
+        return self._observe(state), self._ages(state)
 
     def step(self, actions):
         if not self._begun:
@@ -287,11 +329,14 @@ class VectorEnv:
         truncations = active & ~terminations & (self.time >= self.episode_s - 1e-9)
         observations = self._observe(state)
         self._done = terminations | truncations
-        infos = {"time_s": self.time.copy(), "fell": active & fell, "reached": active & reached & ~fell}
+        infos = {"time_s": self.time.copy(), "fell": active & fell, "reached": active & reached & ~fell,
+                 **self._ages(state)}
         if self.autoreset_mode == "same_step" and self._done.any():
-            infos["final_obs"], infos["_final_obs"] = observations.copy(), self._done.copy()
+            infos["final_obs"], infos["_final_obs"] = observations, self._done.copy()
             self._restart(self._done.copy())
-            observations = self._observe(self.batch.state())
+            state = self.batch.state()
+            observations = self._observe(state)
+            infos.update(self._ages(state))
         return observations, rewards, terminations, truncations, infos
 
     def close(self):
@@ -308,6 +353,12 @@ class VectorEnv:
             self.task.begin(int(i), self.randoms[i], self)
         self._begun = True
 
+    def _ages(self, state):
+        return {"picture_age_s": state["picture_age"]} if self._has_pictures else {}
+
     def _observe(self, state):
-        return numpy.concatenate([state["measured"] - self._home, 0.1 * state["inertial"], self._action,
+        if self._has_pictures:
+            self.pictures = self.batch.pictures()
+        made = numpy.concatenate([state["measured"] - self._home, 0.1 * state["inertial"], self._action,
                                   self.task.look(self, state)], axis=1).astype(numpy.float32)
+        return {"state": made, "pictures": self.pictures} if self._has_pictures else made

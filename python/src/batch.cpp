@@ -20,6 +20,7 @@ namespace kaz::python {
 namespace {
 
 constexpr std::size_t kJoints = KZ_JOINTS;
+constexpr int kMaxPeriodsToPictures = 25;
 
 template <class Message>
 void send(sim::Simulation& simulation, u8 type, u8& sequence, const Message& message,
@@ -119,6 +120,8 @@ struct Batch::Robot {
   kz_receiver receiver{};
   std::array<double, kJoints> measured{};
   std::array<double, 3> inertial{};
+  std::shared_ptr<const vision::StereoImages> pictures;
+  Time exposed{};
 
   sim::World& world() { return simulation ? simulation->world() : *bare; }
 };
@@ -146,6 +149,19 @@ Result<std::unique_ptr<Batch>> Batch::create(BatchOptions options) {
     return fail(Fault::usage, "VectorEnv is for robots of " + std::to_string(kJoints) + " joints");
   batch->has_ball_ = batch->prototype_->object_position("ball").has_value();
   batch->camera_ = KAZ_TRY(sim::CameraFile::load(files.camera_path));
+  batch->camera_.ideal = files.eyes == sim::EyeKind::ideal;
+  if (files.eye_width > 0) {
+    batch->camera_.eye.width = files.eye_width;
+    batch->camera_.eye.height = files.eye_width * 3 / 4;
+  }
+  if (batch->options_.pictures) {
+    if (batch->options_.engine == Engine::none)
+      return fail(Fault::usage, "pictures need the engine native or h8");
+    if (batch->prototype_->head_frame() < 0) return tl::unexpected(sim::Simulation::no_eyes());
+    batch->renderers_ = std::make_unique<Renderers>(batch->prototype_->scene(), files.renderer);
+    files.renderer = batch->renderers_->shared();
+    files.drawing = sim::Drawing::caller;
+  }
   const auto count = static_cast<std::size_t>(batch->options_.robots);
   batch->robots_.resize(count);
   batch->state_.measured.resize(count * kJoints);
@@ -153,6 +169,7 @@ Result<std::unique_ptr<Batch>> Batch::create(BatchOptions options) {
   batch->state_.trunk.resize(count * 7);
   batch->state_.ball.resize(count * 3);
   batch->state_.off.resize(count);
+  if (batch->options_.pictures) batch->state_.picture_age.resize(count);
   batch->workers_ = std::make_unique<Workers>(batch->options_.threads);
   KAZ_TRY(batch->prepare());
   return batch;
@@ -199,6 +216,16 @@ Result<void> Batch::prepare() {
     targets.push_back({static_cast<int>(j), options_.posture[j]});
   KAZ_TRY(host.set_targets(targets, std::chrono::milliseconds(options_.settle_ms / 2)));
   KAZ_TRY(host.clock().sleep_until(clock.now() + std::chrono::milliseconds(options_.settle_ms)));
+  if (options_.pictures) {
+    // Just before an exposure, so that its pair arrives in the period of the reset.
+    simulation->open_eyes();
+    model_ = simulation->camera().model();
+    const double interval_s = 1 / camera_.rate_hz;
+    while (std::fmod(seconds(simulation->time()) + 2e-3, interval_s) > 1e-3)
+      KAZ_TRY(simulation->step());
+    while (simulation->next_pair()) {
+    }
+  }
   start_ = KAZ_TRY(simulation->keep());
   return {};
 }
@@ -221,7 +248,11 @@ Result<void> Batch::reset_one(std::size_t i, std::uint64_t seed) {
   KAZ_TRY(robot->simulation->begin(start_, seed));
   if (options_.simulation.sensors.pot_as_built)
     KAZ_TRY(period(*robot, options_.posture, options_.settle_ms));
+  robot->pictures = nullptr;
   KAZ_TRY(period(*robot, options_.posture, options_.period_ms));
+  // A camera file may have a longer latency than a period.
+  for (int k = 0; options_.pictures && !robot->pictures && k < kMaxPeriodsToPictures; ++k)
+    KAZ_TRY(period(*robot, options_.posture, options_.period_ms));
   observe(i);
   return {};
 }
@@ -294,6 +325,10 @@ Result<void> Batch::run_simulated(Robot& robot, std::span<const double> targets,
       send(simulation, KZ_TYPE_inertial, robot.sequence, kz_inertial{}, &kz_pack_inertial);
     KAZ_TRY(simulation.step());
   }
+  while (auto pair = simulation.next_pair()) {
+    robot.pictures = pair->images.get();
+    robot.exposed = pair->info.exposure;
+  }
 
   std::array<std::uint8_t, 512> bytes{};
   const std::size_t count = simulation.read(bytes);
@@ -334,7 +369,12 @@ void Batch::observe(std::size_t i) {
     if (const auto ball = robot.world().object_position("ball"))
       std::copy_n(ball->data(), 3, state_.ball.data() + 3 * i);
   }
+  if (options_.pictures) state_.picture_age[i] = seconds(robot.simulation->time() - robot.exposed);
   state_.off[i] = robot.simulation && !robot.simulation->board().drivers_enabled() ? 1 : 0;
+}
+
+const vision::StereoImages* Batch::pictures(std::size_t i) const {
+  return robots_[i] ? robots_[i]->pictures.get() : nullptr;
 }
 
 Result<Batch::Robot*> Batch::robot_at(int robot) const {

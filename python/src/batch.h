@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "python/src/renderers.h"
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"
 #include "shared/protocol/frame.h"
@@ -35,7 +36,8 @@ struct BatchOptions {
   sim::SimulationOptions simulation;  // files and kinds; its seed is reset()'s
   Engine engine = Engine::native;
   int robots = 1, threads = 1;
-  int period_ms = 20;  // 20..200: what the wire has time for
+  bool pictures = false;  // the eyes are open; not on the engine `none`
+  int period_ms = 20;     // 20..200: what the wire has time for
   // Where the robot stands once it is reset, rad, by joint, and for how long it settles there.
   std::array<double, KZ_JOINTS> posture{};
   int settle_ms = 300;
@@ -51,6 +53,8 @@ struct BatchState {
   std::vector<double> trunk;  // robots x 7, world frame: position m, quaternion x y z w
   std::vector<double> ball;   // robots x 3, world frame, m; 0 where the world has none
   std::vector<std::uint8_t> off;  // the board has switched its motors off
+  std::vector<double>
+      picture_age;  // s since the exposure of pictures(), one a robot; empty without them
 };
 
 class Batch {
@@ -74,6 +78,9 @@ class Batch {
   Result<void> accelerate(int robot, const std::string& model, const Eigen::Vector3d& change);
   const BatchState& state() const { return state_; }
   const BatchOptions& options() const { return options_; }
+  const vision::CameraModel& camera() const { return model_; }
+  // The newest pair that has reached robot `i` by the end of its period. Null: none yet, or no pictures.
+  const vision::StereoImages* pictures(std::size_t i) const;
   Result<Eigen::Isometry3d> link_pose(int robot, const std::string& link) const;
 
  private:
@@ -96,6 +103,8 @@ class Batch {
   sim::Simulation::Start start_;
   bool has_ball_ = false;
   sim::CameraFile camera_;
+  vision::CameraModel model_;
+  std::unique_ptr<Renderers> renderers_;
   std::vector<std::unique_ptr<Robot>> robots_;
   std::unique_ptr<Workers> workers_;
   BatchState state_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "host/motion/gait.h"
 #include "python/src/arguments.h"
@@ -33,6 +34,7 @@ std::unique_ptr<Batch> make(const py::kwargs& given) {
   if (posture.size() != KZ_JOINTS)
     raise({Fault::usage, "posture: give " + std::to_string(KZ_JOINTS) + " angles, rad"});
   std::ranges::copy(posture, options.posture.begin());
+  options.pictures = take<bool>(arguments, "pictures", false);
   const tools::BackendOptions backend = take_world_arguments(arguments);
   nothing_left("Batch", arguments);
 
@@ -44,6 +46,9 @@ std::unique_ptr<Batch> make(const py::kwargs& given) {
   simulation.camera_path = value_of(tools::data_file("robot/kaz/camera.json"));
   if (options.engine == Engine::h8)
     simulation.image_path = value_of(tools::firmware_image(backend.image));
+  simulation.eyes = backend.eyes;
+  simulation.eye_width = backend.eye_width;
+  simulation.renderer = sim::maker_of(backend.renderer);
   simulation.dynamics = backend.dynamics;
   simulation.physics_step_ms = backend.physics_step_ms;
   simulation.sensors = sim::sensor_switches(backend.sensors);
@@ -69,6 +74,29 @@ py::dict state_of(const Batch& batch) {
   all["off"] =
       py::array_t<std::uint8_t>(static_cast<py::ssize_t>(state.off.size()), state.off.data())
           .attr("astype")("bool");
+  if (batch.options().pictures) all["picture_age"] = array_of(state.picture_age);
+  return all;
+}
+
+// Robots x left and right x height x width x 3: one copy, since each robot's pair has memory of its own.
+// Black until the first pair has arrived.
+py::array_t<std::uint8_t> pictures_of(const Batch& batch) {
+  if (!batch.options().pictures) raise({Fault::usage, "this batch has no pictures"});
+  const py::ssize_t robots = batch.options().robots, height = batch.camera().height,
+                    width = batch.camera().width;
+  py::array_t<std::uint8_t> all({robots, py::ssize_t{2}, height, width, py::ssize_t{3}});
+  std::uint8_t* to = all.mutable_data();
+  const auto bytes = static_cast<std::size_t>(3 * width * height);
+  for (py::ssize_t i = 0; i < robots; ++i) {
+    const vision::StereoImages* const pair = batch.pictures(static_cast<std::size_t>(i));
+    for (const bool right : {false, true}) {
+      if (pair != nullptr)
+        std::memcpy(to, (right ? pair->right : pair->left).rgb.data(), bytes);
+      else
+        std::memset(to, 0, bytes);
+      to += bytes;
+    }
+  }
   return all;
 }
 
@@ -104,6 +132,8 @@ void add_environment(py::module_& module) {
       .def("reset", &reset, py::arg("seeds"))
       .def("step", &step, py::arg("targets"), py::arg("resting"))
       .def("state", &state_of)
+      .def("pictures", &pictures_of)
+      .def_property_readonly("camera", [](const Batch& batch) { return batch.camera(); })
       .def(
           "push",
           [](Batch& batch, int robot, const std::string& link,

@@ -171,6 +171,59 @@ class Repeatability(unittest.TestCase):
         self.assertLess(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before, 4000)  # kB
 
 
+class Pictures(unittest.TestCase):
+    def test_are_in_the_observation_and_its_space(self):
+        env = kaz.VectorEnv("look", num_envs=2, engine="native", pictures="ideal")
+        observation, infos = env.reset(seed=1)
+        self.assertEqual(sorted(observation), ["pictures", "state"])
+        self.assertEqual(observation["pictures"].shape, (2, 2, 240, 320, 3))
+        self.assertEqual(observation["pictures"].dtype, numpy.uint8)
+        self.assertTrue(env.observation_space.contains(observation))
+        self.assertTrue(env.observation_space.contains(env.observation_space.sample()))
+        self.assertTrue(env.single_observation_space.contains({k: v[0] for k, v in observation.items()}))
+        self.assertTrue(observation["pictures"].any(axis=(2, 3, 4)).all())  # none is black
+        first, exposed = observation["pictures"].copy(), set()
+        for k in range(20):
+            kept = observation["pictures"]
+            observation, *_, infos = env.step(numpy.full(env.action_space.shape, 0.5))
+            age = infos["picture_age_s"][0]
+            exposed.add(round(0.02 * k - age, 3))
+            self.assertTrue(0.015 <= age <= 0.05, age)
+        self.assertIn(len(exposed), (12, 13))  # 30 a second
+        self.assertTrue((kept != observation["pictures"]).any())  # the arrays are the caller's
+        self.assertTrue((first != observation["pictures"]).mean() > 0.1)  # the head has moved
+
+    def test_same_step_keeps_the_last_ones(self):
+        env = kaz.VectorEnv("look", num_envs=1, engine="native", pictures="ideal", episode_s=0.2,
+                            autoreset_mode="same_step")
+        first, _ = env.reset(seed=1)
+        for _ in range(10):
+            observation, *_, cut, infos = env.step(numpy.ones(env.action_space.shape))
+        self.assertTrue(cut.all())
+        moved = (infos["final_obs"]["pictures"] != observation["pictures"]).mean()
+        again = (first["pictures"] != observation["pictures"]).mean()
+        self.assertTrue(moved > 0.1 and again < 0.05, (moved, again))
+
+    def test_are_the_same_bytes_for_any_number_of_threads(self):
+        for eyes in ("ideal", "real"):
+            one = played(threads=1, steps=12, task="look", pictures=eyes)
+            self.assertEqual(one, played(threads=3, steps=12, task="look", pictures=eyes))
+            self.assertNotEqual(one, played(steps=12, task="look", pictures=eyes, seed=2))
+
+    def test_whatever_was_before(self):
+        env = kaz.VectorEnv("look", num_envs=2, engine="native", pictures="real")
+        first = played(env=env, steps=9)
+        played(env=env, steps=4, seed=3)
+        self.assertEqual(first, played(env=env, steps=9))
+
+    def test_wrong_use_is_a_sentence(self):
+        for wrong in (lambda: kaz.VectorEnv("look", engine="none", pictures="ideal"),
+                      lambda: kaz.VectorEnv("look", pictures="painted")):
+            with self.assertRaises(kaz.UsageError) as raised:
+                wrong()
+            self.assertIn("pictures", str(raised.exception))
+
+
 class Tasks(unittest.TestCase):
     def test_who_holds_still_stands_and_who_bends_the_knees_falls(self):
         env = kaz.VectorEnv("stand", num_envs=2, engine="native")

@@ -45,6 +45,14 @@ Eyes::Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounti
   if (!camera.ideal) optics_ = std::make_shared<Optics>(camera, seed);
 }
 
+void Eyes::reseed(std::uint64_t seed) {
+  for (const auto& drawn : under_way_) drawn.wait();
+  seed_ = seed;
+  if (!optics_) return;
+  optics_->left.set_noise_seed(seed);
+  optics_->right.set_noise_seed(seed);
+}
+
 Eyes::Optics::Optics(const CameraFile& camera, std::uint64_t seed)
     : left(camera.eye, camera.calibration(), Sensor::Eye::left, seed),
       right(camera.eye, camera.calibration(), Sensor::Eye::right, seed) {}

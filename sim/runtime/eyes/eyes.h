@@ -87,6 +87,8 @@ class Eyes {
   // Digests of pairs exposed at least two exposures ago (all, if `all`); blocks until they are rendered, so
   // that the number returned depends on simulated time only.
   std::vector<Digest> take_digests(bool all);
+  // Goes on with the noise and jitter of another seed, once the pairs under way are drawn.
+  void reseed(std::uint64_t seed);
   // Whether pictures are stored with their digests, for pairs exposed from now on.
   void keep(Keep what) { keep_ = what; }
 

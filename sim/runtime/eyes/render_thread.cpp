@@ -6,8 +6,8 @@
 
 namespace kaz::sim {
 
-RenderThread::RenderThread(Scene scene, RendererFactory factory)
-    : scene_(std::move(scene)), factory_(std::move(factory)) {}
+RenderThread::RenderThread(Scene scene, RendererFactory factory, Drawing drawing)
+    : scene_(std::move(scene)), factory_(std::move(factory)), drawing_(drawing) {}
 
 RenderThread::~RenderThread() {
   {
@@ -18,28 +18,46 @@ RenderThread::~RenderThread() {
   if (thread_.joinable()) thread_.join();
 }
 
+void RenderThread::make_renderer() {
+  renderer_ = factory_();
+  if (!renderer_) set_error(renderer_.error());
+}
+
+void RenderThread::set_scene() {
+  if (!renderer_) return;
+  if (auto set = (*renderer_)->set_scene(scene_); !set) {
+    renderer_ = tl::unexpected(set.error());
+    set_error(set.error());
+  }
+}
+
+Result<Renderer*> RenderThread::for_jobs() const {
+  return renderer_ ? Result<Renderer*>(renderer_->get()) : tl::unexpected(renderer_.error());
+}
+
 void RenderThread::submit(Job job) {
+  const bool first = !std::exchange(has_begun_, true);
+  if (drawing_ == Drawing::caller) {
+    if (first) {
+      make_renderer();
+      set_scene();
+    }
+    return job(for_jobs());
+  }
   {
     const std::lock_guard lock(mutex_);
     jobs_.push_back(std::move(job));
   }
   wake_.notify_one();
-  if (thread_.joinable()) return;
+  if (!first) return;
   // Created in the caller's thread because it may set environment variables; everything else runs in ours.
-  renderer_ = factory_();
-  if (!renderer_) set_error(renderer_.error());
+  make_renderer();
   thread_ = std::thread([this] { run(); });
 }
 
 void RenderThread::run() {
-  if (renderer_) {
-    if (auto set = (*renderer_)->set_scene(scene_); !set) {
-      renderer_ = tl::unexpected(set.error());
-      set_error(set.error());
-    }
-  }
-  const Result<Renderer*> for_jobs =
-      renderer_ ? Result<Renderer*>(renderer_->get()) : tl::unexpected(renderer_.error());
+  set_scene();
+  const Result<Renderer*> renderer = for_jobs();
   while (true) {
     Job job;
     {
@@ -49,7 +67,7 @@ void RenderThread::run() {
       job = std::move(jobs_.front());
       jobs_.pop_front();
     }
-    job(for_jobs);
+    job(renderer);
   }
   renderer_ = nullptr;  // an OpenGL context is destroyed in the thread that used it
 }

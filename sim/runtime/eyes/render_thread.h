@@ -20,12 +20,16 @@ namespace kaz::sim {
 
 using RendererFactory = std::function<Result<std::unique_ptr<Renderer>>()>;
 
+// Who draws: a thread beside the one that steps, or that one itself, where many robots share a machine's
+// processors already.
+enum class Drawing { own_thread, caller };
+
 class RenderThread {
  public:
   // A job gets the renderer, or the error that prevented it. Jobs run in the order of submission.
   using Job = std::function<void(const Result<Renderer*>&)>;
 
-  RenderThread(Scene scene, RendererFactory factory);
+  RenderThread(Scene scene, RendererFactory factory, Drawing drawing = Drawing::own_thread);
   ~RenderThread();  // finishes submitted jobs first
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
@@ -37,9 +41,14 @@ class RenderThread {
 
  private:
   void run();
+  void make_renderer();
+  void set_scene();
+  Result<Renderer*> for_jobs() const;
 
   Scene scene_;
   RendererFactory factory_;
+  Drawing drawing_;
+  bool has_begun_ = false;
   Result<std::unique_ptr<Renderer>> renderer_ = nullptr;  // of the thread, once that runs
   mutable std::mutex mutex_;
   std::condition_variable wake_;

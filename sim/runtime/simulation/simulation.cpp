@@ -145,7 +145,7 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       drives_(channels_.size()),
       faults_(options.faults),
       line_(options.seed),
-      draws_(world_->scene(), options.renderer) {
+      draws_(world_->scene(), options.renderer, options.drawing) {
   if (has_eyes()) {
     const Eyes::Mounting eyes = eye_mounting(*world_);
     camera_.baseline_m = (eyes.left.translation() - eyes.right.translation()).norm();

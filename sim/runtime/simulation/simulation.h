@@ -67,6 +67,7 @@ struct SimulationOptions {
   bool record_pictures = false;          // the eyes' pictures too, not only their digests
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
   RendererFactory renderer = maker_of(kDefaultRenderer);
+  Drawing drawing = Drawing::own_thread;
   // For tests: period of detour() calls. Zero: never.
   Time detour_every{};
 };

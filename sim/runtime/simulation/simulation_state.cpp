@@ -74,13 +74,14 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
   const auto& [mcu, image_path, world_path, robot_path, camera_path, seed, dynamics,
                physics_step_ms, suspended, sensors, sensor_params, imu, eyes, eye_width,
                supply_volts, supply_ohms, frames, faults, recording_path, tap, hands,
-               record_pictures, recording_facts, renderer, detour_every] = options;
+               record_pictures, recording_facts, renderer, drawing, detour_every] = options;
   static_cast<void>(dynamics);        // the world returns it with the iterations
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(tap);             // nor does who hears of it
   static_cast<void>(hands);           // what they did is in the recording
   static_cast<void>(record_pictures);
   static_cast<void>(recording_facts);
+  static_cast<void>(drawing);
   static_cast<void>(detour_every);  // nor does a detour
   std::vector<std::pair<std::string, std::string>> facts{
       {"mcu", to_string(mcu)},
@@ -166,6 +167,7 @@ Result<void> Simulation::begin(const Start& start, std::uint64_t seed) {
   world_ = KAZ_TRY(start.world->clone());
   options_.seed = seed;
   StateReader from(start.rest);
+  if (eyes_) eyes_->reseed(seed);
   board_.take(from, start.chip.get(), seed);
   transfer(from);
   if (from.good() && from.left() != 0) from.refuse("it is longer than it should be");

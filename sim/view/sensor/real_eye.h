@@ -20,6 +20,7 @@ class RealEye {
   RealEye(const EyeModel& model, const vision::StereoCalibration& calibration, Sensor::Eye eye,
           std::uint64_t noise_seed);
 
+  void set_noise_seed(std::uint64_t seed) { sensor_.set_noise_seed(seed); }
   // `world_from_eye`: of the mounting's optical frame, m.
   View view(const Eigen::Isometry3d& world_from_eye) const;
   // `view`: by view(), and the light. Error: the renderer's.

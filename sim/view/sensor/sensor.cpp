@@ -116,8 +116,13 @@ Sensor::Sensor(const EyeModel& model, const vision::StereoCalibration& calibrati
       rotation_(eye_of(calibration, eye).rectified_from_camera),
       lens_(table_of(model, eye_of(calibration, eye).lens, ideal_)),
       noise_(model.noise),
-      key_(mix64(mix64(noise_seed) ^ static_cast<std::uint64_t>(eye))) {
+      eye_(eye) {
+  set_noise_seed(noise_seed);
   limit(lens_.all_rows());
+}
+
+void Sensor::set_noise_seed(std::uint64_t seed) {
+  key_ = mix64(mix64(seed) ^ static_cast<std::uint64_t>(eye_));
 }
 
 void Sensor::limit(std::span<const vision::Remap::Columns> rows) {

@@ -48,6 +48,8 @@ class Sensor {
   Sensor(const EyeModel& model, const vision::StereoCalibration& calibration, Eye eye,
          std::uint64_t noise_seed);
 
+  void set_noise_seed(std::uint64_t seed);
+
   // The pinhole camera whose picture expose() needs: the lens's full view, at 0.92 of the rectified picture's
   // angular resolution. The loss is below the blur of a wide conversion lens.
   const Pinhole& ideal() const { return ideal_; }
@@ -71,7 +73,8 @@ class Sensor {
   std::vector<vision::Remap::Columns> rows_;  // exposed
   PicturePart ideal_part_;
   NoiseRow noise_;
-  std::uint64_t key_;
+  Eye eye_;
+  std::uint64_t key_ = 0;
 };
 
 }  // namespace kaz::sim
