@@ -19,7 +19,7 @@ import os
 
 import numpy
 
-from ._kaz import HOME, JOINTS, Batch, UsageError
+from ._kaz import HOME, JOINTS, BallDetector, Batch, UsageError
 
 try:
     from gymnasium.spaces import Box, Dict  # type: ignore
@@ -88,6 +88,7 @@ class _Task:
     """What is asked of the robots. Rows of arrays are robots."""
 
     world, joints, reach, features, episode_s = "empty", _LEGS, 0.4, 0, 10.0
+    lowest = 0.6  # share of its height at the start below which the trunk counts as fallen
 
     def begin(self, i, random, env):
         """Robot i starts anew."""
@@ -218,7 +219,63 @@ class Look(_Task):
         return self.direction[:, 2], numpy.zeros(env.num_envs, bool)
 
 
-TASKS = {"stand": Stand, "walk": Walk, "turn": Turn, "look": Look}
+class Catch(_Task):
+    """Look for a ball, walk to it, and lift it clear of the floor by 2 cm for half a second.
+
+    It lies 70 degrees to the right at 0.5 m, out of view, and is flicked at the start.
+
+    Features: the ball in the left eye's frame (right, down, ahead), m, and whether it is seen (1, else 0).
+    With pictures both are what kaz.vision.BallDetector finds in the newest left one; while it finds nothing,
+    the ball stays where it was last seen, at first at 0. Without pictures they are the simulation's truth,
+    in view or not.
+
+    Reward: 5 a metre by which the middle between the hands comes nearer to the ball, 0.1 a period of the ball
+    clear of the floor, 10 at the end, less a hundredth of the actions' mean square. Ends there, or by a fall.
+    """
+
+    world, joints, reach, features, episode_s = "catch", list(JOINTS), 1.2, 4, 60.0
+    lowest = 0.4  # it has to stoop
+    clear_m, hold_s = 0.02, 0.5
+
+    def begin(self, i, random, env):
+        if not hasattr(self, "left"):
+            self.left, self.held_s = numpy.zeros(env.num_envs), numpy.zeros(env.num_envs)
+            self.seen = numpy.zeros((env.num_envs, 4))
+            self.floor = numpy.zeros(env.num_envs)
+            self.detector = BallDetector()
+        ball = env.batch.state()["ball"][i]
+        self.left[i], self.held_s[i], self.seen[i], self.floor[i] = self._far(i, ball, env), 0, 0, ball[2]
+        speed, angle = random.uniform(0, 0.1), random.uniform(0, 2 * numpy.pi)
+        env.batch.accelerate(i, "ball", [speed * numpy.cos(angle), speed * numpy.sin(angle), 0])
+
+    def _far(self, i, ball, env):
+        hands = [env.batch.link_pose(i, side + "_hand")[:3, 3] for side in "lr"]
+        return float(numpy.linalg.norm(ball - (hands[0] + hands[1]) / 2))
+
+    def look(self, env, state):
+        for i in range(env.num_envs):
+            if env.pictures is None:
+                eye = env.batch.link_pose(i, "left_eye")
+                self.seen[i, :3], self.seen[i, 3] = eye[:3, :3].T @ (state["ball"][i] - eye[:3, 3]), 1
+                continue
+            found = self.detector.find(env.pictures[i, 0], env.batch.camera)
+            self.seen[i, 3] = found is not None
+            if found:
+                self.seen[i, :3] = found["position"]
+        return self.seen.copy()
+
+    def judge(self, env, state, actions):
+        left = numpy.array([self._far(i, state["ball"][i], env) for i in range(env.num_envs)])
+        clear = state["ball"][:, 2] - self.floor >= self.clear_m
+        self.held_s = numpy.where(clear, self.held_s + env.period_s, 0)
+        caught = self.held_s >= self.hold_s - 1e-9
+        reward = (5 * (self.left - left) + 0.1 * clear + 10 * caught
+                  - 0.01 * numpy.mean(actions**2, axis=1))
+        self.left = left
+        return reward, caught
+
+
+TASKS = {"stand": Stand, "walk": Walk, "turn": Turn, "look": Look, "catch": Catch}
 
 
 class VectorEnv:
@@ -324,7 +381,8 @@ class VectorEnv:
         rewards, reached = self.task.judge(self, state, self._action)
         rewards = numpy.where(active, rewards, 0.0)
         trunk = state["trunk"]
-        fell = (_up(trunk) < 0.6) | (trunk[:, 2] < 0.6 * self._height) | state["off"]
+        lowest = getattr(self.task, "lowest", 0.6) * self._height
+        fell = (_up(trunk) < 0.6) | (trunk[:, 2] < lowest) | state["off"]
         terminations = active & (fell | reached)
         truncations = active & ~terminations & (self.time >= self.episode_s - 1e-9)
         observations = self._observe(state)

@@ -279,6 +279,40 @@ class Tasks(unittest.TestCase):
         self.assertGreater(ahead, 0.8)
         self.assertLess(aside, ahead - 0.5)
 
+    def test_catch_is_paid_for_approach_and_for_lifting_the_ball(self):
+        env = kaz.VectorEnv("catch", num_envs=2, engine="none")
+        env.reset(seed=1)
+        far, total = numpy.array(env.task.left), numpy.zeros(2)
+        self.assertTrue((0.3 < far).all() and (far < 0.7).all(), far)
+        for _ in range(20):
+            _, reward, *_ = env.step(numpy.zeros(env.action_space.shape))
+            total += reward
+        numpy.testing.assert_allclose(total, 5 * (far - env.task.left), atol=1e-6)
+        # As if the first robot had lifted it.
+        state, actions = env.batch.state(), numpy.zeros((2, 18))
+        state["ball"][0, 2] += 0.021
+        env.task.left = numpy.array([env.task._far(i, state["ball"][i], env) for i in range(2)])
+        for k in range(25):
+            reward, caught = env.task.judge(env, state, actions)
+            self.assertEqual(caught.tolist(), [k == 24, False])
+            numpy.testing.assert_allclose(reward, [10.1 if k == 24 else 0.1, 0], atol=1e-6)
+        state["ball"][0, 2] -= 0.021
+        env.task.judge(env, state, actions)
+        self.assertEqual(env.task.held_s.tolist(), [0, 0])
+
+    def test_catch_with_pictures_knows_what_the_eyes_see(self):
+        env = kaz.VectorEnv("catch", num_envs=1, engine="native", pictures="ideal")
+        observation, _ = env.reset(seed=1)
+        self.assertEqual(observation["state"][0, -4:].tolist(), [0, 0, 0, 0])  # out of view
+        aside = numpy.zeros(env.action_space.shape)
+        aside[0, env.task.joints.index("neck_pan")] = -1
+        for _ in range(60):
+            observation, *_ = env.step(aside)
+        eye, ball = env.batch.link_pose(0, "left_eye"), env.batch.state()["ball"][0]
+        numpy.testing.assert_allclose(observation["state"][0, -4:-1], eye[:3, :3].T @ (ball - eye[:3, 3]),
+                                      atol=0.03)
+        self.assertEqual(observation["state"][0, -1], 1)
+
 
 if __name__ == "__main__":
     unittest.main()
