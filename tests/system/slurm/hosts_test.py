@@ -27,7 +27,8 @@ host=$1; shift
 [ "$1" = -- ] && shift
 echo "$host" >> "$(dirname "$0")/called"
 [ "$host" = lost ] && exit 255
-exec sh -c "$*"
+# sshd sets the login shell, with which parallel's wrapper begins the command.
+SHELL=/bin/sh exec sh -c "$*"
 """
 
 
@@ -52,6 +53,7 @@ def run(folder):
     ssh.write_text(SSH)
     ssh.chmod(0o755)
     environment = dict(os.environ, PARALLEL_SSH=str(ssh), PARALLEL_HOME=str(folder), HOME=str(folder))
+    environment.pop("SHELL", None)  # as where a service or a container begins it
     hosts = folder / "hosts"
     hosts.write_text("1/:\n1/near\n1/lost\n")
     words = [*COMMAND, "--parallel-hosts", str(hosts), "--parallel-tasks", "6", "--out", str(folder / "many")]
