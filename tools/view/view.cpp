@@ -78,7 +78,10 @@ Result<std::map<std::string, ServedFile>> robot_files(const fs::path& urdf) {
 }  // namespace
 
 bool lasts(std::string_view topic, std::span<const std::uint8_t> data) {
-  if (topic.starts_with("/map") || topic == "/scene" || topic == "/robot_description") return true;
+  // Poses as well: a run that pauses sends no others.
+  if (topic.starts_with("/map") || topic == "/scene" || topic == "/robot_description" ||
+      topic == "/tf")
+    return true;
   const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
   return topic == "/behavior" && text.find("\"phase\"") != std::string_view::npos;
 }
@@ -155,6 +158,8 @@ View::View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::
       url_(std::move(url)),
       pace_(options_.pace),
       coder_([this] { code_pictures(); }) {
+  if (options_.hands && !options_.own_time)
+    pace_channel_ = server_->add_channel({0, "/run/pace", "json", "", "", ""}, true);
   server_->on_hand([this](const std::string& line) { return hear(line); });
 }
 
@@ -328,13 +333,24 @@ void View::wait() {
   }
 }
 
+// To all viewers, whichever of them changed it; called on the run's thread.
+void View::state_pace(Time time, bool paused, double pace) {
+  const std::pair now{paused, pace};
+  if (!pace_channel_ || stated_pace_ == now) return;
+  stated_pace_ = now;
+  const std::string text = nlohmann::ordered_json{{"paused", paused}, {"pace", pace}}.dump();
+  server_->publish(*pace_channel_, static_cast<std::uint64_t>(time.count()),
+                   {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, true);
+}
+
 // Stops where a viewer wants it, and else goes no faster than the pace.
 void View::keep_pace(Time time) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kNap{20};
   if (options_.own_time) return;
   double pace = 0;
-  while (true) {
+  bool paused = true;
+  while (paused) {
     {
       const std::lock_guard lock(mutex_);
       if (step_s_) {
@@ -347,9 +363,11 @@ void View::keep_pace(Time time) {
       }
       if (std::exchange(kept_pace_, pace_) != pace_) pace_start_.reset();
       pace = pace_;
-      if (!paused_) break;
-      pace_start_.reset();
+      paused = paused_;
+      if (paused) pace_start_.reset();
     }
+    state_pace(time, paused, pace);
+    if (!paused) break;
     if (options_.stopped()) return;
     std::this_thread::sleep_for(kNap);
   }

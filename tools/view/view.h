@@ -100,6 +100,7 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   Result<void> hear(const std::string& line);
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
   void keep_pace(Time time);
+  void state_pace(Time time, bool paused, double pace);
   void code(std::function<void()> picture);
   void code_pictures();
 
@@ -115,6 +116,8 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   bool waited_ = false;
   int acts_ = 0;
   std::optional<std::pair<std::chrono::steady_clock::time_point, Time>> pace_start_;
+  std::optional<std::uint32_t> pace_channel_;
+  std::optional<std::pair<bool, double>> stated_pace_;  // paused, pace
 
   std::mutex mutex_;  // of what follows
   std::condition_variable changed_;

@@ -389,6 +389,20 @@ TEST(View, ARunIsPausedStepsAndGoesOnAndIsTheSame) {
     ASSERT_TRUE(first);
     EXPECT_EQ(received(*first).time_ns, 1'000'000u);
     EXPECT_EQ(last(200), 0u) << "paused behind the first step";
+    // Who comes now is shown where the robot is, and that the run pauses.
+    Client late((*view)->server().port());
+    EXPECT_TRUE(late.open("foxglove.sdk.v1"));
+    late.send(subscriptions({late.channel("/tf"), late.channel("/run/pace")}));
+    std::vector<std::string> texts;
+    for (int i = 0; i < 2; ++i) {
+      const auto frame = late.next_frame(1);
+      ASSERT_TRUE(frame);
+      const Bytes data = received(*frame).data;
+      texts.emplace_back(data.begin(), data.end());
+    }
+    std::ranges::sort(texts, {}, &std::string::size);
+    EXPECT_EQ(texts[0], R"({"paused":true,"pace":0.0})");
+    EXPECT_NE(texts[1].find("neck_tilt"), std::string::npos);
     owner.send(published(1, "step 0.1"));
     EXPECT_EQ(last(300), 101'000'000u);
     owner.send(published(1, "go"));

@@ -110,36 +110,47 @@ try {
   await page.uncheck("#follow");
   const ballAt = () => page.evaluate(() => window.kaz.pose("ball/ball"));
   const canvas = await page.locator("#view").boundingBox();
-  // It rolls about: it may be out of view, or gone from where it was a moment ago.
-  let held = false;
-  for (let i = 0; i < 20 && !held; ++i) {
-    const [bx, by] = await page.evaluate(() => window.kaz.onCanvas("ball/ball"));
-    if (bx < 20 || by < 100 || bx > canvas.width - 20 || by > canvas.height - 20) {
+  // What was under way arrives, which takes its time where the browser is behind; then the run's time stands still.
+  const pause = async () => {
+    await page.click("#pause");
+    let stopped = -1;
+    for (let i = 0, same = 0; i < 80 && same < 6; ++i) {
+      const now = await page.evaluate(() => window.kaz.time());
+      same = now === stopped ? same + 1 : 0;
+      stopped = now;
       await page.waitForTimeout(500);
-      continue;
     }
-    await page.mouse.move(canvas.x + bx, canvas.y + by);
-    await page.mouse.down();
-    await page.mouse.move(canvas.x + bx, canvas.y + by - 40, { steps: 5 });
-    await page.mouse.move(canvas.x + bx, canvas.y + by - 80, { steps: 5 });
-    held = await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] > 0.06, null, { timeout: 15000 })
-      .then(() => true, () => false);
-    if (!held) await page.mouse.up();
+    await page.waitForTimeout(500);
+    return stopped;
+  };
+  // It rolls about: it is taken while the run pauses, from as far away as shows it.
+  await pause();
+  // Who opens the page meanwhile is shown the robot where it stands, and that the run pauses.
+  const late = await open(url);
+  await late.page.waitForFunction(() => window.kaz.pose("trunk")?.[2] > 0.1 && window.kaz.pose("ball/ball")?.[0] !== 0
+    && document.getElementById("pause").textContent === "go on" && document.getElementById("pace").value === "1",
+  null, { timeout: 60000 });
+  await late.page.close();
+  await page.mouse.move(canvas.x + canvas.width / 2, canvas.y + canvas.height / 2);
+  let at;
+  for (let i = 0; i < 30; ++i) {
+    at = await page.evaluate(() => window.kaz.onCanvas("ball/ball"));
+    if (at && at[0] >= 20 && at[1] >= 100 && at[0] <= canvas.width - 20 && at[1] <= canvas.height - 20) break;
+    await page.mouse.wheel(0, 200);
+    await page.waitForTimeout(200);
   }
-  assert(held, "the ball is not dragged");
+  assert(at, "the ball is behind the camera");
+  // Beside its middle: what is missed by a few pixels is taken, too.
+  await page.mouse.move(canvas.x + at[0] + 12, canvas.y + at[1]);
+  await page.mouse.down();
+  await page.evaluate(() => document.getElementById("pause").click());
+  await page.mouse.move(canvas.x + at[0], canvas.y + at[1] - 40, { steps: 5 });
+  await page.mouse.move(canvas.x + at[0], canvas.y + at[1] - 80, { steps: 5 });
+  await page.waitForFunction(() => window.kaz.pose("ball/ball")?.[2] > 0.06, null, { timeout: 60000 });
   await page.screenshot({ path: `${folder}/held.png` });
   await page.mouse.up();
-  await page.waitForFunction(() => window.kaz.pose("ball/ball")[2] < 0.05);
-  await page.click("#pause");
-  // What was under way arrives, which takes its time where the browser is behind; then the run's time stands still.
-  let stopped = -1;
-  for (let i = 0, same = 0; i < 80 && same < 6; ++i) {
-    const now = await page.evaluate(() => window.kaz.time());
-    same = now === stopped ? same + 1 : 0;
-    stopped = now;
-    await page.waitForTimeout(500);
-  }
-  await page.waitForTimeout(500);
+  await page.waitForFunction(() => window.kaz.pose("ball/ball")?.[2] < 0.05, null, { timeout: 60000 });
+  const stopped = await pause();
   assert.equal(await page.evaluate(() => window.kaz.time()), stopped, "the run does not pause");
   await page.click("#step");
   await page.waitForFunction((before) => window.kaz.time() > before + 0.05, stopped);

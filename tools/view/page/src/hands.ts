@@ -36,7 +36,7 @@ export class Hands {
     element("hands").hidden = !allowed;
     this.scene.onDrag = allowed ? (object, place) => this.drag(object, place) : undefined;
     this.paused = false;
-    element("pause").textContent = "pause";
+    this.showPaused();
     if (!allowed || this.faults.length > 0) return;
     void fetch("hands.json").then((answer) => answer.json()).then((offer: Offer) => {
       this.faults = offer.faults;
@@ -45,6 +45,15 @@ export class Hands {
       fill("push-link", offer.links);
       this.choose();
     });
+  }
+
+  // Of the run, whoever changed it.
+  state({ paused, pace }: { paused: boolean; pace: number }): void {
+    this.paused = paused;
+    this.showPaused();
+    const select = element<HTMLSelectElement>("pace");
+    if (![...select.options].some(({ value }) => Number(value) === pace)) select.add(new Option(String(pace)));
+    select.value = [...select.options].find(({ value }) => Number(value) === pace)?.value ?? "0";
   }
 
   // Whether it was one of these keys.
@@ -58,8 +67,9 @@ export class Hands {
   private pause(on: boolean): void {
     if (on !== this.paused) this.send(on ? "pause" : "go");
     this.paused = on;
-    element("pause").textContent = on ? "go on" : "pause";
+    this.showPaused();
   }
+  private showPaused(): void { element("pause").textContent = this.paused ? "go on" : "pause"; }
 
   private chosen(): Fault | undefined {
     return this.faults[element<HTMLSelectElement>("fault-name").selectedIndex];

@@ -64,6 +64,8 @@ client.on("/tf", (r) => scene.setPoses(readTransforms(r)));
 client.on("/scene", (r) => scene.setObjects(readMarkers(r)));
 client.on("/contacts", (r) => scene.setForces(readMarkers(r), forces));
 client.on("/faults", (r) => output("fault", r.text()));
+client.on("/run/pace", (_r, _s, data) =>
+  hands.state(JSON.parse(new TextDecoder().decode(data)) as { paused: boolean; pace: number }));
 client.on("/behavior", (_r, _s, data) => {
   const state = JSON.parse(new TextDecoder().decode(data)) as { behavior?: string; phase?: string };
   if (state.phase === undefined) return;

@@ -9,6 +9,7 @@ export class Scene {
   readonly scene = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(40, 1, 0.01, 50);
   follow = true;
+  private poses: Transform[] = [];
   // An object of the world is drawn to a place, m, or let go; the model's name.
   onDrag: ((object: string, place: [number, number, number] | undefined) => void) | undefined;
   frames = 0;
@@ -58,7 +59,8 @@ export class Scene {
     loader.workingPath = new URL("robot/", document.baseURI).href;
     if (this.robot) this.world.remove(...Object.values(this.robot.links));
     this.robot = loader.parse(urdf);
-    this.nodes.clear();
+    // It comes again with a new connection; the objects of the scene stay.
+    for (const [name, node] of this.nodes) if (node.parent !== this.objects) this.nodes.delete(name);
     // Each link is placed by itself: poses come in the world's frame.
     for (const [name, link] of Object.entries(this.robot.links)) {
       link.matrixAutoUpdate = true;
@@ -69,7 +71,7 @@ export class Scene {
       for (const child of [...link.children]) if ("isURDFJoint" in child) link.remove(child);
       link.traverse((part) => { part.castShadow = true; });
     }
-    this.dirty = true;
+    this.setPoses(this.poses);
   }
 
   setObjects(markers: Marker[]): void {
@@ -84,7 +86,7 @@ export class Scene {
       place(mesh, marker.pose);
       this.frame(marker.frame).add(mesh);
     }
-    this.dirty = true;
+    this.setPoses(this.poses);
   }
 
   setForces(markers: Marker[], shown: boolean): void {
@@ -100,7 +102,9 @@ export class Scene {
     this.dirty = true;
   }
 
+  // Kept, since a robot or objects may come after them.
   setPoses(transforms: Transform[]): void {
+    this.poses = transforms;
     for (const transform of transforms) {
       const node = this.nodes.get(transform.child);
       if (node) place(node, transform);
@@ -151,7 +155,8 @@ export class Scene {
     aim(down);
     const movable = [...this.nodes].filter(([, node]) => node.parent === this.objects);
     const hit = ray.intersectObjects(movable.map(([, node]) => node), true)[0];
-    const grasped = hit && movable.find(([, node]) => node.getObjectById(hit.object.id) !== undefined);
+    const grasped = hit ? movable.find(([, node]) => node.getObjectById(hit.object.id) !== undefined)
+      : this.nearest(movable, down);
     if (!grasped) return;
     const [name, node] = grasped;
     const object = name.split("/")[0] ?? name;
@@ -174,12 +179,27 @@ export class Scene {
     move(down);
   }
 
-  // Where a point of the scene is on the canvas, px; for tests.
+  // What is small, far or rolling is missed by a few pixels.
+  private nearest(among: [string, THREE.Object3D][], event: PointerEvent): [string, THREE.Object3D] | undefined {
+    const reach = 20;  // px
+    const box = this.canvas.getBoundingClientRect();
+    let found: [string, THREE.Object3D] | undefined;
+    let least = reach;
+    for (const each of among) {
+      const [x, y] = this.onCanvas(each[0]) ?? [Infinity, Infinity];
+      const distance = Math.hypot(x - (event.clientX - box.left), y - (event.clientY - box.top));
+      if (distance < least) [found, least] = [each, distance];
+    }
+    return found;
+  }
+
+  // Where a point of the scene is on the canvas, px; none where it is behind the camera.
   onCanvas(link: string): [number, number] | undefined {
     const node = this.nodes.get(link);
     if (!node) return undefined;
     this.camera.updateMatrixWorld();
     const at = node.getWorldPosition(new THREE.Vector3()).project(this.camera);
+    if (at.z > 1) return undefined;
     return [(at.x + 1) / 2 * this.canvas.clientWidth, (1 - at.y) / 2 * this.canvas.clientHeight];
   }
 
