@@ -135,7 +135,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   template <class Request>
   void begin(const Request& request, std::string_view subprotocol) {
     auto timeout = websocket::stream_base::timeout::suggested(beast::role_type::server);
-    timeout.idle_timeout = std::chrono::seconds(30);
+    // A browser on a busy machine answers a ping only when it has read all that was sent before it.
+    timeout.idle_timeout = std::chrono::seconds(120);
     timeout.keep_alive_pings = true;
     socket_.set_option(timeout);
     socket_.set_option(websocket::stream_base::decorator(
