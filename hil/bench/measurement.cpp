@@ -155,6 +155,8 @@ Result<Limits> parse_limits(const std::string& json, const std::string& file_nam
                  "it is neither an object with measurements by name nor a list of `kaz bench list "
                  "--json`");
   }
+  if (all.empty())
+    return wrong(file_name, "it names no measurement; `kaz bench list --json` prints them all");
   Limits limits;
   for (const auto& [key, entry] : all.items()) {
     std::string name = key;
@@ -177,8 +179,10 @@ int BenchReport::count(Verdict verdict) const {
                     [&](const Measurement& one) { return one.verdict == verdict; }));
 }
 
-bool BenchReport::disturbed() const {
-  return std::ranges::any_of(measurements, &Measurement::disturbed);
+bool BenchReport::doubts(Measurement::Doubt doubt) const {
+  return std::ranges::any_of(measurements, [doubt](const Measurement& one) {
+    return one.verdict == Verdict::undecided && one.doubt == doubt;
+  });
 }
 
 Measurement BenchJudge::begin(const std::string& subject, const std::string& name) const {
@@ -204,13 +208,28 @@ void BenchJudge::finish(Measurement measurement) {
   if (listener_ && !in_part_) listener_(report_.measurements.back());
 }
 
-void BenchJudge::leave_undecided(std::size_t first, const std::string& why, bool disturbed) {
+void BenchJudge::leave_undecided(std::size_t first, const std::string& why,
+                                 Measurement::Doubt doubt) {
+  const bool disturbed = doubt == Measurement::Doubt::line;
   for (std::size_t i = first; i < report_.measurements.size(); ++i) {
     Measurement& one = report_.measurements[i];
     if (one.verdict != Verdict::failed || (disturbed && !depends_on_line(one))) continue;
     one.verdict = Verdict::undecided;
-    one.disturbed = disturbed;
+    one.doubt = doubt;
     one.message += "; but " + why;
+  }
+}
+
+void BenchJudge::doubt(std::size_t first, double factor, const std::string& why) {
+  for (std::size_t i = first; i < report_.measurements.size(); ++i) {
+    Measurement& one = report_.measurements[i];
+    const double most = one.value * factor;
+    const bool may_pass = one.value < one.low && most >= one.low;
+    const bool may_fail = one.verdict == Verdict::passed && most > one.high;
+    if (!may_pass && !may_fail) continue;
+    one.verdict = Verdict::undecided;
+    one.doubt = Measurement::Doubt::motor;
+    one.message += (one.message.empty() ? "it may be more: " : "; but ") + why;
   }
 }
 
@@ -254,12 +273,13 @@ Result<void> BenchJudge::timed(const std::function<Result<void>()>& part, Time a
       leave_undecided(
           static_cast<std::size_t>(first),
           trouble + ", and the line was disturbed in all of " + std::to_string(run) + " runs",
-          true);
+          Measurement::Doubt::line);
       break;
     }
     for (auto one = all.begin() + first; one != all.end(); ++one) {
       if (!in_doubt(*one)) continue;
       one->verdict = Verdict::undecided;
+      one->doubt = Measurement::Doubt::machine;
       one->message +=
           "; but " + excuse + ", and it was late in all of " + std::to_string(run) + " runs";
     }

@@ -42,7 +42,8 @@ struct Measurement {
   double error = 0;          // standard error of the value, 0: not known
   double low = 0, high = 0;  // the limits that were applied
   std::string message;       // why it failed, was skipped, or could not be judged
-  bool disturbed = false;    // undecided because of the line; not read back from JSON
+  // What makes it undecided; not read back from JSON.
+  enum class Doubt { none, machine, line, motor } doubt = Doubt::none;
 };
 
 // A curve or a cloud of points.
@@ -83,8 +84,8 @@ struct BenchReport {
   std::string signal;       // if a signal ended it: "SIGINT"
 
   int count(Verdict verdict) const;
-  // A measurement is undecided because of the line.
-  bool disturbed() const;
+  // A measurement is undecided because of this.
+  bool doubts(Measurement::Doubt doubt) const;
 };
 
 // Collects what is measured and judges it: a value inside its limits passes, NaN fails.
@@ -115,7 +116,10 @@ class BenchJudge {
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
   // Of what has failed from the measurement `first` on: it is undecided, "but " + why.
-  void leave_undecided(std::size_t first, const std::string& why, bool disturbed);
+  void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
+  // The motor's true values may be up to `factor` >= 1 times those entered from `first` on. Which of
+  // them would be judged otherwise then is undecided.
+  void doubt(std::size_t first, double factor, const std::string& why);
   // Those that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;
   void add(Plot plot) { report_.plots.push_back(std::move(plot)); }

@@ -246,7 +246,7 @@ TEST_F(JudgeOfTimes, OnADisturbedLineOnlyTheLineItselfFails) {
             std::string::npos)
       << report_.measurements[0].message;
   EXPECT_EQ(report_.measurements[1].verdict, Verdict::failed);
-  EXPECT_TRUE(report_.disturbed());
+  EXPECT_TRUE(report_.doubts(Measurement::Doubt::line));
   ASSERT_TRUE(part(1));
   EXPECT_EQ(runs_, 2);
   ASSERT_EQ(report_.measurements.size(), 4u);
@@ -343,6 +343,8 @@ TEST(LimitFile, EveryMistakeIsOneSentenceWithFileAndKey) {
   const std::pair<const char*, const char*> mistakes[] = {
       {"{\n\"backlash\": {\"low\": 1,}}", "line 2 is no JSON"},
       {"", "is no JSON"},
+      {"{}", "it names no measurement"},
+      {"[]", "it names no measurement"},
       {"1", "neither an object"},
       {"[1]", "entry 0 of the list has no \"name\""},
       {R"([{"name": "backlash", "lo": 3}])", "'backlash' has a key 'lo'"},

@@ -18,9 +18,11 @@ Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int 
         auto ran = part(++run);
         if (ran) return ran;
         const std::string late = judge.lateness() ? judge.lateness()->excuse(at_least) : "";
-        if (!late.empty()) judge.leave_undecided(first, late + kNotAgain, false);
+        if (!late.empty())
+          judge.leave_undecided(first, late + kNotAgain, Measurement::Doubt::machine);
         const std::string trouble = line_trouble ? line_trouble() : "";
-        if (!trouble.empty()) judge.leave_undecided(first, trouble + kNotAgain, true);
+        if (!trouble.empty())
+          judge.leave_undecided(first, trouble + kNotAgain, Measurement::Doubt::line);
         return ran;
       },
       at_least, line_trouble);

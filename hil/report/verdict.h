@@ -5,7 +5,7 @@
 namespace kaz::hil {
 
 // undecided: it failed while this machine was late (host/link/lateness.h) or the line was disturbed, also
-// when repeated.
+// when repeated; or a warm motor is too near its limit.
 enum class Verdict { passed, failed, left_out, undecided };
 
 // "passed", "failed", "left out", "undecided"

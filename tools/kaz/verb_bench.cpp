@@ -107,13 +107,13 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   std::string joints;
   for (const host::JointInfo& joint : host::joint_table())
     joints += (joints.empty() ? "" : ", ") + std::string(joint.name);
-  verb->footer((arguments->motor ? "A motor takes three and a half minutes on a port, a few "
+  verb->footer((arguments->motor ? "A motor takes five and a half minutes on a port, a few "
                                    "seconds on the emulated board. Joints: " +
                                        joints + ".\n"
                                  : std::string()) +
                "Exit status: 0 all within its limits, 1 a limit failed, 2 wrong usage, 3 port "
                "error, or this "
-               "machine was too late to judge.\nExamples:\n" +
+               "machine was too late, or a motor too warm, to judge.\nExamples:\n" +
                footer);
   verb->callback([&action, arguments, watch, verb] {
     action = [arguments, watch, verb]() -> Result<Outcome> {

@@ -40,6 +40,17 @@ std::string not_of_a_stand(const CLI::App& verb) {
 
 // What of the options given would act in a simulator that runs: without --serial only a calibration is
 // written. Empty if there is none.
+// How pictures are made, where nothing takes any.
+std::string not_without_pictures(const CLI::App& verb) {
+  for (const char* taker : {"--cameras", "--record", "--view", "--write-calibration"})
+    if (verb.get_option(taker)->count() > 0) return "";
+  for (const char* name : {"--eyes", "--eye-width", "--renderer"})
+    if (verb.get_option(name)->count() > 0)
+      return std::string(name) +
+             ": nothing takes the eyes' pictures; give --cameras PATH, --record FILE or --view";
+  return "";
+}
+
 std::string not_of_a_calibration(const CLI::App& verb) {
   static const std::set<std::string> kTaken = {
       "--write-calibration", "--world", "--robot-file", "--eyes",
@@ -158,7 +169,7 @@ void add_sim(CLI::App& program, Action& action) {
     }
     const bool runs = !arguments->real_time.serial_path.empty() || arguments->calibration.empty();
     const std::string wrong = arguments->backend.stand ? not_of_a_stand(*verb)
-                              : runs                   ? ""
+                              : runs                   ? not_without_pictures(*verb)
                                                        : not_of_a_calibration(*verb);
     action = [arguments, watch, wrong]() -> Result<bool> {
       if (!wrong.empty()) return fail(Fault::usage, wrong);

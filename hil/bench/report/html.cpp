@@ -172,9 +172,10 @@ std::string verdict_heading(const BenchReport& report) {
     return "<h1>Bench: <span class=\"failed\">outside its limits</span></h1>\n";
   }
   if (report.count(Verdict::undecided) > 0) {
-    return std::string("<h1>Bench: <span class=\"out\">undecided: ") +
-           (report.disturbed() ? "the line was disturbed" : "this machine was late") +
-           "</span></h1>\n";
+    const char* why = report.doubts(Measurement::Doubt::motor)  ? "a motor was warm"
+                      : report.doubts(Measurement::Doubt::line) ? "the line was disturbed"
+                                                                : "this machine was late";
+    return std::string("<h1>Bench: <span class=\"out\">undecided: ") + why + "</span></h1>\n";
   }
   if (report.count(Verdict::passed) == 0) {
     return "<h1>Bench: <span class=\"out\">nothing was measured</span></h1>\n";

@@ -1,5 +1,9 @@
 // What the bench says of a motor whose potentiometer is broken, or whose line is.
 // SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <optional>
+#include <string>
+
 #include "host/link/faulty_link.h"
 #include "tests/integration/bench/motor_testing.h"
 
@@ -111,7 +115,7 @@ TEST(DisturbedLine, IsNoFailureOfTheMotor) {
     for (const Measurement& one : benched.report.measurements) {
       if (one.verdict != Verdict::undecided) continue;
       undecided = true;
-      EXPECT_TRUE(one.disturbed);
+      EXPECT_EQ(one.doubt, Measurement::Doubt::line);
       EXPECT_NE(one.message.find("; but on the line "), std::string::npos) << one.message;
     }
   }
@@ -142,43 +146,83 @@ TEST(LatchedShutdown, OfBeforeIsCleared) {
   EXPECT_EQ(failed(benched.report), Names{}) << all_values(benched.report);
 }
 
-// One after the other on the same motor, the heat of the one before still in it: a healthy motor does not
-// fail, and one that rests passes again.
-TEST(WarmMotor, IsNoWeakOne) {
-  auto made = sim::make_stand(kaz_board(), {.motor = kaz_motor()});
-  ASSERT_TRUE(made) << made.error().message;
-  lockstep::StandBackend backend(std::move(*made));
-  bool undecided = false;
-  const auto bench = [&](const std::string& filter) {
+// Measurements one after the other on the same motor, the heat of the one before still in it.
+struct Warmed {
+  explicit Warmed(double slope = 1, double thermal = 1) {
+    auto motor = kaz_motor();
+    motor.stall_slope_nm_per_v *= slope;
+    motor.winding_heat_capacity /= thermal;
+    auto made = sim::make_stand(kaz_board(), {.motor = motor});
+    EXPECT_TRUE(made) << made.error().message;
+    backend.emplace(std::move(*made));
+  }
+  BenchReport bench(const std::string& filter) {
     BenchReport report;
-    auto robot = host::Robot::connect(backend.link(), backend.clock(), bench_connection());
-    ASSERT_TRUE(robot) << robot.error().message;
+    auto robot = host::Robot::connect(backend->link(), backend->clock(), bench_connection());
+    EXPECT_TRUE(robot) << robot.error().message;
     MotorBenchOptions options;
     options.filter = filter;
     const Limits none;
     BenchJudge judge(report, none);
-    const auto ran = bench_motor(*robot, &backend.stand(), options, judge);
-    ASSERT_TRUE(ran) << ran.error().message;
-    EXPECT_EQ(failed(report), Names{}) << all_values(report);
-    const Names doubtful = names_with(report, Verdict::undecided);
-    undecided = !doubtful.empty();
+    const auto ran = bench_motor(*robot, &backend->stand(), options, judge);
+    EXPECT_TRUE(ran) << ran.error().message;
     for (const Measurement& one : report.measurements) {
       if (one.verdict != Verdict::undecided) continue;
-      EXPECT_NE(one.message.find("the motor was warm: at rest its torque grew by "),
-                std::string::npos)
+      EXPECT_EQ(one.doubt, Measurement::Doubt::motor);
+      EXPECT_NE(one.message.find("the motor was warm: its torque grew by "), std::string::npos)
           << one.message;
     }
-  };
-  bench("stall");
-  EXPECT_FALSE(undecided) << "a cold motor passes";
-  bench("thermal");
-  for (int again = 0; again < 3; ++again) {
-    bench("stall");
-    EXPECT_TRUE(undecided) << again;
+    return report;
   }
-  ASSERT_TRUE(backend.clock().sleep_until(backend.clock().now() + std::chrono::minutes(40)));
-  bench("stall");
-  EXPECT_FALSE(undecided) << "cold again";
+  void cool() {
+    ASSERT_TRUE(backend->clock().sleep_until(backend->clock().now() + std::chrono::minutes(40)));
+  }
+  std::optional<lockstep::StandBackend> backend;
+};
+
+TEST(WarmMotor, AHealthyOneDoesNotFail) {
+  Warmed motor;
+  EXPECT_EQ(names_with(motor.bench("stall|thermal"), Verdict::undecided), Names{});
+  bool undecided = false;
+  for (int again = 0; again < 2; ++again) {
+    for (const char* filter : {"thermal", "stall"}) {
+      const BenchReport report = motor.bench(filter);
+      EXPECT_EQ(failed(report), Names{}) << again << all_values(report);
+      undecided = undecided || !names_with(report, Verdict::undecided).empty();
+    }
+  }
+  EXPECT_TRUE(undecided);
+  motor.cool();
+  const BenchReport rested = motor.bench("stall|thermal");
+  EXPECT_EQ(rested.count(Verdict::passed), 7) << all_values(rested);
+}
+
+// Too strong, as far as heat can hide: it fails, or is undecided, and never passes.
+TEST(WarmMotor, OneThatIsTooStrongDoesNotPass) {
+  for (const double slope : {1.05, 1.1}) {
+    Warmed motor(slope);
+    for (int again = 0; again < 2; ++again) {
+      const BenchReport report = motor.bench("stall");
+      const Names bad = failed(report), open = names_with(report, Verdict::undecided);
+      EXPECT_TRUE(bad.contains("stall.torque_10v") || open.contains("stall.torque_10v"))
+          << slope << " " << again << all_values(report);
+      (void)motor.bench("thermal");
+    }
+    motor.cool();
+    EXPECT_TRUE(failed(motor.bench("stall")).contains("stall.torque_10v")) << slope;
+  }
+}
+
+// A winding that warms too much loses less where it is warm already.
+TEST(WarmMotor, OneThatLosesTooMuchDoesNotPassWhenRepeated) {
+  for (const double thermal : {1.9, 2.2}) {
+    Warmed motor(1, thermal);
+    EXPECT_TRUE(failed(motor.bench("thermal")).contains("thermal.torque_loss")) << thermal;
+    for (int again = 0; again < 2; ++again) {
+      const BenchReport report = motor.bench("thermal");
+      EXPECT_EQ(names_with(report, Verdict::passed), Names{}) << thermal << all_values(report);
+    }
+  }
 }
 
 }  // namespace

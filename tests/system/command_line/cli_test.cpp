@@ -250,6 +250,7 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
        {"--record: without --serial nothing runs"}},
       {{"sim", "--write-calibration", folder / "lcov", "--fast"},
        {"--fast: without --serial nothing runs"}},
+      {{"sim", "--serial", "p", "--eyes", "real"}, {"--eyes: nothing takes the eyes' pictures"}},
       {{"calibrate", "joints", "--gauge-error", "1"}, {"--gauge-error is of angles of a gauge"}},
       {{"calibrate", "joints", "--yes"}, {"--yes is for a robot at a port", "leave --yes out"}},
       {{"calibrate", "joints", "--robot", "serial:none", "--only", "gauge", "--yes"},

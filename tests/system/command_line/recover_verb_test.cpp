@@ -142,6 +142,13 @@ TEST_F(RecoverVerb, NotesOfAnotherPortOrOfARunUnderWayAreRefused) {
   const Finished early = run(kaz({"recover", folder_ / "other", "--from", path}));
   EXPECT_EQ(early.exit_code, 2) << early.out;
   EXPECT_NE(early.err.find("still under way"), std::string::npos) << early.err;
+  // Nor are they free under another name.
+  const std::string copy = folder_ / "copy.json";
+  std::filesystem::copy_file(path, copy);
+  const Finished copied =
+      run(kaz({"recover", folder_ / "other", "--from", copy, "--port-changed"}));
+  EXPECT_EQ(copied.exit_code, 2) << copied.out;
+  EXPECT_NE(copied.err.find("still under way"), std::string::npos) << copied.err;
 
   suite.signal(SIGKILL);
   suite.wait(seconds(20));

@@ -301,7 +301,9 @@ Result<void> OutputFolder::write_json(const std::string& name,
 }
 
 Error OutputFolder::explained(Error error) const {
-  if (!is_disk_full(error)) return error;
+  // A file of the folder may have listed it already.
+  if (!is_disk_full(error) || error.message.find("; saved so far") != std::string::npos)
+    return error;
   constexpr std::size_t kMaxNamed = 8;
   std::string saved;
   std::size_t count = 0;

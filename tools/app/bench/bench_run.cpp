@@ -387,11 +387,23 @@ Result<Outcome> run_bench(const BenchOptions& given) {
                 folder.reports.path("report.html").c_str());
   }
   if (failed == 0 && undecided > 0) {
-    std::fprintf(stderr, "%s: %s; run it again\n", verb.c_str(),
-                 report.disturbed()
-                     ? "the line was too disturbed to judge all measurements: check cable and "
-                       "adapter, which kaz bench link measures"
-                     : "this machine was too late to judge all measurements: end other programs");
+    using Doubt = hil::Measurement::Doubt;
+    if (report.doubts(Doubt::motor))
+      std::fprintf(
+          stderr,
+          "%s: a motor was too warm to judge all measurements: let it cool for 20 minutes, "
+          "and run it again\n",
+          verb.c_str());
+    if (report.doubts(Doubt::line))
+      std::fprintf(stderr,
+                   "%s: the line was too disturbed to judge all measurements: check cable and "
+                   "adapter, which kaz bench link measures; run it again\n",
+                   verb.c_str());
+    if (report.doubts(Doubt::machine))
+      std::fprintf(stderr,
+                   "%s: this machine was too late to judge all measurements: end other programs; "
+                   "run it again\n",
+                   verb.c_str());
     return Outcome::with_status(static_cast<int>(Fault::environment));
   }
   if (!arguments.json && std::ranges::none_of(report.plots, has_points))

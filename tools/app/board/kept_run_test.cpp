@@ -292,8 +292,15 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
     const auto kept = sure(KeptRun::begin(port, port, interrupt, options(1)));
     path = kept->notes_path();
     text = sure(read_whole_file(path, 1 << 20));
+    EXPECT_TRUE(earlier_notes("test-port", folder_).empty()) << "it is under way";
+    // Under any name and in any place they are of a run under way.
+    EXPECT_TRUE(notes_in_use(sure(parse_kept(text, "a copy"))));
   }
   EXPECT_TRUE(earlier_notes("test-port", folder_).empty());
+  // Another process had this number before.
+  const std::string began = "\"process_began\": ";
+  text.insert(text.find(began) + began.size(), "1");
+  EXPECT_FALSE(notes_in_use(sure(parse_kept(text, "a copy"))));
   ASSERT_TRUE(write_whole_file(path, text));
   ASSERT_TRUE(write_whole_file(path + ".part1-0", text));
   EXPECT_TRUE(earlier_notes("other-port", folder_).empty());
@@ -338,6 +345,33 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   EXPECT_NE(sentences[0].find("or is damaged"), std::string::npos) << sentences[0];
 }
 
+// Of a port's names those are followed that somebody may turn elsewhere, and not the last, which stays when a
+// device comes back under another number.
+TEST_F(KeptRuns, APortIsTheSameByWhereItsNameLeads) {
+  namespace fs = std::filesystem;
+  const std::string of = folder_ + "/";
+  for (const char* device : {"pts1", "pts2", "pts3"})
+    ASSERT_TRUE(write_whole_file(of + device, "a device"));
+  fs::create_symlink("pts1", of + "a");
+  fs::create_symlink("pts2", of + "b");
+  fs::create_symlink(of + "a", of + "mine");
+  KeptFile kept;
+  kept.port = of + "mine";
+  kept.line = of + "a";
+  EXPECT_TRUE(same_port(kept, of + "mine"));
+  EXPECT_TRUE(same_port(kept, of + "a"));
+  EXPECT_TRUE(same_port(kept, of + "../" + fs::path(folder_).filename().string() + "/a"));
+  EXPECT_TRUE(same_port(kept, of + "pts1")) << "another name of the device";
+  EXPECT_FALSE(same_port(kept, of + "b"));
+  fs::remove(of + "mine");
+  fs::create_symlink("b", of + "mine");
+  EXPECT_FALSE(same_port(kept, of + "mine")) << "it leads to another now";
+  fs::remove(of + "a");
+  fs::create_symlink("pts3", of + "a");
+  EXPECT_TRUE(same_port(kept, of + "a")) << "plugged again";
+  EXPECT_FALSE(same_port(kept, "can:a"));
+}
+
 // A signal while the board is put back in the middle of a run: first that, then the end.
 TEST_F(KeptRuns, ASignalWhileItPutsTheBoardBackDoesNotCutThatShort) {
   lockstep::VirtualBench board(sim::make_native());
@@ -379,7 +413,10 @@ TEST_F(KeptRuns, NotesOfAnEarlierRunStay) {
 TEST_F(KeptRuns, NotesAreReadAsTheyWereWritten) {
   lockstep::VirtualBench board(sim::make_native());
   prepare(board, 6);
-  KeptFile kept{.verb = "kaz fuzz", .port = "/dev/ttyUSB0", .others = {2, 14}, .board = {}};
+  KeptFile kept;
+  kept.verb = "kaz fuzz";
+  kept.port = kept.line = "/dev/ttyUSB0";
+  kept.others = {2, 14};
   kept.board = sure(host::read_board(board, board, 6));
   sure(host::read_flash(board, board, kept.board));
   const std::string text = kept_text(kept);

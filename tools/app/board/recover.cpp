@@ -105,11 +105,11 @@ nlohmann::ordered_json as_json(const Recovered& result, const std::string& port,
 Result<std::optional<KeptFile>> read_notes(const RecoverOptions& options, const std::string& port) {
   if (options.from.empty()) return std::nullopt;
   KeptFile kept = KAZ_TRY(read_kept(options.from));
-  if (notes_in_use(options.from))
+  if (notes_in_use(kept))
     return fail(Fault::usage, options.from + ": " + kept.verb + " on " + kept.port +
                                   " is still under way and puts its board back itself: end it, or "
                                   "leave --from out");
-  if (!same_port(kept.port, port) && !options.port_changed)
+  if (!same_port(kept, port) && !options.port_changed)
     return fail(Fault::usage,
                 options.from + ": notes of the board on " + kept.port + ", not on " + port +
                     ": another board would get its address and calibration; if the same board is "
@@ -177,12 +177,17 @@ Result<bool> recover(const RecoverOptions& options) {
     if (cut_short) mark_interrupted(json);
     json["provenance"] = provenance_json();
     print_json(json);
-  } else {
+  } else if (!cut_short) {
     print(result, port.name());
   }
-  if (cut_short)
-    return fail(Fault::interrupted, "interrupted before the board on " + port.name() +
-                                        " was as it should be; give the same command again");
+  if (cut_short) {
+    std::string done;
+    for (const std::string& one : result.done) done += (done.empty() ? "" : ", ") + one;
+    return fail(Fault::interrupted,
+                "interrupted before the board on " + port.name() +
+                    " was as it should be; put back: " + (done.empty() ? "nothing" : done) +
+                    "; give the same command again");
+  }
   if (result.left.empty()) remove_notes(options.from);
   for (const std::string& sentence : earlier_notes(port.name()))
     std::fprintf(stderr, "kaz recover: %s\n", sentence.c_str());

@@ -3,6 +3,7 @@
 #include "tools/app/compare/compare.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 
 #include <nlohmann/json.hpp>
@@ -38,6 +39,9 @@ std::string page(const std::string& text, const std::vector<plot::PlotPage>& plo
 Result<bool> compare_recordings(const CompareOptions& options) {
   std::optional<OutputFolder> folder;
   if (!options.out.empty()) folder = KAZ_TRY(OutputFolder::begin(options.out, compare_output()));
+  std::error_code none;
+  if (std::filesystem::equivalent(options.a, options.b, none))
+    std::fprintf(stderr, "kaz compare: both names are of one recording\n");
   const RunTrace a = KAZ_TRY(RunTrace::load(options.a));
   const RunTrace b = KAZ_TRY(RunTrace::load(options.b));
   const Comparison comparison = compare(a, b);

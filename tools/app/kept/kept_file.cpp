@@ -109,6 +109,9 @@ std::string kept_text(const KeptFile& kept) {
   Json json{{"kaz_kept_board", kVersion},
             {"verb", kept.verb},
             {"port", kept.port},
+            {"line", kept.line},
+            {"process", kept.process},
+            {"process_began", kept.process_began},
             {"others", kept.others},
             {"address", board.address},
             {"shared_line", board.shared_line},
@@ -140,6 +143,11 @@ Result<KeptFile> parse_kept(const std::string& text, const std::string& name) {
   Fields fields(json, "");
   fields.text("verb", kept.verb);
   fields.text("port", kept.port);
+  if (json.contains("line")) {
+    fields.text("line", kept.line);
+    fields.number("process", kept.process, 0);
+    fields.number("process_began", kept.process_began, 0, std::numeric_limits<long>::max());
+  }
   fields.number("address", board.address, 1, KZ_ADDRESS_LAST);
   fields.flag("shared_line", board.shared_line);
   fields.number("watchdog_10ms", board.watchdog_10ms, 1, 100);

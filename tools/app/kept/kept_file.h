@@ -11,7 +11,11 @@
 namespace kaz::tools {
 
 struct KeptFile {
-  std::string verb, port;            // "kaz conformance", "/dev/ttyUSB0"
+  std::string verb, port;  // "kaz conformance", "/dev/ttyUSB0"
+  // Of the port, with symbolic links but the last followed; empty in notes of version 0.1.0.
+  std::string line;
+  std::int64_t process = 0;  // of the run, and when it began, in ticks since the machine did;
+  std::uint64_t process_began = 0;   // 0 in notes of version 0.1.0
   std::vector<std::uint8_t> others;  // addresses of other boards on the line
   host::BoardState board;
 };

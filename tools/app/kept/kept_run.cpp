@@ -10,10 +10,12 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "host/link/port_address.h"
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
+#include "shared/base/number_text.hpp"
 #include "tools/app/base/interrupt_signals.h"
 
 namespace kaz::tools {
@@ -27,10 +29,24 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
+// Links are followed, but the last: that is the name which stays where a device comes back, as in
+// /dev/serial/by-id.
+std::string line_of(const std::string& port) {
+  if (host::names_port_kind(port)) return port;
+  std::error_code error;
+  fs::path at = fs::absolute(port, error).lexically_normal();
+  for (int links = 0; links < 40 && fs::is_symlink(at, error); ++links) {
+    fs::path to = fs::read_symlink(at, error);
+    if (to.is_relative()) to = (at.parent_path() / to).lexically_normal();
+    if (!fs::is_symlink(to, error)) break;
+    at = to;
+  }
+  return (fs::weakly_canonical(at.parent_path(), error) / at.filename()).string();
+}
+
 // "/dev/ttyUSB0" or "can:can0" as a part of a file's name.
 std::string file_name_of(const std::string& port) {
-  std::error_code error;
-  std::string name = host::names_port_kind(port) ? "_" + port : fs::absolute(port, error).string();
+  std::string name = (host::names_port_kind(port) ? "_" : "") + line_of(port);
   for (char& c : name) {
     const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
     if (!plain) c = '_';
@@ -40,7 +56,19 @@ std::string file_name_of(const std::string& port) {
   return "board" + name;
 }
 
-// Whether a run of kaz with this process number, or NUMBER-COUNT, is under way: its notes are in use.
+// When a process began (proc(5), field 22 of stat); 0: there is none.
+std::uint64_t began(std::int64_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(file, text);
+  // The second field is a name in brackets, and may hold anything.
+  std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 2)));
+  std::string field;
+  for (int i = 3; i <= 22; ++i) fields >> field;
+  return parse_number<std::uint64_t>(field).value_or(0);
+}
+
+// For notes that say nothing of it: whether a run of kaz with this process number, or NUMBER-COUNT, is there.
 bool runs(const std::string& number) {
   std::string name;
   std::ifstream("/proc/" + number.substr(0, number.find('-')) + "/comm") >> name;
@@ -60,20 +88,16 @@ std::string kept_folder() {
   return home.empty() ? "" : home + "/.local/state/kaz";
 }
 
-bool notes_in_use(const std::string& path) {
-  const std::string name = fs::path(path).stem();
-  const std::size_t end = name.find_last_not_of("0123456789-");
-  const std::size_t dash = end == std::string::npos ? 0 : name.find('-', end);
-  return name.starts_with("board_") && dash != std::string::npos && dash + 1 < name.size() &&
-         runs(name.substr(dash + 1));
+bool notes_in_use(const KeptFile& kept) {
+  return kept.process > 0 && began(kept.process) == kept.process_began;
 }
 
-bool same_port(const std::string& a, const std::string& b) {
-  if (a == b) return true;
-  if (host::names_port_kind(a) || host::names_port_kind(b)) return false;
+bool same_port(const KeptFile& kept, const std::string& port) {
+  const std::string then = kept.line.empty() ? line_of(kept.port) : kept.line;
+  if (then == line_of(port)) return true;
+  if (host::names_port_kind(then) || host::names_port_kind(port)) return false;
   std::error_code error;
-  return fs::absolute(a, error).lexically_normal() == fs::absolute(b, error).lexically_normal() ||
-         fs::equivalent(a, b, error);
+  return fs::equivalent(then, port, error);
 }
 
 std::vector<std::string> earlier_notes(const std::string& port, const std::string& folder) {
@@ -82,11 +106,18 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
   std::error_code none;
   for (fs::directory_iterator at(folder, none), last; !none && at != last; at.increment(none)) {
     const std::string name = at->path().filename();
-    if (!name.starts_with(begin) || !name.ends_with(end)) continue;
+    if (!name.starts_with("board") || !name.ends_with(end)) continue;
+    // Of damaged notes the name says what they are of.
+    const std::size_t dash = name.find('-');
     const std::string number =
-        name.substr(begin.size(), name.size() - std::min(name.size(), begin.size() + end.size()));
+        dash == std::string::npos
+            ? ""
+            : name.substr(dash + 1, name.size() - std::min(name.size(), dash + 1 + end.size()));
     if (number.empty() || number.find_first_not_of("0123456789-") != std::string::npos) continue;
-    if (!runs(number)) paths.push_back(at->path());
+    const auto kept = read_kept(at->path());
+    const bool of_port = kept ? same_port(*kept, port) : name.starts_with(begin);
+    const bool used = kept && kept->process > 0 ? notes_in_use(*kept) : runs(number);
+    if (of_port && !used) paths.push_back(at->path());
   }
   // The newest first: each describes the board as its run found it, altered by those before.
   std::ranges::sort(paths, [](const std::string& a, const std::string& b) {
@@ -132,6 +163,9 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
   run->kept_.port = host::names_port_kind(o.port)
                         ? o.port
                         : fs::absolute(o.port, no_folder).lexically_normal().string();
+  run->kept_.line = line_of(o.port);
+  run->kept_.process = getpid();
+  run->kept_.process_began = began(getpid());
   const auto board = host::read_board(link, clock, o.address);
   // Also what fails because of a signal is its end.
   const auto ended = [&](Error error) {
@@ -196,6 +230,10 @@ std::string KeptRun::command() const {
 }
 
 Result<void> KeptRun::put_back() {
+  if (interrupt_.requested() && options_.flash)
+    std::fprintf(stderr,
+                 "%s: interrupted; putting back what the board's flash held, some seconds\n",
+                 options_.verb.c_str());
   // put_back() ends by its patience; this only if it does not.
   const host::CleanUp clean_up(
       interrupt_, std::chrono::duration_cast<std::chrono::milliseconds>(3 * options_.patience));

@@ -26,10 +26,11 @@ std::vector<std::string> earlier_notes(const std::string& port,
 Error with_earlier_notes(Error error, const std::string& port,
                          const std::string& folder = kept_folder());
 
-// Whether the run that wrote these notes, by their name, is still under way.
-bool notes_in_use(const std::string& path);
-// Whether both names are of one port: equal, or two names of one file.
-bool same_port(const std::string& a, const std::string& b);
+// Whether the run that wrote these notes, wherever they lie now, is still under way.
+bool notes_in_use(const KeptFile& kept);
+// Whether the notes are of the board on this port: its name leads where theirs did then, or both are names of
+// one device. The device's own number is none: it changes with each plugging, and a pty's with each run.
+bool same_port(const KeptFile& kept, const std::string& port);
 
 struct KeptRunOptions {
   std::string verb;  // "kaz conformance"

@@ -182,7 +182,8 @@ const OutputKind& run_output() {
   static const OutputKind kind{
       "run",
       {"recording.mcap", "left_eye.png", "color_extraction.png", "outside.png", "moments.png",
-       "moments.jpg", "map.png", "pan_tilt.png", "pan_tilt.svg", "vision.csv", "result.json"}};
+       "moments.jpg", "map.png", "pan_tilt.png", "pan_tilt.svg", "vision.csv", "frames.txt",
+       "result.json"}};
   return kind;
 }
 

@@ -413,13 +413,14 @@ Result<void> Session::connect() {
                  options_.until, interrupt_);
   std::vector<host::RobotBoard> boards = backend_->boards();
   for (host::RobotBoard& board : boards) board.link = &links_.emplace_back(*board.link, gate());
-  auto robot =
-      host::Robot::connect(boards, *clock_,
-                           {.reaction = options_.backend.reaction,
-                            .reconnect = from_seconds(options_.backend.reconnect_s),
-                            .on_lost = report_loss,
-                            .on_resumed = report_resumption,
-                            .frames_path = real() ? temporary_file("frames.txt") : std::string()});
+  auto robot = host::Robot::connect(boards, *clock_,
+                                    {.reaction = options_.backend.reaction,
+                                     .reconnect = from_seconds(options_.backend.reconnect_s),
+                                     .on_lost = report_loss,
+                                     .on_resumed = report_resumption,
+                                     .frames_path = !real()    ? std::string()
+                                                    : results_ ? results_->path("frames.txt")
+                                                               : temporary_file("frames.txt")});
   if (!robot) {
     // With several boards each has its address in the file.
     std::string& sentence = robot.error().message;
