@@ -22,7 +22,8 @@ constexpr double kRead = 0.05;  // s at a press's end in which it is read
 constexpr double kRest = 60;  // s
 constexpr double kRestSupply = 8.2;
 // Of the gain at rest, what is missing still after it, at most: 1 / (exp(kRest / tau) - 1) with the
-// case's time constant tau of 420 s (motor.xml), where the winding has cooled to its case already; 1.5 for the winding's.
+// case's time constant tau of 420 s (motor.xml), where the winding has cooled to its case already; 1.5
+// for the winding's.
 constexpr double kStillMissing = 6.5;
 
 struct Press {
