@@ -33,11 +33,11 @@ std::string Profile::text() const {
   std::snprintf(line, sizeof line, "%lld states, and %lld asleep\n", static_cast<long long>(total_),
                 static_cast<long long>(asleep_));
   out += line;
-  std::snprintf(line, sizeof line, "%7s %12s %12s %9s %9s %9s  %s\n", "self %", "self",
+  std::snprintf(line, sizeof line, "%6s %10s %12s %7s %7s %8s  %s\n", "self %", "self",
                 "with callees", "calls", "median", "worst", "function");
   out += line;
   for (const FunctionProfile& f : functions()) {
-    std::snprintf(line, sizeof line, "%7.2f %12lld %12lld %9lld %9lld %9lld  %.120s%s\n",
+    std::snprintf(line, sizeof line, "%6.2f %10lld %12lld %7lld %7lld %8lld  %.120s%s\n",
                   share(f.self, total_), static_cast<long long>(f.self),
                   static_cast<long long>(f.with_callees), static_cast<long long>(f.calls),
                   static_cast<long long>(f.median), static_cast<long long>(f.worst), f.name.c_str(),
@@ -52,7 +52,7 @@ std::string Profile::text() const {
                 static_cast<long long>(w.worst), static_cast<long long>(w.at));
   out += line;
   for (const FunctionProfile& f : w.functions) {
-    std::snprintf(line, sizeof line, "%7.2f %12lld  %.120s\n", share(f.self, w.worst),
+    std::snprintf(line, sizeof line, "%6.2f %10lld  %.120s\n", share(f.self, w.worst),
                   static_cast<long long>(f.self), f.name.c_str());
     out += line;
   }

@@ -18,7 +18,7 @@ namespace kaz::tools {
 namespace {
 
 constexpr FileKind kTrace{"trace", {"           0  reset by "}};
-constexpr FileKind kProfileText{"profile as text", {" states, and ", "with callees     calls"}};
+constexpr FileKind kProfileText{"profile as text", {" states, and ", "with callees   calls"}};
 constexpr FileKind kProfileJson{"profile in JSON", {"{\"states\":", ",\"asleep\":"}};
 constexpr FileKind kCallgrind{"profile for KCachegrind", {"creator: kaz-h8s"}};
 constexpr FileKind kCoverage{"coverage for lcov", {"TN:kaz\nSF:"}};

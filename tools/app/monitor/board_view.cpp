@@ -112,6 +112,21 @@ Line small_joint_line(const BoardView& view, int joint, bool selected) {
   return line;
 }
 
+// In lines of so many columns, broken at spaces where there are some; `most` of them.
+std::vector<std::string> wrapped(const std::string& sentence, int columns, std::size_t most) {
+  std::string rest = one_line(sentence);
+  std::vector<std::string> all;
+  const auto width = static_cast<std::size_t>(std::max(columns, 1));
+  while (all.size() + 1 < most && rest.size() > width) {
+    const std::size_t space = rest.rfind(' ', width);
+    if (space == std::string::npos || space == 0) break;
+    all.push_back(rest.substr(0, space));
+    rest.erase(0, space + 1);
+  }
+  all.push_back(rest);
+  return all;
+}
+
 // The motors' state first: it must not be cut off.
 std::vector<Line> small_lines(const BoardView& view, int selected, const std::string& said,
                               int rows, int columns) {
@@ -127,11 +142,15 @@ std::vector<Line> small_lines(const BoardView& view, int selected, const std::st
         {{text("supply %.2f V  %.0f degC  missed %u", view.health.supply_volts,
                view.health.temperature_c, static_cast<unsigned>(view.counts.missed_ticks)),
           Ink::plain}});
-  const int shown = std::min(KZ_JOINTS, rows - (board ? 4 : 3));
+  // Of what happened, all that leaves room for three joints.
+  const auto words = wrapped(view.fault.empty() ? said : view.fault, columns,
+                             static_cast<std::size_t>(std::max(1, rows - (board ? 6 : 5))));
+  const int shown = std::min(KZ_JOINTS, rows - (board ? 3 : 2) - static_cast<int>(words.size()));
   const int first = std::clamp(selected - shown / 2, 0, KZ_JOINTS - shown);
   for (int joint = first; joint < first + shown; ++joint)
     all.push_back(small_joint_line(view, joint, joint == selected));
-  all.push_back(view.fault.empty() ? Line{{said, Ink::plain}} : Line{{view.fault, Ink::bad}});
+  for (const std::string& line : words)
+    all.push_back({{line, view.fault.empty() ? Ink::plain : Ink::bad}});
   all.push_back({{"q quit  SPACE stop  c clear  e on/off", Ink::bold}});
   return all;
 }

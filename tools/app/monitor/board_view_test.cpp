@@ -63,6 +63,17 @@ TEST(BoardView, InASmallWindowShowsMotorsSelectedJointWordsAndKeys) {
   }
 }
 
+TEST(BoardView, InASmallWindowAFaultIsWholeWhereThereIsRoom) {
+  BoardView view = board();
+  view.fault = "a fault with a long sentence that says what happened and what to do about it";
+  std::string shown;
+  for (const Line& line : lines(view, 9, "", 14, 40)) {
+    if (line.front().ink == Ink::bad && line.front().text != "no answer")
+      shown += (shown.empty() ? "" : " ") + text_of(line);
+  }
+  EXPECT_EQ(shown, view.fault);
+}
+
 TEST(BoardView, SaysThatAWindowIsTooSmall) {
   const auto all = lines(board(), 0, "", 3, 20);
   ASSERT_EQ(all.size(), 3u);
