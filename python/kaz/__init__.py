@@ -26,10 +26,10 @@ from . import _kaz, env, vision  # noqa: E402
 from ._kaz import (  # noqa: E402
     HOME, JOINT_LIMITS, JOINTS, Camera, CameraModel, EnvironmentFault, Pair, Posture, Robot, RobotError,
     Simulation, UsageError, __version__, behaviors, run_behavior)
-from .env import VectorEnv  # noqa: E402
+from .env import Env, VectorEnv  # noqa: E402
 from .recording import Recording  # noqa: E402
 
 __all__ = [
-    "HOME", "JOINTS", "JOINT_LIMITS", "Camera", "CameraModel", "EnvironmentFault", "Pair", "Posture",
+    "HOME", "JOINTS", "JOINT_LIMITS", "Camera", "CameraModel", "Env", "EnvironmentFault", "Pair", "Posture",
     "Recording", "Robot", "RobotError", "Simulation", "UsageError", "VectorEnv", "__version__", "behaviors",
     "env", "run_behavior", "vision"]

@@ -42,7 +42,10 @@ except ImportError:
 
         def contains(self, x):
             x = numpy.asarray(x)
-            return x.shape == self.shape and bool(numpy.all(x >= self.low) and numpy.all(x <= self.high))
+            return x.shape == self.shape and numpy.can_cast(x.dtype, self.dtype) and bool(numpy.all(x >= self.low) and numpy.all(x <= self.high))
+
+        def __contains__(self, x):
+            return self.contains(x)
 
         def seed(self, seed=None):
             self._random = numpy.random.default_rng(seed)
@@ -63,9 +66,50 @@ except ImportError:
             return isinstance(x, dict) and x.keys() == self.spaces.keys() and all(
                 space.contains(x[name]) for name, space in self.spaces.items())
 
+        def __contains__(self, x):
+            return self.contains(x)
+
         def seed(self, seed=None):
             for space in self.spaces.values():
                 space.seed(seed)
+
+try:
+    from gymnasium import Env as _Env  # type: ignore
+    from gymnasium.vector import VectorEnv as _VectorEnv  # type: ignore
+except ImportError:
+    class _Env:  # type: ignore
+        """What Gymnasium's classes of this name have besides spaces, reset and step."""
+
+        metadata = {"render_modes": []}
+        render_mode = None
+        spec = None
+        _np_random = None
+
+        @property
+        def unwrapped(self):
+            return self
+
+        @property
+        def np_random(self):
+            if self._np_random is None:
+                self._np_random = numpy.random.default_rng()
+            return self._np_random
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            self.close()
+
+    class _VectorEnv(_Env):  # type: ignore
+        closed = False
+
+try:
+    from gymnasium.vector import AutoresetMode as _AutoresetMode  # type: ignore
+except ImportError:  # there is none before Gymnasium 1.1, either
+    _AutoresetMode = {"next_step": "next_step", "same_step": "same_step", "disabled": "disabled"}.get
+else:
+    _AutoresetMode = {mode.name.lower(): mode for mode in _AutoresetMode}.get
 
 _LEGS = [side + part for side in ("l_", "r_") for part in ("hip_roll", "hip_pitch", "knee", "ankle_pitch")]
 _ARMS = [side + part for side in ("l_", "r_") for part in ("sh_pitch", "sh_roll")]
@@ -278,7 +322,7 @@ class Catch(_Task):
 TASKS = {"stand": Stand, "walk": Walk, "turn": Turn, "look": Look, "catch": Catch}
 
 
-class VectorEnv:
+class VectorEnv(_VectorEnv):
     """Robots that are reset and stepped together.
 
     task: a name of TASKS, or an object with the members of one. threads: 0 is one a core.
@@ -302,7 +346,7 @@ class VectorEnv:
             raise UsageError(f"pictures '{pictures}': give one of {', '.join(PICTURES)}, or None")
         self.task = TASKS[task]() if isinstance(task, str) else task
         self.num_envs, self.engine, self.autoreset_mode = num_envs, engine, autoreset_mode
-        self.metadata = {"autoreset_mode": autoreset_mode}
+        self.metadata = {"render_modes": [], "autoreset_mode": _AutoresetMode(autoreset_mode)}
         self.period_s = 0.02
         self.episode_s = self.task.episode_s if episode_s is None else episode_s
         simulation.setdefault("world", self.task.world)
@@ -351,16 +395,20 @@ class VectorEnv:
             seeds = [seed + i for i in range(self.num_envs)] if numpy.ndim(seed) == 0 else list(seed)
             if len(seeds) != self.num_envs:
                 raise UsageError(f"seed: give one, or {self.num_envs}")
+        if self.batch is None:
+            raise UsageError("the environment is closed: make another")
         for i in numpy.flatnonzero(mask):
             if seeds[i] is not None or self.randoms[i] is None:
                 self.randoms[i] = numpy.random.default_rng(seeds[i])
+        self._np_random = self.randoms[0]
         self._restart(mask)
         state = self.batch.state()
         return self._observe(state), self._ages(state)
 
     def step(self, actions):
-        if not self._begun:
-            raise UsageError("step: call reset() first")
+        if not self._begun or self.batch is None:
+            raise UsageError("step: call reset() first" if not self._begun else
+                             "the environment is closed: make another")
         actions = numpy.asarray(actions, float)
         if actions.shape != self._action.shape:
             raise UsageError(f"actions have {actions.shape}, and must have {self._action.shape}")
@@ -397,8 +445,12 @@ class VectorEnv:
             infos.update(self._ages(state))
         return observations, rewards, terminations, truncations, infos
 
-    def close(self):
+    def render(self):
+        raise UsageError("render: there is none; give pictures=, or look at a run with kaz run --view")
+
+    def close(self, **_):
         self.batch = None
+        self.closed = True
 
     def _restart(self, mask):
         seeds = [int(self.randoms[i].integers(1 << 62)) if mask[i] else None for i in range(self.num_envs)]
@@ -420,3 +472,41 @@ class VectorEnv:
         made = numpy.concatenate([state["measured"] - self._home, 0.1 * state["inertial"], self._action,
                                   self.task.look(self, state)], axis=1).astype(numpy.float32)
         return {"state": made, "pictures": self.pictures} if self._has_pictures else made
+
+
+class Env(_Env):
+    """One robot by Gymnasium's interface of a single environment; the arguments are VectorEnv's."""
+
+    metadata = {"render_modes": []}
+    render_mode = None
+
+    def __init__(self, task="stand", engine="native", episode_s=None, pictures=None, **simulation):
+        for name in ("num_envs", "threads", "autoreset_mode"):
+            if name in simulation:
+                raise UsageError(f"{name}: an Env is one robot; VectorEnv has {name}")
+        self._one = VectorEnv(task, num_envs=1, engine=engine, threads=1, autoreset_mode="disabled",
+                              episode_s=episode_s, pictures=pictures, **simulation)
+        self.action_space = self._one.single_action_space
+        self.observation_space = self._one.single_observation_space
+
+    def reset(self, *, seed=None, options=None):
+        """options: none are known. Returns observation, infos."""
+        observation, infos = self._one.reset(seed=seed)
+        self._np_random = self._one.randoms[0]
+        return _first(observation), {name: row[0].item() for name, row in infos.items()}
+
+    def step(self, action):
+        """Returns observation, reward, terminated, truncated, infos. After the episode's end: reset() first."""
+        observation, reward, ended, cut, infos = self._one.step(numpy.asarray(action, float)[None])
+        return (_first(observation), float(reward[0]), bool(ended[0]), bool(cut[0]),
+                {name: row[0].item() for name, row in infos.items()})
+
+    def render(self):
+        return self._one.render()
+
+    def close(self):
+        self._one.close()
+
+
+def _first(observation):
+    return {name: row[0] for name, row in observation.items()} if isinstance(observation, dict) else observation[0]
