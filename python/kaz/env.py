@@ -42,7 +42,8 @@ except ImportError:
 
         def contains(self, x):
             x = numpy.asarray(x)
-            return x.shape == self.shape and numpy.can_cast(x.dtype, self.dtype) and bool(numpy.all(x >= self.low) and numpy.all(x <= self.high))
+            return x.shape == self.shape and numpy.can_cast(x.dtype, self.dtype) and bool(
+                numpy.all(x >= self.low) and numpy.all(x <= self.high))
 
         def __contains__(self, x):
             return self.contains(x)
@@ -496,7 +497,7 @@ class Env(_Env):
         return _first(observation), {name: row[0].item() for name, row in infos.items()}
 
     def step(self, action):
-        """Returns observation, reward, terminated, truncated, infos. After the episode's end: reset() first."""
+        """Returns observation, reward, terminated, truncated, infos. After an episode's end: reset() first."""
         observation, reward, ended, cut, infos = self._one.step(numpy.asarray(action, float)[None])
         return (_first(observation), float(reward[0]), bool(ended[0]), bool(cut[0]),
                 {name: row[0].item() for name, row in infos.items()})
@@ -509,4 +510,6 @@ class Env(_Env):
 
 
 def _first(observation):
-    return {name: row[0] for name, row in observation.items()} if isinstance(observation, dict) else observation[0]
+    if isinstance(observation, dict):
+        return {name: row[0] for name, row in observation.items()}
+    return observation[0]
