@@ -497,7 +497,7 @@ class Env(_Env):
         return _first(observation), {name: row[0].item() for name, row in infos.items()}
 
     def step(self, action):
-        """Returns observation, reward, terminated, truncated, infos. After an episode's end: reset() first."""
+        """Returns observation, reward, terminated, truncated, infos; after an episode ends: reset() first."""
         observation, reward, ended, cut, infos = self._one.step(numpy.asarray(action, float)[None])
         return (_first(observation), float(reward[0]), bool(ended[0]), bool(cut[0]),
                 {name: row[0].item() for name, row in infos.items()})

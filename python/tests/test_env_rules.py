@@ -1,6 +1,6 @@
 # kaz.Env and kaz.VectorEnv by the rules that Gymnasium's check_env has for environments.
 # SPDX-License-Identifier: Apache-2.0
-"""Gymnasium is not in Debian: its rules (gymnasium.utils.env_checker and passive_env_checker, version 1.0) are
+"""Gymnasium is not in Debian: its rules (gymnasium.utils.env_checker, passive_env_checker, version 1.0) are
 written here in our words. Where it is installed its own check_env runs, too."""
 
 import inspect
@@ -85,7 +85,8 @@ class Rules(unittest.TestCase):
 
     def steps(self, env):
         env.action_space.seed(7)
-        actions = [env.action_space.sample() for _ in range(5)] + [env.action_space.low, env.action_space.high]
+        action = env.action_space
+        actions = [action.sample() for _ in range(5)] + [action.low, action.high]
         runs = []
         for _ in range(2):
             env.reset(seed=9)
