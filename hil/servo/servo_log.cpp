@@ -1,0 +1,194 @@
+// Reads and writes a servo's log.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/servo/servo_log.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "shared/base/number_text.hpp"
+#include "shared/base/one_line.hpp"
+
+namespace kaz::hil {
+namespace {
+
+constexpr double kGravity = 9.80665;  // m/s2
+constexpr std::size_t kMostSamples = 200'000;
+constexpr double kShortest = 1, kLongest = 600, kLongestStep = 0.5;  // s
+
+struct Setting {
+  const char* name;
+  double ServoLog::*at;
+  double low, high;
+  bool needed;
+};
+constexpr std::array kSettings{
+    Setting{"mass_kg", &ServoLog::mass_kg, 0, 100, true},
+    Setting{"length_m", &ServoLog::length_m, 0, 10, true},
+    Setting{"arm_kg", &ServoLog::arm_kg, 0, 100, false},
+    Setting{"gain_per_rad", &ServoLog::gain_per_rad, 1e-6, 1e4, true},
+    Setting{"most_duty", &ServoLog::most_duty, 0.01, 1, false},
+};
+
+struct Column {
+  const char* name;
+  double ServoSample::*at;
+  double most;
+  bool needed;
+};
+constexpr std::array kColumns{
+    Column{"time_s", &ServoSample::time_s, 1e9, true},
+    Column{"goal_rad", &ServoSample::goal_rad, 1000, true},
+    Column{"position_rad", &ServoSample::position_rad, 1000, true},
+    Column{"volts", &ServoSample::volts, 100, true},
+    Column{"current_a", &ServoSample::current_a, 1000, false},
+};
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> parts(1);
+  for (const char c : line) {
+    if (c == ',')
+      parts.emplace_back();
+    else if (c != ' ' && c != '\r' && c != '\t')
+      parts.back() += c;
+  }
+  return parts;
+}
+
+class Reader {
+ public:
+  explicit Reader(std::string name) { log_.name = std::move(name); }
+
+  Result<void> take(const std::string& line) {
+    ++line_;
+    if (line.find_first_not_of(" \r\t") == std::string::npos) return {};
+    if (line.starts_with('#')) return setting(line);
+    if (columns_.empty()) return header(line);
+    return sample(line);
+  }
+
+  Result<ServoLog> end() {
+    for (std::size_t i = 0; i < kSettings.size(); ++i) {
+      if (kSettings[i].needed && !set_[i])
+        return fail(Fault::usage,
+                    log_.name + ": the line `# " + kSettings[i].name + " VALUE` is missing");
+    }
+    if (log_.load_kgm2() <= 0)
+      return fail(Fault::usage, log_.name + ": mass_kg, arm_kg and length_m make no pendulum");
+    if (log_.samples.size() < 2 ||
+        log_.samples.back().time_s - log_.samples.front().time_s < kShortest)
+      return wrong("its samples are of less than 1 s");
+    return std::move(log_);
+  }
+
+ private:
+  tl::unexpected<Error> wrong(const std::string& what) const {
+    return fail(Fault::usage, log_.name + ": line " + std::to_string(line_) + ": " + what);
+  }
+
+  Result<void> setting(const std::string& line) {
+    std::istringstream words(line.substr(1));
+    std::string name, value;
+    words >> name >> value;
+    for (std::size_t i = 0; i < kSettings.size(); ++i) {
+      const Setting& one = kSettings[i];
+      if (name != one.name) continue;
+      const auto number = parse_number<double>(value);
+      if (!number || !(*number >= one.low && *number <= one.high)) {
+        char bounds[80];
+        std::snprintf(bounds, sizeof bounds, "give %g to %g", one.low, one.high);
+        return wrong(name + " is '" + one_line(value) + "': " + bounds);
+      }
+      if (set_[i]) return wrong(name + " stands in it twice");
+      set_[i] = true;
+      log_.*one.at = *number;
+    }
+    return {};  // others are comments
+  }
+
+  Result<void> header(const std::string& line) {
+    columns_ = split(line);
+    for (const Column& one : kColumns) {
+      std::size_t times = 0;
+      for (const std::string& name : columns_) times += static_cast<std::size_t>(name == one.name);
+      if (times > 1) return wrong(std::string("the column ") + one.name + " stands there twice");
+      if (one.needed && times == 0)
+        return wrong(std::string("there is no column ") + one.name +
+                     ": the first line without # names the columns");
+      log_.has_current = log_.has_current || (times == 1 && one.at == &ServoSample::current_a);
+    }
+    return {};
+  }
+
+  Result<void> sample(const std::string& line) {
+    const std::vector<std::string> fields = split(line);
+    if (fields.size() != columns_.size())
+      return wrong(std::to_string(fields.size()) + " fields, and " +
+                   std::to_string(columns_.size()) + " columns");
+    ServoSample now;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      if (columns_[i] == "torque_on") {
+        if (fields[i] != "0" && fields[i] != "1") return wrong("torque_on is neither 0 nor 1");
+        now.torque_on = fields[i] == "1";
+      }
+      for (const Column& one : kColumns) {
+        if (columns_[i] != one.name) continue;
+        const auto number = parse_number<double>(fields[i]);
+        if (!number || !(std::abs(*number) <= one.most))
+          return wrong(columns_[i] + " is '" + one_line(fields[i]) + "', which is no such number");
+        now.*one.at = *number;
+      }
+    }
+    if (!log_.samples.empty()) {
+      const double step = now.time_s - log_.samples.back().time_s;
+      if (!(step > 0)) return wrong("its time is not after that of the line before");
+      if (step > kLongestStep) return wrong("more than 0.5 s after the line before");
+      if (now.time_s - log_.samples.front().time_s > kLongest)
+        return wrong("more than 600 s after the first");
+    }
+    if (log_.samples.size() >= kMostSamples) return wrong("more than 200,000 samples");
+    log_.samples.push_back(now);
+    return {};
+  }
+
+  ServoLog log_;
+  std::size_t line_ = 0;
+  std::array<bool, kSettings.size()> set_{};
+  std::vector<std::string> columns_;
+};
+
+}  // namespace
+
+double ServoLog::load_kgm2() const {
+  return (mass_kg + arm_kg / 3) * length_m * length_m;
+}
+
+double ServoLog::gravity_nm() const {
+  return (mass_kg + arm_kg / 2) * kGravity * length_m;
+}
+
+Result<ServoLog> parse_servo_log(const std::string& text, const std::string& name) {
+  Reader reader(name);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) KAZ_TRY(reader.take(line));
+  return reader.end();
+}
+
+std::string servo_log_text(const ServoLog& log) {
+  std::string text;
+  char line[200];
+  for (const Setting& one : kSettings) {
+    std::snprintf(line, sizeof line, "# %s %.9g\n", one.name, log.*one.at);
+    text += line;
+  }
+  text += "time_s,goal_rad,position_rad,volts,current_a,torque_on\n";
+  for (const ServoSample& one : log.samples) {
+    std::snprintf(line, sizeof line, "%.6f,%.7g,%.7g,%.6g,%.6g,%d\n", one.time_s, one.goal_rad,
+                  one.position_rad, one.volts, one.current_a, static_cast<int>(one.torque_on));
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace kaz::hil
