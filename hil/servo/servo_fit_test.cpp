@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "hil/servo/truth_testing.h"
+#include "hil/servo/truth_log_testing.h"
 
 namespace kaz::hil {
 namespace {
@@ -79,20 +79,6 @@ TEST(Pendulum, StopsWhereFrictionHoldsIt) {
   const double torque = p.kt * 12 * 4 * (1 - end) / p.resistance;
   EXPECT_LE(std::abs(torque - log.gravity_nm() * std::sin(end)), p.base * 1.001);
   EXPECT_NEAR(made.current_a.back(), 12 * 4 * (1 - end) / p.resistance, 1e-3);
-}
-
-ServoLog log_of(const truth::Swing& swing) {
-  ServoLog log;
-  log.mass_kg = swing.mass_kg;
-  log.length_m = swing.length_m;
-  log.arm_kg = swing.arm_kg;
-  log.gain_per_rad = swing.gain_per_rad;
-  log.most_duty = swing.most_duty;
-  log.has_current = true;
-  for (const truth::Reading& r : swing.readings)
-    log.samples.push_back(
-        {r.time_s, r.goal_rad, r.position_rad, r.volts, r.current_a, r.torque_on});
-  return log;
 }
 
 // ./tools/dev servo-table does this for twenty, with every model.

@@ -5,6 +5,7 @@
 
 #include "host/robot/posture.h"
 #include "tools/app/bench/bench_run.h"
+#include "tools/app/bench/servo_run.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 #include "tools/kaz/watch_options.h"
@@ -139,6 +140,32 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   return verb;
 }
 
+void add_servo(CLI::App& bench_verb, Action& action) {
+  auto* verb = bench_verb.add_subcommand(
+      "servo", "motor and friction of a bus servo from logs of a pendulum on its horn");
+  auto arguments = std::make_shared<ServoFitArguments>();
+  verb->add_option("LOG", arguments->logs, "logs that are fitted (CSV: docs/howto/servo-fit.md)")
+      ->required();
+  verb->add_option("--held-out", arguments->held_out,
+                   "logs that no fit sees, and each model predicts; they choose the model")
+      ->type_name("LOG");
+  verb->add_option("--model", arguments->model,
+                   "friction models M1 up to this one; all six if not given")
+      ->check(between(1, 6))
+      ->type_name("1..6");
+  verb->add_option("--out", arguments->out, "folder for report.html, result.json, held-out-*.svg")
+      ->capture_default_str()
+      ->type_name("DIR");
+  verb->add_flag("--json", arguments->json, "the result as JSON on standard output");
+  verb->footer(
+      "Takes half a minute for 16 logs of 6 s.\n"
+      "Examples:\n"
+      "  kaz bench servo fit-*.csv --held-out held-*.csv --out my-servo\n"
+      "  kaz bench servo fit-*.csv --model 1 --json");
+  verb->callback(
+      [&action, arguments] { action = [arguments] { return run_servo_fit(*arguments); }; });
+}
+
 void add_fit(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
       "fit", "fit the parameters of the motor model so that the simulated bench measures the same");
@@ -207,6 +234,7 @@ void add_bench(CLI::App& program, Action& action) {
       [](BenchOptions& a) { a.motor = a.link = a.tick = true; },
       "  kaz bench all --out board-42\n  kaz bench all --port /dev/ttyUSB0 --stand manual");
   add_fit(*verb, action);
+  add_servo(*verb, action);
   auto* names = verb->add_subcommand("list", "print the measurements with their limits; run none");
   auto as_json = std::make_shared<bool>(false);
   names->add_flag("--json", *as_json,

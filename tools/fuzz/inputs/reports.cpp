@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/bench/report.h"
+#include "hil/servo/servo_fit.h"
 #include "tools/app/base/output_list.h"
 #include "tools/app/evaluate/episode_file.h"
 #include "tools/app/evaluate/parts.h"
@@ -35,6 +36,21 @@ Complaint try_bench_limits(Bytes bytes) {
     if (hil::find_measurement(name) == nullptr) return "a limit of nothing";
     if (!(limit.first <= limit.second)) return "limits that nothing keeps";
   }
+  return std::nullopt;
+}
+
+Complaint try_servo_log(Bytes bytes) {
+  const auto log = hil::parse_servo_log(text_of(bytes), "case.csv");
+  if (!log) return judge_error(log.error(), "case.csv");
+  if (log->samples.size() < 2 || !(log->load_kgm2() > 0)) return "no pendulum";
+  const std::string text = hil::servo_log_text(*log);
+  // Times are written to the microsecond.
+  if (const auto again = hil::parse_servo_log(text, "again");
+      again && again->samples.size() != log->samples.size())
+    return "what was read and written is another log";
+  const auto made = hil::predict(6, {}, *log);
+  for (const double angle : made.position_rad)
+    if (!std::isfinite(angle)) return "a position that is no number";
   return std::nullopt;
 }
 

@@ -1,0 +1,24 @@
+// Swings of the richer servos as logs.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hil/servo/servo_log.h"
+#include "hil/servo/truth_testing.h"
+
+namespace kaz::hil {
+
+inline ServoLog log_of(const truth::Swing& swing) {
+  ServoLog log;
+  log.mass_kg = swing.mass_kg;
+  log.length_m = swing.length_m;
+  log.arm_kg = swing.arm_kg;
+  log.gain_per_rad = swing.gain_per_rad;
+  log.most_duty = swing.most_duty;
+  log.has_current = true;
+  for (const truth::Reading& r : swing.readings)
+    log.samples.push_back(
+        {r.time_s, r.goal_rad, r.position_rad, r.volts, r.current_a, r.torque_on});
+  return log;
+}
+
+}  // namespace kaz::hil
