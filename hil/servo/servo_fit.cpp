@@ -141,7 +141,7 @@ class Fitter {
   const std::function<bool()>& stopped_;
 };
 
-// Where the search for a model begins: the motors of the field, or what was found for models that it contains.
+// Where the search for a model begins: motors of the field, or what was found for models within it.
 std::vector<ServoParams> starts(int model, const std::vector<ServoFit>& before) {
   std::vector<ServoParams> all;
   if (before.empty()) {

@@ -27,8 +27,8 @@ LogErrors errors_of(int model, const ServoParams& params, const std::vector<Serv
 struct FittedServoParam {
   const ServoParamInfo* of = nullptr;
   double value = 0;
-  // The squared error grows by 6 % (the mean error by 3 %) where the parameter is this far away and all others
-  // follow it; infinite where the logs say nothing of it.
+  // The squared error grows by 6 % (the mean error by 3 %) where the parameter is this far away and all
+  // others follow it; infinite where the logs say nothing of it.
   double determined_within = 0;
   bool determined =
       false;  // that is less than half of the value, or of its range where it may be negative

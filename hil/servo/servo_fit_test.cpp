@@ -67,7 +67,7 @@ TEST(Pendulum, SwingsWithItsPeriod) {
     EXPECT_NEAR(made.position_rad[i], 0.05 * std::cos(rate * log.samples[i].time_s), 1.5e-3);
 }
 
-// Held by friction: it does not creep; and a goal is held with the droop that weight, gain and friction leave.
+// Held by friction it does not creep, and hangs from its goal by what weight, gain and friction leave.
 TEST(Pendulum, StopsWhereFrictionHoldsIt) {
   ServoLog log = pendulum(6);
   for (ServoSample& one : log.samples) one.goal_rad = 1;

@@ -180,7 +180,7 @@ TEST(StandCommands, AreCheckedWordByWord) {
     return answer ? "done: " + line : answer.error().message;
   };
   EXPECT_EQ(refused("lift l_hand"), "there is no command `stand lift`; `stand help` lists them");
-  EXPECT_EQ(refused(""), "there is no command `stand `; `stand help` lists them");
+  EXPECT_EQ(refused(""), "there is no command `stand`; `stand help` lists them");
   EXPECT_EQ(refused("clamp l_hand"), "`stand clamp` takes 2 words, got 1");
   EXPECT_EQ(refused("clamp l_foot on"),
             "there is no joint `l_foot`; they are those of docs/reference/robot.md");

@@ -130,8 +130,9 @@ Result<Json> answer_stand(Simulation& simulation, const std::string& line) {
   const Words words = words_of(line);
   const auto wanted = arguments_of(words.command);
   if (!wanted)
-    return fail(Fault::usage,
-                "there is no command `stand " + words.command + "`; `stand help` lists them");
+    return fail(Fault::usage, "there is no command `stand" +
+                                  (words.command.empty() ? "" : " " + words.command) +
+                                  "`; `stand help` lists them");
   if (words.arguments.size() != *wanted)
     return fail(Fault::usage, "`stand " + words.command + "` takes " + std::to_string(*wanted) +
                                   " words, got " + std::to_string(words.arguments.size()));

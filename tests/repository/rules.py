@@ -118,7 +118,7 @@ LAYERS = {
         "motion": ("link", "robot"), "calibration": ("robot", "motion"), "map": (), "plan": ("map",),
         "behavior": ("link", "robot", "camera", "motion", "map", "plan"), "bus": ("link", "robot"),
     },
-    "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
+    "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",), "servo": ()},
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
     "python": {"src": (), "kaz": (), "benchmark": ("kaz",), "tests": ("src",), ".": ()},
     "examples": {"behavior": (), "h8s": (), "python": ()},
@@ -150,7 +150,7 @@ LAYERS = {
     "tests/integration": {name: () for name in (
         ".", "bench", "conformance", "damage", "random_programs", "vision", "vision_flow")},
     "tests/studies": {"common": ()} | {name: ("common",) for name in (
-        "dynamics_table", "figure7", "gait", "joints", "step_length", "vision_table", "walking")} |
+        "dynamics_table", "figure7", "gait", "joints", "servo", "step_length", "vision_table", "walking")} |
         {"map_table": ("common", "vision_table")},
     "tests/system": {
         "campaign": (), "catching": (), "guest": (), "planted": (), "v4l2": (), "virtual_robot": (),

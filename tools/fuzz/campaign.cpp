@@ -21,6 +21,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/output_file.h"
+#include "tools/app/base/output_list.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/base/suggestion.h"
@@ -271,6 +272,10 @@ class Fuzzing {
     if (error)
       return fail(Fault::usage, "--corpus " + arguments_.corpus + " cannot be made: " +
                                     error.message() + "; give a folder that can be written");
+    if (std::filesystem::exists(arguments_.corpus + "/" + std::string(kOutputListName), error))
+      return fail(Fault::usage, "--corpus " + arguments_.corpus +
+                                    ": a folder of results, whose files are no cases; give a "
+                                    "folder of its own");
     auto corpus = KAZ_TRY(hil::fuzz::load_corpus(arguments_.corpus));
     for (const Genome& genome : corpus) {
       const auto verdict = KAZ_TRY(one(genome));

@@ -13,7 +13,8 @@ namespace {
 
 void add_stereo(CLI::App& calibrate, Action& action) {
   auto* stereo = calibrate.add_subcommand(
-      "stereo", "lenses and relative position of two cameras, from pictures of a chessboard");
+      "stereo",
+      "calibrate lenses and relative position of two cameras from pictures of a chessboard");
   auto arguments = std::make_shared<StereoCalibrationOptions>();
   stereo->add_option("--left", arguments->left, "pictures of the left eye; a pattern in quotes")
       ->required()
@@ -139,7 +140,8 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
 
 void add_joints(CLI::App& calibrate, Action& action) {
   auto* verb = calibrate.add_subcommand(
-      "joints", "potentiometers, against mechanical stops, gravity and symmetry, or by a gauge");
+      "joints",
+      "calibrate potentiometers against mechanical stops, gravity and symmetry, or by a gauge");
   auto arguments = std::make_shared<JointCalibrationOptions>();
   add_joint_options(*verb, *arguments);
   verb->footer(

@@ -76,7 +76,14 @@ void MotorOnBench::set_supply(double volts) {
 }
 
 void MotorOnBench::wait(double length_s) {
-  sure(robot_.clock().sleep_until(robot_.clock().now() + from_seconds(length_s)));
+  // A port that goes in a long rest is noticed then, and not after it.
+  constexpr Time kLook = std::chrono::seconds(1);
+  const Time end = robot_.clock().now() + from_seconds(length_s);
+  for (Time next = robot_.clock().now() + kLook; next < end; next += kLook) {
+    sure(robot_.clock().sleep_until(next));
+    (void)or_throw(robot_.health());
+  }
+  sure(robot_.clock().sleep_until(end));
 }
 
 void MotorOnBench::check_potentiometer() {

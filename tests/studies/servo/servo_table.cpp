@@ -1,5 +1,5 @@
-// servo_table: fits each friction model to drawn servos that are richer than any, and prints how well logs are
-// predicted that no fit has seen; or writes the logs of one.
+// servo_table: fits each friction model to drawn servos that are richer than any, and prints how well logs
+// are predicted that no fit has seen; or writes the logs of one.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>

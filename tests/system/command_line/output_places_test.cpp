@@ -86,6 +86,10 @@ TEST(OutputPlaces, AFullDiskIsNamedWithWhatIsSaved) {
                              disk + "/r.mcap"}),
               "saved so far: " + disk + "/r.mcap.part");
   expect_full(on_small_disk(disk, 16, joined(kBench, {"--out", disk})), "saved so far");
+  // What was measured is on standard output all the same.
+  const Finished bench = on_small_disk(disk, 16, joined(kBench, {"--json", "--out", disk}));
+  expect_full(bench, "saved so far");
+  EXPECT_NE(bench.out.find("\"pot.noise\""), std::string::npos) << bench.out;
   expect_full(run(kaz({"conformance", "--virtual", "native", "--filter", "frame.", "--junit",
                        "/dev/full"})),
               "/dev/full");
@@ -216,6 +220,15 @@ TEST(OutputPlaces, OnlyFilesThatKazWroteAreReplaced) {
     }
     EXPECT_EQ(read_file(folder / "left0.ppm"), noise);
   }
+}
+
+TEST(OutputPlaces, AFolderOfResultsIsNoCorpus) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run(kaz(joined(kBench, {"--out", folder / "results"}))).exit_code, 0);
+  const Finished fuzz = run(kaz({"fuzz", "--corpus", folder / "results", "--cases", "1"}));
+  EXPECT_EQ(fuzz.exit_code, 2) << fuzz.out;
+  EXPECT_NE(fuzz.err.find("a folder of results, whose files are no cases"), std::string::npos)
+      << fuzz.err;
 }
 
 TEST(OutputPlaces, OfASimulatorAreDifferent) {

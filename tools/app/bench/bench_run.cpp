@@ -308,12 +308,14 @@ Result<std::vector<int>> joints_of(const std::string& text) {
   std::size_t from = 0;
   while (from <= text.size()) {
     const auto comma = std::min(text.find(',', from), text.size());
-    const std::string name = text.substr(from, comma - from);
+    std::string name = text.substr(from, comma - from);
+    name.erase(0, name.find_first_not_of(' '));
+    name.erase(name.find_last_not_of(' ') + 1);
     const auto joint = host::joint_index(name);
     if (!joint)
-      return fail(Fault::usage,
-                  "--joint " + text + ": there is no joint `" + name +
-                      "`; give all, or of these, with commas between: " + all_joint_names());
+      return fail(Fault::usage, "--joint " + text + ": there is no joint `" + name +
+                                    "`; give `all` alone, or of these, with commas between: " +
+                                    all_joint_names());
     if (std::ranges::find(joints, *joint) != joints.end())
       return fail(Fault::usage, "--joint " + text + " names `" + name + "` twice");
     joints.push_back(*joint);
@@ -366,8 +368,10 @@ Result<Outcome> run_bench(const BenchOptions& given) {
   const Result<void> left = together(kept ? kept->end() : Result<void>(), freed);
   if (!ran) report.interrupted = ran.error().message;
   if (interrupted) report.signal = received_signal_name();
-  KAZ_TRY(folder.reports.explained(leave_reports(folder, report)));
-  if (interrupted && arguments.json) std::fputs(hil::bench_json(report).c_str(), stdout);
+  const auto reported = folder.reports.explained(leave_reports(folder, report));
+  // Also where the disk is full, or the run did not come to its end.
+  if (arguments.json) std::fputs(hil::bench_json(report).c_str(), stdout);
+  KAZ_TRY(reported);
   if (!ran || !left) {
     const Error error = together(ran, left).error();
     const std::string results =
@@ -378,9 +382,7 @@ Result<Outcome> run_bench(const BenchOptions& given) {
   }
   const int failed = report.count(hil::Verdict::failed);
   const int undecided = report.count(hil::Verdict::undecided);
-  if (arguments.json) {
-    std::fputs(hil::bench_json(report).c_str(), stdout);
-  } else {
+  if (!arguments.json) {
     print_lines("%s on %s: %d passed, %d failed, %d left out, %d undecided; the report is %s\n",
                 report.board.c_str(), report.port.c_str(), report.count(hil::Verdict::passed),
                 failed, report.count(hil::Verdict::left_out), undecided,

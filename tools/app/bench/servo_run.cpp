@@ -217,11 +217,12 @@ Result<bool> run_servo_fit(const ServoFitArguments& arguments) {
     KAZ_TRY(folder.write("report.html", html(report, best, plots)));
     return folder.write_json("result.json", result);
   };
-  KAZ_TRY(folder.explained(leave()));
+  const auto left = folder.explained(leave());
   if (arguments.json)
     print_json(result);
   else
     print(report, best, folder.path("report.html"));
+  KAZ_TRY(left);
   return true;
 }
 

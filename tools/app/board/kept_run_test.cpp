@@ -370,6 +370,14 @@ TEST_F(KeptRuns, APortIsTheSameByWhereItsNameLeads) {
   fs::create_symlink("pts3", of + "a");
   EXPECT_TRUE(same_port(kept, of + "a")) << "plugged again";
   EXPECT_FALSE(same_port(kept, "can:a"));
+  // Of devices the number counts.
+  fs::create_symlink("/dev/null", of + "first");
+  fs::create_symlink("/dev/null", of + "second");
+  fs::create_symlink("/dev/zero", of + "third");
+  kept.line = of + "first";
+  EXPECT_TRUE(same_port(kept, of + "second"));
+  EXPECT_TRUE(same_port(kept, "/dev/null"));
+  EXPECT_FALSE(same_port(kept, of + "third"));
 }
 
 // A signal while the board is put back in the middle of a run: first that, then the end.

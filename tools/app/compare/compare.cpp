@@ -47,6 +47,7 @@ Result<bool> compare_recordings(const CompareOptions& options) {
   const Comparison comparison = compare(a, b);
   auto json = comparison_json(comparison, a, b);
   json["provenance"] = provenance_json();
+  if (options.json) print_json(json);
   if (folder) {
     const auto plots = comparison_plots(a, b);
     const auto write = [&]() -> Result<void> {
@@ -57,9 +58,7 @@ Result<bool> compare_recordings(const CompareOptions& options) {
     };
     KAZ_TRY(folder->explained(write()));
   }
-  if (options.json) {
-    print_json(json);
-  } else {
+  if (!options.json) {
     std::printf("%s", comparison_text(comparison, a, b, options.all, list_width()).c_str());
     if (folder) std::printf("report.html, plots and result.json are in %s\n", options.out.c_str());
   }

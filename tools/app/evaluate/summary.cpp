@@ -212,15 +212,12 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   result["campaign"] = campaign;
   result["provenance"] = provenance_json();
   add_extent(result, extent);
+  if (json) print_json(result);
   KAZ_TRY(folder.write("episodes.csv", table(episodes)));
   KAZ_TRY(folder.write("report.html", evaluation_page(result, episodes)));
   KAZ_TRY(folder.write("junit.xml", junit(result, episodes, lost, extent)));
   KAZ_TRY(folder.write_json("result.json", result));
-  if (json) {
-    print_json(result);
-  } else {
-    print(result, folder);
-  }
+  if (!json) print(result, folder);
   return successes > 0;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/kept/kept_run.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -96,8 +97,12 @@ bool same_port(const KeptFile& kept, const std::string& port) {
   const std::string then = kept.line.empty() ? line_of(kept.port) : kept.line;
   if (then == line_of(port)) return true;
   if (host::names_port_kind(then) || host::names_port_kind(port)) return false;
-  std::error_code error;
-  return fs::equivalent(then, port, error);
+  // std::filesystem::equivalent() refuses devices.
+  struct stat a {
+  }, b{};
+  if (::stat(then.c_str(), &a) != 0 || ::stat(port.c_str(), &b) != 0) return false;
+  return S_ISCHR(a.st_mode) && S_ISCHR(b.st_mode) ? a.st_rdev == b.st_rdev
+                                                  : a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
 std::vector<std::string> earlier_notes(const std::string& port, const std::string& folder) {

@@ -751,9 +751,15 @@ Result<bool> Session::report() {
                          machine_failed_,
                          &listener_->map(),
                          not_begun_};
-  const auto written =
-      write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
-  if (!written) return tl::unexpected(lost(written.error()));
+  sim::Simulation* const simulation = backend_->simulation();
+  const auto written = write_report(report, simulation, *snapshots_, folder(), recorded_);
+  if (!written) {
+    // The run's outcome is known, whatever its folder holds.
+    const auto without = write_report(report, simulation, *snapshots_, nullptr, false);
+    if (without && options_.json && !options_.quiet)
+      print_report(*without, report, options_.out, true);
+    return tl::unexpected(lost(written.error()));
+  }
   const bool undrawn = !interrupted() && written->contains("interrupted");
   if (!interrupted() && !undrawn) KAZ_TRY(show_moments());
   if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
