@@ -10,7 +10,7 @@
 
 namespace kaz::host {
 
-using feetech::BusServo;
+using servo_bus::BusServo;
 
 namespace {
 
@@ -18,9 +18,6 @@ constexpr int kMostMissing = 3;                          // readings in a row
 constexpr Time kFresh = std::chrono::milliseconds(2);    // of readings
 constexpr Time kStream = std::chrono::milliseconds(50);  // shorter moves are one of many
 constexpr double kPerRad = KZ_ANGLE_PER_RAD;
-constexpr std::uint8_t kFirst = 56, kCount = 8;  // present_position .. present_temperature
-constexpr const char* kRead[] = {"present_position", "present_speed", "present_load",
-                                 "present_voltage", "present_temperature"};
 
 s16 to_angle(double rad) {
   return static_cast<s16>(std::clamp(std::lround(rad * kPerRad), -32767L, 32767L));
@@ -51,40 +48,40 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
   if (joints.empty() || joints.size() > KZ_JOINTS)
     return fail(Fault::usage, "a robot on a servo bus has 1 to " + std::to_string(KZ_JOINTS) +
                                   " joints, and this one " + std::to_string(joints.size()));
-  BusBoard board(link, clock);
+  const servo_bus::Protocol protocol = joints.front().servo.model->protocol;
+  BusBoard board(BusDriver::make(protocol, link, clock), clock);
   std::set<int> ids;
   std::string silent;
   for (BusJoint& joint : joints) {
+    if (joint.servo.model->protocol != protocol)
+      return fail(Fault::usage, "bus.json has servos of two protocols: one bus speaks one");
     if (!ids.insert(joint.servo.id).second)
       return fail(Fault::usage, "bus.json has the id " + std::to_string(joint.servo.id) +
                                     " twice: two servos would answer at once");
-    if (!KAZ_TRY(board.client_.ping(joint.servo))) {
+    const auto greeting = KAZ_TRY(board.driver_->greet(joint.servo));
+    if (!greeting) {
       silent += (silent.empty() ? "" : ", ") + named(joint);
       continue;
     }
-    const auto model = KAZ_TRY(board.client_.read(joint.servo, "model"));
+    const auto [model, mode] = *greeting;
     if (model && *model != joint.servo.model->number)
       return fail(Fault::usage, named(joint) + " on " + link.name() + " is of model number " +
                                     std::to_string(*model) + ", and bus.json says " +
                                     std::string(joint.servo.model->name) + " (" +
                                     std::to_string(joint.servo.model->number) + ")");
-    const bool has_mode = joint.servo.model->find("mode") != nullptr;
-    const auto mode = has_mode ? KAZ_TRY(board.client_.read(joint.servo, "mode")) : 0;
-    if (mode && *mode != 0)
+    const int wanted = board.driver_->position_mode();
+    if (mode && *mode != wanted)
       return fail(Fault::usage, named(joint) + " on " + link.name() + " is in mode " +
-                                    std::to_string(*mode) +
-                                    ", and only the position mode, 0, can be driven");
-    // The board's ramps are the profile: the servo's own acceleration would make each target late.
-    if (joint.servo.model->find("acceleration") != nullptr)
-      KAZ_TRY(board.client_.write(joint.servo, "acceleration", 0));
+                                    std::to_string(*mode) + ", and only the position mode, " +
+                                    std::to_string(wanted) + ", can be driven");
     Joint& one = board.joints_.emplace_back();
     one.of = std::move(joint);
   }
   if (!silent.empty())
     return fail(Fault::environment,
                 silent + (silent.find(',') == std::string::npos ? " does" : " do") +
-                    " not answer on " + link.name() +
-                    ": check power, cable, id and bit rate (feetech:PATH@BAUD)");
+                    " not answer on " + link.name() + ": check power, cable, id and bit rate (" +
+                    std::string(servo_bus::name_of(protocol)) + ":PATH@BAUD)");
   KAZ_TRY(board.reset());
   return board;
 }
@@ -142,36 +139,32 @@ std::vector<const BusServo*> BusBoard::servos() const {
 
 Result<void> BusBoard::look() {
   if (has_looked_ && clock_.now() - looked_ < kFresh) return {};
-  const auto answers = KAZ_TRY(client_.read_all(servos(), kFirst, kCount));
+  const auto states = KAZ_TRY(driver_->read_all(servos()));
   looked_ = clock_.now();
   has_looked_ = true;
-  double volts = 0;
-  int answered = 0;
-  celsius_ = 0;
+  double volts = 0, celsius = 0;
+  int measured = 0;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Joint& joint = joints_[j];
-    if (!answers[j]) {
+    if (!states[j]) {
       ++joint.missing;
       continue;
     }
     joint.missing = 0;
-    joint.status = answers[j]->code;
     const BusServo& servo = joint.of.servo;
-    std::array<int, std::size(kRead)> values{};
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const feetech::Register& reg = *servo.model->find(kRead[i]);
-      values[i] = feetech::decode(
-          *servo.model, reg,
-          std::span(answers[j]->parameters).subspan(reg.address - kFirst, reg.size));
-    }
-    joint.angle = servo.angle_at(values[0]);
-    joint.speed = servo.sign() * values[1] / servo.model->steps_per_rad();
-    joint.duty = servo.sign() * values[2] / 1000.0;
-    volts += values[3] / 10.0;
-    celsius_ = std::max(celsius_, static_cast<double>(values[4]));
-    ++answered;
+    joint.trouble = states[j]->trouble;
+    joint.angle = servo.angle_at(states[j]->steps);
+    joint.speed = servo.sign() * states[j]->speed / servo.model->steps_per_rad();
+    joint.duty = servo.sign() * states[j]->duty;
+    if (std::isnan(states[j]->volts)) continue;
+    volts += states[j]->volts;
+    celsius = std::max(celsius, states[j]->celsius);
+    ++measured;
   }
-  if (answered > 0) volts_ = volts / answered;
+  if (measured > 0) {
+    volts_ = volts / measured;
+    celsius_ = celsius;
+  }
   lowest_volts_ = std::min(lowest_volts_, volts_);
   u8 detail = KZ_NO_DETAIL;
   if (const u8 reason = cause(detail); reason != 0 && on() != 0) return shut_down(reason, detail);
@@ -183,13 +176,11 @@ u8 BusBoard::cause(u8& detail) const {
     const Joint& joint = joints_[j];
     detail = static_cast<u8>(j);
     if (joint.missing >= kMostMissing) return KZ_SHUTDOWN_POT;
-    if ((joint.status & (feetech::kEncoderError | feetech::kAngleError)) != 0)
-      return KZ_SHUTDOWN_POT;
-    if ((joint.status & (feetech::kOverloadError | feetech::kCurrentError)) != 0)
-      return KZ_SHUTDOWN_OVERLOAD;
+    if ((joint.trouble & kTroubleSensor) != 0) return KZ_SHUTDOWN_POT;
+    if ((joint.trouble & kTroubleOverload) != 0) return KZ_SHUTDOWN_OVERLOAD;
     detail = KZ_NO_DETAIL;
-    if ((joint.status & feetech::kTemperatureError) != 0) return KZ_SHUTDOWN_TEMPERATURE;
-    if ((joint.status & feetech::kVoltageError) != 0) return KZ_SHUTDOWN_UNDERVOLTAGE;
+    if ((joint.trouble & kTroubleHeat) != 0) return KZ_SHUTDOWN_TEMPERATURE;
+    if ((joint.trouble & kTroubleVoltage) != 0) return KZ_SHUTDOWN_UNDERVOLTAGE;
   }
   detail = KZ_NO_DETAIL;
   return 0;
@@ -208,53 +199,47 @@ Result<void> BusBoard::switch_to(std::uint32_t mask) {
     Joint& joint = joints_[j];
     const bool wanted = (mask >> j & 1) != 0;
     if (wanted && !joint.on) {
-      const BusServo& servo = joint.of.servo;
       joint.target = joint.angle;
-      KAZ_TRY(client_.write(servo, "goal_position",
-                            static_cast<int>(std::lround(servo.steps_at(joint.angle)))));
-      joint.on = KAZ_TRY(client_.write(servo, "torque_enable", 1));
+      joint.on = KAZ_TRY(driver_->hold(joint.of.servo, joint.of.servo.steps_at(joint.angle)));
     } else if (!wanted) {
       // Also of one that should be off: a program that was killed may have left it on.
-      KAZ_TRY(client_.write(joint.of.servo, "torque_enable", 0));
+      KAZ_TRY(driver_->release(joint.of.servo));
       joint.on = false;
     }
   }
   return {};
 }
 
-// One write for all servos of a model: goal, time and speed. The servo goes there at a constant speed; of
-// targets that follow one another, each is gone to as fast as the joint's ramp allows.
+// A servo goes to its target at a constant speed; of targets that follow one another, each is gone to as fast
+// as the joint's ramp allows.
 Result<void> BusBoard::move(const kz_targets& targets) {
   const Time duration = std::chrono::milliseconds(targets.duration_ms);
-  for (const feetech::Model& model : feetech::models()) {
-    std::vector<const BusServo*> moved;
-    std::vector<std::vector<std::uint8_t>> data;
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      Joint& joint = joints_[j];
-      const BusServo& servo = joint.of.servo;
-      if ((targets.mask >> j & 1) == 0 || servo.model != &model) continue;
-      const double target = to_rad(targets.angle[j]), most = joint.ramp / 10.0;
-      const double speed = duration < kStream
-                               ? most
-                               : std::min(most, std::abs(target - joint.angle) / seconds(duration));
-      joint.target = target;
-      std::vector<std::uint8_t> bytes;
-      const auto add = [&](const char* name, double value) {
-        const feetech::Register& reg = *model.find(name);
-        const int limited =
-            static_cast<int>(std::clamp(std::lround(value), long{reg.min}, long{reg.max}));
-        std::ranges::copy(feetech::encode(model, reg, limited), std::back_inserter(bytes));
-      };
-      add("goal_position", servo.steps_at(target));
-      add("goal_time", 0);
-      add("goal_speed", std::max(1.0, speed * model.steps_per_rad()));
-      moved.push_back(&servo);
-      data.push_back(std::move(bytes));
-    }
-    KAZ_TRY(client_.write_all(moved, model.find("goal_position")->address, data));
+  std::vector<BusDriver::Goal> goals;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if ((targets.mask >> j & 1) == 0) continue;
+    Joint& joint = joints_[j];
+    const BusServo& servo = joint.of.servo;
+    const double target = to_rad(targets.angle[j]), most = joint.ramp / 10.0;
+    const double speed = duration < kStream
+                             ? most
+                             : std::min(most, std::abs(target - joint.angle) / seconds(duration));
+    joint.target = target;
+    goals.push_back({&servo, servo.steps_at(target), speed * servo.model->steps_per_rad()});
   }
+  KAZ_TRY(driver_->move(goals));
   moving_until_ = std::max(moving_until_, clock_.now() + duration);
   return {};
+}
+
+Result<void> BusBoard::recover() {
+  std::vector<BusDriver::Goal> troubled;
+  for (const Joint& joint : joints_) {
+    if (joint.trouble != 0)
+      troubled.push_back({&joint.of.servo, joint.of.servo.steps_at(joint.angle), 0});
+  }
+  if (!troubled.empty()) KAZ_TRY(driver_->recover(troubled));
+  has_looked_ = false;
+  return look();
 }
 
 void BusBoard::set_limits(const kz_limits& limits) {
@@ -352,6 +337,15 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
       KAZ_TRY(switch_to(enable.mask));
       // Joints that are not there are as they were requested.
       const std::uint32_t there = (std::uint32_t{1} << joints_.size()) - 1;
+      if (on() != (enable.mask & there)) {
+        // A servo whose protection has acted meanwhile does not go on.
+        has_looked_ = false;
+        KAZ_TRY(look());
+        if (const u8 reason = cause(detail); reason != 0) {
+          KAZ_TRY(shut_down(reason, detail));
+          return refuse(KZ_REFUSED_FAULT, reason);
+        }
+      }
       return packed(kz_enable_reply{tick(), status(), on() | (enable.mask & ~there)},
                     kz_pack_enable_reply);
     }
@@ -406,8 +400,8 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
         reply.load[j] = static_cast<u8>(std::lround(255 * std::min(1.0, std::abs(joint.duty))));
         reply.faults[j] =
             static_cast<u8>((joint.on ? KZ_JOINT_ON : 0) | (joint.missing > 0 ? KZ_JOINT_POT : 0) |
-                            ((joint.status & feetech::kOverloadError) != 0 ? KZ_JOINT_STALLED : 0) |
-                            ((joint.status & feetech::kTemperatureError) != 0 ? KZ_JOINT_HOT : 0));
+                            ((joint.trouble & kTroubleOverload) != 0 ? KZ_JOINT_STALLED : 0) |
+                            ((joint.trouble & kTroubleHeat) != 0 ? KZ_JOINT_HOT : 0));
       }
       return packed(reply, kz_pack_joints_reply);
     }
@@ -417,6 +411,7 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
     case KZ_TYPE_clear: {
       has_looked_ = false;
       KAZ_TRY(look());
+      KAZ_TRY(recover());
       u8 detail = KZ_NO_DETAIL;
       if (const u8 reason = cause(detail); reason != 0) return refuse(KZ_REFUSED_FAULT, reason);
       reason_ = 0;

@@ -9,12 +9,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "host/bus/bus_client.h"
+#include "host/bus/bus_driver.h"
 #include "shared/board/board.h"
 #include "shared/protocol/frame.h"
 #include "shared/protocol/messages.h"
@@ -23,7 +24,7 @@ namespace kaz::host {
 
 // A joint of the robot, in the order of its board's numbers.
 struct BusJoint {
-  feetech::BusServo servo;
+  servo_bus::BusServo servo;
   double lower_rad = 0, upper_rad = 0;  // of its mechanics
 };
 
@@ -33,7 +34,7 @@ class BusBoard {
 
   // Asks each servo whether it is there, and is of its model and in position mode. `clock` is the link's.
   // Errors (environment): one does not answer, with all that do not; (usage): another model or mode, more
-  // joints than a board has, an id twice.
+  // joints than a board has, an id twice, servos of two protocols.
   static Result<BusBoard> open(Link& link, Clock& clock, std::vector<BusJoint> joints);
 
   // Bytes of the host's. Frames among them wait for serve().
@@ -41,7 +42,7 @@ class BusBoard {
   // Answers one frame that waits: the bytes of the answer, none for a frame of another board; nothing if none
   // waits. Errors: the port's.
   Result<std::optional<std::vector<std::uint8_t>>> serve();
-  const BusClient::Counts& counts() const { return client_.counts(); }
+  const BusDriver::Counts& counts() const { return driver_->counts(); }
   // The port was opened anew.
   void forget();
 
@@ -51,7 +52,7 @@ class BusBoard {
     bool on = false;
     int missing = 0;                                    // readings in a row that did not come
     double angle = 0, speed = 0, duty = 0, target = 0;  // rad, rad/s, -1..1, rad
-    std::uint8_t status = 0;                            // feetech::StatusBit
+    std::uint8_t trouble = 0;                           // ServoTrouble
     s16 lower = 0, upper = 0;                           // 100 urad, soft limits
     u16 ramp = 60;                                      // 100 urad/ms
     u16 kp = KZ_KP_DEFAULT, kd = KZ_KD_DEFAULT, dead_band = 0;
@@ -62,7 +63,8 @@ class BusBoard {
     u8 reason = 0, detail = KZ_NO_DETAIL;
   };
 
-  BusBoard(Link& link, Clock& clock) : client_(link, clock), clock_(clock) {
+  BusBoard(std::unique_ptr<BusDriver> driver, Clock& clock)
+      : driver_(std::move(driver)), clock_(clock) {
     kz_receiver_init(&receiver_);
     start_ = clock.now();
   }
@@ -74,12 +76,14 @@ class BusBoard {
   Result<void> move(const kz_targets& targets);
   Result<void> reset();
   void set_limits(const kz_limits& limits);
+  // Of servos whose protection acted.
+  Result<void> recover();
   std::uint32_t on() const;
   std::uint32_t tick() const;
   u16 status() const;
-  std::vector<const feetech::BusServo*> servos() const;
+  std::vector<const servo_bus::BusServo*> servos() const;
 
-  BusClient client_;
+  std::unique_ptr<BusDriver> driver_;
   Clock& clock_;
   std::vector<Joint> joints_;
   kz_receiver receiver_{};

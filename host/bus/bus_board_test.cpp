@@ -9,6 +9,7 @@
 #include <map>
 
 #include "host/robot/robot.h"
+#include "shared/feetech/packet.h"
 
 namespace kaz::host {
 namespace {
@@ -144,7 +145,7 @@ class BoardLink final : public Link {
 };
 
 std::vector<BusJoint> two_joints() {
-  const feetech::Model* model = feetech::find_model("sts3215");
+  const servo_bus::Model* model = servo_bus::find_model("sts3215");
   return {{{"pan", 1, model, 2048, false}, -1.5, 1.5}, {{"lift", 2, model, 1000, true}, -1, 2}};
 }
 

@@ -49,7 +49,7 @@ Result<void> BusPort::reopen() {
 }
 
 std::string BusPort::counts() const {
-  const BusClient::Counts& counts = board_->counts();
+  const BusDriver::Counts& counts = board_->counts();
   if (counts.missing + counts.damaged == 0) return "";
   return std::to_string(counts.missing) + " of " + counted(counts.requests, "request") +
          " without an answer, " + counted(counts.damaged, "answer") + " damaged";

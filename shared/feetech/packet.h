@@ -14,6 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "shared/base/packet_counts.hpp"
+
 namespace kaz::feetech {
 
 inline constexpr std::uint8_t kMaxId = 0xFD, kBroadcast = 0xFE;
@@ -62,17 +64,11 @@ inline Packet request(std::uint8_t id, Instruction instruction,
   return {id, static_cast<std::uint8_t>(instruction), std::move(parameters)};
 }
 
-// Finds packets in a stream of bytes. Every byte ends up in a packet or in a count.
+// Finds packets in a stream of bytes.
 class PacketReader {
  public:
   enum class Event { none, packet, bad_checksum, bad_length };
-  struct Counts {
-    std::uint64_t packets = 0;
-    std::uint64_t bad_checksums = 0, bad_lengths = 0;
-    std::uint64_t abandoned = 0;      // packets that did not come whole: reset()
-    std::uint64_t skipped_bytes = 0;  // between packets
-    std::uint64_t bad() const { return bad_checksums + bad_lengths + abandoned; }
-  };
+  using Counts = PacketCounts;
 
   Event take(std::uint8_t byte);
   // After Event::packet, until the next byte.

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "shared/dynamixel/packet.h"
 #include "shared/feetech/packet.h"
 #include "sim/bus/virtual_bus.h"
 
@@ -57,14 +59,66 @@ class ShaftWorld final : public World {
   Scene scene_;
 };
 
-// Servos with these ids, on shafts.
+// What the packets of a protocol are like.
+struct FeetechWire {
+  using Packet = feetech::Packet;
+  using Reader = feetech::PacketReader;
+  static constexpr const char* kModel = "sts3215";
+  static Bytes wire_of(const Packet& packet) { return feetech::wire_of(packet); }
+  static Packet read(int id, int address, int length) {
+    return feetech::request(
+        static_cast<std::uint8_t>(id), feetech::Instruction::read,
+        {static_cast<std::uint8_t>(address), static_cast<std::uint8_t>(length)});
+  }
+  static Packet write(int id, int address, const Bytes& data) {
+    Bytes parameters{static_cast<std::uint8_t>(address)};
+    parameters.insert(parameters.end(), data.begin(), data.end());
+    return feetech::request(static_cast<std::uint8_t>(id), feetech::Instruction::write, parameters);
+  }
+  static int error(const Packet& packet) { return packet.code; }
+};
+struct DynamixelWire {
+  using Packet = dynamixel::Packet;
+  using Reader = dynamixel::PacketReader;
+  static constexpr const char* kModel = "xl330-m288";
+  static Bytes wire_of(const Packet& packet) { return dynamixel::wire_of(packet); }
+  static Packet read(int id, int address, int length) {
+    const auto at = static_cast<std::size_t>(address), count = static_cast<std::size_t>(length);
+    return dynamixel::request(
+        static_cast<std::uint8_t>(id), dynamixel::Instruction::read,
+        {dynamixel::low(at), dynamixel::high(at), dynamixel::low(count), dynamixel::high(count)});
+  }
+  static Packet write(int id, int address, const Bytes& data) {
+    const auto at = static_cast<std::size_t>(address);
+    Bytes parameters{dynamixel::low(at), dynamixel::high(at)};
+    parameters.insert(parameters.end(), data.begin(), data.end());
+    return dynamixel::request(static_cast<std::uint8_t>(id), dynamixel::Instruction::write,
+                              parameters);
+  }
+  static int error(const Packet& packet) { return packet.error; }
+};
+
+// As the protocol of the model has it, on the wire.
+inline Bytes write_request(const servo_bus::Model& model, int id, const std::string& name,
+                           int value) {
+  const servo_bus::Register& reg = *model.find(name);
+  const Bytes data = servo_bus::encode(model, reg, value);
+  return model.protocol == servo_bus::Protocol::feetech
+             ? feetech::wire_of(FeetechWire::write(id, reg.address, data))
+             : dynamixel::wire_of(DynamixelWire::write(id, reg.address, data));
+}
+
+// Servos with these ids, on shafts, at 1 Mbaud.
 inline std::unique_ptr<VirtualBus> bus_of(const std::vector<int>& ids,
                                           const std::string& model = "sts3215") {
-  feetech::BusFile file;
-  file.supply_volts = model == "sts3215" ? 7.4 : 6;
+  static const std::map<std::string, double> kVolts{
+      {"sts3215", 7.4}, {"scs0009", 6}, {"xl430-w250", 11.1}, {"xm430-w350", 12}};
+  servo_bus::BusFile file;
+  file.supply_volts = kVolts.contains(model) ? kVolts.at(model) : 5;
+  file.baud = 1'000'000;
   auto world = std::make_unique<ShaftWorld>(ids.size());
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    const feetech::Model* found = feetech::find_model(model);
+    const servo_bus::Model* found = servo_bus::find_model(model);
     file.servos.push_back({world->joint_order()[i], ids[i], found, found->steps / 2.0, false});
   }
   auto bus = VirtualBus::create(std::move(world), file);
@@ -73,9 +127,11 @@ inline std::unique_ptr<VirtualBus> bus_of(const std::vector<int>& ids,
 }
 
 // A host: sends requests and collects what comes back.
-class BusHost {
+template <class Wire>
+class HostOnBus {
  public:
-  explicit BusHost(VirtualBus& bus) : bus_(&bus) {}
+  using Packet = typename Wire::Packet;
+  explicit HostOnBus(VirtualBus& bus) : bus_(&bus) {}
 
   // Answers to a request that come within `patience` after its last byte.
   std::vector<Packet> send(const Bytes& wire, Time patience = std::chrono::milliseconds(3)) {
@@ -84,49 +140,51 @@ class BusHost {
     std::vector<Packet> answers;
     for (; !bus_->received().empty(); bus_->received().pop_front()) {
       last_byte_ = bus_->received().front().at;
-      if (reader_.take(bus_->received().front().byte) == feetech::PacketReader::Event::packet)
+      if (reader_.take(bus_->received().front().byte) == Wire::Reader::Event::packet)
         answers.push_back(reader_.packet());
     }
     reader_.reset();
     return answers;
   }
   std::vector<Packet> send(const Packet& packet, Time patience = std::chrono::milliseconds(3)) {
-    return send(feetech::wire_of(packet), patience);
+    return send(Wire::wire_of(packet), patience);
   }
   // The single answer's data; nothing if there is no answer, or another one.
   std::optional<Bytes> read(int id, int address, int length) {
-    const auto answers = send(
-        feetech::request(static_cast<std::uint8_t>(id), Instruction::read,
-                         {static_cast<std::uint8_t>(address), static_cast<std::uint8_t>(length)}));
+    const auto answers = send(Wire::read(id, address, length));
     if (answers.size() != 1 || answers[0].id != id) return std::nullopt;
     return answers[0].parameters;
   }
+  // Error byte of the single answer; -1 if there is none, or another one.
+  int write(int id, int address, const Bytes& data) {
+    const auto answers = send(Wire::write(id, address, data));
+    return answers.size() == 1 && answers[0].id == id ? Wire::error(answers[0]) : -1;
+  }
   // The value of a register; -100000 if there is no answer.
   int get(int id, const std::string& name) {
-    const feetech::Model& model = model_;
-    const feetech::Register& reg = *model.find(name);
+    const servo_bus::Register& reg = *model_.find(name);
     const auto bytes = read(id, reg.address, reg.size);
-    return bytes ? feetech::decode(model, reg, *bytes) : -100000;
+    return bytes ? servo_bus::decode(model_, reg, *bytes) : -100000;
+  }
+  int set_with_error(int id, const std::string& name, int value) {
+    const servo_bus::Register& reg = *model_.find(name);
+    return write(id, reg.address, servo_bus::encode(model_, reg, value));
   }
   // True if it was answered without an error bit.
   bool set(int id, const std::string& name, int value) {
-    const feetech::Model& model = model_;
-    const feetech::Register& reg = *model.find(name);
-    Bytes parameters{reg.address};
-    for (const std::uint8_t byte : feetech::encode(model, reg, value)) parameters.push_back(byte);
-    const auto answers =
-        send(feetech::request(static_cast<std::uint8_t>(id), Instruction::write, parameters));
-    return answers.size() == 1 && answers[0].id == id && answers[0].code == 0;
+    return set_with_error(id, name, value) == 0;
   }
-  void use(const std::string& model) { model_ = *feetech::find_model(model); }
-  const feetech::PacketReader::Counts& counts() const { return reader_.counts(); }
+  void use(const std::string& model) { model_ = *servo_bus::find_model(model); }
+  const PacketCounts& counts() const { return reader_.counts(); }
   Time last_byte() const { return last_byte_; }
 
  private:
   VirtualBus* bus_;
-  feetech::Model model_ = *feetech::find_model("sts3215");
-  feetech::PacketReader reader_;
+  servo_bus::Model model_ = *servo_bus::find_model(Wire::kModel);
+  typename Wire::Reader reader_;
   Time last_byte_{};
 };
+using BusHost = HostOnBus<FeetechWire>;
+using DynamixelHost = HostOnBus<DynamixelWire>;
 
 }  // namespace kaz::sim::test

@@ -2,20 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "shared/feetech/corpus_testing.h"
+#include "shared/servo_bus/corpus_testing.h"
 #include "sim/bus/bus_testing.h"
 
 namespace kaz::sim {
 namespace {
 
 using namespace test;
-using feetech::Register;
-using feetech::test::CorpusRow;
+using servo_bus::Register;
+using servo_bus::test::CorpusRow;
 
 class Corpus : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    for (const CorpusRow& row : feetech::test::corpus_of(GetParam())) rows_.push_back(row);
+    for (const CorpusRow& row : servo_bus::test::corpus_of(GetParam())) rows_.push_back(row);
     fresh();
   }
   void TearDown() override { RecordProperty("cases", cases_); }
@@ -36,11 +36,11 @@ class Corpus : public testing::TestWithParam<std::string> {
     ++cases_;
     const auto bytes = host_->read(id, row.address, row.size);
     if (!bytes) return std::nullopt;
-    return feetech::decode(*feetech::find_model(GetParam()), of(row), *bytes);
+    return servo_bus::decode(*servo_bus::find_model(GetParam()), of(row), *bytes);
   }
   bool write(const CorpusRow& row, int value, int id = 1) {
-    Bytes parameters{row.address};
-    for (const auto b : feetech::encode(*feetech::find_model(GetParam()), of(row), value))
+    Bytes parameters{static_cast<std::uint8_t>(row.address)};
+    for (const auto b : servo_bus::encode(*servo_bus::find_model(GetParam()), of(row), value))
       parameters.push_back(b);
     return host_
                ->send(

@@ -6,53 +6,69 @@
 
 namespace kaz::sim {
 
-using feetech::Register;
+using servo_bus::Register;
 
-RegisterFile::RegisterFile(const feetech::Model& model) : model_(&model) {
-  for (const Register& reg : model.registers) put(stored_, reg, reg.initial);
+RegisterFile::RegisterFile(const servo_bus::Model& model)
+    : model_(&model), live_(model.end()), stored_(model.end()) {
+  for (const Register& reg : model.registers) put_initial(stored_, reg);
   backup_ = stored_;
   power_on();
 }
 
-void RegisterFile::put(Bytes& bytes, const Register& reg, int value) const {
-  std::ranges::copy(feetech::encode(*model_, reg, value), bytes.begin() + reg.address);
+void RegisterFile::put(Bytes& bytes, const Register& reg, int index, int value) const {
+  std::ranges::copy(servo_bus::encode(*model_, reg, value),
+                    bytes.begin() + reg.address + index * reg.size);
+}
+
+void RegisterFile::put_initial(Bytes& bytes, const Register& reg) const {
+  for (int i = 0; i < reg.count; ++i) put(bytes, reg, i, model_->initial(reg, i));
 }
 
 void RegisterFile::copy(const Bytes& from, Bytes& to, const Register& reg) const {
-  std::copy_n(from.begin() + reg.address, reg.size, to.begin() + reg.address);
+  std::copy(from.begin() + reg.address, from.begin() + reg.end(), to.begin() + reg.address);
 }
 
 int RegisterFile::get(std::string_view name, int otherwise) const {
   const Register* reg = model_->find(name);
-  return reg == nullptr ? otherwise
-                        : feetech::decode(*model_, *reg, std::span(live_).subspan(reg->address));
+  return reg == nullptr ? otherwise : get(*reg);
+}
+
+int RegisterFile::get(const Register& reg, int index) const {
+  const auto at = static_cast<std::size_t>(reg.address + index * reg.size);
+  return servo_bus::decode(*model_, reg, std::span(live_).subspan(at));
 }
 
 void RegisterFile::set(std::string_view name, int value) {
-  if (const Register* reg = model_->find(name))
-    put(live_, *reg, std::clamp(value, reg->min, reg->max));
+  const Register* reg = model_->find(name);
+  if (reg == nullptr) return;
+  // bus_watchdog reads -1, which no host can write.
+  const bool signal = reg->writable && model_->protocol == servo_bus::Protocol::dynamixel;
+  put(live_, *reg, 0, signal ? value : std::clamp(value, reg->min, reg->max));
 }
 
-std::vector<const Register*> RegisterFile::write(std::uint8_t address,
+void RegisterFile::write(const Register& reg, int index, int value) {
+  put(live_, reg, index, value);
+  if (reg.eeprom && !locked()) copy(live_, stored_, reg);
+}
+
+std::vector<const Register*> RegisterFile::write(std::size_t address,
                                                  std::span<const std::uint8_t> bytes) {
   const bool keeps = !locked();
   std::vector<const Register*> written;
   for (std::size_t i = 0; i < bytes.size() && address + i < live_.size(); ++i) {
-    const auto at = static_cast<std::uint8_t>(address + i);
-    const Register* reg = model_->at(at);
+    const Register* reg = model_->at(address + i);
     if (reg == nullptr || !reg->writable) continue;
-    live_[at] = bytes[i];
+    live_[address + i] = bytes[i];
     if (written.empty() || written.back() != reg) written.push_back(reg);
   }
   for (const Register* reg : written) {
-    const int value = feetech::decode(*model_, *reg, std::span(live_).subspan(reg->address));
-    put(live_, *reg, std::clamp(value, reg->min, reg->max));
+    put(live_, *reg, 0, std::clamp(get(*reg), reg->min, reg->max));
     if (reg->eeprom && keeps) copy(live_, stored_, *reg);
   }
   return written;
 }
 
-std::vector<std::uint8_t> RegisterFile::read(std::uint8_t address, std::size_t length) const {
+std::vector<std::uint8_t> RegisterFile::read(std::size_t address, std::size_t length) const {
   std::vector<std::uint8_t> bytes(length);
   for (std::size_t i = 0; i < length && address + i < live_.size(); ++i)
     bytes[i] = live_[address + i];
@@ -64,22 +80,24 @@ void RegisterFile::power_on() {
     if (reg.eeprom) {
       copy(stored_, live_, reg);
     } else {
-      put(live_, reg, reg.initial);
+      put_initial(live_, reg);
     }
   }
-  set("torque_limit", get("max_torque"));
 }
 
-void RegisterFile::backup() {
-  if (!locked()) backup_ = live_;
-}
-
-void RegisterFile::restore() {
-  if (locked()) return;
+void RegisterFile::restore(const Chosen& chosen) {
   for (const Register& reg : model_->registers) {
-    if (!reg.eeprom || reg.name == "id") continue;
+    if (!chosen(reg)) continue;
     copy(backup_, live_, reg);
-    copy(backup_, stored_, reg);
+    if (reg.eeprom) copy(backup_, stored_, reg);
+  }
+}
+
+void RegisterFile::reset(const Chosen& chosen) {
+  for (const Register& reg : model_->registers) {
+    if (!chosen(reg)) continue;
+    put_initial(live_, reg);
+    if (reg.eeprom) put_initial(stored_, reg);
   }
 }
 

@@ -2,52 +2,61 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "shared/feetech/registers.h"
+#include "shared/servo_bus/registers.h"
 
 namespace kaz::sim {
 
 class RegisterFile {
  public:
   // As from the factory.
-  explicit RegisterFile(const feetech::Model& model);
+  explicit RegisterFile(const servo_bus::Model& model);
 
-  const feetech::Model& model() const { return *model_; }
+  const servo_bus::Model& model() const { return *model_; }
   bool has(std::string_view name) const { return model_->find(name) != nullptr; }
   // `otherwise` where the model has no such register.
   int get(std::string_view name, int otherwise = 0) const;
-  // As the servo itself writes, read-only ones too; within the register's range. Nothing where the model has
-  // none of that name.
+  int get(const servo_bus::Register& reg, int index = 0) const;
+  // As the servo itself writes, read-only ones too; within what the register holds. Nothing where the model
+  // has none of that name.
   void set(std::string_view name, int value);
+  // The `index`-th of a row, kept without power if it is EEPROM and not locked.
+  void write(const servo_bus::Register& reg, int index, int value);
 
-  // As a host writes: read-only registers and addresses without a register are skipped, values limited to
-  // their range. Returns what was written to, by address.
-  std::vector<const feetech::Register*> write(std::uint8_t address,
-                                              std::span<const std::uint8_t> bytes);
+  // As a host of Feetech's writes: read-only registers and addresses without a register are skipped, values
+  // limited to their range. Returns what was written to, by address.
+  std::vector<const servo_bus::Register*> write(std::size_t address,
+                                                std::span<const std::uint8_t> bytes);
   // Addresses without a register read 0.
-  std::vector<std::uint8_t> read(std::uint8_t address, std::size_t length) const;
+  std::vector<std::uint8_t> read(std::size_t address, std::size_t length) const;
 
   // EEPROM as it was written while unlocked, RAM as it begins.
   void power_on();
   bool locked() const { return get("lock") != 0; }
-  // Keeps EEPROM registers for restore(), and puts them back, but for the id. Only while unlocked.
-  void backup();
-  void restore();
+  using Chosen = std::function<bool(const servo_bus::Register&)>;
+  // Keeps all registers for restore(), which puts back those that are chosen, EEPROM also as kept without
+  // power.
+  void backup() { backup_ = live_; }
+  void restore(const Chosen& chosen);
+  // As from the factory.
+  void reset(const Chosen& chosen);
   // Keeps a register's present value without power, whatever the lock.
   void keep(std::string_view name);
 
  private:
-  using Bytes = std::array<std::uint8_t, 256>;
-  void put(Bytes& bytes, const feetech::Register& reg, int value) const;
-  void copy(const Bytes& from, Bytes& to, const feetech::Register& reg) const;
+  using Bytes = std::vector<std::uint8_t>;
+  void put(Bytes& bytes, const servo_bus::Register& reg, int index, int value) const;
+  void put_initial(Bytes& bytes, const servo_bus::Register& reg) const;
+  void copy(const Bytes& from, Bytes& to, const servo_bus::Register& reg) const;
 
-  const feetech::Model* model_;
-  Bytes live_{}, stored_{}, backup_{};
+  const servo_bus::Model* model_;
+  Bytes live_, stored_, backup_;
 };
 
 }  // namespace kaz::sim

@@ -7,16 +7,20 @@
 namespace kaz::sim {
 
 Result<std::unique_ptr<VirtualBus>> VirtualBus::create(std::unique_ptr<World> world,
-                                                       const feetech::BusFile& file) {
+                                                       const servo_bus::BusFile& file) {
   std::vector<Mounted> servos;
   const auto joints = world->joint_order();
-  for (const feetech::BusServo& mount : file.servos) {
+  for (const servo_bus::BusServo& mount : file.servos) {
     const auto joint = std::ranges::find(joints, mount.joint);
     if (joint == joints.end())
       return fail(Fault::usage, "bus.json names the joint `" + mount.joint +
                                     "`, which the robot does not have; see its URDF");
-    servos.push_back({mount, VirtualServo(*mount.model, mount.id),
-                      static_cast<std::size_t>(joint - joints.begin())});
+    auto servo = VirtualServo::make(*mount.model, mount.id);
+    const auto code = std::ranges::find(mount.model->bauds, file.baud);
+    if (code != mount.model->bauds.end())
+      servo->set_up("baud_rate", static_cast<int>(code - mount.model->bauds.begin()));
+    for (const servo_bus::BusSetting& one : file.settings) servo->set_up(one.name, one.value);
+    servos.push_back({mount, std::move(servo), static_cast<std::size_t>(joint - joints.begin())});
   }
   for (const std::string& joint : joints) {
     if (std::ranges::none_of(file.servos, [&](const auto& one) { return one.joint == joint; }))
@@ -28,12 +32,12 @@ Result<std::unique_ptr<VirtualBus>> VirtualBus::create(std::unique_ptr<World> wo
 Result<std::unique_ptr<VirtualBus>> VirtualBus::load(const std::string& world_path,
                                                      const std::string& robot_path,
                                                      const WorldOptions& options) {
-  const auto file = KAZ_TRY(feetech::load_bus_file(robot_path));
+  const auto file = KAZ_TRY(servo_bus::load_bus_file(robot_path));
   auto world = KAZ_TRY(World::load(world_path, robot_path, options));
   return create(std::move(world), file);
 }
 
-VirtualBus::VirtualBus(std::unique_ptr<World> world, const feetech::BusFile& file,
+VirtualBus::VirtualBus(std::unique_ptr<World> world, const servo_bus::BusFile& file,
                        std::vector<Mounted> servos)
     : world_(std::move(world)),
       servos_(std::move(servos)),
@@ -63,8 +67,8 @@ ServoReading VirtualBus::reading_of(const Mounted& one) const {
 void VirtualBus::set_power(bool on) {
   power_ = on;
   for (std::size_t i = 0; i < servos_.size(); ++i) {
-    servos_[i].servo.set_power(on, reading_of(servos_[i]));
-    line_.set_baud(i + 1, static_cast<double>(servos_[i].servo.baud()));
+    servos_[i].servo->set_power(on, reading_of(servos_[i]));
+    line_.set_baud(i + 1, static_cast<double>(servos_[i].servo->baud()));
   }
 }
 
@@ -86,7 +90,7 @@ void VirtualBus::receive(const HalfDuplexLine::Received& received) {
     }
     return;
   }
-  VirtualServo& servo = servos_[received.node - 1].servo;
+  VirtualServo& servo = *servos_[received.node - 1].servo;
   if (!received.stop_bit) return servo.take_noise(received.at);
   const auto answer = servo.take(received.byte, received.at);
   if (answer) line_.send(received.node, answer->bytes, received.at + answer->delay);
@@ -96,7 +100,7 @@ void VirtualBus::receive(const HalfDuplexLine::Received& received) {
 void VirtualBus::step() {
   std::vector<MotorDrive> drives(world_->joints().size());
   for (Mounted& one : servos_) {
-    MotorDrive drive = one.servo.step(reading_of(one), world_->step_s(), next_step_);
+    MotorDrive drive = one.servo->step(reading_of(one), world_->step_s(), next_step_);
     drive.duty *= one.mount.sign();
     drives[one.joint] = drive;
   }

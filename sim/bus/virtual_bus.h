@@ -14,7 +14,7 @@
 
 #include "shared/base/result.hpp"
 #include "shared/base/time.hpp"
-#include "shared/feetech/bus_file.h"
+#include "shared/servo_bus/bus_file.h"
 #include "sim/body/world/world.h"
 #include "sim/bus/half_duplex_line.h"
 #include "sim/bus/virtual_servo.h"
@@ -25,7 +25,7 @@ class VirtualBus {
  public:
   // Errors: a servo's joint is none of the world's; a joint of the world has no servo.
   static Result<std::unique_ptr<VirtualBus>> create(std::unique_ptr<World> world,
-                                                    const feetech::BusFile& file);
+                                                    const servo_bus::BusFile& file);
   // World, robot and the bus.json beside it.
   static Result<std::unique_ptr<VirtualBus>> load(const std::string& world_path,
                                                   const std::string& robot_path,
@@ -52,9 +52,9 @@ class VirtualBus {
   HalfDuplexLine& line() { return line_; }
   World& world() { return *world_; }
   std::size_t servos() const { return servos_.size(); }
-  VirtualServo& servo(std::size_t i) { return servos_[i].servo; }
-  const VirtualServo& servo(std::size_t i) const { return servos_[i].servo; }
-  const feetech::BusServo& mount(std::size_t i) const { return servos_[i].mount; }
+  VirtualServo& servo(std::size_t i) { return *servos_[i].servo; }
+  const VirtualServo& servo(std::size_t i) const { return *servos_[i].servo; }
+  const servo_bus::BusServo& mount(std::size_t i) const { return servos_[i].mount; }
 
   void set_supply_volts(double volts) { supply_volts_ = volts; }
   // The supply of all servos: off loses their RAM.
@@ -63,11 +63,11 @@ class VirtualBus {
 
  private:
   struct Mounted {
-    feetech::BusServo mount;
-    VirtualServo servo;
+    servo_bus::BusServo mount;
+    std::unique_ptr<VirtualServo> servo;
     std::size_t joint;  // of the world
   };
-  VirtualBus(std::unique_ptr<World> world, const feetech::BusFile& file,
+  VirtualBus(std::unique_ptr<World> world, const servo_bus::BusFile& file,
              std::vector<Mounted> servos);
   ServoReading reading_of(const Mounted& one) const;
   void receive(const HalfDuplexLine::Received& received);

@@ -187,8 +187,8 @@ TEST(Host, AtAnotherRateGetsNoAnswer) {
 }
 
 TEST(VirtualBus, NeedsAServoForEachJoint) {
-  feetech::BusFile file;
-  file.servos.push_back({"joint1", 1, feetech::find_model("sts3215"), 2048, false});
+  servo_bus::BusFile file;
+  file.servos.push_back({"joint1", 1, servo_bus::find_model("sts3215"), 2048, false});
   const auto missing = VirtualBus::create(std::make_unique<ShaftWorld>(2), file);
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message.find("joint2"), std::string::npos);

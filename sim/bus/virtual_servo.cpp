@@ -1,200 +1,56 @@
-// A virtual servo of Feetech's.
+// What virtual servos have in common.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/bus/virtual_servo.h"
 
-#include <algorithm>
-#include <utility>
+#include "sim/bus/dynamixel_servo.h"
+#include "sim/bus/feetech_servo.h"
 
 namespace kaz::sim {
 
-using feetech::Instruction;
-using feetech::Packet;
-using feetech::PacketReader;
-using feetech::Register;
+std::unique_ptr<VirtualServo> VirtualServo::make(const servo_bus::Model& model, int id) {
+  if (model.protocol == servo_bus::Protocol::dynamixel)
+    return std::make_unique<DynamixelServo>(model, id);
+  return std::make_unique<FeetechServo>(model, id);
+}
 
-namespace {
-constexpr int kMiddle = 2048;            // of position calibration
-constexpr int kCalibratePosition = 128;  // written to torque_enable
-}  // namespace
+VirtualServo::VirtualServo(const servo_bus::Model& model, int id) : registers_(model) {
+  set_up("id", id);
+}
 
-VirtualServo::VirtualServo(const feetech::Model& model, int id) : registers_(model) {
-  registers_.set("id", id);
-  registers_.keep("id");
+void VirtualServo::set_up(std::string_view name, int value) {
+  registers_.set(name, value);
+  registers_.keep(name);
 }
 
 long VirtualServo::baud() const {
-  return feetech::kBaudRates[registers_.get("baud_rate")];
-}
-
-void VirtualServo::restart() {
-  registers_.power_on();
-  motion_.power_on(reading_);
-  protection_.power_on();
-  reg_write_.reset();
-  turn_.reset();
-  reader_.reset();
+  const auto code = static_cast<std::size_t>(registers_.get("baud_rate"));
+  return registers_.model().bauds[code];
 }
 
 void VirtualServo::set_power(bool on, const ServoReading& reading) {
   reading_ = reading;
-  if (on && !power_) restart();
+  const bool starts = on && !power_;
   power_ = on;
+  if (starts) restart_until(Time{});
+}
+
+void VirtualServo::restart_until(Time until) {
+  registers_.power_on();
+  restart();
+  drop_packet();
+  deaf_until_ = until;
 }
 
 MotorDrive VirtualServo::step(const ServoReading& reading, double step_s, Time now) {
   reading_ = reading;
   if (!power_ || now <= deaf_until_) return {};
-  const double limit = protection_.limit(registers_);
-  const MotorDrive drive = motion_.step(registers_, reading, limit, step_s);
-  protection_.step(registers_, reading, motion_.duty(), step_s);
-  return drive;
+  return drive(step_s, now);
 }
 
 void VirtualServo::take_noise(Time now) {
-  if (!power_ || now < deaf_until_) return;
+  if (!hears(now)) return;
   ++framing_errors_;
-  reader_.reset();
-}
-
-std::optional<VirtualServo::Answer> VirtualServo::take(std::uint8_t byte, Time now) {
-  if (!power_ || now < deaf_until_) return std::nullopt;
-  if (reader_.inside() && now - last_byte_ > kMaxGap) reader_.reset();
-  last_byte_ = now;
-  if (reader_.take(byte) != PacketReader::Event::packet) return std::nullopt;
-  return execute(reader_.packet(), now);
-}
-
-// Null: this model does not answer it at all, at its response level.
-std::optional<VirtualServo::Answer> VirtualServo::answer(
-    std::vector<std::uint8_t> parameters) const {
-  const Packet packet{static_cast<std::uint8_t>(registers_.get("id")),
-                      static_cast<std::uint8_t>(registers_.get("status")), std::move(parameters)};
-  return Answer{feetech::wire_of(packet),
-                Time(feetech::kReturnDelayUnitNs * registers_.get("return_delay"))};
-}
-
-std::optional<VirtualServo::Answer> VirtualServo::execute(const Packet& packet, Time now) {
-  const int id = registers_.get("id");
-  const bool broadcast = packet.id == feetech::kBroadcast;
-  if (packet.id != id && !broadcast) {
-    if (!turn_ || packet.id != turn_->after) return std::nullopt;
-    const Turn turn = *turn_;
-    turn_.reset();
-    return answer(registers_.read(turn.address, turn.length));
-  }
-  turn_.reset();
-  const Bytes parameters = packet.parameters;
-  const auto instruction = static_cast<Instruction>(packet.code);
-  const feetech::Model& model = registers_.model();
-  const bool answers_all = registers_.get("response_level") != 0 && !broadcast;
-  // Composed before anything changes: the id and the rate are those of the request.
-  const auto done = answers_all ? answer() : std::nullopt;
-  switch (instruction) {
-    case Instruction::ping:
-      if (!parameters.empty()) return std::nullopt;
-      ++executed_;
-      return answer();
-    case Instruction::read:
-      if (broadcast || parameters.size() != 2) return std::nullopt;
-      ++executed_;
-      if (parameters[1] > feetech::kMaxParameters) return std::nullopt;
-      return answer(registers_.read(parameters[0], parameters[1]));
-    case Instruction::write:
-      if (parameters.size() < 2) return std::nullopt;
-      ++executed_;
-      write(parameters[0], parameters.subspan(1));
-      return done;
-    case Instruction::reg_write:
-      if (parameters.size() < 2) return std::nullopt;
-      ++executed_;
-      reg_write_ = {parameters[0], {parameters.begin() + 1, parameters.end()}};
-      registers_.set("async_write", 1);
-      return done;
-    case Instruction::action:
-      ++executed_;
-      if (const auto waiting = std::exchange(reg_write_, std::nullopt))
-        write(waiting->address, waiting->bytes);
-      registers_.set("async_write", 0);
-      return done;
-    case Instruction::restore:
-      ++executed_;
-      registers_.restore();
-      return done;
-    case Instruction::backup:
-      ++executed_;
-      registers_.backup();
-      return done;
-    case Instruction::restart:
-      ++executed_;
-      restart();
-      deaf_until_ = now + kRestart;
-      return std::nullopt;
-    case Instruction::reset_turns:
-      if (!model.full_turn) return std::nullopt;
-      ++executed_;
-      motion_.reset_turns(model);
-      return done;
-    case Instruction::set_middle: {
-      if (!model.full_turn || (parameters.size() != 0 && parameters.size() != 2))
-        return std::nullopt;
-      ++executed_;
-      const Register& goal = *model.find("goal_position");
-      motion_.set_position(registers_,
-                           parameters.empty() ? kMiddle : feetech::decode(model, goal, parameters));
-      return done;
-    }
-    case Instruction::sync_read:
-      return broadcast && model.sync_read ? sync_read(parameters) : std::nullopt;
-    case Instruction::sync_write:
-      if (broadcast) sync_write(parameters);
-      return std::nullopt;
-  }
-  return std::nullopt;
-}
-
-// Address, length, ids.
-std::optional<VirtualServo::Answer> VirtualServo::sync_read(Bytes parameters) {
-  if (parameters.size() < 3 || parameters[1] > feetech::kMaxParameters) return std::nullopt;
-  const Bytes ids = parameters.subspan(2);
-  const auto mine = std::ranges::find(ids, registers_.get("id"));
-  if (mine == ids.end()) return std::nullopt;
-  ++executed_;
-  if (mine == ids.begin()) return answer(registers_.read(parameters[0], parameters[1]));
-  turn_ = {*(mine - 1), parameters[0], parameters[1]};
-  return std::nullopt;
-}
-
-// Address, length, then id and data of each servo.
-void VirtualServo::sync_write(Bytes parameters) {
-  if (parameters.size() < 2) return;
-  const std::uint8_t address = parameters[0];
-  const std::size_t length = parameters[1];
-  Bytes left = parameters.subspan(2);
-  if (length == 0 || left.size() % (length + 1) != 0) return;
-  for (; !left.empty(); left = left.subspan(length + 1)) {
-    if (left[0] != registers_.get("id")) continue;
-    ++executed_;
-    write(address, left.subspan(1, length));
-    return;
-  }
-}
-
-void VirtualServo::write(std::uint8_t address, Bytes bytes) {
-  const int torque = registers_.get("torque_enable");
-  const auto written = registers_.write(address, bytes);
-  const auto has = [&](std::string_view name) {
-    return std::ranges::any_of(written, [&](const Register* reg) { return reg->name == name; });
-  };
-  if (has("torque_enable") && registers_.get("torque_enable") == kCalibratePosition) {
-    registers_.set("torque_enable", torque);
-    motion_.set_position(registers_, kMiddle);
-  }
-  if (!has("goal_position")) return;
-  // Concluded from clients that never write torque_enable, whose initial value is 0: Feetech's own example
-  // WritePos (ftservo/FTServo_Linux), @lerobot/web.
-  registers_.set("torque_enable", 1);
-  motion_.goal_written(registers_);
-  protection_.goal_written();
+  drop_packet();
 }
 
 }  // namespace kaz::sim

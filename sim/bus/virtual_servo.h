@@ -1,39 +1,39 @@
-// A virtual servo of Feetech's: bytes in, answers out, and the drive of its motor.
+// A virtual servo on a bus: bytes in, answers out, and the drive of its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Follows the published protocol and register tables (docs/reference/servo-bus.md), not the maker's firmware,
-// which is closed. Chosen where these say nothing: a request with an unknown instruction, or one that this
-// model does not have, is not answered; values written are limited to the register's range; writes to
-// read-only registers are answered and change nothing; addresses without a register read 0; in a sync read
-// each servo waits for the answer of the one before it in the list, as protocol 1.0 says of a bulk read.
+// Virtual servos follow the published protocols and register tables (docs/reference/servo-bus.md), not the
+// makers' firmware, which is closed. feetech_servo.h and dynamixel_servo.h say what was chosen where these
+// say nothing.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <span>
+#include <string_view>
 #include <vector>
 
+#include "shared/base/packet_counts.hpp"
 #include "shared/base/time.hpp"
-#include "shared/feetech/packet.h"
-#include "shared/feetech/registers.h"
+#include "shared/servo_bus/registers.h"
 #include "sim/body/motor/motor_drive.h"
 #include "sim/bus/register_file.h"
-#include "sim/bus/servo_motion.h"
-#include "sim/bus/servo_protection.h"
+#include "sim/bus/servo_reading.h"
 
 namespace kaz::sim {
 
 class VirtualServo {
  public:
-  VirtualServo(const feetech::Model& model, int id);
+  virtual ~VirtualServo() = default;
+  // Of the model's protocol.
+  static std::unique_ptr<VirtualServo> make(const servo_bus::Model& model, int id);
 
   struct Answer {
     std::vector<std::uint8_t> bytes;
-    Time delay{};  // from the end of the request's last byte
+    Time delay{};  // from the end of the byte that led to it
   };
   // A byte that has come at `now`, the end of its stop bit. An answer, if one is due, is sent at the rate
   // before the request; afterwards baud() holds.
-  std::optional<Answer> take(std::uint8_t byte, Time now);
+  virtual std::optional<Answer> take(std::uint8_t byte, Time now) = 0;
   // A byte without a stop bit.
   void take_noise(Time now);
   long baud() const;
@@ -43,45 +43,34 @@ class VirtualServo {
   // One step of the world, which ends at `now`.
   MotorDrive step(const ServoReading& reading, double step_s, Time now);
 
+  // Writes a register as whoever sets the servo up: kept without power.
+  void set_up(std::string_view name, int value);
   RegisterFile& registers() { return registers_; }
   const RegisterFile& registers() const { return registers_; }
-  const feetech::PacketReader::Counts& counts() const { return reader_.counts(); }
+  virtual const PacketCounts& counts() const = 0;
   std::uint64_t framing_errors() const { return framing_errors_; }
-  std::uint64_t executed() const {
-    return executed_;
-  }  // requests to this servo, broadcasts included
+  // Requests to this servo, broadcasts included.
+  std::uint64_t executed() const { return executed_; }
 
-  // A pause this long between two bytes ends a packet (protocol 1.0), and that of a restart (manual: about).
-  static constexpr Time kMaxGap = std::chrono::milliseconds(100);
-  static constexpr Time kRestart = std::chrono::milliseconds(800);
-
- private:
-  using Bytes = std::span<const std::uint8_t>;
-  std::optional<Answer> execute(const feetech::Packet& packet, Time now);
-  std::optional<Answer> answer(std::vector<std::uint8_t> parameters = {}) const;
-  std::optional<Answer> sync_read(Bytes parameters);
-  void sync_write(Bytes parameters);
-  void write(std::uint8_t address, Bytes bytes);
-  void restart();
+ protected:
+  VirtualServo(const servo_bus::Model& model, int id);
+  // As after power-on.
+  virtual void restart() = 0;
+  virtual MotorDrive drive(double step_s, Time now) = 0;
+  virtual void drop_packet() = 0;
+  // Restarts; deaf for so long.
+  void restart_until(Time until);
+  bool hears(Time now) const { return power_ && now >= deaf_until_; }
 
   RegisterFile registers_;
-  ServoMotion motion_;
-  ServoProtection protection_;
   ServoReading reading_;
-  feetech::PacketReader reader_;
-  Time last_byte_{}, deaf_until_{};
+  Time last_byte_{};
+  std::uint64_t executed_ = 0;
+
+ private:
+  Time deaf_until_{};
   bool power_ = true;
-  std::uint64_t framing_errors_ = 0, executed_ = 0;
-  struct RegWrite {
-    std::uint8_t address;
-    std::vector<std::uint8_t> bytes;
-  };
-  std::optional<RegWrite> reg_write_;
-  // Of a sync read under way: after whose answer this servo's turn is, and what is read.
-  struct Turn {
-    std::uint8_t after, address, length;
-  };
-  std::optional<Turn> turn_;
+  std::uint64_t framing_errors_ = 0;
 };
 
 }  // namespace kaz::sim

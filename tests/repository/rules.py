@@ -74,8 +74,9 @@ LAYERS = {
         "tests": ("shared", "vision", "sim", "host", "hil", "tools"),
     },
     "shared": {
-        "base": (), "board": ("base",), "faults": ("base", "board"), "feetech": ("base",),
-        "flash": ("base",), "image": ("base",),
+        "base": (), "board": ("base",), "dynamixel": ("base",), "faults": ("base", "board"),
+        "feetech": ("base",), "flash": ("base",), "image": ("base",),
+        "servo_bus": ("base", "dynamixel", "feetech"),
         "picture": ("base",), "plot": ("base",), "protocol": ("base", "board"),
         "servo": ("base", "board", "protocol"),
     },

@@ -110,7 +110,7 @@ inline constexpr const char* kPortText =
 inline constexpr const char* kRobotText =
     "sim, a board at a port (serial:PATH[@BAUD], can:INTERFACE, tcp:HOST:PORT or "
     "rfc2217:HOST:PORT[@BAUD]), boards:FILE, which says which joint is on which board, or "
-    "feetech:PATH[@BAUD], a bus of Feetech's servos";
+    "feetech:PATH[@BAUD] and dynamixel:PATH[@BAUD], buses of servos";
 
 // --port, which may also be given as a word, for verbs that need one.
 void add_port(CLI::App& verb, std::string& port);

@@ -68,8 +68,8 @@ std::string not_of_a_calibration(const CLI::App& verb) {
 
 // What of the options given is nothing of a servo bus; empty if there is none.
 std::string not_of_a_bus(const CLI::App& verb) {
-  static const std::set<std::string> kTaken = {"--bus",   "--serial",   "--robot-file",
-                                               "--world", "--dynamics", "--supply"};
+  static const std::set<std::string> kTaken = {"--bus",      "--serial", "--robot-file", "--world",
+                                               "--dynamics", "--supply", "--suspended"};
   for (const CLI::Option* option : verb.get_options()) {
     const std::string name = option->get_name();
     if (option->count() > 0 && !kTaken.contains(name))
@@ -78,8 +78,11 @@ std::string not_of_a_bus(const CLI::App& verb) {
   return "";
 }
 
-ServeBusOptions bus_options(const CLI::App& verb, const ServeOptions& arguments) {
+ServeBusOptions bus_options(const CLI::App& verb, const ServeOptions& arguments,
+                            const std::string& protocol) {
   ServeBusOptions options;
+  options.protocol = protocol;
+  options.suspended = arguments.backend.suspended;
   options.serial = arguments.real_time.serial_path;
   options.robot_file = arguments.backend.robot_file;
   options.dynamics = arguments.backend.dynamics;
@@ -135,8 +138,8 @@ void add_sim(CLI::App& program, Action& action) {
           "--bus", *bus,
           "a servo bus instead of a servo board: the port is that of the servos which bus.json, "
           "beside --robot-file, lists (docs/howto/servo-bus.md)")
-      ->check(CLI::IsMember({"feetech"}))
-      ->type_name("feetech");
+      ->check(CLI::IsMember({"feetech", "dynamixel"}))
+      ->type_name("feetech|dynamixel");
   add_motor_options(*verb, arguments->backend);
   for (const char* option : {"--motor-file", "--motor", "--disc"})
     verb->get_option(option)->needs(stand);
@@ -156,13 +159,14 @@ void add_sim(CLI::App& program, Action& action) {
       "  kaz sim --serial board --stand   # kaz bench motor --port board --stand ctl:board.ctl\n"
       "  kaz sim --serial board --view   # and in a browser\n"
       "  kaz sim --bus feetech --robot-file sim/robots/so101/so101.urdf --serial arm\n"
+      "  kaz sim --bus dynamixel --robot-file sim/robots/mini/mini.urdf --serial mini --suspended\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
       "  kaz sim --serial board --record run.mcap   # Foxglove, PlotJuggler and `mcap info` "
       "open it\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes   # in another terminal");
   verb->callback([&action, arguments, watch, verb, bus] {
     if (!bus->empty()) {
-      action = [wrong = not_of_a_bus(*verb), options = bus_options(*verb, *arguments)] {
+      action = [wrong = not_of_a_bus(*verb), options = bus_options(*verb, *arguments, *bus)] {
         return wrong.empty() ? serve_bus(options) : Result<bool>(fail(Fault::usage, wrong));
       };
       return;

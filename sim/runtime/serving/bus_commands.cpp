@@ -63,7 +63,10 @@ Json BusCommands::status() const {
   for (std::size_t i = 0; i < bus_->servos(); ++i) {
     const VirtualServo& servo = bus_->servo(i);
     const auto& counts = servo.counts();
-    const auto get = [&](const char* name) { return servo.registers().get(name); };
+    // By the name that Feetech gives the register, and DYNAMIXEL's.
+    const auto get = [&](const char* name, const char* other = "") {
+      return servo.registers().get(name, servo.registers().get(other));
+    };
     servos.push_back({{"joint", bus_->mount(i).joint},
                       {"model", servo.registers().model().name},
                       {"id", get("id")},
@@ -71,10 +74,10 @@ Json BusCommands::status() const {
                       {"torque", get("torque_enable")},
                       {"position", get("present_position")},
                       {"goal", get("goal_position")},
-                      {"offset", get("position_offset")},
-                      {"min_angle", get("min_angle")},
-                      {"max_angle", get("max_angle")},
-                      {"status", get("status")},
+                      {"offset", get("position_offset", "homing_offset")},
+                      {"min_angle", get("min_angle", "min_position_limit")},
+                      {"max_angle", get("max_angle", "max_position_limit")},
+                      {"status", get("status", "hardware_error_status")},
                       {"celsius", get("present_temperature")},
                       {"executed", servo.executed()},
                       {"bad_checksums", counts.bad_checksums},

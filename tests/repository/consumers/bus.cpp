@@ -3,14 +3,14 @@
 #include <cstdio>
 
 #include "shared/feetech/packet.h"
-#include "sim/bus/virtual_servo.h"
+#include "sim/bus/feetech_servo.h"
 
 namespace feetech = kaz::feetech;
 
 int main() {
-  const auto* model = feetech::find_model("sts3215");
+  const auto* model = kaz::servo_bus::find_model("sts3215");
   if (model == nullptr) return 1;
-  kaz::sim::VirtualServo servo(*model, 1);
+  kaz::sim::FeetechServo servo(*model, 1);
   servo.set_power(true, {});
   kaz::Time now = std::chrono::seconds(2);  // it has started by then
   std::size_t answer = 0;

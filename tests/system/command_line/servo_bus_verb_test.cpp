@@ -48,6 +48,8 @@ TEST(ServoBusVerb, RefusesWhatABusDoesNotHave) {
        "--stand: a servo bus has no use for it"},
       {{"sim", "--bus", "feetech", "--robot-file", "sim/robots/arm/arm.urdf", "--serial", port},
        "sim/robots/arm/bus.json"},
+      {{"sim", "--bus", "dynamixel", "--robot-file", kArm, "--serial", port},
+       "has servos of the protocol feetech"},
       {{"sim", "--bus", "can", "--robot-file", kArm, "--serial", port}, "--bus"}};
   for (const auto& [arguments, reason] : wrong) {
     const Finished finished = run(kaz(arguments));

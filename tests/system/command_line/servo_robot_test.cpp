@@ -65,6 +65,42 @@ TEST(ServoRobot, TheArmPlaysPosesOverItsBus) {
   EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
 }
 
+// Over DYNAMIXEL's protocol; then the supply is too low.
+TEST(ServoRobot, TheHumanoidPlaysPosesAndSaysWhatAServoReports) {
+  const std::string mini = std::string(KAZ_TREE) + "/sim/robots/mini/mini.urdf";
+  const TemporaryFolder folder;
+  write_file(folder / "greet.json", R"({"format": "kaz-poses-1", "poses": [
+  {"time_s": 0, "angles_rad": {"left_shoulder": 0, "left_elbow": 0, "head_pan": 0}},
+  {"time_s": 1.5, "angles_rad": {"left_shoulder": -2, "left_elbow": -1, "left_knee_pitch": 1}},
+  {"time_s": 3, "angles_rad": {"left_shoulder": 0, "left_elbow": 0, "left_knee_pitch": 0}}]})");
+  Process sim(kaz({"sim", "--bus", "dynamixel", "--robot-file", mini, "--serial", folder / "mini",
+                   "--suspended"}));
+  ASSERT_TRUE(sim.wait_for_output("ready: 18 servos", std::chrono::seconds(30)));
+  const std::vector<std::string> play{"run",          "play",
+                                      "--poses",      folder / "greet.json",
+                                      "--out",        folder / "out",
+                                      "--robot",      "dynamixel:" + (folder / "mini"),
+                                      "--robot-file", mini};
+  const Finished played = run(kaz(play), std::chrono::seconds(60));
+  EXPECT_EQ(played.exit_code, 0) << played.out << played.err;
+  EXPECT_NE(played.out.find("3 poses in 3.0 s"), std::string::npos) << played.out;
+  const auto result = parse_json(read_file(folder / "out/result.json"));
+  EXPECT_LT(result["largest_error_at_the_end_deg"].get<double>(), 3);
+
+  // 3.2 V is below the XL330's limit: it shuts down.
+  query_control(folder / "mini.ctl", "supply 3.2");
+  const Finished low = run(kaz(play), std::chrono::seconds(60));
+  EXPECT_NE(low.exit_code, 0);
+  EXPECT_NE(low.out.find("supply too low"), std::string::npos) << low.out << low.err;
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
+
+  const auto other = run(kaz({"run", "play", "--poses", folder / "greet.json", "--robot",
+                              "feetech:" + (folder / "mini"), "--robot-file", mini}));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("is of a dynamixel bus"), std::string::npos) << other.err;
+}
+
 TEST(ServoRobot, WhatIsWrongIsNamed) {
   const TemporaryFolder folder;
   write_file(folder / "wave.json", kWave);

@@ -16,7 +16,7 @@
 #include "shared/base/files.hpp"
 #include "shared/base/hex_text.hpp"
 #include "shared/base/number_text.hpp"
-#include "shared/feetech/bus_file.h"
+#include "shared/servo_bus/bus_file.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/stand/stand_commands.h"
 #include "tools/app/base/arguments.h"
@@ -172,49 +172,69 @@ class RealBackend final : public SessionBackend {
   std::unique_ptr<LineRecorder> recorder_;  // refers to lines and clock
 };
 
-constexpr std::string_view kBoards = "boards:", kFeetech = "feetech:";
-constexpr int kBusBaud = 1'000'000;  // of servos as they are sold
+constexpr std::string_view kBoards = "boards:";
+
+// The protocol of servos that `text` begins with, as in feetech:PATH.
+std::optional<servo_bus::Protocol> bus_protocol(std::string_view text) {
+  for (const auto protocol : {servo_bus::Protocol::feetech, servo_bus::Protocol::dynamixel}) {
+    if (text.starts_with(std::string(servo_bus::name_of(protocol)) + ":")) return protocol;
+  }
+  return std::nullopt;
+}
 
 // The boards of --robot, which is not `sim`.
 Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
   const std::string& text = options.robot;
   if (host::names_port_kind(text))
     return std::vector{BoardOfFile{KAZ_TRY(host::parse_port_address("--robot", text)),
-                                   options.address, host::kAllJoints}};
-  if (text.starts_with(kFeetech)) {
+                                   options.address, host::kAllJoints, std::nullopt}};
+  if (const auto protocol = bus_protocol(text)) {
     if (options.robot_file.empty())
       return fail(Fault::usage, "--robot " + text +
                                     " needs --robot-file FILE: the robot's URDF, with bus.json "
                                     "beside it");
-    auto port =
-        KAZ_TRY(host::parse_port_address("--robot", "serial:" + text.substr(kFeetech.size())));
-    if (text.find('@') == std::string::npos) port.baud = kBusBaud;
-    return std::vector{BoardOfFile{port, KZ_ADDRESS_DEFAULT, host::kAllJoints, true}};
+    const auto path = text.substr(servo_bus::name_of(*protocol).size() + 1);
+    auto port = KAZ_TRY(host::parse_port_address("--robot", "serial:" + path));
+    // Without one, that of bus.json.
+    if (text.find('@') == std::string::npos) port.baud = 0;
+    return std::vector{BoardOfFile{port, KZ_ADDRESS_DEFAULT, host::kAllJoints, protocol}};
   }
   if (!text.starts_with(kBoards))
     return fail(Fault::usage, "--robot " + text +
                                   ": no such kind of robot; give sim, serial:PATH[@BAUD] as in "
                                   "serial:/dev/ttyUSB0, can:INTERFACE, tcp:HOST:PORT, "
-                                  "rfc2217:HOST:PORT, boards:FILE or feetech:PATH[@BAUD]");
+                                  "rfc2217:HOST:PORT, boards:FILE, feetech:PATH[@BAUD] or "
+                                  "dynamixel:PATH[@BAUD]");
   if (options.address != KZ_ADDRESS_DEFAULT)
     return fail(Fault::usage, "--address: each board of --robot " + text +
                                   " has its address in the file; leave it out");
   return read_boards(text.substr(kBoards.size()));
 }
 
-// The robot's joints with their servos, in the order of a board's numbers.
-Result<std::vector<host::BusJoint>> bus_joints(const std::string& robot_file) {
+struct BusOfFile {
+  std::vector<host::BusJoint> joints;  // in the order of a board's numbers
+  int baud = 0;
+};
+
+// The robot's joints with their servos, which must speak `protocol`.
+Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol protocol) {
   const auto robot = KAZ_TRY(sim::load_robot(robot_file));
-  const auto file = KAZ_TRY(feetech::load_bus_file(robot_file));
-  std::vector<host::BusJoint> joints;
+  const auto file = KAZ_TRY(servo_bus::load_bus_file(robot_file));
+  if (file.protocol != protocol)
+    return fail(Fault::usage,
+                "bus.json beside " + robot_file + " is of a " +
+                    std::string(servo_bus::name_of(file.protocol)) + " bus; give --robot " +
+                    std::string(servo_bus::name_of(file.protocol)) + ":PATH, or another file");
+  BusOfFile bus;
+  bus.baud = static_cast<int>(file.baud);
   for (const sim::RobotJoint& joint : robot.joints) {
-    const auto servo = std::ranges::find(file.servos, joint.name, &feetech::BusServo::joint);
+    const auto servo = std::ranges::find(file.servos, joint.name, &servo_bus::BusServo::joint);
     if (servo == file.servos.end())
       return fail(Fault::usage,
                   "bus.json beside " + robot_file + " names no servo of the joint " + joint.name);
-    joints.push_back({*servo, joint.lower, joint.upper});
+    bus.joints.push_back({*servo, joint.lower, joint.upper});
   }
-  return joints;
+  return bus;
 }
 
 Result<std::vector<RealLine>> open_lines(const std::vector<BoardOfFile>& boards,
@@ -222,11 +242,15 @@ Result<std::vector<RealLine>> open_lines(const std::vector<BoardOfFile>& boards,
                                          const host::Interrupt& interrupt) {
   std::vector<RealLine> lines;
   for (const BoardOfFile& board : boards) {
-    // A robot file that is wrong is known before the port is opened.
-    const auto joints =
-        board.servos ? KAZ_TRY(bus_joints(robot_file)) : std::vector<host::BusJoint>();
-    auto port = KAZ_TRY(host::open_port(board.port, &interrupt));
-    if (board.servos) port = KAZ_TRY(host::BusPort::open(std::move(port), joints, &interrupt));
+    auto address = board.port;
+    BusOfFile bus;
+    if (board.bus) {
+      // A robot file that is wrong is known before the port is opened.
+      bus = KAZ_TRY(load_bus(robot_file, *board.bus));
+      if (address.baud == 0) address.baud = bus.baud;
+    }
+    auto port = KAZ_TRY(host::open_port(address, &interrupt));
+    if (board.bus) port = KAZ_TRY(host::BusPort::open(std::move(port), bus.joints, &interrupt));
     lines.push_back({std::move(port), board.address, board.joints});
   }
   return lines;
@@ -245,6 +269,10 @@ Result<faults::Schedule> line_faults(const BackendOptions& options) {
 }
 
 }  // namespace
+
+bool names_servo_bus(const std::string& robot) {
+  return bus_protocol(robot).has_value();
+}
 
 Result<void> check(const BackendOptions& options) {
   const bool sim_robot = options.robot == "sim";

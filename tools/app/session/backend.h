@@ -20,6 +20,9 @@
 
 namespace kaz::tools {
 
+// Is it a value of --robot for a bus of servos, as feetech:PATH?
+bool names_servo_bus(const std::string& robot);
+
 class SessionBackend {
  public:
   // Errors: wrong or missing files (usage), ports that are not there (environment).

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host/link/port_address.h"
 #include "shared/base/result.hpp"
+#include "shared/servo_bus/registers.h"
 
 namespace kaz::tools {
 
@@ -16,7 +18,8 @@ struct BoardOfFile {
   host::PortAddress port;
   std::uint8_t address = 1;
   std::uint32_t joints = 0;  // mask
-  bool servos = false;       // what is at the port is a bus of servos
+  std::optional<servo_bus::Protocol>
+      bus;  // what is at the port is a bus of servos, and not a board
 };
 
 // {"boards": [{"port": "can:can0", "address": 2, "joints": ["neck_pan", ...]}, ...]}

@@ -433,7 +433,7 @@ Result<void> Session::connect() {
   }
   robot_ = std::move(*robot);
   // A bus of servos has no board whose answers would show what the line takes.
-  if (!real() || options_.backend.robot.starts_with("feetech:")) return {};
+  if (!real() || names_servo_bus(options_.backend.robot)) return {};
   const auto trip = KAZ_TRY(host::measure_round_trip(*robot_, *backend_->port()));
   if (!options_.json || trip.slow)
     std::fprintf(stderr, "%s: %s\n", options_.label.c_str(), trip.sentence.c_str());

@@ -20,11 +20,18 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
   if (options.serial.empty())
     return fail(Fault::usage, "--serial is missing: where to put the link to the bus's port");
   KAZ_TRY(check_place("--serial", options.serial));
+  const auto file = KAZ_TRY(servo_bus::load_bus_file(options.robot_file));
+  if (options.protocol != servo_bus::name_of(file.protocol))
+    return fail(Fault::usage, "--bus " + options.protocol + ": bus.json beside " +
+                                  options.robot_file + " has servos of the protocol " +
+                                  std::string(servo_bus::name_of(file.protocol)) +
+                                  "; give that, or another file");
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto world = KAZ_TRY(world_file(options.world));
   sim::WorldOptions world_options;
   world_options.dynamics = options.dynamics;
+  world_options.hung = options.suspended;
   auto bus = KAZ_TRY(sim::VirtualBus::load(world, options.robot_file, world_options));
   if (options.supply_volts) bus->set_supply_volts(*options.supply_volts);
   sim::BusServerOptions serving;

@@ -10,10 +10,12 @@
 namespace kaz::tools {
 
 struct ServeBusOptions {
+  std::string protocol;    // "feetech" or "dynamixel"
   std::string serial;      // where to put the link to the port
   std::string robot_file;  // URDF, with bus.json beside it
   std::string world = "empty";
   std::string dynamics = "reduced";
+  bool suspended = false;              // by its trunk, as in a stand
   std::optional<double> supply_volts;  // instead of bus.json's
 };
 

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "hil/fuzz/choices.h"
 #include "host/bus/bus_board.h"
-#include "shared/feetech/bus_file.h"
+#include "shared/dynamixel/packet.h"
 #include "shared/feetech/packet.h"
+#include "shared/servo_bus/bus_file.h"
 #include "sim/bus/virtual_servo.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
@@ -18,79 +20,113 @@ namespace {
 using hil::fuzz::Choices;
 using Wire = std::vector<std::uint8_t>;
 
-// A valid packet with fields as the input chooses, or raw bytes: checksums are hard to guess.
-Wire next_bytes(Choices& choices) {
-  if (choices.below(4) == 0) {
-    Wire raw(choices.below(16));
-    for (auto& byte : raw) byte = choices.byte();
-    return raw;
-  }
-  feetech::Packet packet;
-  packet.id = choices.below(8) == 0 ? choices.byte() : choices.below(2) == 0 ? 1 : 254;
-  static constexpr std::uint8_t kCodes[] = {1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 0x82, 0x83};
-  const unsigned which = choices.below(std::size(kCodes) + 1);
-  packet.code = which < std::size(kCodes) ? kCodes[which] : choices.byte();
-  packet.parameters.resize(choices.below(24));
-  for (auto& byte : packet.parameters) byte = choices.byte();
-  return feetech::wire_of(packet);
+Wire raw_bytes(Choices& choices) {
+  Wire raw(choices.below(16));
+  for (auto& byte : raw) byte = choices.byte();
+  return raw;
 }
 
-// Besides its range, a register may hold what the servo itself measures.
+std::uint8_t next_id(Choices& choices) {
+  return choices.below(8) == 0 ? choices.byte() : choices.below(2) == 0 ? 1 : 254;
+}
+
+Wire next_parameters(Choices& choices) {
+  Wire parameters(choices.below(24));
+  for (auto& byte : parameters) byte = choices.byte();
+  return parameters;
+}
+
+std::uint8_t next_code(Choices& choices, std::span<const std::uint8_t> codes) {
+  const unsigned which = choices.below(static_cast<unsigned>(codes.size()) + 1);
+  return which < codes.size() ? codes[which] : choices.byte();
+}
+
+// A valid packet with fields as the input chooses, or raw bytes: checksums are hard to guess.
+Wire next_bytes(Choices& choices, servo_bus::Protocol protocol) {
+  if (choices.below(4) == 0) return raw_bytes(choices);
+  const std::uint8_t id = next_id(choices);
+  if (protocol == servo_bus::Protocol::feetech) {
+    static constexpr std::uint8_t kCodes[] = {1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 0x82, 0x83};
+    const std::uint8_t code = next_code(choices, kCodes);
+    return feetech::wire_of({id, code, next_parameters(choices)});
+  }
+  static constexpr std::uint8_t kCodes[] = {1,    2,    3,    4,    5,    6,    8,    0x10,
+                                            0x20, 0x55, 0x82, 0x83, 0x8A, 0x92, 0x93, 0x9A};
+  const std::uint8_t code = next_code(choices, kCodes);
+  return dynamixel::wire_of({id, code, 0, next_parameters(choices)});
+}
+
+// Besides its range, a register may hold what the servo itself measures, or that its watchdog has tripped.
 Complaint judge_registers(const sim::RegisterFile& registers) {
-  for (const feetech::Register& reg : registers.model().registers) {
-    const int value = registers.get(reg.name);
-    if (value < reg.min || value > reg.max)
-      return "register " + std::string(reg.name) + " is " + std::to_string(value);
+  for (const servo_bus::Register& reg : registers.model().registers) {
+    for (int i = 0; i < reg.count; ++i) {
+      const int value = registers.get(reg, i);
+      const bool tripped = reg.name == "bus_watchdog" && value == -1;
+      if ((value < reg.min || value > reg.max) && !tripped)
+        return "register " + std::string(reg.name) + " is " + std::to_string(value);
+    }
   }
   return std::nullopt;
 }
 
-Complaint judge_answer(const sim::VirtualServo::Answer& answer) {
-  feetech::PacketReader reader;
+// `part`: it may be one of the parts that servos put together to a packet.
+template <class Reader>
+Complaint judge_answer(const sim::VirtualServo::Answer& answer, bool part, Time most) {
+  Reader reader;
   int packets = 0;
   for (const std::uint8_t byte : answer.bytes)
-    packets += reader.take(byte) == feetech::PacketReader::Event::packet ? 1 : 0;
-  if (packets != 1 || reader.counts().bad() + reader.counts().skipped_bytes > 0)
-    return "an answer is no packet";
-  if (answer.delay < Time(0) || answer.delay > std::chrono::microseconds(508))
-    return "an answer at no return delay";
+    packets += reader.take(byte) == Reader::Event::packet ? 1 : 0;
+  const bool whole = packets == 1 && reader.counts().bad() + reader.counts().skipped_bytes == 0;
+  if (!whole && !part) return "an answer is no packet";
+  if (answer.delay < Time(0) || answer.delay > most) return "an answer at no return delay";
   return std::nullopt;
+}
+
+Complaint judge_answer(const sim::VirtualServo::Answer& answer, servo_bus::Protocol protocol) {
+  if (protocol == servo_bus::Protocol::feetech)
+    return judge_answer<feetech::PacketReader>(answer, false, std::chrono::microseconds(508));
+  // After a fast read. To a broadcast ping each servo answers in its slot.
+  return judge_answer<dynamixel::PacketReader>(answer, true, std::chrono::seconds(5));
 }
 
 }  // namespace
 
 Complaint try_servo_bus(Bytes bytes) {
   Choices choices(bytes);
-  const auto models = feetech::models();
-  const feetech::Model& model = models[choices.below(static_cast<unsigned>(models.size()))];
-  sim::VirtualServo servo(model, 1);
-  sim::ServoReading reading{model.steps / 2.0, 0, 0, 25, 6.5};
-  servo.set_power(true, reading);
+  const auto models = servo_bus::models();
+  const servo_bus::Model& model = models[choices.below(static_cast<unsigned>(models.size()))];
+  const auto servo = sim::VirtualServo::make(model, 1);
+  const bool feetech = model.protocol == servo_bus::Protocol::feetech;
+  sim::ServoReading reading{model.steps / 2.0, 0, 0, 25, feetech ? 6.5 : 5};
+  servo->set_power(false, reading);
+  servo->set_power(true, reading);
   Time now{};
   while (!choices.ended()) {
-    for (const std::uint8_t byte : next_bytes(choices)) {
+    for (const std::uint8_t byte : next_bytes(choices, model.protocol)) {
       now += std::chrono::microseconds(10);
-      if (const auto answer = servo.take(byte, now)) {
-        if (auto wrong = judge_answer(*answer)) return wrong;
+      if (const auto answer = servo->take(byte, now)) {
+        if (auto wrong = judge_answer(*answer, model.protocol)) return wrong;
       }
     }
-    if (servo.baud() < 38400 || servo.baud() > 1'000'000) return "a rate that is none";
+    if (servo->baud() < 9600 || servo->baud() > 4'500'000) return "a rate that is none";
     for (unsigned steps = choices.below(8); steps > 0; --steps) {
       now += std::chrono::milliseconds(1);
-      const auto drive = servo.step(reading, 1e-3, now);
+      const auto drive = servo->step(reading, 1e-3, now);
       if (!(std::abs(drive.duty) <= 1)) return "a duty that is none";
       reading.speed = drive.powered ? 5000 * drive.duty : 0;
       reading.steps += 1e-3 * reading.speed;
       reading.current_a = 2 * drive.duty;
     }
-    if (auto wrong = judge_registers(servo.registers())) return wrong;
+    if (auto wrong = judge_registers(servo->registers())) return wrong;
   }
   // Whatever was begun or restarted: after a second of silence it answers.
   now += std::chrono::seconds(1);
-  const auto id = static_cast<std::uint8_t>(servo.registers().get("id"));
+  const auto id = static_cast<std::uint8_t>(servo->registers().get("id"));
   bool answered = false;
-  for (const auto byte : feetech::wire_of(feetech::request(id, feetech::Instruction::ping)))
-    answered = servo.take(byte, now).has_value() || answered;
+  const Wire ping = feetech
+                        ? feetech::wire_of(feetech::request(id, feetech::Instruction::ping))
+                        : dynamixel::wire_of(dynamixel::request(id, dynamixel::Instruction::ping));
+  for (const auto byte : ping) answered = servo->take(byte, now).has_value() || answered;
   return answered ? std::nullopt : Complaint("a ping is not answered");
 }
 
@@ -134,9 +170,10 @@ class HostileServos final : public host::Link, public host::Clock {
 
 }  // namespace
 
-Complaint try_bus_answers(Bytes bytes) {
+namespace {
+
+Complaint try_answers(Bytes bytes, const servo_bus::Model* model) {
   HostileServos servos(bytes);
-  const feetech::Model* model = feetech::find_model("sts3215");
   auto board = host::BusBoard::open(servos, servos, {{{"a", 1, model, 2048, false}, -1, 1}});
   if (!board) return judge_error(board.error(), "bus", board.error().fault);
   const std::array<std::uint8_t, 3> query{1, KZ_TYPE_state, 1};
@@ -162,15 +199,30 @@ Complaint try_bus_answers(Bytes bytes) {
   return std::nullopt;
 }
 
+}  // namespace
+
+// The same bytes for the drivers of both protocols.
+Complaint try_bus_answers(Bytes bytes) {
+  for (const char* model : {"sts3215", "xl330-m288"}) {
+    if (auto wrong = try_answers(bytes, servo_bus::find_model(model))) return wrong;
+  }
+  return std::nullopt;
+}
+
 Complaint try_bus_file(Bytes bytes) {
-  const auto file = feetech::parse_bus_file("bus.json", text_of(bytes));
+  const auto file = servo_bus::parse_bus_file("bus.json", text_of(bytes));
   if (!file) return judge_error(file.error(), "bus.json");
   if (!(file->supply_volts >= 0 && file->supply_ohm >= 0) || file->servos.empty())
     return "a bus that is none";
-  for (const feetech::BusServo& servo : file->servos) {
+  for (const servo_bus::BusServo& servo : file->servos) {
     if (servo.id < 0 || servo.id > feetech::kMaxId || servo.model == nullptr ||
-        !std::isfinite(servo.steps_at(1)))
+        servo.model->protocol != file->protocol || !std::isfinite(servo.steps_at(1)))
       return "a servo that is none";
+    for (const servo_bus::BusSetting& one : file->settings) {
+      const servo_bus::Register* reg = servo.model->find(one.name);
+      if (reg == nullptr || !reg->eeprom || !reg->allows(one.value))
+        return "a setting that is none";
+    }
   }
   return std::nullopt;
 }

@@ -1,4 +1,4 @@
-// The motion of a virtual servo: from its registers and its position sensor to the duty of its motor.
+// The motion of a virtual servo of Feetech's: from registers and position sensor to the duty of its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Positions in steps of the sensor, speeds in steps/s, duty -1..1, all in the servo's own direction.
@@ -14,19 +14,12 @@
 
 #include "sim/body/motor/motor_drive.h"
 #include "sim/bus/register_file.h"
+#include "sim/bus/servo_reading.h"
+#include "sim/bus/trajectory.h"
 
 namespace kaz::sim {
 
-// The shaft as its sensor and its circuit measure it, in the servo's direction.
-struct ServoReading {
-  double steps = 0;      // of the sensor, not wrapped; 0 at the start of its first turn
-  double speed = 0;      // steps/s
-  double current_a = 0;  // through the motor
-  double case_celsius = 25;
-  double supply_volts = 0;
-};
-
-class ServoMotion {
+class FeetechMotion {
  public:
   // One millisecond. `limit`: highest duty allowed by the protection, 0..1. Updates the present_* registers
   // of motion.
@@ -39,7 +32,7 @@ class ServoMotion {
   // The present position becomes `position`: sets the register position_offset.
   void set_position(RegisterFile& registers, int position);
   // Forgets the turns counted since power-on.
-  void reset_turns(const feetech::Model& model);
+  void reset_turns(const servo_bus::Model& model);
 
   double duty() const { return duty_; }
 
@@ -54,11 +47,11 @@ class ServoMotion {
   double speed_loop(const RegisterFile& registers, double speed, double step_s);
   void report(RegisterFile& registers, const ServoReading& reading, int position) const;
 
-  double steps_ = 0;                      // of the sensor
-  double turns_origin_ = 0;               // of multi-turn positions
-  double target_ = 0, target_speed_ = 0;  // of the profile
-  double steps_goal_ = 0;                 // mode 3
-  double timed_speed_ = 0;                // from goal_time; 0: none
+  double steps_ = 0;         // of the sensor
+  double turns_origin_ = 0;  // of multi-turn positions
+  Trajectory trajectory_;
+  double steps_goal_ = 0;   // mode 3
+  double timed_speed_ = 0;  // from goal_time; 0: none
   double integral_ = 0;
   std::array<double, 256> errors_{};  // of the last milliseconds, for D
   std::uint8_t newest_ = 0;

@@ -1,6 +1,6 @@
 // Reads bus.json.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/feetech/bus_file.h"
+#include "shared/servo_bus/bus_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,18 @@
 #include "shared/base/files.hpp"
 #include "shared/base/json_depth.hpp"
 #include "shared/base/one_line.hpp"
+#include "shared/dynamixel/packet.h"
 #include "shared/feetech/packet.h"
 
-namespace kaz::feetech {
+namespace kaz::servo_bus {
 namespace {
 
 using nlohmann::json;
+
+// Ids, highest: protocol 1.0, which Feetech's is, has one more.
+constexpr int max_id(Protocol protocol) {
+  return protocol == Protocol::feetech ? feetech::kMaxId : dynamixel::kMaxId;
+}
 
 constexpr std::size_t kMaxBytes = 1 << 20, kMaxServos = 254;
 
@@ -51,20 +57,21 @@ struct Reader {
     return {};
   }
 
-  Result<BusServo> servo(const json& in) const {
+  Result<BusServo> servo(const json& in, Protocol protocol) const {
     if (!in.is_object()) return error("\"servos\" holds what is no object");
     KAZ_TRY(known(in, {"joint", "id", "model", "zero", "reversed"}));
     BusServo servo;
     servo.joint = KAZ_TRY(text(in, "joint"));
     const auto model = KAZ_TRY(text(in, "model"));
     servo.model = find_model(model);
-    if (servo.model == nullptr) {
+    if (servo.model == nullptr || servo.model->protocol != protocol) {
       std::string names;
-      for (const Model& one : models())
-        names += (names.empty() ? "" : ", ") + std::string(one.name);
+      for (const Model& one : models()) {
+        if (one.protocol == protocol) names += (names.empty() ? "" : ", ") + std::string(one.name);
+      }
       return error("the model \"" + model + "\" is not known; those that are: " + names);
     }
-    const double id = KAZ_TRY(number(in, "id", 0, kMaxId, NAN));
+    const double id = KAZ_TRY(number(in, "id", 0, max_id(protocol), NAN));
     if (id != std::floor(id)) return error("\"id\" is no whole number");
     servo.id = static_cast<int>(id);
     servo.zero = KAZ_TRY(number(in, "zero", -32766, 32766, servo.model->steps / 2));
@@ -74,6 +81,43 @@ struct Reader {
     servo.reversed = reversed != in.end() && reversed->get<bool>();
     return servo;
   }
+
+  Result<long> baud(const json& in, Protocol protocol) const {
+    const double given =
+        KAZ_TRY(number(in, "baud", 1, 1e7, static_cast<double>(factory_baud(protocol))));
+    const long wanted = std::floor(given) == given ? static_cast<long>(given) : 0;
+    for (const Model& model : models()) {
+      if (model.protocol == protocol && std::ranges::find(model.bauds, wanted) != model.bauds.end())
+        return wanted;
+    }
+    return error("\"baud\" is no rate that servos of this protocol have");
+  }
+
+  // Each is a register that a host writes once, and that is kept without power, of every servo.
+  Result<std::vector<BusSetting>> settings(const json& in, const std::vector<BusServo>& on) const {
+    std::vector<BusSetting> settings;
+    const auto found = in.find("settings");
+    if (found == in.end()) return settings;
+    if (!found->is_object()) return error("\"settings\" is no object");
+    for (const auto& [name, value] : found->items()) {
+      for (const BusServo& servo : on) {
+        const Register* reg = servo.model->find(name);
+        const bool settable =
+            reg != nullptr && reg->writable && reg->eeprom && name != "id" && name != "baud_rate";
+        if (!settable)
+          return error("\"" + name + "\" in \"settings\" is no register that " +
+                       std::string(servo.model->name) +
+                       " keeps without power, besides id and rate");
+        const double number = value.is_number() ? value.get<double>() : NAN;
+        if (!(std::floor(number) == number && std::abs(number) < 2e9) ||
+            !reg->allows(static_cast<int>(number)))
+          return error("\"" + name + "\" in \"settings\" has a value that the register of " +
+                       std::string(servo.model->name) + " does not take");
+      }
+      settings.push_back({name, value.get<int>()});
+    }
+    return settings;
+  }
 };
 
 }  // namespace
@@ -82,10 +126,16 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
   const Reader reader{path};
   const auto all = json_too_deep(text) ? json() : json::parse(text, nullptr, false);
   if (!all.is_object()) return reader.error("is no JSON object");
-  KAZ_TRY(reader.known(all, {"protocol", "supply_volts", "supply_ohm", "servos"}));
+  KAZ_TRY(
+      reader.known(all, {"protocol", "baud", "supply_volts", "supply_ohm", "settings", "servos"}));
   const auto protocol = KAZ_TRY(reader.text(all, "protocol"));
-  if (protocol != "feetech") return reader.error("\"protocol\" is not \"feetech\"");
   BusFile file;
+  if (protocol == name_of(Protocol::dynamixel)) {
+    file.protocol = Protocol::dynamixel;
+  } else if (protocol != name_of(Protocol::feetech)) {
+    return reader.error("\"protocol\" is neither \"feetech\" nor \"dynamixel\"");
+  }
+  file.baud = KAZ_TRY(reader.baud(all, file.protocol));
   file.supply_volts = KAZ_TRY(reader.number(all, "supply_volts", 0, 30, NAN));
   file.supply_ohm = KAZ_TRY(reader.number(all, "supply_ohm", 0, 10, 0));
   const auto servos = all.find("servos");
@@ -93,11 +143,12 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
     return reader.error("the list \"servos\" is missing or empty");
   if (servos->size() > kMaxServos) return reader.error("\"servos\" are more than a bus can have");
   for (const json& one : *servos) {
-    file.servos.push_back(KAZ_TRY(reader.servo(one)));
+    file.servos.push_back(KAZ_TRY(reader.servo(one, file.protocol)));
     const std::string& joint = file.servos.back().joint;
     if (std::ranges::count(file.servos, joint, &BusServo::joint) > 1)
       return reader.error("the joint \"" + joint + "\" has two servos");
   }
+  file.settings = KAZ_TRY(reader.settings(all, file.servos));
   return file;
 }
 
@@ -109,4 +160,4 @@ Result<BusFile> load_bus_file(const std::string& urdf_path) {
   return parse_bus_file(path, text);
 }
 
-}  // namespace kaz::feetech
+}  // namespace kaz::servo_bus

@@ -3,14 +3,14 @@
 #include <cstdio>
 
 #include "shared/feetech/packet.h"
-#include "shared/feetech/registers.h"
+#include "shared/servo_bus/registers.h"
 
 namespace feetech = kaz::feetech;
 
 int main() {
   const auto ping = feetech::request(1, feetech::Instruction::ping);
   for (const auto byte : feetech::wire_of(ping)) std::printf("%02x ", byte);
-  const auto* model = feetech::find_model("sts3215");
+  const auto* model = kaz::servo_bus::find_model("sts3215");
   std::printf("\n");
   return model != nullptr ? 0 : 1;
 }

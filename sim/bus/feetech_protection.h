@@ -1,4 +1,4 @@
-// Protection of a virtual servo: overload, overcurrent, voltage, temperature.
+// Protection of a virtual servo of Feetech's: overload, overcurrent, voltage, temperature.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Data sheet STS3215 (2020-04-10) and memory tables: a torque above overload_torque for protection_time
@@ -12,14 +12,14 @@
 // torque on again.
 #pragma once
 
+#include "sim/bus/feetech_motion.h"
 #include "sim/bus/register_file.h"
-#include "sim/bus/servo_motion.h"
 
 namespace kaz::sim {
 
-class ServoProtection {
+class FeetechProtection {
  public:
-  // One step, after ServoMotion::step() computed `duty`. Sets `status`, `present_voltage` and the like.
+  // One step, after FeetechMotion::step() computed `duty`. Sets `status`, `present_voltage` and the like.
   void step(RegisterFile& registers, const ServoReading& reading, double duty, double step_s);
   // Highest duty for the coming step, 0..1.
   double limit(const RegisterFile& registers) const;

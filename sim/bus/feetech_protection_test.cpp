@@ -1,6 +1,6 @@
 // Overload, overcurrent, voltage, temperature: when they act, what they do, and what releases them.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/bus/servo_protection.h"
+#include "sim/bus/feetech_protection.h"
 
 #include <gtest/gtest.h>
 

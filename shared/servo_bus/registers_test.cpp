@@ -1,14 +1,14 @@
 // Register tables against the corpus, which was transcribed from the published tables apart from them.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/feetech/registers.h"
+#include "shared/servo_bus/registers.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "shared/feetech/corpus_testing.h"
+#include "shared/servo_bus/corpus_testing.h"
 
-namespace kaz::feetech {
+namespace kaz::servo_bus {
 namespace {
 
 class Table : public testing::TestWithParam<std::string> {
@@ -18,21 +18,25 @@ class Table : public testing::TestWithParam<std::string> {
 
 TEST_P(Table, IsThatOfTheCorpus) {
   const auto rows = test::corpus_of(GetParam());
-  ASSERT_EQ(rows.size(), model().registers.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const test::CorpusRow& row = rows[i];
-    const Register& reg = model().registers[i];
+  int in_table = 0;
+  for (const Register& reg : model().registers) in_table += reg.count;
+  ASSERT_EQ(rows.size(), static_cast<std::size_t>(in_table));
+  for (const test::CorpusRow& row : rows) {
     SCOPED_TRACE(row.what);
-    EXPECT_EQ(reg.address, row.address);
+    const Register* found = model().at(row.address);
+    ASSERT_NE(found, nullptr);
+    const Register& reg = *found;
+    const int index = (row.address - reg.address) / reg.size;
+    EXPECT_EQ(reg.address + index * reg.size, row.address);
     EXPECT_EQ(reg.size, row.size);
     EXPECT_EQ(reg.writable, row.writable);
     EXPECT_EQ(reg.eeprom, row.eeprom);
     EXPECT_EQ(reg.sign_bit, row.sign_bit);
-    EXPECT_EQ(reg.initial, row.factory.value_or(reg.initial));
+    EXPECT_EQ(model().initial(reg, index), row.factory.value_or(model().initial(reg, index)));
     if (!row.writable) continue;
     EXPECT_EQ(reg.min, row.min);
-    // Besides its three states, torque_enable takes 128 as a command.
-    EXPECT_EQ(reg.name == "torque_enable" ? 2 : reg.max, row.max);
+    // Besides its three states, Feetech's takes 128 as a command.
+    EXPECT_EQ(row.what == "torque switch" ? 2 : reg.max, row.max);
   }
 }
 
@@ -42,7 +46,7 @@ TEST_P(Table, RegistersDoNotOverlapAndHoldTheirRange) {
   for (const Register& reg : model().registers) {
     SCOPED_TRACE(reg.name);
     EXPECT_TRUE(names.insert(reg.name).second);
-    for (int k = 0; k < reg.size; ++k) EXPECT_TRUE(taken.insert(reg.address + k).second);
+    for (int k = reg.address; k < reg.end(); ++k) EXPECT_TRUE(taken.insert(k).second);
     for (const int value : {reg.min, reg.max, reg.initial}) {
       const auto bytes = encode(model(), reg, value);
       EXPECT_EQ(bytes.size(), reg.size);
@@ -54,7 +58,9 @@ TEST_P(Table, RegistersDoNotOverlapAndHoldTheirRange) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, Table, testing::Values("sts3215", "scs0009"));
+INSTANTIATE_TEST_SUITE_P(Models, Table,
+                         testing::Values("sts3215", "scs0009", "xl330-m288", "xl330-m077",
+                                         "xl430-w250", "xm430-w350"));
 
 // Examples of the public sources: byte order and signs.
 TEST(Values, ByteOrderAndSigns) {
@@ -74,11 +80,28 @@ TEST(Values, ByteOrderAndSigns) {
       2047);
 }
 
+TEST(Values, TwosComplement) {
+  const Model& xl330 = *find_model("xl330-m288");
+  using Bytes = std::vector<std::uint8_t>;
+  EXPECT_EQ(encode(xl330, *xl330.find("goal_current"), -2), (Bytes{0xFE, 0xFF}));
+  EXPECT_EQ(encode(xl330, *xl330.find("homing_offset"), -1024), (Bytes{0x00, 0xFC, 0xFF, 0xFF}));
+  EXPECT_EQ(decode(xl330, *xl330.find("present_position"), Bytes{0xFF, 0xFF, 0xFF, 0xFF}), -1);
+  EXPECT_EQ(decode(xl330, *xl330.find("bus_watchdog"), Bytes{0xFF}), -1);
+  EXPECT_EQ(encode(xl330, *xl330.find("present_input_voltage"), 50), (Bytes{0x32, 0x00}));
+}
+
+TEST(Values, OnlyThoseThatAreListed) {
+  const Register& mode = *find_model("xl430-w250")->find("operating_mode");
+  for (int value = -1; value < 20; ++value)
+    EXPECT_EQ(mode.allows(value), value == 1 || value == 3 || value == 4 || value == 16) << value;
+}
+
 TEST(Models, AreFoundByName) {
-  EXPECT_EQ(models().size(), 2u);
+  EXPECT_EQ(models().size(), 6u);
   EXPECT_EQ(find_model("sts3215")->number, 777);
+  EXPECT_EQ(find_model("xl330-m077")->number, 1190);
   EXPECT_EQ(find_model("sts9999"), nullptr);
 }
 
 }  // namespace
-}  // namespace kaz::feetech
+}  // namespace kaz::servo_bus

@@ -1,12 +1,12 @@
 // bus.json: what it says, and what it must not say.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/feetech/bus_file.h"
+#include "shared/servo_bus/bus_file.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-namespace kaz::feetech {
+namespace kaz::servo_bus {
 namespace {
 
 TEST(BusFile, OfTheArmIsRead) {
@@ -17,6 +17,36 @@ TEST(BusFile, OfTheArmIsRead) {
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(file->servos[i].id, static_cast<int>(i) + 1);
     EXPECT_EQ(file->servos[i].model->name, "sts3215");
+  }
+}
+
+TEST(BusFile, RateAndSettingsOfDynamixels) {
+  const auto file = [](const std::string& more) {
+    return R"({"protocol": "dynamixel", "supply_volts": 5, )" + more +
+           R"( "servos": [{"joint": "a", "id": 1, "model": "xl330-m288"}]})";
+  };
+  const auto plain = parse_bus_file("bus.json", file(""));
+  ASSERT_TRUE(plain) << plain.error().message;
+  EXPECT_EQ(plain->protocol, Protocol::dynamixel);
+  EXPECT_EQ(plain->baud, 57600);
+  EXPECT_TRUE(plain->settings.empty());
+  const auto set_up =
+      parse_bus_file("bus.json", file(R"("baud": 4000000, "settings": {"return_delay_time": 0},)"));
+  ASSERT_TRUE(set_up) << set_up.error().message;
+  EXPECT_EQ(set_up->baud, 4'000'000);
+  ASSERT_EQ(set_up->settings.size(), 1u);
+  EXPECT_EQ(set_up->settings[0].name, "return_delay_time");
+  const std::pair<const char*, const char*> wrong[] = {
+      {R"("baud": 128000,)", "\"baud\" is no rate"},
+      {R"("settings": 1,)", "\"settings\" is no object"},
+      {R"("settings": {"id": 3},)", "\"id\" in \"settings\" is no register"},
+      {R"("settings": {"torque_enable": 1},)", "\"torque_enable\""},
+      {R"("settings": {"operating_mode": 2},)", "a value that the register"},
+      {R"("settings": {"operating_mode": "3"},)", "a value that the register"}};
+  for (const auto& [more, reason] : wrong) {
+    const auto parsed = parse_bus_file("bus.json", file(more));
+    ASSERT_FALSE(parsed) << more;
+    EXPECT_NE(parsed.error().message.find(reason), std::string::npos) << parsed.error().message;
   }
 }
 
@@ -40,11 +70,12 @@ TEST(BusFile, RefusesWithAReason) {
   const std::pair<std::string, std::string> wrong[] = {
       {"", "no JSON object"},
       {"[]", "no JSON object"},
-      {R"({"protocol": "dynamixel", "supply_volts": 7, "servos": []})", "\"feetech\""},
+      {R"({"protocol": "can", "supply_volts": 7, "servos": []})", "\"feetech\" nor \"dynamixel\""},
       {file(""), "missing or empty"},
       {file(R"({"joint": "a", "id": 254, "model": "sts3215"})"), "\"id\""},
       {file(R"({"joint": "a", "id": 1.5, "model": "sts3215"})"), "whole number"},
       {file(R"({"joint": "a", "id": 1, "model": "mx64"})"), "scs0009, sts3215"},
+      {file(R"({"joint": "a", "id": 1, "model": "xl330-m288"})"), "those that are: scs0009"},
       {file(R"({"joint": "a", "id": 1, "model": "sts3215", "zeroo": 3})"), "\"zeroo\""},
       {file(R"({"joint": "a", "id": 1, "model": "sts3215", "reversed": 1})"), "\"reversed\""},
       {file(servo + "," + servo), "two servos"},
@@ -59,4 +90,4 @@ TEST(BusFile, RefusesWithAReason) {
 }
 
 }  // namespace
-}  // namespace kaz::feetech
+}  // namespace kaz::servo_bus

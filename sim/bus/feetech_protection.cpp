@@ -1,6 +1,6 @@
-// Protection of a virtual servo.
+// Protection of a virtual servo of Feetech's.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/bus/servo_protection.h"
+#include "sim/bus/feetech_protection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ bool acts(const RegisterFile& registers, feetech::StatusBit bit) {
 
 }  // namespace
 
-double ServoProtection::limit(const RegisterFile& registers) const {
+double FeetechProtection::limit(const RegisterFile& registers) const {
   if (overcurrent_ && acts(registers, feetech::kCurrentError)) return 0;
   if (bad_voltage_ && acts(registers, feetech::kVoltageError)) return 0;
   if (overloaded_ && acts(registers, feetech::kOverloadError))
@@ -27,8 +27,8 @@ double ServoProtection::limit(const RegisterFile& registers) const {
   return 1;
 }
 
-void ServoProtection::step(RegisterFile& registers, const ServoReading& reading, double duty,
-                           double step_s) {
+void FeetechProtection::step(RegisterFile& registers, const ServoReading& reading, double duty,
+                             double step_s) {
   const double volts = 10 * reading.supply_volts, celsius = std::round(reading.case_celsius);
   registers.set("present_voltage", static_cast<int>(std::lround(std::clamp(volts, 0.0, 254.0))));
   registers.set("present_temperature", static_cast<int>(std::clamp(celsius, 0.0, 254.0)));

@@ -1,6 +1,6 @@
 // The protocol of a virtual servo: the manuals' examples, answers and silence, memory.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/bus/virtual_servo.h"
+#include "sim/bus/feetech_servo.h"
 
 #include <gtest/gtest.h>
 
@@ -32,9 +32,9 @@ TEST(ManualExample, IsAnsweredByteForByte) {
       continue;  // of registers or instructions that no servo here has
     SCOPED_TRACE(example.at("name").get<std::string>());
     ++played;
-    std::vector<VirtualServo> servos;
+    std::vector<FeetechServo> servos;
     for (const auto& [id, registers] : example.at("servos").items()) {
-      VirtualServo& servo = servos.emplace_back(*feetech::find_model("sts3215"), std::stoi(id));
+      FeetechServo& servo = servos.emplace_back(*servo_bus::find_model("sts3215"), std::stoi(id));
       for (const auto& [name, value] : registers.items())
         servo.registers().set(name, value.get<int>());
     }
@@ -56,7 +56,7 @@ TEST(ManualExample, IsAnsweredByteForByte) {
     for (const std::string text : example.at("answers")) expected.push_back(bytes_of(text));
     EXPECT_EQ(answers, expected);
     if (!example.contains("after")) continue;
-    for (VirtualServo& servo : servos) {
+    for (FeetechServo& servo : servos) {
       for (const auto& [name, value] : example.at("after").items())
         EXPECT_EQ(servo.registers().get(name), value.get<int>()) << name;
     }
@@ -64,7 +64,7 @@ TEST(ManualExample, IsAnsweredByteForByte) {
   EXPECT_EQ(played, 17);
 }
 
-TEST(VirtualServo, RegWriteWaitsForAction) {
+TEST(FeetechServo, RegWriteWaitsForAction) {
   const auto bus = bus_of({1, 2});
   BusHost host(*bus);
   for (const int id : {1, 2}) {
@@ -81,7 +81,7 @@ TEST(VirtualServo, RegWriteWaitsForAction) {
   }
 }
 
-TEST(VirtualServo, AtResponseLevelZeroOnlyPingAndReadsAreAnswered) {
+TEST(FeetechServo, AtResponseLevelZeroOnlyPingAndReadsAreAnswered) {
   const auto bus = bus_of({1});
   BusHost host(*bus);
   EXPECT_TRUE(host.set(1, "response_level", 0)) << "the write itself is of level 1";
@@ -93,7 +93,7 @@ TEST(VirtualServo, AtResponseLevelZeroOnlyPingAndReadsAreAnswered) {
   EXPECT_EQ(host.send(request(feetech::kBroadcast, Instruction::sync_read, {56, 2, 1})).size(), 1u);
 }
 
-TEST(VirtualServo, IsSilentToOthersRequestsAndToWhatIsNoRequest) {
+TEST(FeetechServo, IsSilentToOthersRequestsAndToWhatIsNoRequest) {
   const auto bus = bus_of({1});
   BusHost host(*bus);
   EXPECT_TRUE(host.send(request(2, Instruction::ping)).empty());
@@ -109,7 +109,7 @@ TEST(VirtualServo, IsSilentToOthersRequestsAndToWhatIsNoRequest) {
   EXPECT_EQ(host.send(request(1, Instruction::ping)).size(), 1u);
 }
 
-TEST(VirtualServo, AnswersAChangeOfItsIdWithTheOldOne) {
+TEST(FeetechServo, AnswersAChangeOfItsIdWithTheOldOne) {
   const auto bus = bus_of({1});
   BusHost host(*bus);
   EXPECT_TRUE(host.set(1, "id", 9));
@@ -117,7 +117,7 @@ TEST(VirtualServo, AnswersAChangeOfItsIdWithTheOldOne) {
   EXPECT_EQ(host.send(request(9, Instruction::ping)).size(), 1u);
 }
 
-TEST(VirtualServo, AnswersAChangeOfItsRateAtTheOldOne) {
+TEST(FeetechServo, AnswersAChangeOfItsRateAtTheOldOne) {
   const auto bus = bus_of({1});
   BusHost host(*bus);
   EXPECT_TRUE(host.set(1, "baud_rate", 4));
@@ -126,7 +126,7 @@ TEST(VirtualServo, AnswersAChangeOfItsRateAtTheOldOne) {
   EXPECT_EQ(host.send(request(1, Instruction::ping)).size(), 1u);
 }
 
-TEST(VirtualServo, KeepsEepromWhileUnlockedAndLosesRam) {
+TEST(FeetechServo, KeepsEepromWhileUnlockedAndLosesRam) {
   const auto bus = bus_of({1});
   BusHost host(*bus);
   EXPECT_TRUE(host.set(1, "position_p", 16));
@@ -147,7 +147,7 @@ TEST(VirtualServo, KeepsEepromWhileUnlockedAndLosesRam) {
   EXPECT_EQ(host.get(1, "torque_limit"), 300) << "copied at power-on";
 }
 
-TEST(VirtualServo, RestartIsNotAnsweredAndTakesItsTime) {
+TEST(FeetechServo, RestartIsNotAnsweredAndTakesItsTime) {
   const auto bus = bus_of({1});
   BusHost host(*bus);
   EXPECT_TRUE(host.set(1, "acceleration", 50));
@@ -159,7 +159,7 @@ TEST(VirtualServo, RestartIsNotAnsweredAndTakesItsTime) {
   EXPECT_EQ(host.get(1, "acceleration"), 0);
 }
 
-TEST(VirtualServo, BackupAndRestoreNeedTheLockOpen) {
+TEST(FeetechServo, BackupAndRestoreNeedTheLockOpen) {
   const auto bus = bus_of({3});
   BusHost host(*bus);
   EXPECT_TRUE(host.set(3, "position_p", 16));
@@ -176,7 +176,7 @@ TEST(VirtualServo, BackupAndRestoreNeedTheLockOpen) {
   EXPECT_EQ(host.get(3, "position_p"), 20);
 }
 
-TEST(VirtualServo, BytesTooFarApartAreNoPacket) {
+TEST(FeetechServo, BytesTooFarApartAreNoPacket) {
   const auto bus = bus_of({1});
   BusHost host(*bus);
   const Bytes ping = feetech::wire_of(request(1, Instruction::ping));

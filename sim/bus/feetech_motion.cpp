@@ -1,6 +1,6 @@
-// The motion of a virtual servo.
+// The motion of a virtual servo of Feetech's.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/bus/servo_motion.h"
+#include "sim/bus/feetech_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,14 +23,14 @@ double at_least(double value, double least) {
 
 }  // namespace
 
-ServoMotion::Mode ServoMotion::mode_of(const RegisterFile& registers) const {
+FeetechMotion::Mode FeetechMotion::mode_of(const RegisterFile& registers) const {
   if (registers.has("mode")) return static_cast<Mode>(registers.get("mode"));
   const bool free = registers.get("min_angle") == 0 && registers.get("max_angle") == 0;
   return free ? Mode::duty : Mode::position;
 }
 
-int ServoMotion::position(const RegisterFile& registers) const {
-  const feetech::Model& model = registers.model();
+int FeetechMotion::position(const RegisterFile& registers) const {
+  const servo_bus::Model& model = registers.model();
   const double counted = std::round(steps_);
   if (!model.full_turn) return static_cast<int>(std::clamp(counted, 0.0, model.steps - 1.0));
   const int offset = registers.get("position_offset");
@@ -41,26 +41,26 @@ int ServoMotion::position(const RegisterFile& registers) const {
   return wrapped < 0 ? wrapped + model.steps : wrapped;
 }
 
-void ServoMotion::power_on(const ServoReading& reading) {
+void FeetechMotion::power_on(const ServoReading& reading) {
   *this = {};
   steps_ = reading.steps;
 }
 
-void ServoMotion::reset_turns(const feetech::Model& model) {
+void FeetechMotion::reset_turns(const servo_bus::Model& model) {
   turns_origin_ = std::floor(std::round(steps_) / model.steps) * model.steps;
 }
 
-void ServoMotion::goal_written(const RegisterFile& registers) {
+void FeetechMotion::goal_written(const RegisterFile& registers) {
   timed_speed_ = 0;
   if (mode_of(registers) == Mode::steps)
     steps_goal_ = (goal_known_ ? steps_goal_ : std::round(steps_)) + registers.get("goal_position");
   goal_known_ = true;
   // SCS: the profile's speed is such that the motion takes goal_time.
   const int ms = registers.has("mode") ? 0 : registers.get("goal_time");
-  if (ms > 0) timed_speed_ = std::abs(goal(registers) - target_) / (1e-3 * ms);
+  if (ms > 0) timed_speed_ = std::abs(goal(registers) - trajectory_.position) / (1e-3 * ms);
 }
 
-void ServoMotion::set_position(RegisterFile& registers, int position) {
+void FeetechMotion::set_position(RegisterFile& registers, int position) {
   const int steps = registers.model().steps;
   const int encoder = static_cast<int>(std::fmod(std::round(steps_), steps));
   // The shortest offset that does it; the register holds half a turn either way.
@@ -72,22 +72,20 @@ void ServoMotion::set_position(RegisterFile& registers, int position) {
   hold(this->position(registers));
 }
 
-double ServoMotion::goal(const RegisterFile& registers) const {
+double FeetechMotion::goal(const RegisterFile& registers) const {
   const double wanted = registers.get("goal_position");
   const int low = registers.get("min_angle"), high = registers.get("max_angle");
   if (low == 0 && high == 0) return wanted;
   return std::clamp<double>(wanted, std::min(low, high), std::max(low, high));
 }
 
-void ServoMotion::hold(double position) {
-  target_ = position;
-  target_speed_ = 0;
+void FeetechMotion::hold(double position) {
+  trajectory_.hold(position);
   integral_ = 0;
   errors_.fill(0);
 }
 
-// A trapezoid of speed towards the goal, from wherever the profile is: as fast as it can still stop.
-void ServoMotion::follow_profile(const RegisterFile& registers, double goal, double step_s) {
+void FeetechMotion::follow_profile(const RegisterFile& registers, double goal, double step_s) {
   const double unit = registers.get("speed_unit");
   const double highest = registers.has("max_speed") ? unit * registers.get("max_speed") : INFINITY;
   double speed = std::abs(registers.get("goal_speed"));
@@ -99,26 +97,11 @@ void ServoMotion::follow_profile(const RegisterFile& registers, double goal, dou
   speed = std::min(speed, highest);
   int acceleration = registers.get("acceleration");
   if (acceleration == 0) acceleration = registers.get("max_acceleration");
-  const double left = goal - target_;
-  if (acceleration == 0) {
-    const double moved = std::clamp(left, -speed * step_s, speed * step_s);
-    target_ += moved;
-    target_speed_ = moved / step_s;
-    return;
-  }
-  const double rate = 100.0 * acceleration, change = rate * step_s;
-  const double can_stop = std::sqrt(2 * rate * std::abs(left));
-  const double wanted = std::copysign(std::min(speed, can_stop), left);
-  target_speed_ += std::clamp(wanted - target_speed_, -change, change);
-  target_ += target_speed_ * step_s;
-  const bool arrived = (goal - target_) * left <= 0 && std::abs(target_speed_) <= 2 * change;
-  if (!arrived) return;
-  target_ = goal;
-  target_speed_ = 0;
+  trajectory_.go_to(goal, speed, 100.0 * acceleration, step_s);
 }
 
-double ServoMotion::position_loop(const RegisterFile& registers, double position, double step_s) {
-  double error = target_ - position;
+double FeetechMotion::position_loop(const RegisterFile& registers, double position, double step_s) {
+  double error = trajectory_.position - position;
   if (error <= registers.get("dead_zone_ccw") && error >= -registers.get("dead_zone_cw")) error = 0;
   const double rad = error / registers.model().steps_per_rad();
   ++newest_;
@@ -133,18 +116,17 @@ double ServoMotion::position_loop(const RegisterFile& registers, double position
   return error == 0 ? i * integral_ : at_least(duty, 1e-3 * registers.get("min_start_force"));
 }
 
-double ServoMotion::speed_loop(const RegisterFile& registers, double speed, double step_s) {
+double FeetechMotion::speed_loop(const RegisterFile& registers, double speed, double step_s) {
   const int goal = registers.get("goal_speed"), acceleration = registers.get("acceleration");
-  const double change = acceleration == 0 ? INFINITY : 100.0 * acceleration * step_s;
-  target_speed_ += std::clamp(goal - target_speed_, -change, change);
-  const double error = (target_speed_ - speed) / registers.model().steps_per_rad();
+  trajectory_.reach_speed(goal, 100.0 * acceleration, step_s);
+  const double error = (trajectory_.speed - speed) / registers.model().steps_per_rad();
   const double i = kSpeedDutyPerRad * registers.get("speed_i");
   integral_ = i > 0 ? std::clamp(integral_ + error * step_s, -1 / i, 1 / i) : 0;
   return kSpeedDutyPerRadPerS * registers.get("speed_p") * error + i * integral_;
 }
 
-MotorDrive ServoMotion::step(RegisterFile& registers, const ServoReading& reading, double limit,
-                             double step_s) {
+MotorDrive FeetechMotion::step(RegisterFile& registers, const ServoReading& reading, double limit,
+                               double step_s) {
   steps_ = reading.steps;
   const Mode mode = mode_of(registers);
   const int torque = registers.get("torque_enable");
@@ -174,7 +156,7 @@ MotorDrive ServoMotion::step(RegisterFile& registers, const ServoReading& readin
       duty_ = position_loop(registers, place, step_s);
       break;
     case Mode::speed:
-      target_ = place;
+      trajectory_.position = place;
       duty_ = speed_loop(registers, reading.speed, step_s);
       break;
     case Mode::duty: {
@@ -192,13 +174,14 @@ MotorDrive ServoMotion::step(RegisterFile& registers, const ServoReading& readin
   return {.duty = duty_, .powered = true};
 }
 
-void ServoMotion::report(RegisterFile& registers, const ServoReading& reading, int position) const {
+void FeetechMotion::report(RegisterFile& registers, const ServoReading& reading,
+                           int position) const {
   registers.set("present_position", position);
   registers.set("present_speed", static_cast<int>(std::lround(reading.speed)));
   registers.set("present_load", static_cast<int>(std::lround(1e3 * duty_)));
-  registers.set("present_target", static_cast<int>(std::lround(target_)));
+  registers.set("present_target", static_cast<int>(std::lround(trajectory_.position)));
   const double threshold = registers.get("moving_threshold", 1) * registers.get("speed_unit", 20);
-  registers.set("moving", target_speed_ != 0 || std::abs(reading.speed) > threshold ? 1 : 0);
+  registers.set("moving", trajectory_.speed != 0 || std::abs(reading.speed) > threshold ? 1 : 0);
 }
 
 }  // namespace kaz::sim

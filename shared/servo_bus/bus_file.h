@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "shared/feetech/registers.h"
+#include "shared/servo_bus/registers.h"
 
-namespace kaz::feetech {
+namespace kaz::servo_bus {
 
 struct BusServo {
   std::string joint;
@@ -25,9 +25,18 @@ struct BusServo {
   double sign() const { return reversed ? -1 : 1; }
 };
 
+// A register of every servo, as it was written when the robot was set up.
+struct BusSetting {
+  std::string name;
+  int value = 0;
+};
+
 struct BusFile {
+  Protocol protocol = Protocol::feetech;
+  long baud = 0;
   double supply_volts = 0;
   double supply_ohm = 0;  // of battery and wires together
+  std::vector<BusSetting> settings;
   std::vector<BusServo> servos;
 };
 
@@ -36,4 +45,4 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
 // bus.json beside the URDF.
 Result<BusFile> load_bus_file(const std::string& urdf_path);
 
-}  // namespace kaz::feetech
+}  // namespace kaz::servo_bus

@@ -1,4 +1,4 @@
-// For tests: the register corpus, rows of shared/feetech/corpus.
+// For tests: the register corpus, rows of shared/feetech/corpus and shared/dynamixel/corpus.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,10 +11,13 @@
 #include <string>
 #include <vector>
 
-namespace kaz::feetech::test {
+#include "shared/servo_bus/registers.h"
+
+namespace kaz::servo_bus::test {
 
 struct CorpusRow {
-  std::uint8_t address = 0, size = 0, sign_bit = 0;
+  std::uint16_t address = 0;
+  std::uint8_t size = 0, sign_bit = 0;
   bool writable = false, eeprom = false;
   std::optional<int> factory;  // none: changes by itself
   int min = 0, max = 0;
@@ -22,7 +25,8 @@ struct CorpusRow {
 };
 
 inline std::vector<CorpusRow> corpus_of(const std::string& model) {
-  std::ifstream file("shared/feetech/corpus/" + model + ".csv");
+  const std::string folder(name_of(find_model(model)->protocol));
+  std::ifstream file("shared/" + folder + "/corpus/" + model + ".csv");
   EXPECT_TRUE(file) << model;
   std::vector<CorpusRow> rows;
   for (std::string line; std::getline(file, line);) {
@@ -32,7 +36,7 @@ inline std::vector<CorpusRow> corpus_of(const std::string& model) {
     for (std::string& one : cell) std::getline(cells, one, ',');
     const auto number = [&](std::size_t i) { return cell[i].empty() ? 0 : std::stoi(cell[i]); };
     CorpusRow row;
-    row.address = static_cast<std::uint8_t>(number(0));
+    row.address = static_cast<std::uint16_t>(number(0));
     row.size = static_cast<std::uint8_t>(number(1));
     row.writable = cell[2] == "RW";
     row.eeprom = cell[3] == "EEPROM";
@@ -46,4 +50,4 @@ inline std::vector<CorpusRow> corpus_of(const std::string& model) {
   return rows;
 }
 
-}  // namespace kaz::feetech::test
+}  // namespace kaz::servo_bus::test

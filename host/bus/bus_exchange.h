@@ -1,0 +1,107 @@
+// Requests on a half-duplex bus, and their answers: one is under way at a time.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Wire says what packets are like: Packet (with `id` and `parameters`, comparable), Reader, wire_of(packet),
+// and answers(packet, parameters): is it an answer with so many parameters, or one that says why not?
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/bus/bus_driver.h"
+
+namespace kaz::host {
+
+template <class Wire>
+class BusExchange {
+ public:
+  using Packet = typename Wire::Packet;
+  using Answer = std::optional<Packet>;
+  // Longer than an adapter without low latency keeps an answer.
+  static constexpr Time kAnswerWithin = std::chrono::milliseconds(30);
+  static constexpr int kTries = 2;
+
+  BusExchange(Link& link, Clock& clock) : link_(link), clock_(clock) {}
+
+  // What came before belongs to no request any more.
+  Result<void> send(const Packet& request) {
+    std::array<std::uint8_t, 256> old{};
+    while (KAZ_TRY(link_.read(old, clock_.now())) > 0) {
+    }
+    come_.clear();
+    reader_.reset();
+    ++counts_.requests;
+    return link_.write(Wire::wire_of(request));
+  }
+
+  // Nothing: it did not come in time, or damaged. An adapter may hand back the request itself.
+  Result<Answer> receive(std::uint8_t id, std::size_t parameters, const Packet& request) {
+    const Time deadline = clock_.now() + kAnswerWithin;
+    std::array<std::uint8_t, 256> bytes{};
+    while (true) {
+      for (std::size_t i = 0; i < come_.size(); ++i) {
+        const auto event = reader_.take(come_[i]);
+        if (event == Wire::Reader::Event::none) continue;
+        if (event != Wire::Reader::Event::packet) {
+          come_.clear();
+          ++counts_.damaged;
+          return Answer();
+        }
+        const Packet packet = reader_.packet();
+        if (packet == request) continue;
+        come_.erase(come_.begin(), come_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        if (packet.id == id && Wire::answers(packet, parameters)) return Answer(packet);
+        ++counts_.damaged;
+        return Answer();
+      }
+      come_.clear();
+      if (clock_.now() >= deadline) return Answer();
+      const std::size_t count = KAZ_TRY(link_.read(bytes, deadline));
+      come_.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
+    }
+  }
+
+  Result<Answer> query(const Packet& request, std::size_t parameters) {
+    for (int i = 0; i < kTries; ++i) {
+      KAZ_TRY(send(request));
+      auto answer = KAZ_TRY(receive(request.id, parameters, request));
+      if (answer) return answer;
+    }
+    ++counts_.missing;
+    return Answer();
+  }
+
+  // The answers to one request of them all, and of those that did not come to one of each.
+  template <class ReadOne>
+  Result<std::vector<Answer>> query_all(BusDriver::Servos servos, const Answer& together,
+                                        std::size_t parameters, ReadOne read_one) {
+    std::vector<Answer> answers(servos.size());
+    if (together && !servos.empty()) {
+      KAZ_TRY(send(*together));
+      for (std::size_t i = 0; i < servos.size(); ++i) {
+        answers[i] =
+            KAZ_TRY(receive(static_cast<std::uint8_t>(servos[i]->id), parameters, *together));
+        // Those behind it may be silent, too: each is requested by itself.
+        if (!answers[i]) break;
+      }
+    }
+    for (std::size_t i = 0; i < servos.size(); ++i) {
+      if (!answers[i]) answers[i] = KAZ_TRY(query(read_one(*servos[i]), parameters));
+    }
+    return answers;
+  }
+
+  const BusDriver::Counts& counts() const { return counts_; }
+
+ private:
+  Link& link_;
+  Clock& clock_;
+  typename Wire::Reader reader_;
+  std::vector<std::uint8_t> come_;  // not read into packets yet
+  BusDriver::Counts counts_;
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,179 @@
+// DYNAMIXEL servos of the X series on a bus.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/bus/dynamixel_driver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kaz::host {
+
+using dynamixel::high;
+using dynamixel::Instruction;
+using dynamixel::low;
+using servo_bus::Register;
+
+namespace {
+
+// present_pwm to present_position; present_input_voltage and present_temperature, which change slowly.
+constexpr std::string_view kMotion = "present_pwm", kCircuit = "present_input_voltage";
+constexpr std::size_t kMotionBytes = 12, kCircuitBytes = 3;
+constexpr Time kCircuitPeriod = std::chrono::milliseconds(500);
+// profile_velocity and goal_position.
+constexpr std::string_view kGoal = "profile_velocity";
+constexpr double kFullPwm = 885;
+constexpr double kVelocityUnit = 1000.0 / 64;  // 0.229 rpm, steps/s
+// A servo that reboots is deaf; how long is not published.
+constexpr Time kRebootWithin = std::chrono::seconds(1);
+
+std::uint8_t id_of(const servo_bus::BusServo& servo) {
+  return static_cast<std::uint8_t>(servo.id);
+}
+
+std::uint8_t trouble_of(int hardware_error) {
+  const auto reported = [hardware_error](int bits, ServoTrouble trouble) {
+    return (hardware_error & bits) != 0 ? trouble : ServoTrouble{};
+  };
+  return static_cast<std::uint8_t>(
+      reported(dynamixel::kVoltageError | dynamixel::kShockError, kTroubleVoltage) |
+      reported(dynamixel::kEncoderError, kTroubleSensor) |
+      reported(dynamixel::kTemperatureError, kTroubleHeat) |
+      reported(dynamixel::kOverloadError, kTroubleOverload));
+}
+
+// Of a block that begins at the register `first`.
+int value_in(const servo_bus::Model& model, std::span<const std::uint8_t> block,
+             std::string_view first, std::string_view name) {
+  const Register& reg = *model.find(name);
+  return servo_bus::decode(
+      model, reg,
+      block.subspan(static_cast<std::size_t>(reg.address - model.find(first)->address), reg.size));
+}
+
+}  // namespace
+
+Result<DynamixelDriver::Exchange::Answer> DynamixelDriver::ping(const Servo& servo) {
+  return exchange_.query(dynamixel::request(id_of(servo), Instruction::ping), 3);
+}
+
+Result<std::optional<int>> DynamixelDriver::read(const Servo& servo, std::string_view name) {
+  const Register& reg = *servo.model->find(name);
+  const auto answer = KAZ_TRY(
+      exchange_.query(dynamixel::request(id_of(servo), Instruction::read,
+                                         {low(reg.address), high(reg.address), reg.size, 0}),
+                      reg.size));
+  if (!answer || answer->parameters.size() != reg.size) return std::optional<int>();
+  return std::optional<int>(servo_bus::decode(*servo.model, reg, answer->parameters));
+}
+
+Result<bool> DynamixelDriver::write(const Servo& servo, std::string_view name, int value) {
+  const Register& reg = *servo.model->find(name);
+  std::vector<std::uint8_t> parameters{low(reg.address), high(reg.address)};
+  std::ranges::copy(servo_bus::encode(*servo.model, reg, value), std::back_inserter(parameters));
+  const auto answer = KAZ_TRY(exchange_.query(
+      dynamixel::request(id_of(servo), Instruction::write, std::move(parameters)), 0));
+  return answer && (answer->error & ~dynamixel::kAlert) == 0;
+}
+
+Result<std::optional<BusDriver::Greeting>> DynamixelDriver::greet(const Servo& servo) {
+  const auto answer = KAZ_TRY(ping(servo));
+  if (!answer || answer->parameters.size() != 3) return std::optional<Greeting>();
+  Greeting greeting;
+  greeting.model = answer->parameters[0] + 256 * answer->parameters[1];
+  if (greeting.model == servo.model->number) {
+    greeting.mode = KAZ_TRY(read(servo, "operating_mode"));
+    // The board's ramps are the profile: the servo's own acceleration would make each target late.
+    KAZ_TRY(write(servo, "profile_acceleration", 0));
+  }
+  return std::optional<Greeting>(greeting);
+}
+
+Result<std::vector<DynamixelDriver::Exchange::Answer>> DynamixelDriver::read_block(
+    Servos servos, std::string_view first, std::size_t count) {
+  if (servos.empty()) return std::vector<Exchange::Answer>();
+  // The same place in all models.
+  const std::size_t address = servos.front()->model->find(first)->address;
+  std::vector<std::uint8_t> parameters{low(address), high(address), low(count), high(count)};
+  const auto one = parameters;
+  for (const Servo* servo : servos) parameters.push_back(id_of(*servo));
+  return exchange_.query_all(
+      servos, dynamixel::request(dynamixel::kBroadcast, Instruction::sync_read, parameters), count,
+      [&one](const Servo& servo) {
+        return dynamixel::request(id_of(servo), Instruction::read, one);
+      });
+}
+
+Result<std::vector<std::optional<ServoState>>> DynamixelDriver::read_all(Servos servos) {
+  const auto answers = KAZ_TRY(read_block(servos, kMotion, kMotionBytes));
+  std::vector<std::optional<ServoState>> states(servos.size());
+  for (std::size_t i = 0; i < servos.size(); ++i) {
+    if (!answers[i] || answers[i]->parameters.size() != kMotionBytes) continue;
+    const servo_bus::Model& model = *servos[i]->model;
+    const auto get = [&](const char* name) {
+      return value_in(model, answers[i]->parameters, kMotion, name);
+    };
+    ServoState& state = states[i].emplace();
+    state.steps = get("present_position");
+    state.speed = kVelocityUnit * get("present_velocity");
+    state.duty = get("present_pwm") / kFullPwm;
+    if ((answers[i]->error & dynamixel::kAlert) != 0)
+      state.trouble = trouble_of(KAZ_TRY(read(*servos[i], "hardware_error_status")).value_or(0));
+  }
+  if (clock_.now() < circuit_due_) return states;
+  circuit_due_ = clock_.now() + kCircuitPeriod;
+  const auto circuits = KAZ_TRY(read_block(servos, kCircuit, kCircuitBytes));
+  for (std::size_t i = 0; i < servos.size(); ++i) {
+    if (!states[i] || !circuits[i] || circuits[i]->parameters.size() != kCircuitBytes) continue;
+    const auto get = [&](const char* name) {
+      return value_in(*servos[i]->model, circuits[i]->parameters, kCircuit, name);
+    };
+    states[i]->volts = get("present_input_voltage") / 10.0;
+    states[i]->celsius = get("present_temperature");
+  }
+  return states;
+}
+
+// The goal first: one left from before would be gone to at full speed, were it not forgotten with the torque.
+Result<bool> DynamixelDriver::hold(const Servo& servo, double steps) {
+  KAZ_TRY(write(servo, "goal_position", static_cast<int>(std::lround(steps))));
+  return write(servo, "torque_enable", 1);
+}
+
+Result<void> DynamixelDriver::release(const Servo& servo) {
+  KAZ_TRY(write(servo, "torque_enable", 0));
+  return {};
+}
+
+Result<void> DynamixelDriver::move(std::span<const Goal> goals) {
+  if (goals.empty()) return {};
+  const Register& first = *goals.front().servo->model->find(kGoal);
+  std::vector<std::uint8_t> parameters{low(first.address), high(first.address), 8, 0};
+  for (const Goal& goal : goals) {
+    const servo_bus::Model& model = *goal.servo->model;
+    const auto add = [&](std::string_view name, double value) {
+      const Register& reg = *model.find(name);
+      const long limited = std::clamp(std::lround(value), long{reg.min}, long{reg.max});
+      std::ranges::copy(servo_bus::encode(model, reg, static_cast<int>(limited)),
+                        std::back_inserter(parameters));
+    };
+    parameters.push_back(id_of(*goal.servo));
+    add(kGoal, std::max(1.0, goal.speed / kVelocityUnit));
+    add("goal_position", goal.steps);
+  }
+  return exchange_.send(
+      dynamixel::request(dynamixel::kBroadcast, Instruction::sync_write, std::move(parameters)));
+}
+
+// What its protection switched off, only a reboot lets on again.
+Result<void> DynamixelDriver::recover(std::span<const Goal> troubled) {
+  for (const Goal& one : troubled)
+    KAZ_TRY(exchange_.query(dynamixel::request(id_of(*one.servo), Instruction::reboot), 0));
+  const Time deadline = clock_.now() + kRebootWithin;
+  for (const Goal& one : troubled) {
+    while (!KAZ_TRY(ping(*one.servo)) && clock_.now() < deadline) {
+    }
+    KAZ_TRY(write(*one.servo, "profile_acceleration", 0));
+  }
+  return {};
+}
+
+}  // namespace kaz::host

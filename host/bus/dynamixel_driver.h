@@ -1,0 +1,51 @@
+// DYNAMIXEL servos of the X series on a bus, by protocol 2.0.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string_view>
+
+#include "host/bus/bus_exchange.h"
+#include "shared/dynamixel/packet.h"
+
+namespace kaz::host {
+
+class DynamixelDriver final : public BusDriver {
+ public:
+  DynamixelDriver(Link& link, Clock& clock) : exchange_(link, clock), clock_(clock) {}
+
+  Result<std::optional<Greeting>> greet(const Servo& servo) override;
+  int position_mode() const override { return 3; }
+  Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) override;
+  Result<bool> hold(const Servo& servo, double steps) override;
+  Result<void> release(const Servo& servo) override;
+  Result<void> move(std::span<const Goal> goals) override;
+  Result<void> recover(std::span<const Goal> troubled) override;
+  const Counts& counts() const override { return exchange_.counts(); }
+
+ private:
+  struct Wire {
+    using Packet = dynamixel::Packet;
+    using Reader = dynamixel::PacketReader;
+    static std::vector<std::uint8_t> wire_of(const Packet& packet) {
+      return dynamixel::wire_of(packet);
+    }
+    static bool answers(const Packet& packet, std::size_t parameters) {
+      const bool failed = (packet.error & ~dynamixel::kAlert) != 0;
+      return packet.is_status() && packet.parameters.size() == (failed ? 0 : parameters);
+    }
+  };
+  using Exchange = BusExchange<Wire>;
+  Result<Exchange::Answer> ping(const Servo& servo);
+  Result<std::optional<int>> read(const Servo& servo, std::string_view name);
+  // False: not acknowledged, or refused.
+  Result<bool> write(const Servo& servo, std::string_view name, int value);
+  Result<std::vector<Exchange::Answer>> read_block(Servos servos, std::string_view first,
+                                                   std::size_t count);
+
+  Exchange exchange_;
+  Clock& clock_;
+  Time circuit_due_{};  // when voltages and temperatures are read again
+};
+
+}  // namespace kaz::host

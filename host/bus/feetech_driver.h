@@ -1,0 +1,44 @@
+// Servos of Feetech's on a bus.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include "host/bus/bus_exchange.h"
+#include "shared/feetech/packet.h"
+
+namespace kaz::host {
+
+class FeetechDriver final : public BusDriver {
+ public:
+  FeetechDriver(Link& link, Clock& clock) : exchange_(link, clock) {}
+
+  Result<std::optional<Greeting>> greet(const Servo& servo) override;
+  int position_mode() const override { return 0; }
+  Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) override;
+  Result<bool> hold(const Servo& servo, double steps) override;
+  Result<void> release(const Servo& servo) override;
+  Result<void> move(std::span<const Goal> goals) override;
+  Result<void> recover(std::span<const Goal> troubled) override;
+  const Counts& counts() const override { return exchange_.counts(); }
+
+ private:
+  struct Wire {
+    using Packet = feetech::Packet;
+    using Reader = feetech::PacketReader;
+    static std::vector<std::uint8_t> wire_of(const Packet& packet) {
+      return feetech::wire_of(packet);
+    }
+    static bool answers(const Packet& packet, std::size_t parameters) {
+      return packet.parameters.size() == parameters;
+    }
+  };
+  // Values are those of the model's register of this name, which must exist.
+  Result<std::optional<int>> read(const Servo& servo, std::string_view name);
+  // False: not acknowledged.
+  Result<bool> write(const Servo& servo, std::string_view name, int value);
+
+  BusExchange<Wire> exchange_;
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,16 @@
+// What a virtual servo measures of its shaft and its circuit.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace kaz::sim {
+
+// In the servo's direction.
+struct ServoReading {
+  double steps = 0;      // of the sensor, not wrapped; 0 at the start of its first turn
+  double speed = 0;      // steps/s
+  double current_a = 0;  // through the motor
+  double case_celsius = 25;
+  double supply_volts = 0;
+};
+
+}  // namespace kaz::sim
