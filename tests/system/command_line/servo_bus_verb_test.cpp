@@ -36,6 +36,24 @@ TEST(ServoBusVerb, ServesTheExampleInPython) {
   EXPECT_FALSE(std::filesystem::exists(port + ".ctl"));
 }
 
+TEST(ServoBusVerb, ServesDynamixelsToTheExampleInPython) {
+  const TemporaryFolder folder;
+  const std::string port = folder / "mini";
+  Process sim(kaz({"sim", "--bus", "dynamixel", "--robot-file", "sim/robots/mini/mini.urdf",
+                   "--serial", port, "--suspended"}));
+  ASSERT_TRUE(sim.wait_for_output("ready: 18 servos", seconds(30))) << sim.wait(seconds(0)).err;
+  const Finished nodded = run({KAZ_PYTHON, "-B", "examples/python/servo_humanoid.py", port});
+  EXPECT_EQ(nodded.exit_code, 0) << nodded.out << nodded.err;
+  EXPECT_NE(nodded.out.find("18 servos, 5.0 V"), std::string::npos) << nodded.out;
+  EXPECT_NE(nodded.out.find("lost or damaged: 0"), std::string::npos) << nodded.out;
+  // At another rate nobody answers.
+  const Finished silent = run({KAZ_PYTHON, "-B", "examples/python/servo_humanoid.py", port,
+                               "--baud", "115200", "--ids", "1-5"});
+  EXPECT_EQ(silent.exit_code, 3) << silent.out;
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
+}
+
 TEST(ServoBusVerb, RefusesWhatABusDoesNotHave) {
   const TemporaryFolder folder;
   const std::string port = folder / "arm";
