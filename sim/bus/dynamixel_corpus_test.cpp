@@ -20,6 +20,7 @@ class DynamixelCorpus : public testing::TestWithParam<std::string> {
     rows_ = servo_bus::test::corpus_of(GetParam());
     fresh();
   }
+  void TearDown() override { RecordProperty("cases", cases_); }
   void fresh() {
     bus_ = bus_of({1}, GetParam());
     host_.emplace(*bus_);

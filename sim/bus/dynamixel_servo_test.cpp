@@ -40,10 +40,10 @@ TEST(ManualExample, OfDynamixelIsAnsweredByteForByte) {
     SCOPED_TRACE(example.at("name").get<std::string>());
     ++played;
     std::map<int, DynamixelServo> servos;
+    const auto* model = servo_bus::find_model(example.value("model", "xm430-w350"));
     for (const auto& [id, registers] : example.at("servos").items()) {
       const int number = std::stoi(id);
-      auto& servo =
-          servos.try_emplace(number, *servo_bus::find_model("xm430-w350"), number).first->second;
+      auto& servo = servos.try_emplace(number, *model, number).first->second;
       for (const auto& [name, value] : registers.items()) servo.set_up(name, value.get<int>());
     }
     const auto play = [&](const Bytes& first) {
@@ -80,7 +80,7 @@ TEST(ManualExample, OfDynamixelIsAnsweredByteForByte) {
         expect_after(servo, example.at("after_each").at(std::to_string(id)));
     }
   }
-  EXPECT_EQ(played, 23);
+  EXPECT_EQ(played, 30);
 }
 
 class Dynamixels : public testing::Test {
