@@ -154,6 +154,10 @@ std::optional<VirtualServo::Answer> DynamixelServo::execute(const Packet& packet
   if (packet.id != id && !broadcast && !secondary) return std::nullopt;
   const Bytes parameters = packet.parameters;
   const auto instruction = static_cast<Instruction>(packet.instruction);
+  // EEPROM is out of its reach, so nothing else than these.
+  if (secondary && instruction != Instruction::write && instruction != Instruction::reg_write &&
+      instruction != Instruction::action)
+    return std::nullopt;
   const bool silent = broadcast || secondary || registers_.get("status_return_level") < 2;
   // Composed before anything changes: the id and the alert are those of the request.
   std::array<std::optional<Answer>, 8> answers;
@@ -165,11 +169,11 @@ std::optional<VirtualServo::Answer> DynamixelServo::execute(const Packet& packet
   };
   switch (instruction) {
     case Instruction::ping:
-      if (secondary || !parameters.empty()) return std::nullopt;
+      if (!parameters.empty()) return std::nullopt;
       ++executed_;
       return ping(broadcast);
     case Instruction::read:
-      if (broadcast || secondary || !answers_reads()) return std::nullopt;
+      if (broadcast || !answers_reads()) return std::nullopt;
       if (parameters.size() != 4) return done(Failure::instruction);
       ++executed_;
       return read({number_at(parameters, 0), number_at(parameters, 2)});
@@ -182,7 +186,7 @@ std::optional<VirtualServo::Answer> DynamixelServo::execute(const Packet& packet
       const Bytes data = parameters.subspan(2);
       const Failure failure = items_of(number_at(parameters, 0), data, items);
       if (failure != Failure::none) return done(failure);
-      reg_write_ = {number_at(parameters, 0), {data.begin(), data.end()}};
+      reg_write_ = {number_at(parameters, 0), {data.begin(), data.end()}, secondary};
       registers_.set("registered_instruction", 1);
       return done(Failure::none);
     }
@@ -347,7 +351,8 @@ void DynamixelServo::group_write(Bytes parameters, bool bulk) {
 DynamixelServo::Failure DynamixelServo::action() {
   const auto waiting = std::exchange(reg_write_, std::nullopt);
   registers_.set("registered_instruction", 0);
-  return waiting ? write(waiting->address, waiting->bytes) : Failure::instruction;
+  return waiting ? write(waiting->address, waiting->bytes, waiting->secondary)
+                 : Failure::instruction;
 }
 
 DynamixelServo::Failure DynamixelServo::reset_to_factory(Bytes parameters, bool broadcast,

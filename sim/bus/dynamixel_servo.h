@@ -83,6 +83,7 @@ class DynamixelServo final : public VirtualServo {
   struct RegWrite {
     std::size_t address;
     std::vector<std::uint8_t> bytes;
+    bool secondary;  // it came to secondary_id
   };
   std::optional<RegWrite> reg_write_;
   // Of a group read under way: after whose answer this servo's turn is.

@@ -210,6 +210,12 @@ TEST_F(Dynamixels, SecondaryIdObeysInSilenceAndOnlyInRam) {
   EXPECT_EQ(host->get(1, "led") + host->get(2, "led"), 2);
   EXPECT_EQ(error(Op::write, {9, 0, 1}, 30), kNothing);
   EXPECT_EQ(host->get(1, "return_delay_time"), 250);
+  EXPECT_EQ(error(Op::reg_write, {9, 0, 1}, 30), kNothing);
+  EXPECT_EQ(error(Op::action, {}, 30), kNothing);
+  EXPECT_EQ(error(Op::factory_reset, {1}, 30), kNothing);
+  wait(milliseconds(400));
+  EXPECT_EQ(host->get(1, "return_delay_time"), 250);
+  EXPECT_EQ(host->get(1, "secondary_id"), 30);
   EXPECT_EQ(error(Op::ping, {}, 30), kNothing);
   ASSERT_TRUE(host->set(1, "secondary_id", 253));
   EXPECT_EQ(error(Op::write, {65, 0, 0}, 253 - 1), kNothing);
