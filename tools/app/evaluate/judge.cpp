@@ -92,14 +92,20 @@ void Judge::look(sim::Simulation& simulation) {
       truth.moving = thing->head<2>();
   }
   if (const auto ball = world.object_position("ball"); ball) truth.ball = *ball;
-  if (map_ && simulation.has_eyes()) {
-    Eigen::Isometry3d start_from_world = Eigen::Isometry3d::Identity();
-    start_from_world.linear().topLeftCorner<2, 2>() = start_from_world_.linear();
-    start_from_world.translation().head<2>() = start_from_world_.translation();
-    map_->look(truth.time, start_from_world * world.link_pose("left_eye"),
-               simulation.camera().model());
-  }
+  if (map_ && simulation.has_eyes() && map_->looks_at(truth.time)) look_at_outlines(simulation);
   look(truth);
+}
+
+void Judge::look_at_outlines(sim::Simulation& simulation) {
+  const sim::World& world = simulation.world();
+  // The eyes draw the same files: they can be read.
+  if (!own_) own_ = OwnBody::make(world.scene(), world.link_order()).value();
+  Eigen::Isometry3d start_from_world = Eigen::Isometry3d::Identity();
+  start_from_world.linear().topLeftCorner<2, 2>() = start_from_world_.linear();
+  start_from_world.translation().head<2>() = start_from_world_.translation();
+  own_->move(world.pose(), start_from_world);
+  map_->look(simulation.time(), start_from_world * world.link_pose("left_eye"),
+             simulation.camera().model(), &*own_);
 }
 
 void Judge::look(const Truth& truth) {

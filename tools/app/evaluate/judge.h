@@ -99,6 +99,7 @@ class Judge final : public Onlooker, public behavior::Sink {
   nlohmann::ordered_json json() const;
 
  private:
+  void look_at_outlines(sim::Simulation& simulation);
   struct Gaze {
     Time time{};
     bool near = false;  // within 3 degrees of the ball
@@ -113,6 +114,7 @@ class Judge final : public Onlooker, public behavior::Sink {
   bool was_hit_ = false;
   std::optional<WayWatch> way_;
   std::optional<MapTruth> map_;
+  std::optional<OwnBody> own_;  // of the first look on
   Eigen::Isometry2d start_from_world_ = Eigen::Isometry2d::Identity();
   std::optional<Eigen::Isometry3d> start_;
   Truth last_;

@@ -72,16 +72,22 @@ bool MapTruth::hidden(const Vector2d& from, const Vector2d& at) const {
   return false;
 }
 
+bool MapTruth::looks_at(Time now) const {
+  return looked_ < Time::zero() || seconds(now - looked_) >= kLookEvery_s;
+}
+
 void MapTruth::look(Time now, const Eigen::Isometry3d& start_from_eye,
-                    const vision::CameraModel& camera) {
+                    const vision::CameraModel& camera, const OwnBody* own) {
+  if (!looks_at(now)) return;
   const double since = looked_ < Time::zero() ? kLookEvery_s : seconds(now - looked_);
-  if (since < kLookEvery_s) return;
   looked_ = now;
   const Eigen::Isometry3d eye_from_start = start_from_eye.inverse();
   const Vector2d eye = start_from_eye.translation().head<2>();
+  const Vector3d left = start_from_eye.translation(),
+                 right = start_from_eye * Vector3d(camera.baseline_m, 0, 0);
   for (Outline& one : outline_) {
     if (one.seen_s >= kInView_s || (one.at - eye).norm() > kWithin) continue;
-    const Vector3d p = eye_from_start * Vector3d(one.at.x(), one.at.y(), kAboveFloor);
+    const Vector3d at(one.at.x(), one.at.y(), kAboveFloor), p = eye_from_start * at;
     if (p.z() < 0.1) continue;
     const double u = camera.fx * p.x() / p.z() + camera.cx,
                  v = camera.fy * p.y() / p.z() + camera.cy;
@@ -89,6 +95,8 @@ void MapTruth::look(Time now, const Eigen::Isometry3d& start_from_eye,
     if (in_right < 0 || v < 0 || u > camera.width - 1 || v > camera.height - 1 ||
         hidden(eye, one.at))
       continue;
+    // One eye alone has no depth.
+    if (own != nullptr && (own->hides(left, at) || own->hides(right, at))) continue;
     one.seen_s += std::min(since, 2 * kLookEvery_s);
   }
 }

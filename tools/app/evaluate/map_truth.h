@@ -11,6 +11,7 @@
 #include "host/behavior/sink.h"
 #include "shared/base/time.hpp"
 #include "tools/app/evaluate/obstacle.h"
+#include "tools/app/evaluate/own_body.h"
 #include "vision/image/frame.h"
 
 namespace kaz::tools {
@@ -19,7 +20,8 @@ namespace kaz::tools {
 // truth: the drift of its odometry, which is judged by where it arrives, does not count here.
 //
 // Obstacles: points of their outlines, 1 cm apart, that lay in both eyes' pictures within 1 m, hidden by
-// nothing, for half a second or more; found are those with an obstacle's cell of the map within 2.5 cm.
+// nothing, the robot's own limbs included, for half a second or more; found are those with an obstacle's cell
+// of the map within 2.5 cm.
 // Floor: cells within 1 m that the map knows, 2 cm or more from anything that stands there; wrong are those
 // that it has as obstacles. A cell's state is the one by which paths are planned, LocalMap::certain().
 // Counted at every report.
@@ -28,8 +30,12 @@ class MapTruth {
   // Those that slide or roll are left out, and so is what is near them.
   explicit MapTruth(const std::vector<Obstacle>& obstacles);
 
-  // What the eye sees now; looks nearer together than 0.1 s are left out. `start_from_eye`: optical frame.
-  void look(Time now, const Eigen::Isometry3d& start_from_eye, const vision::CameraModel& camera);
+  // Whether the next look counts: those nearer together than 0.1 s are left out.
+  bool looks_at(Time now) const;
+  // What the eyes see now. `start_from_eye`: optical frame of the left one; `own`: the robot, where it is now
+  // in the frame of the start, if any of it may be in view.
+  void look(Time now, const Eigen::Isometry3d& start_from_eye, const vision::CameraModel& camera,
+            const OwnBody* own = nullptr);
   // `robot`: its true place and heading.
   void compare(const behavior::MapReport& report, const Eigen::Isometry2d& robot);
 

@@ -86,6 +86,36 @@ TEST(MapTruth, DriftDoesNotCountButAPlaceThatIsWrongDoes) {
       0.9);
 }
 
+// Outline points of the box in view if a rod of the robot's own, 2 cm wide, stands upright 20 cm ahead of the
+// eyes' foot and at `aside_m`.
+int points_behind_a_rod(double aside_m) {
+  sim::Scene scene;
+  scene.frames = {"world", "arm"};
+  sim::Visual rod;
+  rod.frame = 1;
+  rod.shape = {sim::Shape::Kind::box, {0.02, 0.02, 0.6}, ""};
+  scene.visuals.push_back(rod);
+  sim::ScenePose pose;
+  pose.frames.assign(2, Eigen::Isometry3d::Identity());
+  pose.frames[1].translation() = Eigen::Vector3d(0.20, aside_m, 0.3);
+  const std::vector<std::string> links{"arm"};
+  OwnBody own = OwnBody::make(scene, links).value();
+  own.move(pose, Eigen::Isometry3d::Identity());
+  MapTruth truth({box()});
+  for (int i = 0; i < 10; ++i)
+    truth.look(from_seconds(0.1 * i), map::test_eye(0, 0.5), vision::test_camera(320, 240), &own);
+  const std::vector<Vector2d> none;
+  truth.compare({Time{}, map_of({}), {0, 0}, 0, none, none, {1, 0}}, Isometry2d::Identity());
+  return truth.json()["outline_points"].get<int>();
+}
+
+TEST(MapTruth, WhatTheRobotsOwnLimbsHideFromAnEyeIsNotInView) {
+  const int all = points_behind_a_rod(-0.5), behind = points_behind_a_rod(0.02);
+  // Side by side on the box: a strip of 5 cm for each eye.
+  EXPECT_LE(behind, all - 8);
+  EXPECT_GE(behind, all - 12);
+}
+
 TEST(MapTruth, WhatWasNotInViewDoesNotCount) {
   EXPECT_EQ(compared(map_of(kYard), Isometry2d::Identity(), {0, 0}, 1).found, -1);
 }
