@@ -29,7 +29,8 @@
 // The eye's tilt, roll and height are taken from the floor's plane where a tenth of the picture shows it: a
 // walking robot's posture errs by a degree and 2 cm, as much as 5 cm of the floor a metre away.
 // A vote's weight is min(1, cell_m / dz), with dz = z^2 / (fx baseline) disparity_error_px, one sigma of
-// the depth z. Votes add up as log-odds, so their order is irrelevant until a cell saturates.
+// the depth z. Votes add up as log-odds, so their order is irrelevant until a cell saturates: at 10 as an
+// obstacle, at -3, five votes, as floor.
 #pragma once
 
 #include <cstddef>

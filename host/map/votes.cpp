@@ -27,8 +27,9 @@ std::array<bool, 256> floor_labels(const vision::PlaneSegments& planes,
 }
 
 std::int16_t added(std::int16_t odds, int steps) {
-  constexpr int kFull = static_cast<int>(kMaxOdds / kStep);
-  return static_cast<std::int16_t>(std::clamp(odds + steps, -kFull, kFull));
+  constexpr int kFull = static_cast<int>(kMaxOdds / kStep),
+                kFloor = static_cast<int>(kMaxFloorOdds / kStep);
+  return static_cast<std::int16_t>(std::clamp(odds + steps, -kFloor, kFull));
 }
 
 // Intersects [from, to] with the half-line a + b k >= 0.

@@ -27,7 +27,9 @@ inline constexpr float kContactSigmas = 3;
 // Of the picture's width: twice as far as the floor's edges are looked for (vision/planes/floor_edges.h, 8 px
 // of 320). A thing of which a side of the picture shows less is called floor.
 inline constexpr double kSide = 16.0 / 320;
-inline constexpr double kMaxOdds = 10;  // saturation, so that a cell can change again
+// Saturation, so that a cell can change again. Five votes for floor: pictures from one place repeat each
+// other's errors, and what was called floor from afar must not outlast what is seen from near by.
+inline constexpr double kMaxOdds = 10, kMaxFloorOdds = 3;
 // Log-odds, three obstacle votes, from which floor beside the feet does not clear a cell.
 inline constexpr double kKeptBeside = 3.6;
 inline constexpr double kKnown = 0.1;  // magnitude of log-odds below which a cell is unknown
