@@ -47,7 +47,7 @@ constexpr double kHalfView = 25 * kDegree, kEyesAhead = 0.03;  // m, of the midd
 constexpr double kLargestTurn = 60 * kDegree;                  // before the floor is compared
 constexpr double kRememberEvery = 25 * kDegree;                // of the sweep, the floor's pattern
 constexpr int kPictures = 4;                                   // before a straight piece
-constexpr int kLooks = 3;                                      // for a pattern that was seen before
+constexpr std::size_t kLooks = 3;                              // for a pattern that was seen before
 // After a move: the gyro's zero is measured after 0.6 s (motion.cpp).
 constexpr Time kGyroStill = std::chrono::milliseconds(1200);
 constexpr Time kHeadSettles = std::chrono::milliseconds(250);
@@ -143,7 +143,11 @@ class Navigation {
     std::erase_if(pictures, [&](const FloorPicture& picture) {
       return picture.planes.info.exposure <= turned_until_;
     });
-    KAZ_TRY(map_.enter(pictures, body_.places()));
+    // Standing after a move, the place is odometry's alone until the floor is compared: the pictures of a
+    // second would outvote what was seen from places that are better known.
+    const bool waits = !looked_since_move_ && motion().idle();
+    if (!waits) KAZ_TRY(map_.enter(pictures, body_.places()));
+    for (const FloorPicture& picture : pictures) exposures_.push_back(picture.planes.info.exposure);
     if (!pictures.empty()) newest_picture_ = std::move(pictures.back());
     if (goal_.ball && body_.ball().known() && body_.consecutive() >= 3)
       ball_ = in_map(body_.ball().at(body_.now())), ball_known_ = true;
@@ -156,35 +160,45 @@ class Navigation {
     return {};
   }
 
-  // Until so many pictures are entered that were exposed from now on, the head at rest.
+  // Until so many pictures have come that were exposed from now on, the head at rest; after the floor was
+  // compared they are in the map.
   Result<void> gaze(const host::Gaze& gaze) {
     body_.set_gaze(gaze);
     KAZ_TRY(stay(kHeadSettles));
     const Time since = body_.now();
-    while (map_.entered_since(since) < kPictures && !body_.fallen()) KAZ_TRY(step());
+    exposures_.clear();
+    const auto fresh = [&] {
+      return looked_since_move_ ? map_.entered_since(since)
+                                : static_cast<int>(std::ranges::count_if(
+                                      exposures_, [&](Time at) { return at >= since; }));
+    };
+    while (fresh() < kPictures && !body_.fallen()) KAZ_TRY(step());
     return {};
   }
 
   // After a move first to where the floor was seen longest ago, and where that shows nothing, elsewhere: its
-  // pattern says where the robot is.
+  // pattern says where the robot is. Then pictures of where it is to look.
   Result<void> look(const host::Gaze& to) {
-    double pan = to.pan_rad + 1;  // where it looks
-    if (!looked_since_move_) {
-      int looks = 0;
-      for (const double direction : map_.directions_of_patterns(place())) {
-        if (looks++ == kLooks || body_.fallen()) break;
-        const bool ahead = std::abs(direction - to.pan_rad) <= kRememberEvery / 2;
-        pan = ahead ? to.pan_rad : direction;
-        KAZ_TRY(gaze({pan, to.tilt_rad}));
-        if (newest_picture_ && map_.align(*newest_picture_, body_.places())) break;
-      }
-    }
-    if (pan != to.pan_rad) {
-      KAZ_TRY(gaze(to));
-      if (newest_picture_) map_.align(*newest_picture_, body_.places());
-    }
+    if (!looked_since_move_) KAZ_TRY(compare_floor(to));
     looked_since_move_ = true;
+    KAZ_TRY(gaze(to));
+    if (newest_picture_) map_.align(*newest_picture_, body_.places());
     if (newest_picture_) map_.remember(*newest_picture_, body_.places());
+    return {};
+  }
+
+  Result<void> compare_floor(const host::Gaze& to) {
+    std::vector<double> directions = map_.directions_of_patterns(place());
+    if (directions.size() > kLooks) directions.resize(kLooks);
+    for (double& direction : directions)
+      if (std::abs(direction - to.pan_rad) <= kRememberEvery / 2) direction = to.pan_rad;
+    if (std::ranges::find(directions, to.pan_rad) == directions.end())
+      directions.push_back(to.pan_rad);
+    for (const double direction : directions) {
+      if (body_.fallen()) break;
+      KAZ_TRY(gaze({direction, to.tilt_rad}));
+      if (newest_picture_ && map_.align(*newest_picture_, body_.places())) break;
+    }
     return {};
   }
 
@@ -440,6 +454,11 @@ class Navigation {
         KAZ_TRY(walk(-there.norm(), 0));
         continue;
       }
+      // Path and map begin where the robot stands.
+      if (!looked_since_move_) {
+        KAZ_TRY(look(kAhead));
+        continue;
+      }
       if (goal_.ball && near_ball())
         return Outcome{true, "the ball is near, and the way is free", {}};
       explores_ = explores_ && there.norm() > kStandOff + kShortest;
@@ -571,6 +590,7 @@ class Navigation {
   // smear what stands about.
   Time turned_until_{};
   std::optional<FloorPicture> newest_picture_;
+  std::vector<Time> exposures_;  // of the pictures since the head began to rest
   Vector2d ball_{0, 0};
   bool ball_known_ = false;
   std::optional<Vector2d> looked_around_at_;
@@ -579,7 +599,7 @@ class Navigation {
   double walked_m_ = 0, moving_s_ = 0;
   int turns_ = 0, looks_ = 0, plans_ = 0, stepped_back_ = 0, explored_ = 0, again_ = 0,
       waypoints_ = 0;
-  bool looked_since_move_ = false;
+  bool looked_since_move_ = true;
   bool doubts_ = false;    // small obstacles that are far away
   bool explores_ = false;  // goes to where it can see the goal, which seems not free from afar
 };
