@@ -17,8 +17,11 @@ namespace {
 using Eigen::Vector2d, Eigen::Vector3d;
 
 // Odometry errs by 1.5 % of the way and a degree of a turn: after 2 m, or a full turn, what was not
-// seen again has a seventh of its evidence left.
-constexpr double kFadeEvery_m = 0.1, kFadeEvery_rad = 18 * kDegree, kFade = 0.9;
+// seen again has a seventh of its evidence left; after twice as much where the floor's pattern has corrected
+// the place so near by.
+constexpr double kFadeEvery_m = 0.1, kFadeEvery_rad = 18 * kDegree, kFade = 0.9,
+                 kFadeCorrected = 0.95;
+constexpr double kCorrectedWithin_m = 0.5, kCorrectedWithin_rad = 90 * kDegree;
 constexpr std::size_t kRemembered = 64;    // pictures
 constexpr std::size_t kViews = 60;         // of the floor's pattern
 constexpr int kMinPattern = 2500;          // of its cells known: 0.16 m^2
@@ -143,6 +146,7 @@ bool WalkingMap::align(const FloorPicture& picture, const PlaceHistory& places) 
     matched += match(before, matcher, now) ? 1 : 0;
   }
   corrections_ += matched > 0 ? 1 : 0;
+  if (matched > 0) matched_at_ = place;
   return matched > 0;
 }
 
@@ -184,7 +188,11 @@ void WalkingMap::fade(const motion::Place& place) {
     const double moved = std::hypot(place.x - faded_at_->x, place.y - faded_at_->y);
     if (moved < kFadeEvery_m && std::abs(place.heading - faded_at_->heading) < kFadeEvery_rad)
       return;
-    map_.fade(kFade);
+    const bool corrected =
+        matched_at_ &&
+        std::hypot(place.x - matched_at_->x, place.y - matched_at_->y) < kCorrectedWithin_m &&
+        std::abs(place.heading - matched_at_->heading) < kCorrectedWithin_rad;
+    map_.fade(corrected ? kFadeCorrected : kFade);
   }
   faded_at_ = place;
 }

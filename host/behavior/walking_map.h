@@ -57,8 +57,8 @@ class WalkingMap {
 
   map::LocalMap map_;
   Time newest_{};
-  std::vector<Time> entered_;  // exposures of the newest pictures
-  std::optional<motion::Place> faded_at_;
+  std::vector<Time> entered_;                           // exposures of the newest pictures
+  std::optional<motion::Place> faded_at_, matched_at_;  // by odometry
   map::PoseFilter pose_;
   std::vector<Remembered> remembered_;
   int corrections_ = 0;
