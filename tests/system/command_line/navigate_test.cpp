@@ -77,7 +77,7 @@ TEST(Navigate, StopsBeforeTheEdgeOfATable) {
   const Finished finished =
       run(kaz({"run", "navigate", "--goal", "1.3,0", "--world", "table", "--eyes", "real", "--imu",
                "--mcu", "native"}),
-          std::chrono::seconds(180));  // of a busy machine, for 140 of the robot
+          std::chrono::seconds(280));  // of a busy machine, for 420 of the robot
   EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
   EXPECT_NE(finished.out.find("no path: "), std::string::npos) << finished.out;
 }
