@@ -54,10 +54,11 @@ Result<bool> FeetechDriver::write(const Servo& servo, std::string_view name, int
 }
 
 Result<std::optional<BusDriver::Greeting>> FeetechDriver::greet(const Servo& servo) {
-  const auto ping = feetech::request(id_of(servo), Instruction::ping);
-  if (!KAZ_TRY(exchange_.query(ping, 0))) return std::optional<Greeting>();
+  // No ping: the answer of a servo whose voltage is wrong has the bytes of the ping itself, and would pass
+  // for an adapter's echo.
   Greeting greeting;
   greeting.model = KAZ_TRY(read(servo, "model"));
+  if (!greeting.model) return std::optional<Greeting>();
   if (servo.model->find("mode") != nullptr) greeting.mode = KAZ_TRY(read(servo, "mode"));
   // The board's ramps are the profile: the servo's own acceleration would make each target late.
   if (greeting.model == servo.model->number && servo.model->find("acceleration") != nullptr)

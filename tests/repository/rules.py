@@ -133,7 +133,8 @@ LAYERS = {
     "tools/app": {
         "base": (), "doctor": ("base",), "kept": ("base",), "vision": ("base",),
         "session": ("base", "kept", "vision"),
-        "board": ("base", "kept"), "bridge": ("base",), "calibrate": ("base", "kept", "session"),
+        "board": ("base", "kept"), "bridge": ("base",), "bus": ("base",),
+        "calibrate": ("base", "kept", "session"),
         "monitor": ("base", "kept", "session"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
         "sim": ("base", "session"),
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -52,6 +55,71 @@ TEST(ServoBusVerb, ServesDynamixelsToTheExampleInPython) {
   EXPECT_EQ(silent.exit_code, 3) << silent.out;
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
+}
+
+TEST(ServoBusVerb, ScanFindsServosAndWhatIsWrongWithThem) {
+  const TemporaryFolder folder;
+  const std::string port = folder / "arm";
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", "sim/robots/so101/so101.urdf",
+                   "--serial", port}));
+  ASSERT_TRUE(sim.wait_for_output("ready: 6 servos", seconds(30))) << sim.wait(seconds(0)).err;
+  const auto scan = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"bus", "scan", "--port", port, "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(kaz(words), seconds(60));
+  };
+  const Finished good =
+      scan({"--protocol", "feetech", "--baud", "1000000,500000", "--ids", "0-10"});
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  const auto json = nlohmann::json::parse(good.out);
+  ASSERT_EQ(json["servos"].size(), 6u) << good.out;
+  for (int i = 0; i < 6; ++i) {
+    const auto& servo = json["servos"][static_cast<std::size_t>(i)];
+    EXPECT_EQ(servo["id"], i + 1);
+    EXPECT_EQ(servo["model"], "sts3215");
+    EXPECT_EQ(servo["baud"], 1000000);
+    EXPECT_EQ(servo["damaged"], 0);
+    EXPECT_EQ(servo["torque"], false);
+    EXPECT_NEAR(servo["volts"].get<double>(), 7.4, 0.3);
+  }
+  // A noisy wire is one for all servos; each is still found.
+  query_control(port + ".ctl", "damage 0.003");
+  const Finished noisy =
+      scan({"--protocol", "feetech", "--baud", "1000000", "--ids", "1-6", "--readings", "300"});
+  EXPECT_EQ(noisy.exit_code, 1) << noisy.out;
+  EXPECT_EQ(nlohmann::json::parse(noisy.out)["servos"].size(), 6u) << noisy.out;
+  EXPECT_NE(noisy.out.find("check plugs"), std::string::npos) << noisy.out;
+  query_control(port + ".ctl", "damage 0");
+  query_control(port + ".ctl", "supply 3.8");
+  const Finished low = scan({"--protocol", "feetech", "--baud", "1000000", "--ids", "1-6"});
+  EXPECT_EQ(low.exit_code, 1) << low.out;
+  EXPECT_NE(low.out.find("its voltage is out of bounds"), std::string::npos) << low.out;
+  const Finished nobody = run(kaz({"bus", "scan", "--port", port, "--protocol", "dynamixel",
+                                   "--baud", "57600", "--ids", "1-9"}));
+  EXPECT_EQ(nobody.exit_code, 1) << nobody.out;
+  EXPECT_NE(nobody.out.find("no servo answers on "), std::string::npos) << nobody.out;
+  EXPECT_EQ(scan({"--ids", "7-3"}).exit_code, 2);
+  EXPECT_EQ(run(kaz({"bus", "scan", "--port", "can:can0"})).exit_code, 2);
+  EXPECT_EQ(run(kaz({"bus", "scan", "--port", folder / "none"})).exit_code, 3);
+}
+
+// Both answer a ping with the same bytes; what they measure differs.
+TEST(ServoBusVerb, ScanSuspectsTwoServosOfOneId) {
+  const TemporaryFolder folder;
+  const std::string robot = folder / "robot";
+  std::filesystem::copy("sim/robots/so101", robot, std::filesystem::copy_options::recursive);
+  auto bus = nlohmann::json::parse(std::ifstream(robot + "/bus.json"));
+  bus["servos"][1]["id"] = bus["servos"][2]["id"];
+  std::ofstream(robot + "/bus.json") << bus.dump(1);
+  const std::string port = folder / "arm";
+  Process sim(
+      kaz({"sim", "--bus", "feetech", "--robot-file", robot + "/so101.urdf", "--serial", port}));
+  ASSERT_TRUE(sim.wait_for_output("ready: 6 servos", seconds(30))) << sim.wait(seconds(0)).err;
+  const Finished scan = run(kaz({"bus", "scan", "--port", port, "--protocol", "feetech", "--baud",
+                                 "1000000", "--ids", "1-6"}),
+                            seconds(60));
+  EXPECT_EQ(scan.exit_code, 1) << scan.out << scan.err;
+  EXPECT_NE(scan.out.find("do two servos have this id?"), std::string::npos) << scan.out;
 }
 
 TEST(ServoBusVerb, RefusesWhatABusDoesNotHave) {

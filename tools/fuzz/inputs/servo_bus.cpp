@@ -7,6 +7,7 @@
 
 #include "hil/fuzz/choices.h"
 #include "host/bus/bus_board.h"
+#include "host/bus/bus_scan.h"
 #include "shared/dynamixel/packet.h"
 #include "shared/feetech/packet.h"
 #include "shared/servo_bus/bus_file.h"
@@ -199,12 +200,31 @@ Complaint try_answers(Bytes bytes, const servo_bus::Model* model) {
   return std::nullopt;
 }
 
+Complaint try_scan(Bytes bytes, servo_bus::Protocol protocol) {
+  HostileServos servos(bytes);
+  host::ScanOptions options;
+  options.last_id = 3;
+  options.readings = 5;
+  const auto found = host::scan_bus(servos, servos, protocol, 1000000, options);
+  if (!found) return judge_error(found.error(), "bus", found.error().fault);
+  for (const host::ScannedServo& servo : *found) {
+    if (servo.id < 0 || servo.id > 3) return "a servo of an id that was not looked for";
+    if (servo.lost + servo.damaged > servo.requests) return "more answers lost than requested";
+    if (servo.model != nullptr && servo.model->protocol != protocol)
+      return "a model of the other protocol";
+    for (const host::ScanRemark& remark : host::remarks_on(servo, protocol))
+      if (remark.text.empty()) return "a remark without words";
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
-// The same bytes for the drivers of both protocols.
+// The same bytes for the drivers and scans of both protocols.
 Complaint try_bus_answers(Bytes bytes) {
   for (const char* model : {"sts3215", "xl330-m288"}) {
     if (auto wrong = try_answers(bytes, servo_bus::find_model(model))) return wrong;
+    if (auto wrong = try_scan(bytes, servo_bus::find_model(model)->protocol)) return wrong;
   }
   return std::nullopt;
 }

@@ -1,0 +1,24 @@
+// `kaz bus scan`: which servos are on a bus, at which rate, and what is wrong with them or the wire.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::tools {
+
+struct BusScanOptions {
+  std::string port;
+  std::string protocol;  // "feetech", "dynamixel"; empty: both
+  std::vector<long> bauds;
+  int first_id = 0, last_id = 252;
+  int readings = 20;
+  bool json = false;
+};
+
+// Prints the servos. False: there are none, or something is wrong.
+Result<bool> run_bus_scan(const BusScanOptions& options);
+
+}  // namespace kaz::tools

@@ -1,0 +1,72 @@
+// `kaz bus`: servos of Feetech's and ROBOTIS's on a serial line.
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "shared/base/number_text.hpp"
+#include "tools/app/bus/scan.h"
+#include "tools/kaz/options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+namespace {
+
+// "7" or "1-20".
+Result<void> parse_ids(const std::string& text, BusScanOptions& options) {
+  if (text.empty()) return {};
+  const auto dash = text.find('-');
+  const auto first = parse_number<int>(text.substr(0, dash));
+  const auto last = dash == std::string::npos ? first : parse_number<int>(text.substr(dash + 1));
+  if (!first || !last || *first < 0 || *last > 252 || *first > *last)
+    return fail(Fault::usage, "--ids " + text + ": give an id or a range within 0 to 252, as 1-20");
+  options.first_id = *first;
+  options.last_id = *last;
+  return {};
+}
+
+}  // namespace
+
+void add_bus(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "bus", "servos of Feetech's and ROBOTIS's on a serial line: who is there, and how well");
+  verb->require_subcommand(1);
+  auto* scan = verb->add_subcommand(
+      "scan", "look for servos at every id and rate, and for what is wrong with them and the wire");
+  auto options = std::make_shared<BusScanOptions>();
+  auto ids = std::make_shared<std::string>();
+  scan->add_option("--port", options->port, "the adapter's port: /dev/ttyACM0, rfc2217:HOST:PORT")
+      ->required()
+      ->type_name("PORT");
+  scan->add_option("--protocol", options->protocol, "feetech or dynamixel; both if not given")
+      ->check(CLI::IsMember({"feetech", "dynamixel"}))
+      ->type_name("feetech|dynamixel");
+  scan->add_option("--baud", options->bauds,
+                   "rates, with commas between; all that the servos can be set to if not given")
+      ->delimiter(',')
+      ->check(between(1200L, 10000000L))
+      ->type_name("BAUD,BAUD");
+  scan->add_option("--ids", *ids, "an id or a range of them; 0-252 if not given")->type_name("N-N");
+  scan->add_option("--readings", options->readings, "readings of each servo that is found")
+      ->check(between(1, 10000))
+      ->capture_default_str()
+      ->type_name("N");
+  scan->add_flag("--json", options->json, "print the servos as JSON");
+  scan->footer(
+      "Reads only: nothing moves, no register is written. An id and a rate take 8 ms, all of both "
+      "protocols a minute; --protocol and --baud shorten it.\n"
+      "Exit status: 0 servos are there and nothing is wrong, 1 none is, or something is wrong, 2 "
+      "wrong usage, 3 port error.\n"
+      "Examples:\n"
+      "  kaz bus scan --port /dev/ttyACM0\n"
+      "  kaz bus scan --port /dev/ttyACM0 --protocol feetech --baud 1000000 --ids 1-6\n"
+      "  kaz bus scan --port arm --readings 1000 --json     # of kaz sim --bus");
+  scan->callback([&action, options, ids] {
+    action = [options, ids]() -> Result<Outcome> {
+      KAZ_TRY(parse_ids(*ids, *options));
+      return run_bus_scan(*options);
+    };
+  });
+}
+
+}  // namespace kaz::tools
