@@ -148,7 +148,7 @@ void add_servo(CLI::App& bench_verb, Action& action) {
       ->required();
   verb->add_option("--held-out", arguments->held_out,
                    "logs that no fit sees, and each model predicts; they choose the model")
-      ->type_name("LOG");
+      ->type_name("FILE");
   verb->add_option("--model", arguments->model,
                    "friction models M1 up to this one; all six if not given")
       ->check(between(1, 6))

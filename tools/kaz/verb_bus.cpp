@@ -12,17 +12,21 @@
 namespace kaz::tools {
 namespace {
 
-// "7" or "1-20".
-Result<void> parse_ids(const std::string& text, BusScanOptions& options) {
-  if (text.empty()) return {};
-  const auto dash = text.find('-');
-  const auto first = parse_number<int>(text.substr(0, dash));
-  const auto last = dash == std::string::npos ? first : parse_number<int>(text.substr(dash + 1));
-  if (!first || !last || *first < 0 || *last > 252 || *first > *last)
-    return fail(Fault::usage, "--ids " + text + ": give an id or a range within 0 to 252, as 1-20");
-  options.first_id = *first;
-  options.last_id = *last;
-  return {};
+// "7" or "1-20", into `options`.
+CLI::Validator ids_of(const std::shared_ptr<BusScanOptions>& options) {
+  return CLI::Validator(
+      [options](const std::string& text) -> std::string {
+        const auto dash = text.find('-');
+        const auto first = parse_number<int>(text.substr(0, dash));
+        const auto last =
+            dash == std::string::npos ? first : parse_number<int>(text.substr(dash + 1));
+        if (!first || !last || *first < 0 || *last > 252 || *first > *last)
+          return "give an id or a range within 0 to 252, as 1-20";
+        options->first_id = *first;
+        options->last_id = *last;
+        return "";
+      },
+      "");
 }
 
 }  // namespace
@@ -46,7 +50,9 @@ void add_bus(CLI::App& program, Action& action) {
       ->delimiter(',')
       ->check(between(1200L, 10000000L))
       ->type_name("BAUD,BAUD");
-  scan->add_option("--ids", *ids, "an id or a range of them; 0-252 if not given")->type_name("N-N");
+  scan->add_option("--ids", *ids, "an id or a range of them; 0-252 if not given")
+      ->check(ids_of(options))
+      ->type_name("N-N");
   scan->add_option("--readings", options->readings, "readings of each servo that is found")
       ->check(between(1, 10000))
       ->capture_default_str()
@@ -62,10 +68,8 @@ void add_bus(CLI::App& program, Action& action) {
       "  kaz bus scan --port /dev/ttyACM0 --protocol feetech --baud 1000000 --ids 1-6\n"
       "  kaz bus scan --port arm --readings 1000 --json     # of kaz sim --bus");
   scan->callback([&action, options, ids] {
-    action = [options, ids]() -> Result<Outcome> {
-      KAZ_TRY(parse_ids(*ids, *options));
-      return run_bus_scan(*options);
-    };
+    (void)ids;  // CLI11 writes the option's text there
+    action = [options]() -> Result<Outcome> { return run_bus_scan(*options); };
   });
 }
 
