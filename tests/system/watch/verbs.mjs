@@ -64,7 +64,7 @@ try {
   await run.ended;
 
   // A terminal is what `script` gives it.
-  const monitor = start("script", ["-qec", `${kaz} monitor --port board ${view.join(" ")}`, "/dev/null"], folder);
+  const monitor = start("script", ["-qec", `TERM=xterm ${kaz} monitor --port board ${view.join(" ")}`, "/dev/null"], folder);
   const board = await seen(monitor, "monitor", 2);
   stands(board, "monitor");
   has(board, "monitor", "/board/state", "/joint_states");
