@@ -35,6 +35,7 @@ void add_bus(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "bus", "servos of Feetech's and ROBOTIS's on a serial line: who is there, and how well");
   verb->require_subcommand(1);
+  verb->footer("Examples:\n  kaz bus scan --port /dev/ttyACM0");
   auto* scan = verb->add_subcommand(
       "scan", "look for servos at every id and rate, and for what is wrong with them and the wire");
   auto options = std::make_shared<BusScanOptions>();
