@@ -1,8 +1,8 @@
 // Protection of a virtual DYNAMIXEL: voltage, temperature, overload.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Documented: hardware_error_status tells, and the errors that `shutdown` selects switch the torque off until
-// a reboot. Chosen, since no numbers are published: a voltage counts after 100 ms outside of its limits, an
+// Documented: hardware_error_status reports them, and the errors that `shutdown` selects switch the torque
+// off until a reboot. Chosen, since no numbers are published: a voltage counts after 100 ms outside of its limits, an
 // overload is 2 s above 80 % of the torque at that voltage, and an error that is not selected lasts as long
 // as its cause. "Torque" is the PWM less the share that the speed takes of it. Not simulated: encoder,
 // electrical shock.

@@ -101,8 +101,12 @@ Result<std::string> read_list(int fd, const std::string& path) {
 // That so many bytes fit shows that the disk is not full; of the results themselves nothing is known yet.
 Result<void> write_test_file(const std::string& folder) {
   const std::string path = folder + "/" + std::string(kOutputListName) + ".part";
-  ::unlink(path.c_str());
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  // Without a name, so that a signal leaves nothing; not every file system has that.
+  int fd = ::open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+  if (fd < 0) {
+    ::unlink(path.c_str());
+    fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  }
   if (fd < 0) return cannot_write(folder, errno);
   auto written = append(fd, folder, std::string(4096, '\n'));
   if (::close(fd) != 0 && written) written = cannot_write(folder, errno);
