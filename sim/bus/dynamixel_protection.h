@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Documented: hardware_error_status reports them, and the errors that `shutdown` selects switch the torque
-// off until a reboot. Chosen, since no numbers are published: a voltage counts after 100 ms outside of its limits, an
-// overload is 2 s above 80 % of the torque at that voltage, and an error that is not selected lasts as long
-// as its cause. "Torque" is the PWM less the share that the speed takes of it. Not simulated: encoder,
-// electrical shock.
+// off until a reboot. Chosen, since no numbers are published: a voltage counts after 100 ms outside of its
+// limits, an overload is 2 s above 80 % of the torque at that voltage, and an error that is not selected
+// lasts as long as its cause. "Torque" is the PWM less the share that the speed takes of it. Not simulated:
+// encoder, electrical shock.
 #pragma once
 
 #include "sim/bus/register_file.h"
