@@ -30,27 +30,13 @@ constexpr ServoParamInfo kExternalStribeck{
 constexpr ServoParamInfo kMotorQuad{"motor_quad", "1/(N m)", &P::motor_quad, 0, 1, 0.02};
 constexpr ServoParamInfo kExternalQuad{"external_quad", "1/(N m)", &P::external_quad, 0, 1, 0.02};
 
-constexpr std::array kM1{kKt, kResistance, kArmature, kBase, kViscous, kGain, kOffset};
+// M1 is the beginning of M2, M5 that of M6.
 constexpr std::array kM2{kKt,   kResistance, kArmature, kBase,          kViscous,
                          kGain, kOffset,     kStribeck, kStribeckSpeed, kStribeckPower};
 constexpr std::array kM3{kKt, kResistance, kArmature, kBase, kViscous, kGain, kOffset, kLoad};
 constexpr std::array kM4{kKt,   kResistance,  kArmature, kBase,          kViscous,
                          kGain, kOffset,      kStribeck, kStribeckSpeed, kStribeckPower,
                          kLoad, kLoadStribeck};
-constexpr std::array kM5{kKt,
-                         kResistance,
-                         kArmature,
-                         kBase,
-                         kViscous,
-                         kGain,
-                         kOffset,
-                         kStribeck,
-                         kMotor,
-                         kStribeckSpeed,
-                         kStribeckPower,
-                         kExternal,
-                         kMotorStribeck,
-                         kExternalStribeck};
 constexpr std::array kM6{kKt,
                          kResistance,
                          kArmature,
@@ -73,7 +59,7 @@ constexpr std::array kM6{kKt,
 std::span<const ServoParamInfo> servo_params(int model) {
   switch (model) {
     case 1:
-      return kM1;
+      return std::span(kM2).first(7);
     case 2:
       return kM2;
     case 3:
@@ -81,7 +67,7 @@ std::span<const ServoParamInfo> servo_params(int model) {
     case 4:
       return kM4;
     case 5:
-      return kM5;
+      return std::span(kM6).first(14);
     default:
       return kM6;
   }
