@@ -1,6 +1,7 @@
 // go-forward: walks straight by odometry of the supporting feet, and by the gyro's heading if fitted.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <memory>
 
 #include "host/behavior/walker.h"
 #include "shared/base/angle.hpp"
@@ -12,10 +13,22 @@ namespace {
 constexpr Option kOptions[] = {
     {"distance", "0.5", "", -2, 5, "metres ahead, 0.05 at least; negative: back"},
     {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had none"},
+    {"balance", "none", "none|learned|FILE", 0, 0,
+     "learned: a small network that withstands pushes corrects the gait (needs --imu)", false,
+     [](std::string_view value) { return !value.empty(); }},
 };
 
 constexpr double kNear = 0.03;         // m, tolerance of the distance by odometry
 constexpr double kMinDistance = 0.05;  // m; within the tolerance standing still would succeed
+
+// `which`: none, learned, or a file of weights.
+Result<std::shared_ptr<const motion::BalancePolicy>> balance_policy(const std::string& which) {
+  if (which == "none") return nullptr;
+  if (which == "learned")
+    return std::make_shared<const motion::BalancePolicy>(motion::BalancePolicy::learned());
+  const auto policy = KAZ_TRY(motion::BalancePolicy::read(which));
+  return std::make_shared<const motion::BalancePolicy>(policy);
+}
 
 Result<Outcome> run(Context& context) {
   if (std::abs(context.options.number("distance")) < kMinDistance - 1e-9)
@@ -24,7 +37,13 @@ Result<Outcome> run(Context& context) {
         "go-forward: distance is too short to walk; give at least 0.05 m, or -0.05 m for back");
   motion::Settings settings;
   settings.use_gyro = context.options.choice("gyro") == "use";
+  settings.balance = KAZ_TRY(balance_policy(context.options.choice("balance")));
   auto walker = KAZ_TRY(Walker::begin(context, kGoForward.name, settings));
+  if (settings.balance && !walker.motion().has_gyro())
+    return fail(
+        Fault::usage,
+        "go-forward: balance needs the board's gyro and accelerometer, and there are none, or "
+        "gyro=ignore is set; give --imu, or balance=none");
   const double distance = context.options.number("distance");
   const motion::Motion& motion = walker.motion();
   const double start = motion.walked(), heading = motion.heading();

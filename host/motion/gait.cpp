@@ -14,6 +14,7 @@ using Eigen::AngleAxisd, Eigen::Vector3d;
 using host::kLeg;
 
 constexpr double kGravity = 9.81;
+constexpr double kMaxRoll = 24 * kDegree;  // the feet would touch at 24.6 degrees
 
 double fraction(double x) {
   return x - std::floor(x);
@@ -142,12 +143,13 @@ JointAngles legs_at(const Shape& shape, double roll, double phase, const Steps& 
   const double turn = steps.reach * turning_at(shape, phase);
   const double a = steps.amplitude;
   const Feet feet{.left_forward = a * (steps.left * walking_at(shape, phase, Side::left) + turn),
-                  .left_lift = a * lift_of(shape, phase, Side::left),
+                  .left_lift = a * steps.lift * lift_of(shape, phase, Side::left),
                   .right_forward = a * (steps.right * walking_at(shape, phase, Side::right) - turn),
-                  .right_lift = a * lift_of(shape, phase, Side::right)};
+                  .right_lift = a * steps.lift * lift_of(shape, phase, Side::right)};
   Stance stance;
-  stance.roll = roll_at(roll, phase, a);
+  stance.roll = std::clamp(roll_at(roll, phase, a) + steps.roll, -kMaxRoll, kMaxRoll);
   stance.pitch += steps.lean;
+  stance.z += steps.height;
   place_legs(angles, stance, feet);
   return angles;
 }

@@ -66,6 +66,9 @@ struct Steps {
   double left = 0, right = 0;  // m, stride of each foot relative to the hips
   double reach = 0;            // m, sliding amplitude of each foot for turning, > 0: to the left
   double lean = 0;             // rad, of the trunk forward beyond its pitch
+  double roll = 0;             // rad, of the trunk to the right beyond the gait's
+  double lift = 1;             // factor on the height of a swing
+  double height = 0;           // m, of the hips beyond the stance's
 };
 JointAngles legs_at(const Shape& shape, double roll, double phase, const Steps& steps);
 

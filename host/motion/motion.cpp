@@ -45,7 +45,9 @@ Motion::Motion(const Settings& settings)
     : settings_(settings),
       walk_roll_(roll_for(settings.walk)),
       turn_roll_(roll_for(settings.turn)),
-      turned_a_support_(kTurnedASupport) {}
+      turned_a_support_(kTurnedASupport) {
+  if (settings_.balance) balance_.emplace(*settings_.balance);
+}
 
 double Motion::heading() const {
   return gyro_ ? heading_.rad() : reckoned_;
@@ -83,8 +85,19 @@ Motion::LegTargets Motion::step(Time now, const host::Posture& posture) {
   const double dt = last_ ? std::clamp(seconds(now - *last_), 0.0, kMaxControlCycle_s) : 0.0;
   last_ = now;
   sense(posture);
+  if (balance_ && gyro_ && posture.inertial) keep_balance(posture, dt);
   if (state_ != State::fallen) advance(dt);
   return targets(posture);
+}
+
+void Motion::keep_balance(const host::Posture& posture, double dt) {
+  correction_ = balance_->step({.dt = dt,
+                                .still = state_ == State::standing && still_s_ > kSettle_s,
+                                .walks = state_ == State::walking,
+                                .phase = phase_,
+                                .amplitude = steps_.amplitude,
+                                .yaw_rate = heading_.rate(),
+                                .posture = &posture});
 }
 
 void Motion::sense(const host::Posture& posture) {
@@ -136,6 +149,7 @@ void Motion::advance(double dt) {
   const bool walks = state_ == State::walking;
   if (wish_ != (walks ? Wish::walk : Wish::turn)) ending_ = true;
   const Shape& now = shape();
+  dt *= correction_.phase_rate;
   const double before = phase_;
   phase_ += dt / now.period;
   // In the middle of each swing both feet pass below the hips: there strides may change, and nothing
@@ -145,7 +159,7 @@ void Motion::advance(double dt) {
   const double ramp =
       ending_ ? -1 / (walks ? kWalkDown : kTurnDown) : 1 / (walks ? kWalkUp : kTurnUp);
   steps_.amplitude = std::clamp(steps_.amplitude + ramp * dt / now.period, 0.0, 1.0);
-  roll_ = roll_at(walks ? walk_roll_ : turn_roll_, phase_, steps_.amplitude);
+  roll_ = roll_at(walks ? walk_roll_ : turn_roll_, phase_, steps_.amplitude) + correction_.roll;
   if (!ending_ || steps_.amplitude > 0) return;
   // Finished, or continues with a command received meanwhile.
   const bool more = wish_ == (walks ? Wish::turn : Wish::walk);
@@ -228,8 +242,16 @@ Motion::LegTargets Motion::targets(const host::Posture& posture) {
   JointAngles angles = posture.angle;
   if (state_ != State::fallen) {
     const double roll = state_ == State::turning ? turn_roll_ : walk_roll_;
-    angles = within_limits(legs_at(shape(), roll, phase_, steps_));
+    Steps steps = steps_;
+    steps.left *= correction_.stride;
+    steps.right *= correction_.stride;
+    steps.roll = correction_.roll;
+    steps.lift = correction_.lift;
+    steps.height = correction_.height;
+    steps.lean += correction_.lean;
+    angles = within_limits(legs_at(shape(), roll, phase_, steps));
   }
+  if (balance_) balance_->sent(angles);
   for (int i = 0; i < 4; ++i) {
     const auto n = static_cast<std::size_t>(i);
     out[n] = {host::l_hip_roll + i, angles[static_cast<std::size_t>(host::l_hip_roll + i)]};

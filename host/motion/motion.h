@@ -13,8 +13,10 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 
+#include "host/motion/balance.h"
 #include "host/motion/gait.h"
 #include "host/motion/heading.h"
 #include "host/motion/odometry.h"
@@ -31,6 +33,8 @@ struct Settings {
   double reach = 0.012;      // m, of turning
   bool use_gyro = true;      // false: as if the board had none
   bool hold_heading = true;  // while walking
+  // Corrects the gait while walking; needs gyro and accelerometer. None: the gait follows time alone.
+  std::shared_ptr<const BalancePolicy> balance = {};
 };
 
 enum class State {
@@ -86,6 +90,7 @@ class Motion {
   void reckon_strides();
   void count_turn();
   LegTargets targets(const host::Posture& posture);
+  void keep_balance(const host::Posture& posture, double dt);
 
   Settings settings_;
   double walk_roll_, turn_roll_;
@@ -96,6 +101,8 @@ class Motion {
   double phase_ = 0, roll_ = 0;
   int halves_ = 0;
   Steps steps_;
+  std::optional<Balance> balance_;
+  Correction correction_;
   Heading heading_;
   Odometry odometry_;
   double reckoned_ = 0;  // rad, heading without a gyro

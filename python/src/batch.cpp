@@ -157,7 +157,8 @@ Result<std::unique_ptr<Batch>> Batch::create(BatchOptions options) {
   if (batch->options_.pictures) {
     if (batch->options_.engine == Engine::none)
       return fail(Fault::usage, "pictures need the engine native or h8");
-    if (batch->prototype_->head_frame() < 0) return tl::unexpected(sim::Simulation::no_eyes());
+    if (batch->prototype_->head_frame() < 0 || files.eyes == sim::EyeKind::none)
+      return tl::unexpected(sim::Simulation::no_eyes());
     batch->renderers_ = std::make_unique<Renderers>(batch->prototype_->scene(), files.renderer);
     files.renderer = batch->renderers_->shared();
     files.drawing = sim::Drawing::caller;

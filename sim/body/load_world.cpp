@@ -46,6 +46,20 @@ Result<int> iterations_of(const std::string& dynamics) {
                   "1000");
 }
 
+// Each push of the world is on a link of the robot that can move.
+Result<void> check_pushes(const WorldModel& world, const RobotModel& robot, bool hung) {
+  for (const Push& push : world.pushes) {
+    const auto frame = robot.frames.find(push.link);
+    if (frame == robot.frames.end())
+      return fail(Fault::usage, "the world has a <kaz:push> on the link `" + push.link +
+                                    "`, and the robot has no such link");
+    if (frame->second.link == 0 && (hung || robot.fixed_base))
+      return fail(Fault::usage,
+                  "the world has a <kaz:push> on the link `" + push.link + "`, which is fixed");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
@@ -57,6 +71,7 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
     return fail(Fault::usage, "physics step of " + std::to_string(options.step_s) +
                                   " s is outside 0..0.01 s; 0.001 is what all is tuned for");
   }
+  KAZ_TRY(check_pushes(world, robot, options.hung));
   if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
   return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
 }

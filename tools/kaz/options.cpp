@@ -109,7 +109,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
-             "ideal: pinholes without noise; real: with lens, exposure and noise, rectified");
+             "ideal: pinholes without noise; real: with lens, exposure and noise, rectified; none: "
+             "closed, for behaviours that do not look");
   verb.add_option("--eye-width", options.eye_width,
                   "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
       ->check(CLI::IsMember({320, 640}));

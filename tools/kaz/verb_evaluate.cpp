@@ -10,6 +10,7 @@
 #include "tools/app/evaluate/given_options.h"
 #include "tools/app/evaluate/hosts.h"
 #include "tools/app/evaluate/slurm.h"
+#include "tools/app/session/plugin_guard.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 #include "tools/kaz/watch_options.h"
@@ -122,6 +123,10 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
   KAZ_TRY(no_repetition("--colors", c.variation.colors));
   KAZ_TRY(no_repetition("--radii", c.variation.radii_m));
   KAZ_TRY(check_given(c, options));
+  // Drawing pictures is most of an episode's time: none for who does not look.
+  if (std::ranges::count(options, "--eyes") == 0 &&
+      !KAZ_TRY(guarded_behavior(c.behavior, "kaz evaluate")).needs_camera)
+    c.backend.eyes = sim::EyeKind::none;
   KAZ_TRY(check_tasks("--slurm", a.slurm_tasks, c.episodes));
   KAZ_TRY(check_tasks("--parallel-tasks", a.hosts_tasks, c.episodes));
   if (a.slurm_tasks > 0) {
@@ -194,6 +199,8 @@ void add_evaluate(CLI::App& program, Action& action) {
   c.backend.imu = true;
   // The virtual robot of kaz run, but for what each episode draws or fixes.
   add_sim_options(*verb, c.backend);
+  verb->get_option("--eyes")->description(verb->get_option("--eyes")->get_description() +
+                                          " (none is the default of these)");
   for (const char* fixed : {"--world", "--robot-file", "--image", "--faults", "--dynamics",
                             "--physics-step", "--supply", "--eye-width", "--seed"})
     verb->remove_option(verb->get_option(fixed));
@@ -272,6 +279,25 @@ void add_evaluate(CLI::App& program, Action& action) {
                    "standard deviation of each link's mass, as a share of it")
       ->check(between(0.0, 0.3))
       ->capture_default_str();
+  Pushes& pushes = c.variation.pushes;
+  auto* push = verb->add_option("--push", pushes.impulse_ns,
+                                "pushes on the trunk, of so many N s each (default: none)")
+                   ->check(between(0.01, 5.0, "N s"))
+                   ->type_name("NS");
+  add_choice(*verb, "--push-to", kPushTo, pushes.to,
+             "where they go; sides, around: drawn for each push")
+      ->needs(push);
+  verb->add_option("--push-from", pushes.from_s,
+                   "when the first one is, s since the start; with gyro a walk begins at 7.6 s")
+      ->check(between(0.0, 600.0, "s"))
+      ->capture_default_str()
+      ->type_name("S")
+      ->needs(push);
+  verb->add_option("--push-every", pushes.every_s, "time between them, s")
+      ->check(between(0.1, 600.0, "s"))
+      ->capture_default_str()
+      ->type_name("S")
+      ->needs(push);
   verb->add_flag("--calibrated", c.calibrated,
                  "of --sensors as-built: each robot's joints are calibrated before, as by kaz "
                  "calibrate joints");

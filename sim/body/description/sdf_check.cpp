@@ -20,6 +20,7 @@ using Element = tinyxml2::XMLElement;
 const std::map<std::string, std::set<std::string>> kChildren{
     {"sdf", {"world"}},
     {"world", {"gravity", "model", "kaz:light", "kaz:robot"}},
+    {"kaz:robot", {"kaz:push"}},
     {"model", {"static", "pose", "link", "kaz:kick"}},
     {"link", {"pose", "inertial", "visual", "collision"}},
     {"inertial", {"mass", "pose", "inertia"}},
@@ -51,7 +52,8 @@ const std::map<std::string, std::set<std::string>> kNeeded{
     {"inertial", {"mass", "inertia"}},
 };
 // All others stand once where they stand.
-const std::set<std::string> kRepeated{"model", "link", "visual", "collision", "kaz:kick"};
+const std::set<std::string> kRepeated{"model",     "link",     "visual",
+                                      "collision", "kaz:kick", "kaz:push"};
 const std::set<std::string> kNamed{"world", "model", "link", "visual", "collision"};
 
 // Maximum of all numbers, so that products of a few of them do not overflow.
@@ -62,6 +64,7 @@ constexpr double kMaxPose = 100;      // m, and rad
 constexpr double kMaxGravity = 50;    // m/s^2; Jupiter has 25
 constexpr double kMaxKick = 100;      // m/s
 constexpr double kMaxKickTime = 1e6;  // s
+constexpr double kMaxPush = 5;        // N s, as by hand
 constexpr double kMinMass = 1e-9;     // kg
 constexpr double kMaxMoment = 1e9;    // kg m^2
 
@@ -109,6 +112,8 @@ const OwnAttribute kOwn[] = {
     {"kaz:light", "shade", {1, 0, 10}},
     {"kaz:kick", "time", {1, 0, kMaxKickTime, " s"}},
     {"kaz:kick", "velocity", {3, -kMaxKick, kMaxKick, " m/s"}},
+    {"kaz:push", "time", {1, 0, kMaxKickTime, " s"}},
+    {"kaz:push", "impulse", {3, -kMaxPush, kMaxPush, " N s"}},
     {"kaz:rolling_resistance", "metres", {1, 0}},
 };
 
@@ -259,6 +264,9 @@ class Check {
       if (!(to[2] > 0.05 * std::hypot(to[0], to[1], to[2])))
         return error(element, "<kaz:light> needs a lamp 3 degrees or more above the floor");
     }
+    if (name == "kaz:push" && element.Attribute("link") == nullptr)
+      return error(element,
+                   "<kaz:push> needs the attribute `link`: which of the robot's, such as trunk");
     if (name == "kaz:texture") {
       const char* texture = element.Attribute("name");
       if (texture == nullptr || !kTextures.count(texture)) {

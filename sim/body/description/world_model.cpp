@@ -123,6 +123,20 @@ std::vector<Kick> kicks_of(const sdf::Model& model) {
   return kicks;
 }
 
+// `robot`: the element <kaz:robot>. In the file impulses have the axes of the robot's start.
+std::vector<Push> pushes_of(const sdf::ElementPtr& robot, const Eigen::Isometry3d& start) {
+  std::vector<Push> pushes;
+  for (auto e = robot->GetFirstElement(); e; e = e->GetNextElement()) {
+    if (e->GetName() != "kaz:push") continue;
+    const std::vector<double> v = numbers(e, "impulse", 3);
+    pushes.push_back({numbers(e, "time", 1).front(), e->GetAttribute("link")->GetAsString(),
+                      start.linear() * Eigen::Vector3d(v[0], v[1], v[2])});
+  }
+  std::stable_sort(pushes.begin(), pushes.end(),
+                   [](const Push& a, const Push& b) { return a.time_s < b.time_s; });
+  return pushes;
+}
+
 RigidLink rigid_of(const sdf::Link& link, const std::string& name) {
   RigidLink rigid;
   rigid.name = name;
@@ -206,8 +220,10 @@ Result<WorldModel> load_world(const std::string& sdf_path) {
   WorldModel out;
   out.gravity = vector_of(world.Gravity());
   if (world.Element()->HasElement("kaz:robot")) {
-    const auto p = numbers(world.Element()->GetElement("kaz:robot"), "pose", 6);
+    const sdf::ElementPtr robot = world.Element()->GetElement("kaz:robot");
+    const auto p = numbers(robot, "pose", 6);
     out.robot_start = pose_of(ignition::math::Pose3d(p[0], p[1], p[2], p[3], p[4], p[5]));
+    out.pushes = pushes_of(robot, out.robot_start);
   }
   if (world.Element()->HasElement("kaz:light")) {
     const sdf::ElementPtr e = world.Element()->GetElement("kaz:light");

@@ -18,6 +18,13 @@ struct Kick {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, world axes
 };
 
+// At `time` a link of the robot has this impulse, at its centre of mass.
+struct Push {
+  double time_s = 0;
+  std::string link;
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes
+};
+
 struct WorldBody {
   std::string model;
   RigidLink rigid;
@@ -32,6 +39,7 @@ struct WorldModel {
   Light light;
   // Where the robot starts: the point between its soles, x forward.
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
+  std::vector<Push> pushes;  // on the robot, by time
 };
 
 // Errors name file and line. Never touches the network.

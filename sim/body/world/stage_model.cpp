@@ -25,6 +25,7 @@ StageModel::StageModel(const WorldModel& world, const RobotModel& robot,
   if (!robot.fixed_base) lift.z() = feet - (extent.isEmpty() ? 0.0 : extent.min().z());
   add_robot(robot, world.robot_start * Eigen::Translation3d(lift));
   for (const WorldBody& object : world.bodies) add_object(object, options.step_s);
+  for (const Push& push : world.pushes) add_push(push, options.step_s);
   // Latest first: the next kick is taken from the end; equal times keep the order of the file.
   std::reverse(kicks.begin(), kicks.end());
   std::stable_sort(kicks.begin(), kicks.end(),
@@ -81,6 +82,11 @@ void StageModel::add_object(const WorldBody& object, double step_s) {
   for (const sim::Kick& kick : object.kicks) {
     kicks.push_back({std::llround(kick.time_s / step_s), body, kick.velocity});
   }
+}
+
+void StageModel::add_push(const Push& push, double step_s) {
+  kicks.push_back(
+      {std::llround(push.time_s / step_s), link_frames.at(push.link).link, push.impulse});
 }
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// What a world knows and never changes: numbered bodies, names, scene, shapes, kicks.
+// What a world knows and never changes: numbered bodies, names, scene, shapes, kicks and pushes.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Built once and then shared by all clones of a world, also in different threads.
@@ -17,6 +17,7 @@
 namespace kaz::sim {
 
 struct StageModel {
+  // Precondition: the world's pushes are on links of the robot that can move (make_world()).
   StageModel(const WorldModel& world, const RobotModel& robot, const WorldOptions& options);
 
   // Robot links have the numbers of RobotModel::links; the objects that can move follow.
@@ -25,10 +26,11 @@ struct StageModel {
     bool moves = true;  // false: fixed at `start`
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // of the link's frame
   };
+  // Of an object, m/s added to its velocity; of a link of the robot an impulse, N s. World axes.
   struct Kick {
     std::int64_t step = 0;
     int body = 0;
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    Eigen::Vector3d change = Eigen::Vector3d::Zero();
   };
 
   std::vector<Body> bodies;
@@ -48,6 +50,7 @@ struct StageModel {
   int add_body(const RigidLink& link, const Eigen::Isometry3d& start, bool moves);
   void add_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
   void add_object(const WorldBody& object, double step_s);
+  void add_push(const Push& push, double step_s);
 };
 
 }  // namespace kaz::sim

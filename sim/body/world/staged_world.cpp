@@ -33,7 +33,11 @@ void StagedWorld::kick_due() {
   for (; kicks_left_ > 0; --kicks_left_) {
     const StageModel::Kick& next = model_->kicks[kicks_left_ - 1];
     if (next.step > steps_) return;
-    kick(next.body, next.velocity);
+    if (static_cast<std::size_t>(next.body) < robot_links_) {
+      hand_pushes_.push_back({static_cast<std::uint32_t>(next.body), next.change});
+    } else {
+      kick(next.body, next.change);
+    }
   }
 }
 

@@ -9,11 +9,12 @@ namespace kaz::sim {
 enum class EyeKind {
   ideal,  // exactly parallel pinholes without noise
   real,   // lens, exposure and noise as the camera file says; the pictures are rectified
+  none,   // closed: no pictures, as of a robot without eyes
 };
-inline constexpr std::array kEyeKinds{EyeKind::ideal, EyeKind::real};
+inline constexpr std::array kEyeKinds{EyeKind::ideal, EyeKind::real, EyeKind::none};
 
 constexpr const char* to_string(EyeKind kind) {
-  return kind == EyeKind::ideal ? "ideal" : "real";
+  return kind == EyeKind::ideal ? "ideal" : kind == EyeKind::real ? "real" : "none";
 }
 
 }  // namespace kaz::sim

@@ -308,7 +308,8 @@ Result<void> Simulation::describe_robot() {
 
 Error Simulation::no_eyes() {
   return {Fault::usage,
-          "this robot has no eyes: its file has no `left_eye` and `right_eye` on one link"};
+          "this robot has no eyes: its file has no `left_eye` and `right_eye` on one link, or "
+          "eyes are `none`"};
 }
 
 void Simulation::open_eyes() {

@@ -107,7 +107,7 @@ class Simulation {
 
   // The eyes are closed initially, so nothing is rendered without a reader. A robot without eyes has no
   // pairs.
-  bool has_eyes() const { return world_->head_frame() >= 0; }
+  bool has_eyes() const { return world_->head_frame() >= 0 && options_.eyes != EyeKind::none; }
   static Error no_eyes();  // the error for requests of pairs from such a robot
   void open_eyes();
   void close_eyes() { eyes_open_ = false; }

@@ -115,7 +115,7 @@ void Simulation::transfer(A& a) {
   a(has_eyes);
   if constexpr (A::reading) {
     if (!a.good()) return;
-    if (has_eyes && world_->head_frame() < 0)
+    if (has_eyes && !this->has_eyes())
       return a.refuse("it has eyes, but the robot has no head");
     if (has_eyes && !eyes_) make_eyes();
     if (!has_eyes) eyes_ = nullptr;

@@ -12,6 +12,7 @@
 #include "host/motion/gait.h"
 #include "host/robot/robot.h"
 #include "shared/base/angle.hpp"
+#include "shared/base/random.hpp"
 #include "tests/studies/common/calibrated.h"
 #include "tests/studies/common/disturbed_robot.h"
 #include "tools/lockstep/lockstep.h"
@@ -66,9 +67,14 @@ class Observer final : public behavior::Sink {
                      at.x(), at.y(), heading_ / kDegree, tilt, pose.translation().z());
       }
     }
-    if (trial_.push_ns > 0 && now >= trial_.push_every_s * static_cast<double>(pushes_ + 1)) {
+    const auto uniform = [&](std::uint64_t stream) {
+      return Random(mix64(mix64(seed_ ^ stream) + pushes_)).uniform();
+    };
+    if (trial_.push_ns > 0 && now >= trial_.push_every_s * static_cast<double>(pushes_ + 1) +
+                                         trial_.push_jitter_s * (2 * uniform(301) - 1)) {
       const double direction =
-          trial_.push_to_deg
+          trial_.push_sides ? (uniform(302) < 0.5 ? 90 : -90) * kDegree
+          : trial_.push_to_deg
               ? *trial_.push_to_deg * kDegree
               : 2 * std::numbers::pi * 1000 * studies::noise(seed_, studies::Noise::push, pushes_);
       ++pushes_;
@@ -96,7 +102,10 @@ class Observer final : public behavior::Sink {
 
   void begin() { begun_ = seconds(simulation_.time()); }
   bool fell() const { return out_.fell; }
-  bool stops_after_fall() const { return out_.fell && !trial_.to_the_end; }
+  bool stops_after_fall() const {
+    return (out_.fell || (trial_.most_s > 0 && begin_ > 0 && out_.seconds > trial_.most_s)) &&
+           !trial_.to_the_end;
+  }
 
  private:
   Eigen::Isometry3d trunk() const { return simulation_.world().link_pose("trunk"); }
@@ -203,7 +212,7 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
   observer.begin();
   const auto done = behavior->run(context);
   if (setting.trace && done) std::fprintf(stderr, "%s\n", done->sentence.c_str());
-  if (!done && !observer.fell()) return tl::unexpected(done.error());
+  if (!done && !observer.stops_after_fall()) return tl::unexpected(done.error());
   if (done && trial.judged == Judged::stand) {
     // Holds the posture under ten pushes.
     observer.phase(clock.now(), trial.name, "hold");

@@ -38,6 +38,9 @@ struct Trial {
   // Direction of the pushes, 0 is ahead, > 0 to the left; none: random by seed.
   std::optional<double> push_to_deg = {};
   double push_every_s = 1.5;
+  bool push_sides = false;   // to the left or the right, by seed
+  double push_jitter_s = 0;  // the time of each moves by up to so much, by seed
+  double most_s = 0;         // ends the walk; 0: none
   // Before the behaviour starts: motors off and a push of 0.5 Ns in this direction, plus 20 degrees (sigma).
   std::optional<double> knocked_to_deg = {};
   // After a fall the behaviour runs to its own end. Outcome::reported then has `fall_detected` (by the

@@ -429,6 +429,11 @@ Json campaign_json(const CampaignOptions& o) {
             {"goal_distance_m", pair(o.variation.goal_distance_m)}};
   if (!o.judged_as.empty()) json["judged_as"] = o.judged_as;
   if (o.calibrated) json["calibrated"] = true;
+  if (const Pushes& pushes = o.variation.pushes; pushes.impulse_ns > 0)
+    json["pushes"] = {{"impulse_ns", pushes.impulse_ns},
+                      {"from_s", pushes.from_s},
+                      {"every_s", pushes.every_s},
+                      {"to", to_string(pushes.to)}};
   if (o.variation.props.max > 0) json["props"] = pair(o.variation.props);
   if (o.variation.floors != Variation{}.floors) json["floors"] = o.variation.floors;
   return json;

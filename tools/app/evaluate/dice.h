@@ -32,7 +32,8 @@ enum class Draw : std::uint64_t {
   goal,
   paint,
   lies,
-  clutter
+  clutter,
+  pushes
 };
 
 // 0..1, from a normal deviate, which is keyed alike on all machines.

@@ -136,7 +136,9 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const bool navigates = task.name == "navigate";
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
-  const auto color = KAZ_TRY(learned_ball_color(scenario, options.backend));
+  vision::ColorRange color;
+  if (options.backend.eyes != sim::EyeKind::none)
+    color = KAZ_TRY(learned_ball_color(scenario, options.backend));
 
   Judge judge({.ball_radius_m = scenario.ball_radius_m,
                .watches_touch = navigates,

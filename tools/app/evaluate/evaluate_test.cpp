@@ -53,6 +53,28 @@ TEST(Scenario, DiffersByEpisodeAndBySeed) {
   EXPECT_NE(scenario_json(one), scenario_json(Scenario::draw(variation, 2, 0)));
 }
 
+TEST(Scenario, PushesAsItWasDrawn) {
+  Variation variation;
+  EXPECT_TRUE(Scenario::draw(variation, 1, 0).pushes.empty());
+  variation.pushes = {.impulse_ns = 0.4, .from_s = 8, .every_s = 2, .to = PushTo::sides};
+  const Scenario s = Scenario::draw(variation, 1, 0);
+  ASSERT_GT(s.pushes.size(), 100u);
+  int left = 0;
+  for (std::size_t i = 0; i < s.pushes.size(); ++i) {
+    EXPECT_DOUBLE_EQ(s.pushes[i].at_s, 8 + 2.0 * static_cast<double>(i));
+    EXPECT_NEAR(std::abs(s.pushes[i].impulse.y()), 0.4, 1e-12);
+    EXPECT_NEAR(s.pushes[i].impulse.x(), 0, 1e-12);
+    left += s.pushes[i].impulse.y() > 0;
+  }
+  EXPECT_NEAR(left, s.pushes.size() / 2.0, s.pushes.size() / 6.0) << "either side as often";
+  EXPECT_EQ(Scenario::draw(variation, 1, 0).pushes[5].impulse, s.pushes[5].impulse);
+  variation.pushes.to = PushTo::back;
+  EXPECT_NEAR(Scenario::draw(variation, 1, 0).pushes[0].impulse.x(), -0.4, 1e-12);
+  const auto world = world_text(s);
+  ASSERT_TRUE(world);
+  EXPECT_NE(world->find("<kaz:push time=\"8\" link=\"trunk\""), std::string::npos);
+}
+
 TEST(BallColor, IsFoundByNameAndNamesTheOthers) {
   EXPECT_STREQ(ball_color("green").value().name, "green");
   const auto none = ball_color("pink");

@@ -177,17 +177,18 @@ struct Commands {
 Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& drawn,
                           const trials::RobotFolder& files, const std::string& folder) {
   const Scenario& scenario = drawn.scenario;
-  const auto color = KAZ_TRY(learned_ball_color(scenario, options.backend));
+  const bool sees = options.backend.eyes != sim::EyeKind::none;
   const std::string color_file = folder + "/color.json";
-  KAZ_TRY(write_whole_file(color_file, color_json(color).dump(1) + "\n"));
+  if (sees) {
+    const auto color = KAZ_TRY(learned_ball_color(scenario, options.backend));
+    KAZ_TRY(write_whole_file(color_file, color_json(color).dump(1) + "\n"));
+  }
   const BackendOptions& backend = options.backend;
   // Short paths: a socket's has at most 107 characters.
   const std::string board = board_of(files), eyes = board + ".eyes";
   Commands both{{"sim",
                  "--serial",
                  board,
-                 "--cameras",
-                 eyes,
                  "--world",
                  files.world(),
                  "--robot-file",
@@ -206,8 +207,13 @@ Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& dr
                  std::to_string(scenario.supply_volts),
                  "--record",
                  folder + "/recording.mcap"},
-                {"run", options.behavior, "--robot", "serial:" + board, "--camera", eyes, "--color",
-                 color_file, "--radius", std::to_string(scenario.ball_radius_m), "--json"}};
+                {"run", options.behavior, "--robot", "serial:" + board, "--json"}};
+  if (sees) {
+    both.simulator.insert(both.simulator.end(), {"--cameras", eyes});
+    both.behaviour.insert(both.behaviour.end(),
+                          {"--camera", eyes, "--color", color_file, "--radius",
+                           std::to_string(scenario.ball_radius_m)});
+  }
   if (backend.imu) both.simulator.push_back("--imu");
   if (const auto memory = KAZ_TRY(episode_memory(options, scenario, files.robot()));
       !memory.empty()) {

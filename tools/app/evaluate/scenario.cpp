@@ -72,7 +72,34 @@ Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uin
   s.lamp_height_rad = within(variation.lamp_height_deg, s.seed, Draw::lamp_height) * kPi / 180;
   s.lamp = within(variation.lamp, s.seed, Draw::lamp);
   s.shade = within(variation.shade, s.seed, Draw::shade);
+  if (variation.pushes.impulse_ns > 0) s.draw_pushes(variation.pushes);
   return s;
+}
+
+void Scenario::draw_pushes(const Pushes& by) {
+  constexpr double kLast_s = 600;  // no behaviour walks longer
+  Dice dice(seed, Draw::pushes);
+  const auto direction = [&] {
+    switch (by.to) {
+      case PushTo::left:
+        return kPi / 2;
+      case PushTo::right:
+        return -kPi / 2;
+      case PushTo::sides:
+        return dice.side() * kPi / 2;
+      case PushTo::ahead:
+        return 0.0;
+      case PushTo::back:
+        return kPi;
+      case PushTo::around:
+        return dice(-kPi, kPi);
+    }
+    return 0.0;
+  };
+  for (double at = by.from_s; at < kLast_s; at += by.every_s) {
+    const double to = direction();
+    pushes.push_back({at, by.impulse_ns * Eigen::Vector2d(std::cos(to), std::sin(to))});
+  }
 }
 
 // Light, and what the floor looks like, where a kind of world has its own.
@@ -187,6 +214,10 @@ nlohmann::ordered_json scenario_json(const Scenario& s) {
                               {"lamp_height_rad", s.lamp_height_rad},
                               {"lamp", s.lamp},
                               {"shade", s.shade}};
+  if (!s.pushes.empty()) {
+    json["push_ns"] = s.pushes.front().impulse.norm();
+    json["push_every_s"] = s.pushes.size() > 1 ? s.pushes[1].at_s - s.pushes[0].at_s : 0.0;
+  }
   if (s.lies)
     json["lies"] = std::array{"on its face", "on its back", "on its left side",
                               "on its right side"}[static_cast<std::size_t>(*s.lies)];

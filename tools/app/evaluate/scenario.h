@@ -30,6 +30,36 @@ Result<BallColor> ball_color(const std::string& name);
 // Names of floors: textures, and "plain".
 std::span<const char* const> floor_names();
 
+// Where pushes go: of the robot's start, where `sides` and `around` draw each.
+enum class PushTo { left, right, sides, ahead, back, around };
+constexpr const char* to_string(PushTo to) {
+  switch (to) {
+    case PushTo::left:
+      return "left";
+    case PushTo::right:
+      return "right";
+    case PushTo::sides:
+      return "sides";
+    case PushTo::ahead:
+      return "ahead";
+    case PushTo::back:
+      return "back";
+    case PushTo::around:
+      return "around";
+  }
+  return "";
+}
+inline constexpr std::array kPushTo{PushTo::left,  PushTo::right, PushTo::sides,
+                                    PushTo::ahead, PushTo::back,  PushTo::around};
+
+// Pushes on the trunk, at its centre of mass, as long as an episode can last.
+struct Pushes {
+  double impulse_ns = 0;  // N s; 0: none
+  double from_s = 9;      // since the start; a walk with --imu begins at 7.6 s
+  double every_s = 1.5;
+  PushTo to = PushTo::sides;
+};
+
 struct Variation {
   Interval friction{0.6, 0.8};         // of the floor
   Interval supply_volts{9.5, 10.5};    // at the board
@@ -50,6 +80,7 @@ struct Variation {
   Interval density{0, 1};
   int max_obstacles = 8;
   Interval goal_distance_m{0.7, 1.5};
+  Pushes pushes;
 };
 
 // Begins the names of what is not to be touched.
@@ -70,6 +101,12 @@ struct Scenario {
   std::string ball_color = "red", floor = "wood";  // floor: a texture, or "plain"
   std::array<double, 3> floor_rgb{0.72, 0.60, 0.44};
   double mass_sigma = 0.05;
+  // On the trunk: when (s), and the impulse (N s) in the axes of the start.
+  struct Push {
+    double at_s;
+    Eigen::Vector2d impulse;
+  };
+  std::vector<Push> pushes = {};
   // With a world to walk in: a goal that can be reached, and the least time of walking there, by the true
   // places of all things. The ball is then the goal; or there is none (has_ball).
   WorldKind kind = WorldKind::clutter;
@@ -95,6 +132,7 @@ struct Scenario {
   Eigen::Isometry2d world_from_start() const;
 
  private:
+  void draw_pushes(const Pushes& pushes);
   void dress();
   void paint_balls();
 };

@@ -67,7 +67,7 @@ class WorldText {
         R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="episode">
 <kaz:robot pose=")" +
-        start() + "\"/><kaz:light to_lamp=\"" +
+        start() + "\">" + pushes() + "</kaz:robot><kaz:light to_lamp=\"" +
         numbers({aside * std::cos(s_.lamp_azimuth_rad), aside * std::sin(s_.lamp_azimuth_rad),
                  std::sin(s_.lamp_height_rad)}) +
         "\" lamp=\"" + digits(s_.lamp) + "\" shade=\"" + digits(s_.shade) + "\"/>\n";
@@ -80,6 +80,13 @@ class WorldText {
   }
 
  private:
+  std::string pushes() const {
+    std::string text;
+    for (const Scenario::Push& push : s_.pushes)
+      text += "<kaz:push time=\"" + digits(push.at_s) + "\" link=\"trunk\" impulse=\"" +
+              numbers({push.impulse.x(), push.impulse.y(), 0}) + "\"/>";
+    return text;
+  }
   // Of the point between the soles. Lying, the robot falls by some centimetres.
   std::string start() const {
     constexpr double kQuarter = std::numbers::pi / 2, kAbove_m = 0.08, kAside_m = 0.12;

@@ -4,6 +4,7 @@
 
 #include "hil/bench/report.h"
 #include "hil/servo/servo_fit.h"
+#include "host/motion/balance.h"
 #include "tools/app/base/output_list.h"
 #include "tools/app/evaluate/episode_file.h"
 #include "tools/app/evaluate/parts.h"
@@ -36,6 +37,14 @@ Complaint try_bench_limits(Bytes bytes) {
     if (hil::find_measurement(name) == nullptr) return "a limit of nothing";
     if (!(limit.first <= limit.second)) return "limits that nothing keeps";
   }
+  return std::nullopt;
+}
+
+Complaint try_balance(Bytes bytes) {
+  const auto policy = motion::BalancePolicy::parse(text_of(bytes), "case.inc");
+  if (!policy) return judge_error(policy.error(), "case.inc");
+  const auto u = policy->evaluate(motion::BalancePolicy::Input::Constant(5));
+  if (!u.allFinite() || u.cwiseAbs().maxCoeff() > 1) return "a correction beyond its limits";
   return std::nullopt;
 }
 

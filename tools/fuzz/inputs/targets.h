@@ -23,6 +23,7 @@ Complaint try_arguments(Bytes bytes);    // addresses and lists on the command l
 // Results that are read back (reports.cpp, kept.cpp, recording.cpp).
 Complaint try_bench_report(Bytes bytes);  // result.json of kaz bench; written and read again
 Complaint try_bench_limits(Bytes bytes);
+Complaint try_balance(Bytes bytes);    // weights of a balance policy; one step with them
 Complaint try_servo_log(Bytes bytes);  // a servo's log; written and read again
 Complaint try_episodes(Bytes bytes);   // an episode of kaz evaluate
 Complaint try_kept(Bytes bytes);       // notes of a run that alters a board; written and read again
@@ -66,6 +67,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"arguments", try_arguments},
                                            {"bench_report", try_bench_report},
                                            {"bench_limits", try_bench_limits},
+                                           {"balance", try_balance},
                                            {"servo_log", try_servo_log},
                                            {"episodes", try_episodes},
                                            {"kept", try_kept},
