@@ -47,7 +47,9 @@ std::map<std::string, std::string> settings_of(const py::dict& given) {
 py::dict run_behavior(const std::string& name, const py::kwargs& given) {
   py::dict arguments(given);
   tools::SessionOptions session;
+  const bool named = arguments.contains("world");
   session.backend = take_world_arguments(arguments);
+  if (!named) session.backend.world = tools::usual_world(name);
   session.behavior = name;
   session.settings = settings_of(take<py::dict>(arguments, "settings", py::dict()));
   session.out = take<std::string>(arguments, "out", "");

@@ -172,6 +172,7 @@ void add_run(CLI::App& program, Action& action) {
       "  kaz run ./wave.so --options\n"
       "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
       "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml");
+  verb->get_option("--world")->default_str("catch for catch-ball, boxes for navigate, else ball");
   verb->callback([&action, arguments, verb, list] {
     action = [arguments, verb, list]() -> Result<Outcome> {
       if (*list) {
@@ -182,6 +183,8 @@ void add_run(CLI::App& program, Action& action) {
         return Outcome();
       }
       KAZ_TRY(check_given(*verb, arguments->session.behavior, arguments->session.backend.robot));
+      if (verb->count("--world") == 0)
+        arguments->session.backend.world = usual_world(arguments->session.behavior);
       return run_behavior(*arguments);
     };
   });

@@ -35,7 +35,7 @@ using studies::text;
 struct Arguments {
   std::string out = "out/balance";
   std::uint64_t seed = 1;
-  int jobs = 1, generations = 50, population = 24, episodes = 5;
+  int jobs = 1, generations = 30, population = 24, episodes = 5;
   // Of a test.
   std::string test;
   sim::McuKind mcu = sim::McuKind::h8;

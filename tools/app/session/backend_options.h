@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,11 @@ class RecordingTap;
 namespace kaz::tools {
 
 constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
+
+// Where none is given: a world in which the behaviour has something to do.
+inline const char* usual_world(std::string_view behavior) {
+  return behavior == "catch-ball" ? "catch" : behavior == "navigate" ? "boxes" : "ball";
+}
 
 struct BackendOptions {
   std::string robot = "sim";  // "sim", a port as parse_port_address() has it, or boards:FILE
