@@ -263,6 +263,6 @@ int main(int argc, char** argv) {
   return studies::run_program(app, "train_balance", argc, argv, [&]() -> Result<void> {
     if (a.population % 2 != 0) return fail(Fault::usage, "--population: give an even number");
     a.mcu = parse_enum(sim::kMcuKinds, a.mcu_name).value();
-    return a.test.empty() ? train(a, "train_balance --seed " + std::to_string(a.seed)) : test(a);
+    return a.test.empty() ? train(a, "./tools/dev train-balance --seed " + std::to_string(a.seed)) : test(a);
   });
 }

@@ -74,6 +74,22 @@ std::vector<Trial> make() {
       all.back().push_to_deg = degrees;
     }
   }
+  for (const double push : {0.0, 0.3, 0.4, 0.5, 0.6}) {
+    for (const char* balance : {"none", "learned"}) {
+      if (push == 0 && std::string(balance) == "none") continue;
+      all.push_back(walk("walk 1 m, balance " + std::string(balance) + ", pushes " + number(push) +
+                         " Ns to the sides"));
+      all.back().options["balance"] = balance;
+      all.back().push_ns = push;
+      all.back().push_sides = true;
+    }
+  }
+  for (const auto& [to, degrees] : {std::pair{"ahead", 0.0}, {"left", 90.0}, {"back", 180.0}}) {
+    all.push_back(walk(std::string("walk 1 m, balance learned, pushes 0.4 Ns to ") + to));
+    all.back().options["balance"] = "learned";
+    all.back().push_ns = 0.4;
+    all.back().push_to_deg = degrees;
+  }
   for (const auto& [to, degrees] :
        {std::pair{"ahead", 0.0}, {"back", 180.0}, {"to its left", 90.0}, {"to its right", -90.0}}) {
     Trial trial{
