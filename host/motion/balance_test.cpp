@@ -59,14 +59,15 @@ TEST(BalancePolicy, IsAlikeForLeftAndRight) {
 
 TEST(BalancePolicy, OfNilWeightsLeavesTheGaitAsItIs) {
   Walk with(std::make_shared<const BalancePolicy>(Weights{})), without(nullptr);
-  for (Walk* walk : {&with, &without}) walk->motion.walk(0.2);
+  // Without a distance: where a walk ends is odometry's, whose lag differs.
+  for (Walk* walk : {&with, &without}) walk->motion.walk_on(0.04, 0);
   for (int i = 0; i < 1000; ++i) {
     const double shaken = std::sin(0.1 * i);
     with.cycle(shaken);
     without.cycle(shaken);
     ASSERT_EQ(with.posture.angle, without.posture.angle) << "cycle " << i;
   }
-  EXPECT_TRUE(with.motion.idle());
+  EXPECT_EQ(with.motion.state(), State::walking);
 }
 
 // The zero of an accelerometer is off by up to 0.2 g: what it was while the robot stood is taken off.

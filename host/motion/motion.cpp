@@ -35,8 +35,8 @@ constexpr double kGravity = 9.81;
 // Delay of the weight transfer against the plan, s: servos lag, and without the delay a foot that still
 // swings would count as half a support. Fitted to walks in simulation (docs/explanation/motion.md), where
 // odometry was 1.4 % short without it.
-// The balance policy rolls the trunk further, which takes the weight over sooner: without a delay walks with it are
-// 2 mm a metre off, with this one 94.
+// The balance policy rolls the trunk further, which takes the weight over sooner: without a delay walks
+// with it are 2 mm a metre off, with this one 94.
 constexpr double kFootLags_s = 0.055;
 // What the gyro's own sigma leaves out: a trunk that shakes and leans while it walks, per root metre.
 constexpr double kShaking = 1.5 * kDegree;
