@@ -177,11 +177,12 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
   };
   table(Verdict::failed, "Cases that failed");
   table(Verdict::undecided, "Cases that are undecided: this machine was late");
-  text +=
-      "<h2>Statements of "
-      "docs/reference/protocol.md</h2>\n<table><tr><th>statement</th><th>text</th>"
-      "<th>result</th><th>cases passed</th></tr>\n" +
-      statement_rows(report) + "</table>\n";
+  if (const std::string rows = statement_rows(report); !rows.empty())
+    text +=
+        "<h2>Statements of "
+        "docs/reference/protocol.md</h2>\n<table><tr><th>statement</th><th>text</th>"
+        "<th>result</th><th>cases passed</th></tr>\n" +
+        rows + "</table>\n";
   table(Verdict::passed, "Cases that passed");
   table(Verdict::left_out, "Cases that were left out");
   return text + kPageEnd;

@@ -119,7 +119,8 @@ LAYERS = {
         "motion": ("link", "robot"), "calibration": ("robot", "motion"), "map": (), "plan": ("map",),
         "behavior": ("link", "robot", "camera", "motion", "map", "plan"), "bus": ("link", "robot"),
     },
-    "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",), "servo": ()},
+    "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "bus": ("report", "conformance"),
+            "fuzz": ("report",), "servo": ()},
     "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
     "python": {"src": (), "kaz": (), "benchmark": ("kaz",), "tests": ("src",), ".": ()},
     "examples": {"behavior": (), "h8s": (), "python": ()},
@@ -150,7 +151,8 @@ LAYERS = {
                         "body": ("bullet", "mujoco"), ".": ("body",)},
     "tests": {"integration": (), "studies": (), "system": ("studies",), "repository": ()},
     "tests/integration": {name: () for name in (
-        ".", "bench", "conformance", "damage", "random_programs", "vision", "vision_flow")},
+        ".", "bench", "conformance", "damage", "random_programs", "servo_conformance", "vision",
+        "vision_flow")},
     "tests/studies": {"common": ()} | {name: ("common",) for name in (
         "dynamics_table", "figure7", "gait", "joints", "servo", "step_length", "vision_table", "walking")} |
         {"balance": ("common", "walking"), "map_table": ("common", "vision_table")},

@@ -21,6 +21,35 @@ void add_conformance(CLI::App& program, Action& action) {
              "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
              "native runs the same C compiled for this machine")
       ->excludes(port);
+  auto* bus = verb->add_option_function<std::string>(
+      "--bus",
+      [arguments](const std::string& protocol) {
+        arguments->bus =
+            protocol == "feetech" ? servo_bus::Protocol::feetech : servo_bus::Protocol::dynamixel;
+      },
+      "a servo on a bus instead of a board: does it do what its maker publishes?");
+  bus->check(CLI::IsMember({"feetech", "dynamixel"}))->type_name("feetech|dynamixel");
+  verb->add_option("--id", arguments->id, "of the servo on the bus")
+      ->check(between(0, 253))
+      ->capture_default_str()
+      ->type_name("N")
+      ->needs(bus);
+  verb->add_option("--baud", arguments->baud,
+                   "rate of the bus; that of servos as they are sold if not given: 1000000 of "
+                   "Feetech's, 57600 of ROBOTIS's")
+      ->check(between(1200L, 10000000L))
+      ->type_name("BAUD")
+      ->needs(bus);
+  verb->add_flag(
+          "--allow-eeprom", arguments->allow_eeprom,
+          "on a bus: also the cases that write EEPROM, which wear it; each value is put back")
+      ->needs(bus);
+  verb->add_flag("--alone", arguments->alone,
+                 "on a bus: the servo is alone at the port, so also requests to all servos")
+      ->needs(bus);
+  verb->add_flag("--release", arguments->release,
+                 "on a bus: a torque that is on is switched off at the beginning; hold the arm")
+      ->needs(bus);
   verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
   verb->add_flag(
@@ -37,10 +66,13 @@ void add_conformance(CLI::App& program, Action& action) {
       ->transform(whole_number())
       ->type_name("N")
       ->capture_default_str();
+  for (const char* of_a_board : {"--address", "--virtual", "--image", "--allow-flash", "--seed"})
+    verb->get_option(of_a_board)->excludes(bus);
   auto* list = verb->add_flag("--list", arguments->list,
                               "print the cases and run none; with --filter those that it takes");
   for (const char* of_a_run :
-       {"--port", "--virtual", "--image", "--allow-motion", "--allow-flash", "--seed"})
+       {"--port", "--virtual", "--image", "--allow-motion", "--allow-flash", "--seed", "--id",
+        "--baud", "--allow-eeprom", "--alone", "--release"})
     verb->get_option(of_a_run)->excludes(list);
   verb->add_option("--junit", arguments->junit, "write JUnit XML; -: to standard output")
       ->type_name("FILE")
@@ -61,12 +93,16 @@ void add_conformance(CLI::App& program, Action& action) {
       "one whose run was killed. A case that fails while this machine is late runs up to three "
       "times more, and is undecided then. All cases take a few "
       "seconds on a virtual board, a minute or two on a port, some four with --allow-flash.\n"
+      "--bus: a servo must have its torque off. Only RAM is written, and put back, and nothing "
+      "moves, unless an option allows more; half a minute.\n"
       "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error or "
       "undecided.\n"
       "Examples:\n"
       "  kaz conformance --virtual h8 --html report.html\n"
       "  kaz conformance --port /dev/ttyUSB0 --junit conformance.xml\n"
       "  kaz conformance --virtual native --filter 'SAFE-|watchdog'\n"
+      "  kaz conformance --bus feetech --port /dev/ttyACM0 --id 3\n"
+      "  kaz conformance --bus dynamixel --port /dev/ttyUSB0 --baud 1000000 --json report.json\n"
       "  kaz conformance --list");
   verb->callback(
       [&action, arguments] { action = [arguments] { return run_conformance(*arguments); }; });

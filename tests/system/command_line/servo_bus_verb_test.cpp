@@ -3,10 +3,12 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_testing.h"
 #include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
@@ -120,6 +122,76 @@ TEST(ServoBusVerb, ScanSuspectsTwoServosOfOneId) {
                             seconds(60));
   EXPECT_EQ(scan.exit_code, 1) << scan.out << scan.err;
   EXPECT_NE(scan.out.find("do two servos have this id?"), std::string::npos) << scan.out;
+}
+
+TEST(ServoBusVerb, ConformanceOfServosOfBothMakers) {
+  const TemporaryFolder folder;
+  const struct {
+    std::string protocol, robot, ready, model;
+    std::vector<std::string> more;
+  } buses[] = {{"feetech", kArm, "ready: 6 servos", "sts3215", {}},
+               {"dynamixel",
+                "sim/robots/mini/mini.urdf",
+                "ready: 18 servos",
+                "xl330-m288",
+                {"--baud", "1000000"}}};
+  for (const auto& bus : buses) {
+    const std::string port = folder / bus.protocol;
+    Process sim(kaz({"sim", "--bus", bus.protocol, "--robot-file", bus.robot, "--serial", port,
+                     "--suspended"}));
+    ASSERT_TRUE(sim.wait_for_output(bus.ready, seconds(30))) << sim.wait(seconds(0)).err;
+    const auto conformance = [&](std::vector<std::string> more) {
+      std::vector<std::string> words{"conformance", "--bus", bus.protocol, "--port", port};
+      words.insert(words.end(), bus.more.begin(), bus.more.end());
+      words.insert(words.end(), more.begin(), more.end());
+      return run(kaz(words), seconds(90));
+    };
+    const Finished good = conformance({"--id", "2", "--json"});
+    EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+    const auto json = parse_json(good.out);
+    EXPECT_EQ(json["failed"], 0);
+    EXPECT_GE(json["passed"].get<int>(), 15);
+    EXPECT_EQ(json["board"].get<std::string>().find(bus.model + ", id 2"), 0u) << json["board"];
+    for (const auto& one : json["results"]) {
+      if (one["verdict"] == "left out") {
+        EXPECT_NE(one["message"], "") << one["id"];
+      }
+    }
+    const Finished moved =
+        conformance({"--id", "2", "--allow-motion", "--filter", "^motion", "--junit",
+                     folder / "report.xml", "--html", folder / "report.html"});
+    EXPECT_EQ(moved.exit_code, 0) << moved.out << moved.err;
+    EXPECT_NE(read_file(folder / "report.xml").find("motion.goal"), std::string::npos);
+    EXPECT_NE(read_file(folder / "report.html").find("conforms"), std::string::npos);
+    // Ctrl-C: what is altered is put back, and the torque is off.
+    const auto altered = [&] {
+      std::string text;
+      for (const auto& servo : parse_json(query_control(port + ".ctl", "status"))["servos"])
+        text += servo["torque"].dump() + " ";
+      return text;
+    };
+    Process broken(kaz({"conformance", "--bus", bus.protocol, "--port", port, "--baud", "1000000",
+                        "--id", "2", "--allow-motion", "--filter", "^motion.goal"}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    broken.signal(SIGINT);
+    const int code = broken.wait(seconds(10)).exit_code;
+    EXPECT_TRUE(code == 128 + SIGINT || code == 0) << code;  // 0: it was faster
+    EXPECT_EQ(altered().find('1'), std::string::npos) << altered();
+    const Finished nobody = conformance({"--id", "200"});
+    EXPECT_EQ(nobody.exit_code, 3) << nobody.out;
+    EXPECT_NE(nobody.err.find("servo 200 on "), std::string::npos) << nobody.err;
+    // A noisy wire is no conforming servo: it fails, or cannot be judged.
+    query_control(port + ".ctl", "damage 0.02");
+    EXPECT_NE(conformance({"--id", "2"}).exit_code, 0);
+    sim.signal(SIGINT);
+    EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
+  }
+  EXPECT_EQ(run(kaz({"conformance", "--bus", "feetech"})).exit_code, 2);
+  EXPECT_EQ(run(kaz({"conformance", "--id", "3", "--port", "x"})).exit_code, 2);
+  EXPECT_EQ(
+      run(kaz({"conformance", "--bus", "feetech", "--port", "x", "--filter", "motion"})).exit_code,
+      2);
+  EXPECT_EQ(run(kaz({"conformance", "--bus", "feetech", "--list"})).exit_code, 0);
 }
 
 TEST(ServoBusVerb, RefusesWhatABusDoesNotHave) {

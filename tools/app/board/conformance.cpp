@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/bus/bus_suite.h"
 #include "hil/conformance/report.h"
 #include "host/link/interrupt.h"
 #include "host/link/port_link.h"
@@ -194,6 +195,70 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
   return together(std::move(report), left);
 }
 
+hil::ServoFamily family_of(servo_bus::Protocol protocol) {
+  return protocol == servo_bus::Protocol::feetech ? hil::ServoFamily::feetech
+                                                  : hil::ServoFamily::dynamixel;
+}
+
+hil::BusRunOptions bus_run(const ConformanceOptions& arguments) {
+  hil::BusRunOptions run;
+  run.family = family_of(*arguments.bus);
+  run.id = arguments.id;
+  run.filter = arguments.run.filter;
+  run.allowed = (arguments.allow_motion ? hil::kServoMotion : 0U) |
+                (arguments.allow_eeprom ? hil::kServoEeprom : 0U) |
+                (arguments.alone ? hil::kServoAlone : 0U);
+  run.release = arguments.release;
+  return run;
+}
+
+Result<hil::RunReport> run_bus(ConformanceOptions& arguments, hil::ReportFacts& facts,
+                               host::Interrupt& interrupt) {
+  auto port = KAZ_TRY(parse_port(arguments.port));
+  if (port.kind != host::PortKind::serial && port.kind != host::PortKind::rfc2217)
+    return fail(Fault::usage, "--port " + arguments.port +
+                                  ": a bus of servos is at a serial port, as /dev/ttyACM0 or "
+                                  "rfc2217:HOST:PORT");
+  port.baud = static_cast<int>(arguments.baud != 0 ? arguments.baud
+                                                   : servo_bus::factory_baud(*arguments.bus));
+  auto link = KAZ_TRY(host::open_port(port, &interrupt));
+  host::WallClock clock(&interrupt);
+  facts.port = port.name();
+  host::LatenessMeter meter(*link, clock, time_lost_behind(port.name(), interrupt));
+  hil::BusRunOptions run = bus_run(arguments);
+  run.interrupt = &interrupt;
+  run.lateness = &meter;
+  run.progress = arguments.run.progress;
+  // A second Ctrl-C ends the program at once.
+  leaves_behind("servo " + std::to_string(arguments.id) + " on " + port.name() +
+                " may have registers of a case: switch its supply off and on" +
+                (arguments.allow_eeprom ? ", and compare its EEPROM" : ""));
+  auto report = hil::run_bus_suite(meter, meter, run);
+  leaves_behind("");
+  return report;
+}
+
+// Cases of the board's suite or of a bus's, as the reports have them.
+Result<std::vector<const hil::Case*>> taken_by(const ConformanceOptions& arguments) {
+  if (!arguments.bus) return hil::chosen(arguments.run.filter);
+  const auto cases = KAZ_TRY(hil::chosen(family_of(*arguments.bus), arguments.run.filter));
+  const unsigned allowed = bus_run(arguments).allowed;
+  unsigned missing = 0;
+  bool some_can_run = false;
+  std::vector<const hil::Case*> taken;
+  for (const hil::ServoCase* one : cases) {
+    taken.push_back(&one->of);
+    missing |= one->needs & ~allowed;
+    some_can_run = some_can_run || (one->needs & ~allowed) == 0;
+  }
+  if (!some_can_run && !arguments.list)
+    return fail(Fault::usage,
+                "--filter " + arguments.run.filter +
+                    " takes no case that can run here: " + hil::missing_servo_text(missing) +
+                    "; `kaz conformance --bus PROTOCOL --list` names others");
+  return taken;
+}
+
 // Of the cases that a filter takes none may be left: that nothing failed would then be no result.
 Result<void> check_needs(const std::vector<const hil::Case*>& taken, unsigned allowed,
                          const std::string& filter) {
@@ -223,11 +288,15 @@ Outcome outcome_of(const hil::RunReport& report) {
 }  // namespace
 
 Result<Outcome> run_conformance(ConformanceOptions arguments) {
-  const auto taken = KAZ_TRY(hil::chosen(arguments.run.filter));
+  const auto taken = KAZ_TRY(taken_by(arguments));
   if (arguments.list) {
     KAZ_TRY(list_cases(taken, arguments.json));
     return Outcome(true);
   }
+  if (arguments.bus && arguments.port.empty())
+    return fail(Fault::usage,
+                "--port is missing: that of the bus's adapter, or of kaz sim --bus (kaz bus scan "
+                "finds servos)");
   if (arguments.port.empty() != arguments.mcu.has_value()) {
     return fail(Fault::usage, "say which board: either --port PATH or --virtual h8|native");
   }
@@ -243,11 +312,12 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
   if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
   if (arguments.mcu) arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
-  if (!arguments.port.empty())
+  if (!arguments.port.empty() && !arguments.bus)
     arguments.run.whole_frames = KAZ_TRY(parse_port(arguments.port)).kind == host::PortKind::can;
   const unsigned line = (arguments.address == KZ_ADDRESS_DEFAULT ? hil::kDefaultAddress : 0U) |
                         (arguments.run.whole_frames ? 0U : hil::kPauses);
-  KAZ_TRY(check_needs(taken, arguments.run.allowed | line, arguments.run.filter));
+  if (!arguments.bus)
+    KAZ_TRY(check_needs(taken, arguments.run.allowed | line, arguments.run.filter));
   auto reports = KAZ_TRY(Reports::open(arguments));
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
   hil::ReportFacts facts;
@@ -266,8 +336,9 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   };
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  const auto report = arguments.port.empty() ? run_virtual(arguments, facts, interrupt)
-                                             : run_port(arguments, facts, interrupt);
+  const auto report = arguments.bus            ? run_bus(arguments, facts, interrupt)
+                      : arguments.port.empty() ? run_virtual(arguments, facts, interrupt)
+                                               : run_port(arguments, facts, interrupt);
   progress.done();
   if (!report) {
     facts.broken_off = report.error().message;

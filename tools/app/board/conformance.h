@@ -7,6 +7,7 @@
 
 #include "hil/conformance/report.h"
 #include "shared/base/result.hpp"
+#include "shared/servo_bus/registers.h"
 #include "sim/mcu/mcu_kind.h"
 #include "tools/app/base/outcome.h"
 
@@ -20,6 +21,11 @@ struct ConformanceOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // at the port
   bool list = false, allow_motion = false, allow_flash = false;
   hil::RunOptions run;
+  // A servo on a bus instead of a board; nullopt: a board.
+  std::optional<servo_bus::Protocol> bus;
+  int id = 1;
+  long baud = 0;  // of the bus; 0: that of servos as they are sold
+  bool allow_eeprom = false, alone = false, release = false;
 };
 
 // Runs the cases and writes the reports, or lists the cases. Status 1: a case failed; 3: none did,

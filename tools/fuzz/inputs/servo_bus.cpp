@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "hil/bus/bus_suite.h"
 #include "hil/fuzz/choices.h"
 #include "host/bus/bus_board.h"
 #include "host/bus/bus_scan.h"
@@ -218,10 +219,27 @@ Complaint try_scan(Bytes bytes, servo_bus::Protocol protocol) {
   return std::nullopt;
 }
 
+// A hostile servo passes no run by keeping silent, and the judge ends whatever it says.
+Complaint try_judge(Bytes bytes, hil::ServoFamily family) {
+  const hil::Bytes all(bytes.begin(), bytes.end());
+  for (const hil::ServoAnswer& one : hil::answers_in(family, all).all)
+    if (one.id < 0 || one.id > 255 || one.data.size() > all.size()) return "an answer that is none";
+  HostileServos servos(bytes);
+  hil::BusRunOptions options;
+  options.family = family;
+  options.allowed = hil::kServoMotion | hil::kServoEeprom | hil::kServoAlone;
+  const auto report = hil::run_bus_suite(servos, servos, options);
+  if (!report) return judge_error(report.error(), "bus", report.error().fault);
+  if (report->results.size() != hil::servo_cases(family).size()) return "cases are missing";
+  return std::nullopt;
+}
+
 }  // namespace
 
-// The same bytes for the drivers and scans of both protocols.
+// The same bytes for the drivers, scans and judges of both protocols.
 Complaint try_bus_answers(Bytes bytes) {
+  for (const auto family : {hil::ServoFamily::feetech, hil::ServoFamily::dynamixel})
+    if (auto wrong = try_judge(bytes, family)) return wrong;
   for (const char* model : {"sts3215", "xl330-m288"}) {
     if (auto wrong = try_answers(bytes, servo_bus::find_model(model))) return wrong;
     if (auto wrong = try_scan(bytes, servo_bus::find_model(model)->protocol)) return wrong;

@@ -1,0 +1,159 @@
+// Cases of both families: registers one by one, by the corpus.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <set>
+
+#include "hil/bus/bus_suite.h"
+
+namespace kaz::hil {
+namespace {
+
+// Rows that no case writes, with the reason. Others of the same beginning, as "Goal PWM", alike.
+constexpr std::pair<const char*, const char*> kNeverWritten[] = {
+    {"ID", "the servo would be lost"},
+    {"baud rate", "the servo would be lost"},
+    {"Baud Rate", "the servo would be lost"},
+    {"Protocol Type", "the servo would be lost"},
+    {"Secondary ID", "it would obey another servo's requests"},
+    {"return delay", "times of answers"},
+    {"Return Delay Time", "times of answers"},
+    {"response", "answers would stop"},
+    {"Status Return Level", "has cases of its own"},
+    {"lock", "EEPROM would change"},
+    {"phase", "bits of unknown effect"},
+    {"operation mode", "the next torque would turn the shaft"},
+    {"Operating Mode", "the next torque would turn the shaft"},
+    {"Drive Mode", "the next torque would turn the shaft"},
+    {"Startup Configuration", "the next power would turn the shaft"},
+    {"position correction", "the next goal would be another place"},
+    {"Homing Offset", "the next goal would be another place"},
+    {"torque switch", "holds"},
+    {"Torque Enable", "holds"},
+    {"Bus Watchdog", "stops later requests"},
+    {"target location", "switches the torque on"},
+    {"goal position", "switches the torque on"},
+    {"Goal", "can switch the torque on"},
+    {"operation time or PWM", "a duty in one of its modes"},
+    {"operation speed", "a speed in one of its modes"},
+    {"goal time", "a duty in one of its modes"},
+    {"Indirect Data", "writes whatever register it stands for"},
+};
+
+bool never_written(const ServoRow& row) {
+  return std::ranges::any_of(kNeverWritten,
+                             [&](const auto& one) { return row.what.starts_with(one.first); });
+}
+
+void fail_if_any(const std::vector<std::string>& wrong) {
+  if (wrong.empty()) return;
+  constexpr std::size_t kMost = 8;
+  std::string text;
+  for (std::size_t i = 0; i < wrong.size() && i < kMost; ++i)
+    text += (i == 0 ? "" : "; ") + wrong[i];
+  if (wrong.size() > kMost) text += "; and " + std::to_string(wrong.size() - kMost) + " more";
+  throw Failed{text};
+}
+
+std::string name_of(const ServoRow& row) {
+  return row.what + " (" + std::to_string(row.address) + ")";
+}
+
+// Collects what is wrong with each row instead of ending at the first.
+template <class Each>
+void for_rows(ExaminedServo& servo, Each each) {
+  std::vector<std::string> wrong;
+  int silent = 0;
+  for (const ServoRow& row : servo.table().rows) {
+    try {
+      each(row);
+      silent = 0;
+    } catch (const Failed& failed) {
+      wrong.push_back(name_of(row) + ": " + failed.message);
+      if (++silent == 10) break;  // it does not answer any more, or nothing of this works
+    }
+  }
+  fail_if_any(wrong);
+}
+
+void write_and_read(ExaminedServo& servo, const ServoRow& row, long value) {
+  equal("error of writing " + std::to_string(value), servo.write(row, value), 0);
+  equal("read after writing " + std::to_string(value), servo.value(row), value);
+}
+
+}  // namespace
+
+void add_register_cases(ServoCases cases, ServoFamily family) {
+  cases.add("registers.readable", "Each register can be read by itself.", "registers",
+            [](ExaminedServo& servo) {
+              for_rows(servo, [&](const ServoRow& row) { (void)servo.value(row); });
+            });
+  cases.add("registers.in-range", "Each register that can be written holds a value of its range.",
+            "registers", [](ExaminedServo& servo) {
+              for_rows(servo, [&](const ServoRow& row) {
+                // An identifier of its own, or not initialised before the first goal.
+                if (!row.writable || row.what.starts_with("Goal")) return;
+                within("value", servo.value(row), row.min, row.max);
+              });
+            });
+  cases.add("registers.block", "A read of several registers has the bytes of each of them.",
+            "registers", [](ExaminedServo& servo) {
+              // EEPROM does not change by itself: rows that follow one another without a gap.
+              std::vector<const ServoRow*> run;
+              const auto compare = [&] {
+                if (run.size() < 2) return;
+                const int begin = run.front()->address;
+                const Bytes all = servo.read(begin, run.back()->address + run.back()->size - begin);
+                for (const ServoRow* row : run) {
+                  const auto at = all.begin() + (row->address - begin);
+                  equal(name_of(*row), decode(servo.table(), *row, Bytes(at, at + row->size)),
+                        servo.value(*row));
+                }
+              };
+              for (const ServoRow& row : servo.table().rows) {
+                if (!row.eeprom) continue;
+                if (!run.empty() && run.back()->address + run.back()->size != row.address) {
+                  compare();
+                  run.clear();
+                }
+                run.push_back(&row);
+              }
+              compare();
+            });
+  cases.add("registers.ram", "RAM takes the ends and the middle of each register's range.",
+            "registers", [](ExaminedServo& servo) {
+              for_rows(servo, [&](const ServoRow& row) {
+                if (!row.writable || row.eeprom || never_written(row)) return;
+                for (const long value : {row.max, row.min, row.min + (row.max - row.min) / 2})
+                  write_and_read(servo, row, value);
+              });
+            });
+  cases.add("registers.ram-read-only", "A register that cannot be written keeps its value.",
+            "registers", [family](ExaminedServo& servo) {
+              const ServoRow& row = *servo.table().find(
+                  {"current voltage", "present voltage", "Present Input Voltage"});
+              const auto got = servo.answer(
+                  3, servo.write_of(row.address, Bytes(static_cast<std::size_t>(row.size))));
+              if (family == ServoFamily::dynamixel) equal("error", got.error & 0x7F, 7);
+              check(servo.value(row) != 0, name_of(row) + " was overwritten with 0");
+            });
+  cases.add(
+      "registers.eeprom", "EEPROM takes a value beside the one that it has, and that again.",
+      "registers",
+      [](ExaminedServo& servo) {
+        for_rows(servo, [&](const ServoRow& row) {
+          if (!row.writable || !row.eeprom || never_written(row)) return;
+          const long now = servo.value(row);
+          write_and_read(servo, row, now < row.max ? now + 1 : now - 1);
+          write_and_read(servo, row, now);
+        });
+      },
+      kServoEeprom);
+  std::string list;
+  for (const auto& [name, reason] : kNeverWritten)
+    list += (list.empty() ? "" : ", ") + std::string(name) + ": " + reason;
+  cases.add(
+      "registers.others", "Registers that no case writes (" + list + ").", "registers",
+      [](ExaminedServo&) {}, kServoNever);
+}
+
+}  // namespace kaz::hil
