@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "host/link/link.h"
@@ -50,6 +51,11 @@ class BusDriver {
   virtual Result<std::optional<Greeting>> greet(const Servo& servo) = 0;
   // Of a model that has modes: the one that goes to positions.
   virtual int position_mode() const = 0;
+
+  // One register, which the model must have. Nothing: it does not answer.
+  virtual Result<std::optional<int>> read(const Servo& servo, std::string_view name) = 0;
+  // False: not acknowledged, or refused.
+  virtual Result<bool> write(const Servo& servo, std::string_view name, int value) = 0;
 
   // Nothing: it does not answer.
   virtual Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) = 0;

@@ -16,6 +16,8 @@ class DynamixelDriver final : public BusDriver {
 
   Result<std::optional<Greeting>> greet(const Servo& servo) override;
   int position_mode() const override { return 3; }
+  Result<std::optional<int>> read(const Servo& servo, std::string_view name) override;
+  Result<bool> write(const Servo& servo, std::string_view name, int value) override;
   Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) override;
   Result<bool> hold(const Servo& servo, double steps) override;
   Result<void> release(const Servo& servo) override;
@@ -37,9 +39,6 @@ class DynamixelDriver final : public BusDriver {
   };
   using Exchange = BusExchange<Wire>;
   Result<Exchange::Answer> ping(const Servo& servo);
-  Result<std::optional<int>> read(const Servo& servo, std::string_view name);
-  // False: not acknowledged, or refused.
-  Result<bool> write(const Servo& servo, std::string_view name, int value);
   Result<std::vector<Exchange::Answer>> read_block(Servos servos, std::string_view first,
                                                    std::size_t count);
 

@@ -15,6 +15,8 @@ class FeetechDriver final : public BusDriver {
 
   Result<std::optional<Greeting>> greet(const Servo& servo) override;
   int position_mode() const override { return 0; }
+  Result<std::optional<int>> read(const Servo& servo, std::string_view name) override;
+  Result<bool> write(const Servo& servo, std::string_view name, int value) override;
   Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) override;
   Result<bool> hold(const Servo& servo, double steps) override;
   Result<void> release(const Servo& servo) override;
@@ -33,11 +35,6 @@ class FeetechDriver final : public BusDriver {
       return packet.parameters.size() == parameters;
     }
   };
-  // Values are those of the model's register of this name, which must exist.
-  Result<std::optional<int>> read(const Servo& servo, std::string_view name);
-  // False: not acknowledged.
-  Result<bool> write(const Servo& servo, std::string_view name, int value);
-
   BusExchange<Wire> exchange_;
 };
 

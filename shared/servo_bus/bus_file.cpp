@@ -152,12 +152,41 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
   return file;
 }
 
+std::string bus_file_path(const std::string& urdf_path) {
+  return std::filesystem::path(urdf_path).replace_filename("bus.json");
+}
+
 Result<BusFile> load_bus_file(const std::string& urdf_path) {
-  const std::string path = std::filesystem::path(urdf_path).replace_filename("bus.json");
+  const std::string path = bus_file_path(urdf_path);
   const auto text = KAZ_TRY(read_whole_file(
       path, kMaxBytes,
       "a robot on a servo bus has one beside its URDF, see docs/reference/servo-bus.md"));
   return parse_bus_file(path, text);
+}
+
+// A line for each servo, as people write it.
+std::string with_zeros(const std::string& text, const std::map<std::string, double>& zeros) {
+  const auto all = nlohmann::ordered_json::parse(text);
+  std::string lines;
+  for (const auto& [key, value] : all.items()) {
+    lines += (lines.empty() ? "{\n  " : ",\n  ") + json(key).dump() + ": ";
+    if (key != "servos") {
+      lines += value.dump();
+      continue;
+    }
+    std::string list;
+    for (auto servo : value) {
+      const auto zero = zeros.find(servo["joint"].get<std::string>());
+      // A whole step, unless somebody wants a part of one.
+      if (zero != zeros.end() && std::floor(zero->second) == zero->second)
+        servo["zero"] = static_cast<long>(zero->second);
+      else if (zero != zeros.end())
+        servo["zero"] = zero->second;
+      list += (list.empty() ? "\n    " : ",\n    ") + servo.dump();
+    }
+    lines += "[" + list + "\n  ]";
+  }
+  return lines + "\n}\n";
 }
 
 }  // namespace kaz::servo_bus

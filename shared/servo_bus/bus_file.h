@@ -4,6 +4,7 @@
 // Read by the virtual bus and by a host at a real one. docs/reference/servo-bus.md describes it.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,10 @@ struct BusFile {
 // `path`: for errors, which name it. Ids may occur twice: a virtual bus with such a fault is worth having.
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text);
 // bus.json beside the URDF.
+std::string bus_file_path(const std::string& urdf_path);
 Result<BusFile> load_bus_file(const std::string& urdf_path);
+
+// The text of such a file, which must be one, with other zeros, by joint; all else stays as it is.
+std::string with_zeros(const std::string& text, const std::map<std::string, double>& zeros);
 
 }  // namespace kaz::servo_bus

@@ -89,5 +89,22 @@ TEST(BusFile, RefusesWithAReason) {
   }
 }
 
+TEST(BusFile, OtherZerosAndAllElseAsItWas) {
+  const std::string text =
+      R"({"protocol": "feetech", "baud": 500000, "supply_volts": 7.4, "servos": [
+    {"joint": "a", "id": 1, "model": "sts3215", "zero": 2048, "reversed": true},
+    {"joint": "b", "id": 2, "model": "sts3215"}, {"joint": "c", "id": 3, "model": "sts3215"}]})";
+  const std::string changed = with_zeros(text, {{"a", 100}, {"b", -20.5}});
+  const auto before = parse_bus_file("bus.json", text), after = parse_bus_file("bus.json", changed);
+  ASSERT_TRUE(before);
+  ASSERT_TRUE(after) << changed;
+  EXPECT_EQ(after->servos[0].zero, 100);
+  EXPECT_TRUE(after->servos[0].reversed);
+  EXPECT_EQ(after->servos[1].zero, -20.5);
+  EXPECT_EQ(after->servos[2].zero, before->servos[2].zero);
+  EXPECT_EQ(after->baud, 500000);
+  EXPECT_EQ(with_zeros(changed, {}), changed);
+}
+
 }  // namespace
 }  // namespace kaz::servo_bus

@@ -97,11 +97,32 @@ void VirtualBus::receive(const HalfDuplexLine::Received& received) {
   line_.set_baud(received.node, static_cast<double>(servo.baud()));
 }
 
+void VirtualBus::turn_by_hand(std::size_t i, double angle) {
+  Mounted& one = servos_[i];
+  if (!one.hand_goal) one.hand = world_->joints()[one.joint].angle;
+  one.hand_goal = angle;
+}
+
+void VirtualBus::take_hands_off() {
+  for (Mounted& one : servos_) one.hand_goal.reset();
+}
+
+// The motor stands for the hand: a spring and a damper, as strong as it is.
+MotorDrive VirtualBus::hand_on(Mounted& one) const {
+  constexpr double kSpeed = 4, kStiffness = 10, kDamping = 0.3;  // rad/s, duty for rad and rad/s
+  const double most = kSpeed * world_->step_s();
+  one.hand += std::clamp(*one.hand_goal - one.hand, -most, most);
+  const JointState& joint = world_->joints()[one.joint];
+  const double duty = kStiffness * (one.hand - joint.angle) - kDamping * joint.velocity;
+  return {.duty = std::clamp(duty, -1.0, 1.0), .powered = true};
+}
+
 void VirtualBus::step() {
   std::vector<MotorDrive> drives(world_->joints().size());
   for (Mounted& one : servos_) {
     MotorDrive drive = one.servo->step(reading_of(one), world_->step_s(), next_step_);
     drive.duty *= one.mount.sign();
+    if (one.hand_goal && !drive.powered) drive = hand_on(one);
     drives[one.joint] = drive;
   }
   world_->step(drives, volts());

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -61,17 +62,27 @@ class VirtualBus {
   void set_power(bool on);
   double volts() const;  // at the servos, as of the last step
 
+  // A hand turns the joint to this angle, rad, and holds it there, as long as its servo has no torque. Past a
+  // stop it presses.
+  void turn_by_hand(std::size_t i, double angle);
+  void take_hands_off();
+  double angle(std::size_t i) const { return world_->joints()[servos_[i].joint].angle; }
+
  private:
   struct Mounted {
     servo_bus::BusServo mount;
     std::unique_ptr<VirtualServo> servo;
     std::size_t joint;  // of the world
+    // Where a hand takes it, and where it is by now.
+    std::optional<double> hand_goal = std::nullopt;
+    double hand = 0;
   };
   VirtualBus(std::unique_ptr<World> world, const servo_bus::BusFile& file,
              std::vector<Mounted> servos);
   ServoReading reading_of(const Mounted& one) const;
   void receive(const HalfDuplexLine::Received& received);
   void step();
+  MotorDrive hand_on(Mounted& one) const;
 
   std::unique_ptr<World> world_;
   std::vector<Mounted> servos_;

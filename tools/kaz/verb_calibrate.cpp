@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "tools/app/calibrate/calibrate_bus.h"
 #include "tools/app/calibrate/calibrate_joints.h"
 #include "tools/app/vision/calibrate_stereo.h"
 #include "tools/kaz/options.h"
@@ -72,6 +73,10 @@ constexpr const char* kVirtualOnly[] = {"--world",    "--mcu",          "--image
                                         "--imu",      "--no-imu",       "--supply", "--seed",
                                         "--dynamics", "--physics-step", "--memory"};
 
+// Of a robot with a servo board; on a bus they have no effect.
+constexpr const char* kBoardOnly[] = {"--address", "--only", "--gauge", "--gauge-error",
+                                      "--dry-run"};
+
 // Errors: an option that has no effect beside the others.
 Result<void> check_joint_options(const CLI::App& verb, const JointCalibrationOptions& options) {
   const bool gauge = options.only == "gauge" || !options.gauge.empty();
@@ -136,6 +141,37 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
   add_sim_options(verb, options.backend);
   for (const char* absent : {"--robot-file", "--eyes", "--eye-width", "--renderer"})
     verb.remove_option(verb.get_option(absent));
+  verb.add_option("--robot-file", options.backend.robot_file,
+                  "of a robot on a servo bus: its URDF; bus.json beside it gets the zeros")
+      ->type_name("FILE");
+}
+
+void add_bus_options(CLI::App& verb, BusCalibrationOptions& options) {
+  verb.add_option("--seconds", options.seconds,
+                  "on a servo bus: for turning the joints by hand, at most")
+      ->check(between(1.0, 3600.0))
+      ->capture_default_str()
+      ->type_name("S");
+  verb.add_flag("--release", options.release,
+                "on a servo bus: a torque that is on is switched off at the beginning; hold the "
+                "robot");
+}
+
+Result<Outcome> calibrate_on_bus(const CLI::App& verb, const JointCalibrationOptions& arguments,
+                                 BusCalibrationOptions options) {
+  for (const char* option : kBoardOnly) {
+    if (verb.count(option) > 0)
+      return fail(Fault::usage,
+                  std::string(option) +
+                      " is for a robot with a servo board; leave it out with --robot " +
+                      arguments.backend.robot);
+  }
+  options.backend = arguments.backend;
+  options.out = arguments.out;
+  options.yes = arguments.yes;
+  options.store = arguments.store;
+  options.json = arguments.json;
+  return calibrate_bus_joints(options);
 }
 
 void add_joints(CLI::App& calibrate, Action& action) {
@@ -143,7 +179,9 @@ void add_joints(CLI::App& calibrate, Action& action) {
       "joints",
       "calibrate potentiometers against mechanical stops, gravity and symmetry, or by a gauge");
   auto arguments = std::make_shared<JointCalibrationOptions>();
+  auto bus = std::make_shared<BusCalibrationOptions>();
   add_joint_options(*verb, *arguments);
+  add_bus_options(*verb, *bus);
   verb->footer(
       "First the robot hangs by its trunk, and each joint is pressed gently against both stops: "
       "head "
@@ -155,6 +193,9 @@ void add_joints(CLI::App& calibrate, Action& action) {
       "stored in the board if all joints have good readings. After Ctrl-C or an error the board is "
       "as "
       "it was.\n"
+      "On a servo bus (--robot feetech:PORT, dynamixel:PORT) nothing is driven: turn each joint by "
+      "hand from one stop to the other. Each range is placed so that the position does not wrap; "
+      "what that writes to EEPROM is shown first and read back, and bus.json gets the zeros.\n"
       "Exit status: 1 a joint has no good reading, nothing is stored.\n"
       "Examples:\n"
       "  kaz calibrate joints --dry-run\n"
@@ -162,14 +203,23 @@ void add_joints(CLI::App& calibrate, Action& action) {
       "  kaz run go-forward --sensors as-built --seed 3 --imu --memory three.mem\n"
       "  kaz calibrate joints --robot serial:/dev/ttyUSB0 --out joints\n"
       "  kaz calibrate joints --robot serial:/dev/ttyUSB0 --only floor --yes --json\n"
-      "  kaz calibrate joints --robot serial:/dev/ttyUSB0 --gauge neck_pan=0 --gauge-error 0.3");
-  verb->callback([&action, arguments, verb] {
-    action = [arguments, verb]() -> Result<Outcome> {
+      "  kaz calibrate joints --robot serial:/dev/ttyUSB0 --gauge neck_pan=0 --gauge-error 0.3\n"
+      "  kaz calibrate joints --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
+  verb->callback([&action, arguments, bus, verb] {
+    action = [arguments, bus, verb]() -> Result<Outcome> {
       for (const char* option : kVirtualOnly) {
         if (arguments->backend.robot != "sim" && verb->count(option) > 0)
           return fail(Fault::usage, std::string(option) +
                                         " is for the virtual robot; leave it out with --robot " +
                                         arguments->backend.robot);
+      }
+      if (names_servo_bus(arguments->backend.robot))
+        return calibrate_on_bus(*verb, *arguments, *bus);
+      for (const char* option : {"--robot-file", "--seconds", "--release"}) {
+        if (verb->count(option) > 0)
+          return fail(Fault::usage, std::string(option) +
+                                        " is for a robot on a servo bus, as --robot "
+                                        "feetech:/dev/ttyACM0; leave it out");
       }
       KAZ_TRY(check_joint_options(*verb, *arguments));
       return calibrate_joints(*arguments);

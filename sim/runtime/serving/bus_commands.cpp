@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/serving/bus_commands.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "shared/base/number_text.hpp"
 #include "sim/runtime/serving/control_server.h"
@@ -35,6 +37,8 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
               {"power on|off", "the supply of all servos; off loses their RAM"},
               {"supply VOLTS", "voltage of the supply, 0 to 30"},
               {"damage SHARE", "share of bytes with one wrong bit, 0 to 1"},
+              {"turn JOINT DEGREES",
+               "by hand to an angle, while its torque is off; \"turn off\": no hand"},
               {"status", "time, host, losses, and each servo"}}}};
   if (command == "power") {
     if (argument != "on" && argument != "off")
@@ -54,8 +58,29 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
     bus_->line().set_damage(*share, 1);
     return {{"ok", true}};
   }
+  if (command == "turn") return turn(argument);
   if (command == "status") return status();
   return refusal("there is no command \"" + command + "\"; send \"help\"");
+}
+
+Json BusCommands::turn(const std::string& argument) const {
+  if (argument == "off") {
+    bus_->take_hands_off();
+    return {{"ok", true}};
+  }
+  const auto space = argument.find(' ');
+  const std::string joint = argument.substr(0, space);
+  const auto degrees =
+      space == std::string::npos ? std::nullopt : parse_number<double>(argument.substr(space + 1));
+  if (!degrees || !(std::abs(*degrees) <= 720))
+    return refusal("\"turn\" takes a joint and degrees, -720 to 720, or \"off\", got \"" +
+                   argument + "\"");
+  for (std::size_t i = 0; i < bus_->servos(); ++i) {
+    if (bus_->mount(i).joint != joint) continue;
+    bus_->turn_by_hand(i, *degrees * std::numbers::pi / 180);
+    return {{"ok", true}};
+  }
+  return refusal("there is no joint \"" + joint + "\"");
 }
 
 Json BusCommands::status() const {
@@ -72,6 +97,7 @@ Json BusCommands::status() const {
                       {"id", get("id")},
                       {"baud", servo.baud()},
                       {"torque", get("torque_enable")},
+                      {"angle_deg", bus_->angle(i) * 180 / std::numbers::pi},
                       {"position", get("present_position")},
                       {"goal", get("goal_position")},
                       {"offset", get("position_offset", "homing_offset")},

@@ -1,4 +1,4 @@
-// Commands of the control socket of `kaz sim --bus`: power, supply, damage, status.
+// Commands of the control socket of `kaz sim --bus`: power, supply, damage, a hand, status.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,6 +22,7 @@ class BusCommands {
 
  private:
   nlohmann::ordered_json run(const std::string& command, const std::string& argument) const;
+  nlohmann::ordered_json turn(const std::string& argument) const;
   nlohmann::ordered_json status() const;
 
   VirtualBus* bus_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/bus/bus_board.h"
 #include "host/link/interrupt.h"
 #include "host/link/link.h"
 #include "host/link/port_link.h"
@@ -22,6 +23,15 @@ namespace kaz::tools {
 
 // Is it a value of --robot for a bus of servos, as feetech:PATH?
 bool names_servo_bus(const std::string& robot);
+
+// Such a bus for verbs that speak to its servos themselves.
+struct ServoBus {
+  servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
+  std::unique_ptr<host::PortLink> port;  // at the bus's rate
+  std::vector<host::BusJoint> joints;    // in the robot's order
+};
+// Of --robot, which must name one, and --robot-file. Errors: as of SessionBackend::open(); no servo is heard.
+Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Interrupt& interrupt);
 
 class SessionBackend {
  public:

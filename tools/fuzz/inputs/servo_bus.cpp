@@ -262,6 +262,11 @@ Complaint try_bus_file(Bytes bytes) {
         return "a setting that is none";
     }
   }
+  const std::string& joint = file->servos.front().joint;
+  const auto again =
+      servo_bus::parse_bus_file("bus.json", servo_bus::with_zeros(text_of(bytes), {{joint, 77}}));
+  if (!again || again->servos.size() != file->servos.size() || again->servos.front().zero != 77)
+    return "with another zero it is another file";
   return std::nullopt;
 }
 
