@@ -54,6 +54,10 @@ class BusDriver {
 
   // One register, which the model must have. Nothing: it does not answer.
   virtual Result<std::optional<int>> read(const Servo& servo, std::string_view name) = 0;
+  // So many bytes from the register `first` on.
+  virtual Result<std::optional<std::vector<std::uint8_t>>> read_block(const Servo& servo,
+                                                                      std::string_view first,
+                                                                      std::size_t count) = 0;
   // False: not acknowledged, or refused.
   virtual Result<bool> write(const Servo& servo, std::string_view name, int value) = 0;
 

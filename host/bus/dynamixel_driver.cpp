@@ -65,6 +65,19 @@ Result<std::optional<int>> DynamixelDriver::read(const Servo& servo, std::string
   return std::optional<int>(servo_bus::decode(*servo.model, reg, answer->parameters));
 }
 
+Result<std::optional<std::vector<std::uint8_t>>> DynamixelDriver::read_block(const Servo& servo,
+                                                                             std::string_view first,
+                                                                             std::size_t count) {
+  const std::size_t address = servo.model->find(first)->address;
+  const auto answer = KAZ_TRY(
+      exchange_.query(dynamixel::request(id_of(servo), Instruction::read,
+                                         {low(address), high(address), low(count), high(count)}),
+                      count));
+  if (!answer || answer->parameters.size() != count)
+    return std::optional<std::vector<std::uint8_t>>();
+  return std::optional(answer->parameters);
+}
+
 Result<bool> DynamixelDriver::write(const Servo& servo, std::string_view name, int value) {
   const Register& reg = *servo.model->find(name);
   std::vector<std::uint8_t> parameters{low(reg.address), high(reg.address)};
@@ -87,7 +100,7 @@ Result<std::optional<BusDriver::Greeting>> DynamixelDriver::greet(const Servo& s
   return std::optional<Greeting>(greeting);
 }
 
-Result<std::vector<DynamixelDriver::Exchange::Answer>> DynamixelDriver::read_block(
+Result<std::vector<DynamixelDriver::Exchange::Answer>> DynamixelDriver::read_blocks(
     Servos servos, std::string_view first, std::size_t count) {
   if (servos.empty()) return std::vector<Exchange::Answer>();
   // The same place in all models.
@@ -103,7 +116,7 @@ Result<std::vector<DynamixelDriver::Exchange::Answer>> DynamixelDriver::read_blo
 }
 
 Result<std::vector<std::optional<ServoState>>> DynamixelDriver::read_all(Servos servos) {
-  const auto answers = KAZ_TRY(read_block(servos, kMotion, kMotionBytes));
+  const auto answers = KAZ_TRY(read_blocks(servos, kMotion, kMotionBytes));
   std::vector<std::optional<ServoState>> states(servos.size());
   for (std::size_t i = 0; i < servos.size(); ++i) {
     if (!answers[i] || answers[i]->parameters.size() != kMotionBytes) continue;
@@ -120,7 +133,7 @@ Result<std::vector<std::optional<ServoState>>> DynamixelDriver::read_all(Servos 
   }
   if (clock_.now() < circuit_due_) return states;
   circuit_due_ = clock_.now() + kCircuitPeriod;
-  const auto circuits = KAZ_TRY(read_block(servos, kCircuit, kCircuitBytes));
+  const auto circuits = KAZ_TRY(read_blocks(servos, kCircuit, kCircuitBytes));
   for (std::size_t i = 0; i < servos.size(); ++i) {
     if (!states[i] || !circuits[i] || circuits[i]->parameters.size() != kCircuitBytes) continue;
     const auto get = [&](const char* name) {

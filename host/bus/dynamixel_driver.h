@@ -17,6 +17,9 @@ class DynamixelDriver final : public BusDriver {
   Result<std::optional<Greeting>> greet(const Servo& servo) override;
   int position_mode() const override { return 3; }
   Result<std::optional<int>> read(const Servo& servo, std::string_view name) override;
+  Result<std::optional<std::vector<std::uint8_t>>> read_block(const Servo& servo,
+                                                              std::string_view first,
+                                                              std::size_t count) override;
   Result<bool> write(const Servo& servo, std::string_view name, int value) override;
   Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) override;
   Result<bool> hold(const Servo& servo, double steps) override;
@@ -39,8 +42,8 @@ class DynamixelDriver final : public BusDriver {
   };
   using Exchange = BusExchange<Wire>;
   Result<Exchange::Answer> ping(const Servo& servo);
-  Result<std::vector<Exchange::Answer>> read_block(Servos servos, std::string_view first,
-                                                   std::size_t count);
+  Result<std::vector<Exchange::Answer>> read_blocks(Servos servos, std::string_view first,
+                                                    std::size_t count);
 
   Exchange exchange_;
   Clock& clock_;

@@ -45,6 +45,16 @@ Result<std::optional<int>> FeetechDriver::read(const Servo& servo, std::string_v
   return std::optional<int>(servo_bus::decode(*servo.model, reg, answer->parameters));
 }
 
+Result<std::optional<std::vector<std::uint8_t>>> FeetechDriver::read_block(const Servo& servo,
+                                                                           std::string_view first,
+                                                                           std::size_t count) {
+  const auto answer = KAZ_TRY(exchange_.query(
+      feetech::request(id_of(servo), Instruction::read,
+                       {address_of(*servo.model->find(first)), static_cast<std::uint8_t>(count)}),
+      count));
+  return answer ? std::optional(answer->parameters) : std::nullopt;
+}
+
 Result<bool> FeetechDriver::write(const Servo& servo, std::string_view name, int value) {
   const Register& reg = *servo.model->find(name);
   std::vector<std::uint8_t> parameters{address_of(reg)};

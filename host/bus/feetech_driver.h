@@ -16,6 +16,9 @@ class FeetechDriver final : public BusDriver {
   Result<std::optional<Greeting>> greet(const Servo& servo) override;
   int position_mode() const override { return 0; }
   Result<std::optional<int>> read(const Servo& servo, std::string_view name) override;
+  Result<std::optional<std::vector<std::uint8_t>>> read_block(const Servo& servo,
+                                                              std::string_view first,
+                                                              std::size_t count) override;
   Result<bool> write(const Servo& servo, std::string_view name, int value) override;
   Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) override;
   Result<bool> hold(const Servo& servo, double steps) override;

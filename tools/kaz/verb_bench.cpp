@@ -5,6 +5,7 @@
 
 #include "host/robot/posture.h"
 #include "tools/app/bench/bench_run.h"
+#include "tools/app/bench/pendulum_run.h"
 #include "tools/app/bench/servo_run.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -166,6 +167,80 @@ void add_servo(CLI::App& bench_verb, Action& action) {
       [&action, arguments] { action = [arguments] { return run_servo_fit(*arguments); }; });
 }
 
+void add_pendulum(CLI::App& bench_verb, Action& action) {
+  auto* verb = bench_verb.add_subcommand(
+      "pendulum", "record a pendulum on the horn of a bus servo: the logs of kaz bench servo");
+  auto arguments = std::make_shared<PendulumArguments>();
+  hil::PendulumOptions& recorder = arguments->recorder;
+  verb->add_option_function<std::string>(
+          "--bus",
+          [arguments](const std::string& protocol) {
+            arguments->recorder.protocol = protocol == "feetech" ? servo_bus::Protocol::feetech
+                                                                 : servo_bus::Protocol::dynamixel;
+          },
+          "the servo's protocol")
+      ->required()
+      ->check(CLI::IsMember({"feetech", "dynamixel"}))
+      ->type_name("feetech|dynamixel");
+  verb->add_option("--port", arguments->port, "the adapter's port: /dev/ttyACM0, rfc2217:HOST:PORT")
+      ->required()
+      ->type_name("PORT");
+  verb->add_option("--baud", arguments->baud,
+                   "rate of the bus; that of servos as they are sold if not given")
+      ->check(between(1200L, 10000000L))
+      ->type_name("BAUD");
+  verb->add_option("--id", recorder.id, "of the servo")
+      ->check(between(0, 253))
+      ->capture_default_str()
+      ->type_name("N");
+  verb->add_option("--mass", recorder.mass_kg, "at the end of the arm, kg")
+      ->required()
+      ->check(between(0.001, 20.0))
+      ->type_name("KG");
+  verb->add_option("--length", recorder.length_m, "from the shaft to the mass, m")
+      ->required()
+      ->check(between(0.01, 2.0))
+      ->type_name("M");
+  verb->add_option("--arm", recorder.arm_kg, "the arm itself, a uniform rod of that length, kg")
+      ->check(between(0.0, 20.0))
+      ->capture_default_str()
+      ->type_name("KG");
+  verb->add_option("--amplitude", arguments->amplitude_deg,
+                   "how far it swings to either side of hanging down")
+      ->check(between(10.0, 150.0))
+      ->capture_default_str()
+      ->type_name("DEGREES");
+  verb->add_option("--seconds", recorder.seconds, "of each log; motions become faster with less")
+      ->check(between(2.0, 60.0))
+      ->capture_default_str()
+      ->type_name("S");
+  verb->add_option("--max-celsius", recorder.max_celsius, "the torque goes off above it")
+      ->check(between(25.0, 100.0))
+      ->capture_default_str()
+      ->type_name("C");
+  verb->add_option("--max-amps", recorder.max_amps, "the torque goes off above it")
+      ->check(between(0.05, 20.0))
+      ->capture_default_str()
+      ->type_name("A");
+  verb->add_option("--out", arguments->out, "folder for the logs and record.json")
+      ->capture_default_str()
+      ->type_name("DIR");
+  verb->add_flag("--yes", arguments->yes, "do not ask before it moves");
+  verb->add_flag("--json", arguments->json, "record.json on standard output, no progress");
+  verb->footer(
+      "Twelve logs of 6 s, two minutes: four motions with each of three gains; those of the middle "
+      "gain are to be held out. D, I and least duty are 0 meanwhile, and put back. Ctrl-C, a limit "
+      "or a lost servo: torque off, registers as they were, nothing is written.\n"
+      "Examples:\n"
+      "  kaz bench pendulum --bus feetech --port /dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 "
+      "\\\n"
+      "      --out heavy\n"
+      "  kaz bench servo heavy/fit-*.csv light/fit-*.csv --held-out heavy/held-*.csv \\\n"
+      "      light/held-*.csv");
+  verb->callback(
+      [&action, arguments] { action = [arguments] { return record_pendulum_logs(*arguments); }; });
+}
+
 void add_fit(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
       "fit", "fit the parameters of the motor model so that the simulated bench measures the same");
@@ -235,6 +310,7 @@ void add_bench(CLI::App& program, Action& action) {
       "  kaz bench all --out board-42\n  kaz bench all --port /dev/ttyUSB0 --stand manual");
   add_fit(*verb, action);
   add_servo(*verb, action);
+  add_pendulum(*verb, action);
   auto* names = verb->add_subcommand("list", "print the measurements with their limits; run none");
   auto as_json = std::make_shared<bool>(false);
   names->add_flag("--json", *as_json,

@@ -166,8 +166,8 @@ TEST(ServoBusVerb, ConformanceOfServosOfBothMakers) {
     // Ctrl-C: what is altered is put back, and the torque is off.
     const auto altered = [&] {
       std::string text;
-      for (const auto& servo : parse_json(query_control(port + ".ctl", "status"))["servos"])
-        text += servo["torque"].dump() + " ";
+      const auto status = parse_json(query_control(port + ".ctl", "status"));
+      for (const auto& servo : status["servos"]) text += servo["torque"].dump() + " ";
       return text;
     };
     Process broken(kaz({"conformance", "--bus", bus.protocol, "--port", port, "--baud", "1000000",
@@ -192,6 +192,59 @@ TEST(ServoBusVerb, ConformanceOfServosOfBothMakers) {
       run(kaz({"conformance", "--bus", "feetech", "--port", "x", "--filter", "motion"})).exit_code,
       2);
   EXPECT_EQ(run(kaz({"conformance", "--bus", "feetech", "--list"})).exit_code, 0);
+}
+
+TEST(ServoBusVerb, APendulumIsRecordedAndItsServoFitted) {
+  const TemporaryFolder folder;
+  const std::string port = folder / "bench";
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", "sim/robots/pendulum/pendulum.urdf",
+                   "--serial", port}));
+  ASSERT_TRUE(sim.wait_for_output("ready: 1 servos", seconds(30))) << sim.wait(seconds(0)).err;
+  const auto record = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"bench",  "pendulum", "--bus",    "feetech", "--port", port,
+                                   "--mass", "0.3",      "--length", "0.15",    "--arm",  "0.02"};
+    words.insert(words.end(), more.begin(), more.end());
+    return kaz(words);
+  };
+  const auto torque = [&] {
+    return parse_json(query_control(port + ".ctl", "status"))["servos"][0]["torque"];
+  };
+  // Ctrl-C while it swings.
+  Process broken(record({"--yes", "--out", folder / "none"}));
+  std::this_thread::sleep_for(seconds(4));
+  EXPECT_EQ(torque(), 1);
+  broken.signal(SIGINT);
+  EXPECT_EQ(broken.wait(seconds(10)).exit_code, 128 + SIGINT);
+  EXPECT_EQ(torque(), 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "none"));
+  const Finished nobody = run(record({"--out", folder / "none"}));
+  EXPECT_EQ(nobody.exit_code, 2) << nobody.err;
+  EXPECT_NE(nobody.err.find("nothing was moved"), std::string::npos) << nobody.err;
+
+  const Finished done =
+      run(record({"--yes", "--seconds", "3", "--out", folder / "logs", "--json"}), seconds(120));
+  ASSERT_EQ(done.exit_code, 0) << done.out << done.err;
+  EXPECT_EQ(torque(), 0);
+  std::vector<std::string> fit{"bench", "servo"}, held{"--held-out"};
+  const auto recorded = parse_json(done.out);
+  for (const auto& log : recorded["logs"]) {
+    EXPECT_EQ(log["goals"], "profile");
+    (log["held_out"].get<bool>() ? held : fit)
+        .push_back(folder / "logs/" + log["file"].get<std::string>());
+  }
+  ASSERT_EQ(fit.size(), 10u);
+  ASSERT_EQ(held.size(), 5u);
+  fit.insert(fit.end(), held.begin(), held.end());
+  for (const char* word : {"--model", "1", "--json", "--out"}) fit.push_back(word);
+  fit.push_back(folder / "fit");
+  const Finished fitted = run(kaz(fit), seconds(60));
+  ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
+  const auto model = parse_json(fitted.out)["models"][0];
+  // In real time, beside others: 1 degree. The motor file has 1.239 Nm/A.
+  EXPECT_LT(model["held_out"]["position_rad"].get<double>(), 0.0175);
+  EXPECT_NEAR(model["params"]["kt"]["value"].get<double>(), 1.239, 0.3);
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
 }
 
 TEST(ServoBusVerb, RefusesWhatABusDoesNotHave) {

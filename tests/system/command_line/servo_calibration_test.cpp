@@ -122,7 +122,9 @@ TEST(ServoCalibration, RangesThatWrapArePlacedAndTheArmPlaysAsItsFileSays) {
   arm.turn_all();
   const Finished same = again.wait(seconds(40));
   EXPECT_EQ(same.exit_code, 0) << same.err;
-  for (const auto& one : parse_json(same.out)["joints"]) {
+  const json second = parse_json(same.out);
+  ASSERT_EQ(second["joints"].size(), 6u);
+  for (const auto& one : second["joints"]) {
     EXPECT_EQ(one["eeprom"], json::object()) << one;
     EXPECT_EQ(one["wrapped"], false) << one;
   }

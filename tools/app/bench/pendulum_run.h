@@ -1,0 +1,24 @@
+// `kaz bench pendulum`: logs of a pendulum on a bus servo, for `kaz bench servo`.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "hil/servo/pendulum_recorder.h"
+#include "tools/app/base/outcome.h"
+
+namespace kaz::tools {
+
+struct PendulumArguments {
+  std::string port;
+  long baud = 0;  // 0: that of servos as they are sold
+  hil::PendulumOptions recorder;
+  double amplitude_deg = 80;
+  std::string out = "kaz-pendulum";
+  bool yes = false, json = false;
+};
+
+// Records twelve logs and leaves them in the folder, with record.json.
+Result<bool> record_pendulum_logs(PendulumArguments arguments);
+
+}  // namespace kaz::tools
