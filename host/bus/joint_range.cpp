@@ -15,6 +15,8 @@ using servo_bus::Model;
 using servo_bus::Protocol;
 
 constexpr double kDegree = std::numbers::pi / 180;
+// Steps by which stops give way: limits that cut off less are left alone.
+constexpr double kGives = 20;
 constexpr double kShare = 0.1, kLeast = 10 * kDegree;  // by which a range may differ
 
 double modulo(double value, double turn) {
@@ -126,7 +128,7 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
   plan.high = sweep.high() + shift;
   const bool none = now.low == 0 && now.high == 0 && model.protocol == Protocol::feetech;
   const bool moved = plan.registers.offset != now.offset;
-  if (!none && (moved || now.low > plan.low || now.high < plan.high)) {
+  if (!none && (moved || now.low > plan.low + kGives || now.high < plan.high - kGives)) {
     plan.registers.low = static_cast<int>(std::max(0.0, std::floor(plan.low)));
     plan.registers.high = static_cast<int>(std::min(turn - 1, std::ceil(plan.high)));
   }

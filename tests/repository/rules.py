@@ -134,7 +134,7 @@ LAYERS = {
     "tools/app": {
         "base": (), "doctor": ("base",), "kept": ("base",), "vision": ("base",),
         "session": ("base", "kept", "vision"),
-        "board": ("base", "kept"), "bridge": ("base",), "bus": ("base",),
+        "board": ("base", "kept"), "bridge": ("base",), "bus": ("base", "session"),
         "calibrate": ("base", "kept", "session"),
         "monitor": ("base", "kept", "session"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
         "sim": ("base", "session"),

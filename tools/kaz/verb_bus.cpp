@@ -5,6 +5,7 @@
 #include <string>
 
 #include "shared/base/number_text.hpp"
+#include "tools/app/bus/record_motion.h"
 #include "tools/app/bus/scan.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -29,13 +30,88 @@ CLI::Validator ids_of(const std::shared_ptr<BusScanOptions>& options) {
       "");
 }
 
+// --robot and --robot-file, both needed.
+void add_robot(CLI::App& verb, BackendOptions& options) {
+  verb.add_option("--robot", options.robot, "the bus: feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]")
+      ->required()
+      ->type_name("BUS");
+  verb.add_option("--robot-file", options.robot_file,
+                  "URDF of the robot; bus.json beside it says which servo is which joint")
+      ->required()
+      ->type_name("FILE");
+}
+
+template <class Options>
+Result<void> check_robot(const Options& options) {
+  if (names_servo_bus(options.backend.robot)) return {};
+  return fail(Fault::usage, "--robot " + options.backend.robot +
+                                ": give a bus of servos, as feetech:/dev/ttyACM0 or "
+                                "dynamixel:/dev/ttyUSB0@1000000");
+}
+
+void add_record(CLI::App& bus, Action& action) {
+  auto* verb = bus.add_subcommand("record", "record a motion by hand, for kaz run play");
+  auto options = std::make_shared<MotionRecordOptions>();
+  add_robot(*verb, options->backend);
+  verb->add_option("--out", options->out, "file of poses (docs/reference/poses.md)")
+      ->required()
+      ->type_name("FILE");
+  verb->add_option("--seconds", options->seconds, "how long; rest at both ends is cut off")
+      ->check(between(1.0, 120.0))
+      ->capture_default_str()
+      ->type_name("S");
+  verb->add_flag("--release", options->release,
+                 "a torque that is on is switched off at the beginning; hold the robot");
+  verb->add_flag("--json", options->json, "print what was recorded as JSON, no progress");
+  verb->footer(
+      "Nothing is driven: move the robot by hand. A motion faster than 4 rad/s is written slower. "
+      "Ctrl-C: nothing is written.\n"
+      "Exit status: 0 written, 1 nothing moved, or a joint was outside of its limits, 2 wrong "
+      "usage, 3 port error.\n"
+      "Examples:\n"
+      "  kaz bus record --robot feetech:/dev/ttyACM0 --robot-file so101.urdf --out wave.json\n"
+      "  kaz run play --poses wave.json --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
+  verb->callback([&action, options] {
+    action = [options]() -> Result<Outcome> {
+      KAZ_TRY(check_robot(*options));
+      return record_motion(*options);
+    };
+  });
+}
+
+void add_bus_status(CLI::App& bus, Action& action) {
+  auto* verb = bus.add_subcommand(
+      "status", "print each servo's angle, torque, load, current, voltage, heat and errors");
+  auto options = std::make_shared<BusStatusOptions>();
+  add_robot(*verb, options->backend);
+  verb->add_flag("--json", options->json, "print it as JSON");
+  verb->footer(
+      "Reads only.\n"
+      "Exit status: 0 all answer and report no error, 1 one does not, 2 wrong usage, 3 port "
+      "error.\n"
+      "Examples:\n"
+      "  kaz bus status --robot feetech:/dev/ttyACM0 --robot-file so101.urdf\n"
+      "  watch -n 0.5 kaz bus status --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
+  verb->callback([&action, options] {
+    action = [options]() -> Result<Outcome> {
+      KAZ_TRY(check_robot(*options));
+      return print_bus_status(*options);
+    };
+  });
+}
+
 }  // namespace
 
 void add_bus(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "bus", "servos of Feetech's and ROBOTIS's on a serial line: who is there, and how well");
+      "bus", "servos of Feetech's and ROBOTIS's on a serial line: find, look at, record");
   verb->require_subcommand(1);
-  verb->footer("Examples:\n  kaz bus scan --port /dev/ttyACM0");
+  verb->footer(
+      "Examples:\n  kaz bus scan --port /dev/ttyACM0\n  kaz bus status --robot "
+      "feetech:/dev/ttyACM0 "
+      "--robot-file so101.urdf");
+  add_record(*verb, action);
+  add_bus_status(*verb, action);
   auto* scan = verb->add_subcommand(
       "scan", "look for servos at every id and rate, and for what is wrong with them and the wire");
   auto options = std::make_shared<BusScanOptions>();

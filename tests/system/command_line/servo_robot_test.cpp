@@ -65,6 +65,84 @@ TEST(ServoRobot, TheArmPlaysPosesOverItsBus) {
   EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
 }
 
+// What an owner does: look, record by hand, play it on the same bus.
+TEST(ServoRobot, AMotionByHandIsRecordedAndPlayed) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", kArm, "--serial", folder / "arm"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", std::chrono::seconds(30)));
+  const std::vector<std::string> robot{"--robot", "feetech:" + (folder / "arm"), "--robot-file",
+                                       kArm};
+  const auto with_robot = [&](std::vector<std::string> words, std::vector<std::string> more = {}) {
+    words.insert(words.end(), robot.begin(), robot.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return kaz(words);
+  };
+  const auto turn = [&](const std::string& to, int ms) {
+    query_control(folder / "arm.ctl", "turn " + to);
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+  };
+  for (const char* joint : {"shoulder_lift 0", "elbow_flex 0", "wrist_flex 0", "wrist_roll 0"})
+    turn(joint, 0);
+  turn("shoulder_pan 0", 1200);
+  const Finished status = run(with_robot({"bus", "status"}, {"--json"}));
+  EXPECT_EQ(status.exit_code, 0) << status.out << status.err;
+  const auto looked = parse_json(status.out);
+  ASSERT_EQ(looked["servos"].size(), 6u) << status.out;
+  EXPECT_NEAR(looked["servos"][0]["angle_deg"].get<double>(), 0, 3);
+  EXPECT_NEAR(looked["servos"][0]["volts"].get<double>(), 7.4, 0.3);
+  EXPECT_EQ(looked["servos"][5]["torque"], false);
+  EXPECT_TRUE(looked["servos"][0].contains("amps"));
+
+  // Nobody moves anything: nothing is written.
+  const std::string file = folder / "motion.json";
+  const Finished still = run(with_robot({"bus", "record"}, {"--out", file, "--seconds", "1"}),
+                             std::chrono::seconds(20));
+  EXPECT_EQ(still.exit_code, 1) << still.out;
+  EXPECT_NE(still.err.find("nothing was moved"), std::string::npos) << still.err;
+  EXPECT_FALSE(std::filesystem::exists(file));
+
+  Process recording(with_robot({"bus", "record"}, {"--out", file, "--seconds", "7", "--json"}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(900));
+  turn("shoulder_pan 40", 900);
+  turn("wrist_flex -50", 900);
+  turn("shoulder_pan -30", 1500);
+  turn("wrist_flex 0", 900);
+  const Finished recorded = recording.wait(std::chrono::seconds(20));
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.out << recorded.err;
+  const auto facts = parse_json(recorded.out);
+  EXPECT_GT(facts["poses"].get<int>(), 15);
+  EXPECT_EQ(facts["missing"], 0);
+  double lowest = 0, highest = 0;
+  const auto poses = parse_json(read_file(file));
+  for (const auto& pose : poses["poses"]) {
+    lowest = std::min(lowest, pose["angles_rad"]["shoulder_pan"].get<double>());
+    highest = std::max(highest, pose["angles_rad"]["shoulder_pan"].get<double>());
+  }
+  EXPECT_NEAR(highest, 40 * 0.01745, 0.06);
+  EXPECT_NEAR(lowest, -30 * 0.01745, 0.06);
+
+  turn("off", 0);
+  const Finished played =
+      run(with_robot({"run", "play", "--poses", file}, {"--out", folder / "out"}),
+          std::chrono::seconds(60));
+  EXPECT_EQ(played.exit_code, 0) << played.out << played.err;
+  const auto result = parse_json(read_file(folder / "out/result.json"));
+  EXPECT_EQ(result["outcome"], "done");
+  const auto servos = parse_json(query_control(folder / "arm.ctl", "status"));
+  EXPECT_NEAR(servos["servos"][0]["angle_deg"].get<double>(), -30, 6);
+
+  // Without power nobody answers.
+  query_control(folder / "arm.ctl", "power off");
+  const Finished silent = run(with_robot({"bus", "status"}));
+  EXPECT_EQ(silent.exit_code, 1) << silent.out;
+  EXPECT_NE(silent.out.find("does not answer"), std::string::npos) << silent.out;
+  const Finished lost = run(with_robot({"bus", "record"}, {"--out", file, "--seconds", "1"}));
+  EXPECT_EQ(lost.exit_code, 3) << lost.err;
+  EXPECT_EQ(run(kaz({"bus", "status", "--robot", "sim", "--robot-file", kArm})).exit_code, 2);
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
+}
+
 // Over DYNAMIXEL's protocol; then the supply is too low.
 TEST(ServoRobot, TheHumanoidPlaysPosesAndSaysWhatAServoReports) {
   const std::string mini = std::string(KAZ_TREE) + "/sim/robots/mini/mini.urdf";
