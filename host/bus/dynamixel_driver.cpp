@@ -29,6 +29,11 @@ std::uint8_t id_of(const servo_bus::BusServo& servo) {
   return static_cast<std::uint8_t>(servo.id);
 }
 
+// Firmware that has the fast reads. ROBOTIS e-Manual, "Protocol 2.0".
+int fast_since(const servo_bus::Model& model) {
+  return model.name.starts_with("xl330") ? 46 : 45;
+}
+
 std::uint8_t trouble_of(int hardware_error) {
   const auto reported = [hardware_error](int bits, ServoTrouble trouble) {
     return (hardware_error & bits) != 0 ? trouble : ServoTrouble{};
@@ -92,12 +97,43 @@ Result<std::optional<BusDriver::Greeting>> DynamixelDriver::greet(const Servo& s
   if (!answer || answer->parameters.size() != 3) return std::optional<Greeting>();
   Greeting greeting;
   greeting.model = answer->parameters[0] + 256 * answer->parameters[1];
+  if (answer->parameters[2] < fast_since(*servo.model)) may_be_fast_ = false;
   if (greeting.model == servo.model->number) {
     greeting.mode = KAZ_TRY(read(servo, "operating_mode"));
     // The board's ramps are the profile: the servo's own acceleration would make each target late.
     KAZ_TRY(write(servo, "profile_acceleration", 0));
   }
   return std::optional<Greeting>(greeting);
+}
+
+Result<std::optional<DynamixelDriver::Blocks>> DynamixelDriver::read_fast(
+    Servos servos, const std::vector<std::uint8_t>& sync_read, std::size_t count) {
+  constexpr int kSilences = 2;
+  const auto request =
+      dynamixel::request(dynamixel::kBroadcast, Instruction::fast_sync_read, sync_read);
+  KAZ_TRY(exchange_.send(request));
+  // Error, id and data of each; between them the CRC of all before, whose last one is the packet's.
+  const std::size_t each = count + dynamixel::kFastFrame, crc = 2;
+  const auto answer =
+      KAZ_TRY(exchange_.receive(dynamixel::kBroadcast, servos.size() * each - crc, request));
+  if (!answer) {
+    if (!was_fast_ && ++fast_silences_ >= kSilences) may_be_fast_ = false;
+    return std::optional<Blocks>();
+  }
+  Blocks blocks;
+  for (std::size_t i = 0; i < servos.size(); ++i) {
+    const auto part = std::span(answer->parameters).subspan(i * each);
+    if (part[1] != id_of(*servos[i])) return std::optional<Blocks>();
+    dynamixel::Packet& one = blocks.emplace_back().emplace();
+    one.id = part[1];
+    one.instruction = answer->instruction;
+    one.error = part[0];
+    if ((one.error & ~dynamixel::kAlert) == 0)
+      one.parameters.assign(part.begin() + 2,
+                            part.begin() + 2 + static_cast<std::ptrdiff_t>(count));
+  }
+  was_fast_ = true;
+  return std::optional(std::move(blocks));
 }
 
 Result<std::vector<DynamixelDriver::Exchange::Answer>> DynamixelDriver::read_blocks(
@@ -108,11 +144,17 @@ Result<std::vector<DynamixelDriver::Exchange::Answer>> DynamixelDriver::read_blo
   std::vector<std::uint8_t> parameters{low(address), high(address), low(count), high(count)};
   const auto one = parameters;
   for (const Servo* servo : servos) parameters.push_back(id_of(*servo));
-  return exchange_.query_all(
-      servos, dynamixel::request(dynamixel::kBroadcast, Instruction::sync_read, parameters), count,
-      [&one](const Servo& servo) {
-        return dynamixel::request(id_of(servo), Instruction::read, one);
-      });
+  auto together = Exchange::Answer(
+      dynamixel::request(dynamixel::kBroadcast, Instruction::sync_read, parameters));
+  // One servo's fast answer is no shorter.
+  if (may_be_fast_ && servos.size() > 1) {
+    auto fast = KAZ_TRY(read_fast(servos, parameters, count));
+    if (fast) return std::move(*fast);
+    // A servo may be lost, or an answer: the sync read finds out.
+  }
+  return exchange_.query_all(servos, together, count, [&one](const Servo& servo) {
+    return dynamixel::request(id_of(servo), Instruction::read, one);
+  });
 }
 
 Result<std::vector<std::optional<ServoState>>> DynamixelDriver::read_all(Servos servos) {

@@ -45,7 +45,16 @@ class DynamixelDriver final : public BusDriver {
   Result<std::vector<Exchange::Answer>> read_blocks(Servos servos, std::string_view first,
                                                     std::size_t count);
 
+  // All servos in one packet, by a fast sync read, as newer firmware has it. Nothing: it did not come whole.
+  using Blocks = std::vector<Exchange::Answer>;
+  Result<std::optional<Blocks>> read_fast(Servos servos, const std::vector<std::uint8_t>& sync_read,
+                                          std::size_t count);
+
   Exchange exchange_;
+  // Whether servos have the fast read. A firmware that is too old says no; else one answer says yes, and two
+  // silences before it no.
+  bool may_be_fast_ = true, was_fast_ = false;
+  int fast_silences_ = 0;
   Clock& clock_;
   Time circuit_due_{};  // when voltages and temperatures are read again
 };
