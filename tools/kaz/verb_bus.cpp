@@ -34,7 +34,7 @@ CLI::Validator ids_of(const std::shared_ptr<BusScanOptions>& options) {
 void add_robot(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--robot", options.robot, "the bus: feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]")
       ->required()
-      ->type_name("BUS");
+      ->type_name("PORT");
   verb.add_option("--robot-file", options.robot_file,
                   "URDF of the robot; bus.json beside it says which servo is which joint")
       ->required()
