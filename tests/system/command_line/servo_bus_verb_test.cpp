@@ -192,6 +192,14 @@ TEST(ServoBusVerb, ConformanceOfServosOfBothMakers) {
       run(kaz({"conformance", "--bus", "feetech", "--port", "x", "--filter", "motion"})).exit_code,
       2);
   EXPECT_EQ(run(kaz({"conformance", "--bus", "feetech", "--list"})).exit_code, 0);
+  const auto list =
+      parse_json(run(kaz({"conformance", "--bus", "dynamixel", "--list", "--json"})).out);
+  ASSERT_GT(list.size(), 30u);
+  for (const auto& one : list) {
+    if (one["id"] == "motion.goal") {
+      EXPECT_EQ(one["needs"], nlohmann::json({"motion"}));
+    }
+  }
 }
 
 TEST(ServoBusVerb, APendulumIsRecordedAndItsServoFitted) {

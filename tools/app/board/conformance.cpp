@@ -41,6 +41,16 @@ constexpr FileKind kHtml{"conformance report in HTML", {"<title>Kaz conformance:
 
 std::vector<std::string> needs_of(const hil::Case& one) {
   std::vector<std::string> words;
+  // A bus's cases have needs of their own.
+  for (const auto family : {hil::ServoFamily::feetech, hil::ServoFamily::dynamixel}) {
+    for (const hil::ServoCase& servo : hil::servo_cases(family)) {
+      if (&servo.of != &one) continue;
+      for (const auto& [need, word] :
+           {std::pair(hil::kServoMotion, "motion"), std::pair(hil::kServoEeprom, "eeprom"),
+            std::pair(hil::kServoAlone, "alone"), std::pair(hil::kServoNever, "never run")})
+        if ((servo.needs & need) != 0) words.emplace_back(word);
+    }
+  }
   for (const auto& [need, word] :
        {std::pair(hil::kMotion, "motion"), std::pair(hil::kFlash, "flash"),
         std::pair(hil::kBench, "bench"), std::pair(hil::kExact, "exact clock"),
