@@ -10,23 +10,28 @@ namespace kaz::behavior {
 
 namespace {
 
+constexpr double kNear = 0.03;         // m, tolerance of the distance by odometry
+constexpr double kMinDistance = 0.05;  // m; within the tolerance standing still would succeed
+
+bool is_balance(std::string_view text) {
+  return text == "none" || text == "learned" ||
+         motion::BalancePolicy::parse(std::string(text), "balance").has_value();
+}
+
 constexpr Option kOptions[] = {
     {"distance", "0.5", "", -2, 5, "metres ahead, 0.05 at least; negative: back"},
     {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had none"},
     {"balance", "none", "none|learned|FILE", 0, 0,
      "learned: a small network that withstands pushes corrects the gait (needs --imu)", false,
-     [](std::string_view value) { return !value.empty(); }},
+     is_balance},
 };
 
-constexpr double kNear = 0.03;         // m, tolerance of the distance by odometry
-constexpr double kMinDistance = 0.05;  // m; within the tolerance standing still would succeed
-
-// `which`: none, learned, or a file of weights.
+// `which`: none, learned, or weights.
 Result<std::shared_ptr<const motion::BalancePolicy>> balance_policy(const std::string& which) {
   if (which == "none") return nullptr;
   if (which == "learned")
     return std::make_shared<const motion::BalancePolicy>(motion::BalancePolicy::learned());
-  const auto policy = KAZ_TRY(motion::BalancePolicy::read(which));
+  const auto policy = KAZ_TRY(motion::BalancePolicy::parse(which, "balance"));
   return std::make_shared<const motion::BalancePolicy>(policy);
 }
 
@@ -38,12 +43,11 @@ Result<Outcome> run(Context& context) {
   motion::Settings settings;
   settings.use_gyro = context.options.choice("gyro") == "use";
   settings.balance = KAZ_TRY(balance_policy(context.options.choice("balance")));
+  if (settings.balance && !(settings.use_gyro && KAZ_TRY(context.robot.sense_inertial())))
+    return fail(Fault::usage,
+                "go-forward: balance needs the board's gyro and accelerometer; it has none, or "
+                "gyro=ignore is set: give --imu, or balance=none");
   auto walker = KAZ_TRY(Walker::begin(context, kGoForward.name, settings));
-  if (settings.balance && !walker.motion().has_gyro())
-    return fail(
-        Fault::usage,
-        "go-forward: balance needs the board's gyro and accelerometer, and there are none, or "
-        "gyro=ignore is set; give --imu, or balance=none");
   const double distance = context.options.number("distance");
   const motion::Motion& motion = walker.motion();
   const double start = motion.walked(), heading = motion.heading();

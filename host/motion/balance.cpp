@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "shared/base/angle.hpp"
-#include "shared/base/files.hpp"
 #include "shared/base/number_text.hpp"
 
 namespace kaz::motion {
@@ -82,12 +81,6 @@ Result<BalancePolicy> BalancePolicy::parse(const std::string& text, const std::s
                                   " numbers, and a balance policy has " + std::to_string(kWeights) +
                                   " weights; ./tools/dev train-balance writes such files");
   return BalancePolicy(std::span<const double, kWeights>(weights));
-}
-
-Result<BalancePolicy> BalancePolicy::read(const std::string& path) {
-  constexpr std::size_t kLargest = 1 << 20;
-  const auto text = KAZ_TRY(read_whole_file(path, kLargest));
-  return parse(text, path);
 }
 
 Correction Balance::step(const Sensed& now) {

@@ -52,7 +52,6 @@ class BalancePolicy {
   // A text like learned_balance.inc: kWeights numbers with commas or white space between, // begins
   // a comment. Errors (usage): `name`, line, and what is wrong with it.
   static Result<BalancePolicy> parse(const std::string& text, const std::string& name);
-  static Result<BalancePolicy> read(const std::string& path);
 
   // -1..1 each.
   Output evaluate(const Input& x) const;

@@ -207,19 +207,20 @@ class Walk(_Task):
 
 
 class Turn(_Task):
-    """Turn on the spot by 0.5 to 2.6 rad, to either side, within 10 degrees.
+    """Turn on the spot by 0.5 to 2.6 rad, to either side, and stay within 10 degrees for half a second.
 
-    Features: sine and cosine of what is left. Reward: 5 a radian of progress, 10 at the heading,
-    less a hundredth of the actions' mean square. Ends there, or by a fall.
+    Features: sine and cosine of what is left. Reward: 5 a radian of progress, 10 at the end, less a hundredth
+    of the actions' mean square. Ends there, or by a fall.
     """
 
-    features, episode_s = 2, 20.0
+    features, episode_s, hold_s = 2, 20.0, 0.5
 
     def begin(self, i, random, env):
         if not hasattr(self, "goal"):
             self.goal, self.left = numpy.zeros(env.num_envs), numpy.zeros(env.num_envs)
+            self.held_s = numpy.zeros(env.num_envs)
         self.goal[i] = random.uniform(0.5, 2.6) * random.choice([-1, 1])
-        self.left[i] = abs(self.goal[i])
+        self.left[i], self.held_s[i] = abs(self.goal[i]), 0
 
     def _rest(self, state):
         off = self.goal - _heading(state["trunk"])
@@ -231,7 +232,8 @@ class Turn(_Task):
 
     def judge(self, env, state, actions):
         left = numpy.abs(self._rest(state))
-        there = left < numpy.radians(10)
+        self.held_s = numpy.where(left < numpy.radians(10), self.held_s + env.period_s, 0)
+        there = self.held_s >= self.hold_s - 1e-9
         reward = 5 * (self.left - left) + 10 * there - 0.01 * numpy.mean(actions**2, axis=1)
         self.left = left
         return reward, there

@@ -8,6 +8,7 @@
 
 #include "python/src/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/session/balance_setting.h"
 #include "tools/app/session/session.h"
 
 namespace kaz::python {
@@ -52,6 +53,8 @@ py::dict run_behavior(const std::string& name, const py::kwargs& given) {
   if (!named) session.backend.world = tools::usual_world(name);
   session.behavior = name;
   session.settings = settings_of(take<py::dict>(arguments, "settings", py::dict()));
+  if (const auto loaded = tools::load_balance(name, session.settings); !loaded)
+    raise(loaded.error());
   session.out = take<std::string>(arguments, "out", "");
   session.backend.robot = take<std::string>(arguments, "robot", "sim");
   session.backend.camera = take<std::string>(arguments, "camera", "sim");

@@ -10,6 +10,7 @@
 #include "host/motion/pose_sequence.h"
 #include "shared/base/files.hpp"
 #include "tools/app/base/arguments.h"
+#include "tools/app/session/balance_setting.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/kaz/options.h"
@@ -101,7 +102,8 @@ void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
 }
 
 Result<bool> run_behavior(RunArguments arguments) {
-  const auto settings = KAZ_TRY(parse_settings(arguments.settings));
+  auto settings = KAZ_TRY(parse_settings(arguments.settings));
+  KAZ_TRY(load_balance(arguments.session.behavior, settings));
   arguments.session.settings = settings;
   auto& session = arguments.session;
   if (!arguments.duration.empty() || !arguments.goal.empty() || !arguments.poses.empty()) {

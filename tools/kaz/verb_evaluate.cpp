@@ -10,6 +10,7 @@
 #include "tools/app/evaluate/given_options.h"
 #include "tools/app/evaluate/hosts.h"
 #include "tools/app/evaluate/slurm.h"
+#include "tools/app/session/balance_setting.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -88,7 +89,8 @@ Result<void> check_tasks(const std::string& option, int tasks, std::uint64_t epi
 Result<Outcome> start(Arguments a, const WatchArguments& watch,
                       const std::vector<std::string>& options) {
   CampaignOptions& c = a.campaign;
-  const auto settings = KAZ_TRY(parse_settings(a.settings));
+  auto settings = KAZ_TRY(parse_settings(a.settings));
+  KAZ_TRY(load_balance(c.behavior, settings));
   c.settings = settings;
   const auto shard = KAZ_TRY(parse_shard(a.shard));
   c.shard = shard.part;
@@ -123,6 +125,15 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
   KAZ_TRY(no_repetition("--colors", c.variation.colors));
   KAZ_TRY(no_repetition("--radii", c.variation.radii_m));
   KAZ_TRY(check_given(c, options));
+  if (const auto balance = settings.find("balance");
+      balance != settings.end() && balance->second != "none" && !c.backend.imu)
+    return fail(Fault::usage,
+                "--set balance needs the board's gyro and accelerometer: leave --no-imu out, or "
+                "give balance=none");
+  // Of a stand there are some seconds, without a crouch before.
+  if (c.variation.pushes.impulse_ns > 0 && c.task() == "stand" &&
+      std::ranges::count(options, "--push-from") == 0)
+    c.variation.pushes.from_s = 1;
   // Drawing pictures is most of an episode's time: none for who does not look.
   if (std::ranges::count(options, "--eyes") == 0 &&
       !KAZ_TRY(guarded_behavior(c.behavior, "kaz evaluate")).needs_camera)
@@ -288,7 +299,8 @@ void add_evaluate(CLI::App& program, Action& action) {
              "where they go; sides, around: drawn for each push")
       ->needs(push);
   verb->add_option("--push-from", pushes.from_s,
-                   "when the first one is, s since the start; with gyro a walk begins at 7.6 s")
+                   "when the first one is, s since the start; with gyro a walk begins at 7.6 s (of "
+                   "stand: 1)")
       ->check(between(0.0, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")

@@ -17,6 +17,10 @@ void add_monitor(CLI::App& program, Action& action) {
   auto watch = std::make_shared<WatchArguments>();
   add_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
+  verb->add_option("--robot-file", arguments->robot_file,
+                   "URDF of another robot than Kaz; of a bus of servos, feetech:PATH[@BAUD] or "
+                   "dynamixel:PATH[@BAUD], with bus.json beside it")
+      ->type_name("FILE");
   add_watch_options(*verb, *watch, false);
   verb->remove_option(verb->get_option("--view-wait"));
   verb->footer(
@@ -33,6 +37,7 @@ void add_monitor(CLI::App& program, Action& action) {
       "  kaz sim --mcu native --serial board     # in another terminal, until it says ready\n"
       "  kaz monitor --port board\n"
       "  kaz monitor --port board --view        # the robot in a browser, too\n"
+      "  kaz monitor feetech:/dev/ttyACM0 --robot-file so101.urdf\n"
       "  ssh workbench -t kaz monitor --port /dev/ttyUSB0");
   verb->callback([&action, arguments, watch] {
     action = [arguments, watch] { return monitor_watched(*watch, *arguments); };

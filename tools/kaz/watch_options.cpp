@@ -140,7 +140,7 @@ Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions benc
 Result<bool> monitor_watched(const WatchArguments& arguments, MonitorOptions options) {
   if (!arguments.view) return monitor(options);
   KAZ_TRY(Terminal::check());
-  auto view_options = KAZ_TRY(view_of(arguments, ""));
+  auto view_options = KAZ_TRY(view_of(arguments, options.robot_file));
   view_options.source = "robot";
   const auto view = KAZ_TRY(watch::View::open(std::move(view_options)));
   print_address("kaz monitor", view->url());

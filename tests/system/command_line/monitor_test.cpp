@@ -114,6 +114,31 @@ TEST(Monitor, ShowsJointsMovesAndStopsThemAndFindsABoardAgain) {
   screen.wait("left with 0");
 }
 
+// Six servos of an arm, by their names; a key moves one, and q lets go of it.
+TEST(Monitor, ShowsAndMovesTheServosOfABus) {
+  const TemporaryFolder folder;
+  const std::string arm = std::filesystem::absolute("sim/robots/so101/so101.urdf");
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", arm, "--serial", folder / "arm"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30)));
+  std::string command;
+  for (const std::string& word :
+       kaz({"monitor", "feetech:" + (folder / "arm"), "--robot-file", arm}))
+    command += word + " ";
+  Screen screen(command);
+  const std::string now = screen.wait("motors off[^]*0 shoulder_pan[^]*5 gripper[^]*quit");
+  EXPECT_EQ(now.find("neck_pan"), std::string::npos) << now;
+  screen.press({"e"});
+  screen.wait("0 shoulder_pan .* on");
+  screen.press({"]", "]"});
+  screen.wait("shoulder_pan to +[0-9.]+ degrees");
+  screen.wait("0 shoulder_pan +10\\.[0-9] +(8|9|10)\\.[0-9]");
+  screen.press({"q"});
+  screen.wait("left with 0");
+  const Finished unnamed = run(kaz({"monitor", "feetech:" + (folder / "arm")}));
+  EXPECT_EQ(unnamed.exit_code, 2);
+  EXPECT_NE(unnamed.err.find("needs --robot-file FILE"), std::string::npos) << unnamed.err;
+}
+
 // Nothing wraps; the joint that the keys are about is always among those shown.
 TEST(Monitor, FitsIntoASmallWindow) {
   const TemporaryFolder folder;

@@ -70,6 +70,7 @@ Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& e
   if (ended.run_s > 0) {  // else it did not begin
     episode["seconds"] = rounded(ended.run_s);
     episode["rtf"] = rounded(ended.rtf);
+    if (!scenario.pushes.empty()) episode["pushes"] = scenario.pushes_within(ended.run_s);
   }
   return episode;
 }

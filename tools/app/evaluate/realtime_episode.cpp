@@ -396,7 +396,11 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
                {"measurements", results},    {"truth", judge.json()},
                {"simulator", simulator_json}};
   if (!verdict.judged) episode["judged"] = false;
-  if (result.contains("duration_s")) episode["seconds"] = result["duration_s"];
+  if (result.contains("duration_s")) {
+    episode["seconds"] = result["duration_s"];
+    if (!scenario.pushes.empty())
+      episode["pushes"] = scenario.pushes_within(number_of(result, "duration_s"));
+  }
   if (result.contains("rtf")) episode["rtf"] = result["rtf"];
   return episode;
 }

@@ -102,6 +102,11 @@ void Scenario::draw_pushes(const Pushes& by) {
   }
 }
 
+std::size_t Scenario::pushes_within(double seconds) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(pushes, [&](const Push& push) { return push.at_s < seconds; }));
+}
+
 // Light, and what the floor looks like, where a kind of world has its own.
 void Scenario::dress() {
   // Of no ball's colour.

@@ -130,6 +130,8 @@ struct Scenario {
   // other names.
   std::string name_of(const Obstacle& obstacle) const;
   Eigen::Isometry2d world_from_start() const;
+  // Pushes in the first `seconds` of the episode.
+  std::size_t pushes_within(double seconds) const;
 
  private:
   void draw_pushes(const Pushes& pushes);

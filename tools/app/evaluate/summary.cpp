@@ -133,6 +133,12 @@ void print(const Json& result, const OutputFolder& folder) {
   if (result.contains("rtf_median"))
     std::snprintf(rtf, sizeof rtf, "; %.1f x real time", result["rtf_median"].get<double>());
   print_lines("\nfalls %llu%s%s\n", result["falls"].get<unsigned long long>(), seconds, rtf);
+  if (const auto pushes = result.find("pushes"); pushes != result.end()) {
+    const double least = (*pushes)["least"].get<double>();
+    std::printf("pushes in an episode: median %.0f, least %.0f%s\n",
+                (*pushes)["median"].get<double>(), least,
+                least > 0 ? "" : "; some ended before the first: see --push-from");
+  }
   for (const auto& [cause, numbers] : result["failures"].items()) {
     std::string episodes;
     for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 12); ++i)
@@ -170,7 +176,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
                        const OutputFolder& folder, bool json, const Extent& extent) {
   std::uint64_t successes = 0, falls = 0;
   std::optional<std::int64_t> unconverged_steps;
-  std::vector<double> times, speeds;
+  std::vector<double> times, speeds, pushes;
   Json failures = Json::object();
   for (const auto& [number, e] : episodes) {
     const std::string cause = e["cause"].get<std::string>();
@@ -186,6 +192,8 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
       unconverged_steps = unconverged_steps.value_or(0) + steps->get<std::int64_t>();
     if (e.contains("seconds")) times.push_back(e["seconds"].get<double>());
     if (e.contains("rtf")) speeds.push_back(e["rtf"].get<double>());
+    if (const auto of = e.find("pushes"); of != e.end() && of->is_number())
+      pushes.push_back(of->get<double>());
   }
   Json environment = Json::array();
   for (const auto& [number, sentence] : lost)
@@ -204,6 +212,9 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   if (!times.empty())
     result["seconds"] = {{"median", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}};
   if (!speeds.empty()) result["rtf_median"] = quantile(speeds, 0.5);
+  if (!pushes.empty())
+    result["pushes"] = {{"median", quantile(pushes, 0.5)},
+                        {"least", *std::ranges::min_element(pushes)}};
   result["failures"] = failures;
   result["environment"] = environment;
   if (Json claims = claims_json(episodes); !claims.is_null()) result["claims"] = std::move(claims);

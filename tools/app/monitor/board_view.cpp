@@ -58,7 +58,7 @@ std::string bar(double duty) {
 
 Line joint_line(const BoardView& view, int joint, bool selected) {
   const auto at = static_cast<std::size_t>(joint);
-  const char* name = host::joint_table()[at].name;
+  const char* name = view.names[at].c_str();
   const Ink base = selected ? Ink::selected : Ink::plain;
   if (at >= view.joints.size()) return {{text("%2d %-13s", joint, name), base}};
   const host::JointDetail& now = view.joints[at];
@@ -99,8 +99,8 @@ void cut(Line& line, int columns) {
 // Angle and state of a joint alone.
 Line small_joint_line(const BoardView& view, int joint, bool selected) {
   const auto at = static_cast<std::size_t>(joint);
-  Line line{{text("%2d %-13s", joint, host::joint_table()[at].name),
-             selected ? Ink::selected : Ink::plain}};
+  Line line{
+      {text("%2d %-13s", joint, view.names[at].c_str()), selected ? Ink::selected : Ink::plain}};
   if (at >= view.joints.size()) return line;
   const host::JointDetail& now = view.joints[at];
   const bool on = (now.flags & KZ_JOINT_ON) != 0;
@@ -145,8 +145,9 @@ std::vector<Line> small_lines(const BoardView& view, int selected, const std::st
   // Of what happened, all that leaves room for three joints.
   const auto words = wrapped(view.fault.empty() ? said : view.fault, columns,
                              static_cast<std::size_t>(std::max(1, rows - (board ? 6 : 5))));
-  const int shown = std::min(KZ_JOINTS, rows - (board ? 3 : 2) - static_cast<int>(words.size()));
-  const int first = std::clamp(selected - shown / 2, 0, KZ_JOINTS - shown);
+  const int joints = static_cast<int>(view.names.size());
+  const int shown = std::min(joints, rows - (board ? 3 : 2) - static_cast<int>(words.size()));
+  const int first = std::clamp(selected - shown / 2, 0, joints - shown);
   for (int joint = first; joint < first + shown; ++joint)
     all.push_back(small_joint_line(view, joint, joint == selected));
   for (const std::string& line : words)
@@ -183,7 +184,7 @@ std::vector<Line> large_lines(const BoardView& view, int selected, const std::st
         lost > 0 ? Ink::warning : Ink::plain}});
   all.push_back(
       {{"   joint           target    angle   error     duty            load", Ink::bold}});
-  for (int joint = 0; joint < KZ_JOINTS; ++joint)
+  for (int joint = 0; joint < static_cast<int>(view.names.size()); ++joint)
     all.push_back(joint_line(view, joint, joint == selected));
   if (!view.fault.empty())
     all.push_back({{view.fault, Ink::bad}});
@@ -196,6 +197,12 @@ std::vector<Line> large_lines(const BoardView& view, int selected, const std::st
 }
 
 }  // namespace
+
+std::vector<std::string> kaz_joint_names() {
+  std::vector<std::string> names;
+  for (const host::JointInfo& info : host::joint_table()) names.emplace_back(info.name);
+  return names;
+}
 
 std::vector<Line> lines(const BoardView& view, int selected, const std::string& said, int rows,
                         int columns) {

@@ -9,10 +9,14 @@
 
 namespace kaz::tools {
 
+// Kaz's, in the order of their numbers.
+std::vector<std::string> kaz_joint_names();
+
 struct BoardView {
   std::string port;
-  std::string build;   // identity
-  bool there = false;  // the last round was answered
+  std::vector<std::string> names = kaz_joint_names();  // of the joints that are shown; at least one
+  std::string build;                                   // identity
+  bool there = false;                                  // the last round was answered
   host::Health health;
   kz_statistics_reply counts{};
   host::LinkStatistics link;
@@ -32,7 +36,7 @@ struct Span {
 using Line = std::vector<Span>;
 
 // At most `rows` lines of at most `columns` columns. With 24 x 80: title, board, link, head of the table, a
-// line a joint, what was said last, keys. Angles in degrees, as on a protractor beside the joint. In a
+// line a joint of 18, what was said last, keys. Angles in degrees, as on a protractor beside the joint. In a
 // smaller window: motors, joints around the selected one, what was said last, keys. Below kMinLines x
 // kMinColumns: that it is too small.
 inline constexpr int kLines = 24, kColumns = 80;

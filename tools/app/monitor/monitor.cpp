@@ -8,16 +8,20 @@
 #include <cstdio>
 #include <optional>
 
+#include "host/bus/bus_port.h"
 #include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
 #include "shared/base/angle.hpp"
+#include "sim/body/description/robot_model.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/app/monitor/board_view.h"
 #include "tools/app/monitor/terminal.h"
+#include "tools/app/session/backend.h"
 #include "tools/app/session/line_recorder.h"
+#include "tools/app/session/robot_joints.h"
 
 namespace kaz::tools {
 namespace {
@@ -28,15 +32,30 @@ constexpr double kSpeed = 30 * kDegree;  // rad/s, of what the keys move
 // A shell over a slow line may stand still for as long; the board's longest.
 constexpr Time kWatchdog = std::chrono::seconds(1);
 
+struct Limits {
+  double lower_rad, upper_rad;
+};
+
+// What is at the port.
+struct Monitored {
+  host::PortAddress port;
+  std::vector<host::BusJoint> servos = {};  // empty: a board
+  std::vector<std::string> names = kaz_joint_names();
+  std::vector<Limits> limits = {};
+};
+
 class Monitor {
  public:
-  Monitor(host::PortAddress port, const MonitorOptions& options, host::Interrupt& interrupt)
-      : port_(std::move(port)),
+  Monitor(Monitored monitored, const MonitorOptions& options, host::Interrupt& interrupt)
+      : port_(std::move(monitored.port)),
+        servos_(std::move(monitored.servos)),
+        limits_(std::move(monitored.limits)),
         address_(options.address),
         tap_(options.tap),
         interrupt_(interrupt),
         clock_(&interrupt) {
     view_.port = port_.name();
+    view_.names = std::move(monitored.names);
     if (!options.watched_at.empty()) said_ = "watch it at " + options.watched_at;
   }
 
@@ -68,6 +87,8 @@ class Monitor {
  private:
   Result<void> connect() {
     auto link = KAZ_TRY(host::open_port(port_, &interrupt_));
+    if (!servos_.empty())
+      link = KAZ_TRY(host::BusPort::open(std::move(link), servos_, &interrupt_));
     link_ = std::move(link);
     host::Link* line = link_.get();
     if (tap_ != nullptr) {
@@ -133,6 +154,11 @@ class Monitor {
     return {};
   }
 
+  int joints() const { return static_cast<int>(view_.names.size()); }
+  const std::string& selected_name() const {
+    return view_.names[static_cast<std::size_t>(selected_)];
+  }
+  std::uint32_t there() const { return (std::uint32_t{1} << joints()) - 1; }
   std::uint32_t on() const {
     std::uint32_t mask = 0;
     for (const host::JointDetail& joint : view_.joints) {
@@ -151,20 +177,20 @@ class Monitor {
   }
 
   Result<void> shift(double by_rad) {
-    const host::JointInfo& info = host::joint_table()[static_cast<std::size_t>(selected_)];
+    const Limits limits = limits_[static_cast<std::size_t>(selected_)];
     if ((on() >> selected_ & 1U) == 0)
-      return fail(Fault::usage, std::string(info.name) + " is off: e switches it on");
+      return fail(Fault::usage, selected_name() + " is off: e switches it on");
     const double from = view_.targets[static_cast<std::size_t>(selected_)];
-    const double to = std::clamp(from + by_rad, info.lower_rad, info.upper_rad);
+    const double to = std::clamp(from + by_rad, limits.lower_rad, limits.upper_rad);
     const host::JointTarget target{selected_, to};
     if (auto set = robot_->set_targets({&target, 1}, from_seconds(std::abs(to - from) / kSpeed));
         !set)
       return set;
     // Shown until the next reading of the board, so that keys pressed quickly add up.
     view_.targets[static_cast<std::size_t>(selected_)] = to;
-    char text[80];
-    std::snprintf(text, sizeof text, "%s to %.1f degrees", info.name, to / kDegree);
-    said_ = text;
+    char text[40];
+    std::snprintf(text, sizeof text, " to %.1f degrees", to / kDegree);
+    said_ = selected_name() + text;
     return {};
   }
 
@@ -180,12 +206,12 @@ class Monitor {
       case Key::page_right:
         return shift(5 * kDegree);
       case Key::toggle:
-        said_ = host::joint_table()[static_cast<std::size_t>(selected_)].name;
+        said_ = selected_name();
         said_ += (on() & bit) != 0 ? " is off" : " is on and holds where it was";
         return enable(on() ^ bit);
       case Key::all_on:
         said_ = "all joints are on and hold where they were";
-        return enable(host::kAllJoints);
+        return enable(there());
       case Key::stop:
         said_ = "stopped: all motors are off";
         return robot_->stop();
@@ -199,8 +225,8 @@ class Monitor {
   }
 
   void press(Key key) {
-    if (key == Key::up) selected_ = (selected_ + KZ_JOINTS - 1) % KZ_JOINTS;
-    if (key == Key::down) selected_ = (selected_ + 1) % KZ_JOINTS;
+    if (key == Key::up) selected_ = (selected_ + joints() - 1) % joints();
+    if (key == Key::down) selected_ = (selected_ + 1) % joints();
     if (key == Key::up || key == Key::down) return;
     if (!robot_) {
       said_ = "no board answers";
@@ -223,6 +249,8 @@ class Monitor {
   }
 
   host::PortAddress port_;
+  std::vector<host::BusJoint> servos_;
+  std::vector<Limits> limits_;
   std::uint8_t address_;
   sim::MessageTap* tap_;
   host::Interrupt& interrupt_;
@@ -237,15 +265,53 @@ class Monitor {
   std::string said_ = "looks only, until e or E switches motors on; q switches those off again";
 };
 
+// Errors (usage): the port, the robot's files.
+Result<Monitored> find_monitored(const MonitorOptions& options) {
+  Monitored found;
+  if (names_servo_bus(options.port)) {
+    if (options.robot_file.empty())
+      return fail(Fault::usage, options.port +
+                                    " needs --robot-file FILE: the robot's URDF, with bus.json "
+                                    "beside it");
+    BackendOptions robot;
+    robot.robot = options.port;
+    robot.robot_file = options.robot_file;
+    auto bus = KAZ_TRY(servo_bus_of(robot));
+    found.port = std::move(bus.address);
+    found.servos = std::move(bus.joints);
+    found.names.clear();
+    for (const host::BusJoint& joint : found.servos) {
+      found.names.push_back(joint.servo.joint);
+      found.limits.push_back({joint.lower_rad, joint.upper_rad});
+    }
+    return found;
+  }
+  found.port = KAZ_TRY(parse_port(options.port));
+  if (!options.robot_file.empty()) {
+    const auto robot = KAZ_TRY(sim::load_robot(options.robot_file));
+    KAZ_TRY(other_joints(options.robot_file));  // no more than a board has
+    found.names.clear();
+    for (const sim::RobotJoint& joint : robot.joints) {
+      found.names.push_back(joint.name);
+      found.limits.push_back({joint.lower, joint.upper});
+    }
+  }
+  if (found.limits.empty())
+    for (const host::JointInfo& info : host::joint_table())
+      found.limits.push_back({info.lower_rad, info.upper_rad});
+  return found;
+}
+
 }  // namespace
 
 Result<bool> monitor(const MonitorOptions& options) {
-  const auto port = KAZ_TRY(parse_port(options.port));
+  auto found = KAZ_TRY(find_monitored(options));
+  const std::string name = found.port.name();
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  KAZ_TRY(Monitor(port, options, interrupt).run());
+  KAZ_TRY(Monitor(std::move(found), options, interrupt).run());
   // After the screen is gone, which would cover them.
-  for (const std::string& sentence : earlier_notes(port.name()))
+  for (const std::string& sentence : earlier_notes(name))
     std::fprintf(stderr, "kaz monitor: %s\n", sentence.c_str());
   return true;
 }

@@ -15,7 +15,9 @@ class MessageTap;
 namespace kaz::tools {
 
 struct MonitorOptions {
-  std::string port;  // as parse_port_address() has it
+  // As parse_port_address() has it, or feetech:PATH[@BAUD], dynamixel:PATH[@BAUD].
+  std::string port;
+  std::string robot_file;  // URDF; Kaz if empty, and a bus of servos needs one
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   sim::MessageTap* tap = nullptr;  // hears what passes on the line; must outlive the call
   std::string watched_at;          // where to look, as the first line says; empty: nowhere

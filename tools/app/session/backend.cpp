@@ -274,14 +274,19 @@ bool names_servo_bus(const std::string& robot) {
   return bus_protocol(robot).has_value();
 }
 
-Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Interrupt& interrupt) {
+Result<ServoBusOfFile> servo_bus_of(const BackendOptions& options) {
   const auto boards = KAZ_TRY(parse_robot(options));
   const BoardOfFile& board = boards.front();
   auto bus = KAZ_TRY(load_bus(options.robot_file, *board.bus));
   auto address = board.port;
   if (address.baud == 0) address.baud = bus.baud;
-  auto port = KAZ_TRY(host::open_port(address, &interrupt));
-  return ServoBus{*board.bus, std::move(port), std::move(bus.joints)};
+  return ServoBusOfFile{*board.bus, std::move(address), std::move(bus.joints)};
+}
+
+Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Interrupt& interrupt) {
+  auto bus = KAZ_TRY(servo_bus_of(options));
+  auto port = KAZ_TRY(host::open_port(bus.address, &interrupt));
+  return ServoBus{bus.protocol, std::move(port), std::move(bus.joints)};
 }
 
 Result<void> check(const BackendOptions& options) {

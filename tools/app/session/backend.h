@@ -24,6 +24,14 @@ namespace kaz::tools {
 // Is it a value of --robot for a bus of servos, as feetech:PATH?
 bool names_servo_bus(const std::string& robot);
 
+// Such a bus by the robot's files, before its port is open. Errors (usage): the files, another protocol.
+struct ServoBusOfFile {
+  servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
+  host::PortAddress address;
+  std::vector<host::BusJoint> joints;  // in the robot's order
+};
+Result<ServoBusOfFile> servo_bus_of(const BackendOptions& options);
+
 // Such a bus for verbs that speak to its servos themselves.
 struct ServoBus {
   servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
