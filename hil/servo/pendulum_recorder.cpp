@@ -144,7 +144,9 @@ class Recorder {
     law_ = *law;
     record_.servo = std::string(servo_.model->name) + ", id " + std::to_string(servo_.id);
     if (KAZ_TRY(read("torque_enable")) != 0)
-      return wrong(Fault::usage, "has its torque on: end the program that drives it");
+      return wrong(Fault::usage,
+                   "has its torque on: end the program that drives it; after a run that was killed "
+                   "switch its power off and on, which gives it its gains back, too");
     if (KAZ_TRY(read(feetech() ? "mode" : "operating_mode")) != driver_->position_mode())
       return wrong(Fault::usage, "is not in position mode");
     if (feetech() && KAZ_TRY(read("lock")) == 0)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "shared/base/angle.hpp"
 #include "shared/servo/tick.h"
 
 namespace kaz::host {
@@ -42,6 +43,24 @@ std::string named(const BusJoint& joint) {
   return "servo " + std::to_string(joint.servo.id) + " (" + joint.servo.joint + ")";
 }
 
+std::string degrees(double rad) {
+  return std::to_string(std::lround(rad / kDegree));
+}
+
+// Beyond its last step a position goes on at the first one, where a goal would drive the joint the long way.
+Result<void> check_range(const BusJoint& joint) {
+  const auto [low, high] =
+      std::minmax({joint.servo.steps_at(joint.lower_rad), joint.servo.steps_at(joint.upper_rad)});
+  const int last = joint.servo.model->steps - 1;
+  if (low > -1 && high < last + 1) return {};
+  return fail(Fault::usage, named(joint) + ": by bus.json its range of " +
+                                degrees(joint.lower_rad) + " to " + degrees(joint.upper_rad) +
+                                " degrees is positions " + std::to_string(std::lround(low)) +
+                                " to " + std::to_string(std::lround(high)) +
+                                ", and the servo has 0 to " + std::to_string(last) +
+                                ": positions would wrap; `kaz calibrate joints` places the range");
+}
+
 }  // namespace
 
 Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> joints) {
@@ -58,6 +77,7 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
     if (!ids.insert(joint.servo.id).second)
       return fail(Fault::usage, "bus.json has the id " + std::to_string(joint.servo.id) +
                                     " twice: two servos would answer at once");
+    KAZ_TRY(check_range(joint));
     const auto greeting = KAZ_TRY(board.driver_->greet(joint.servo));
     if (!greeting) {
       silent += (silent.empty() ? "" : ", ") + named(joint);
@@ -83,6 +103,17 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
                     " not answer on " + link.name() + ": check power, cable, id and bit rate (" +
                     std::string(servo_bus::name_of(protocol)) + ":PATH@BAUD)");
   KAZ_TRY(board.reset());
+  constexpr double kBeyond =
+      15 * kDegree;  // of its stops, which give way, and of a rough calibration
+  for (const Joint& joint : board.joints_) {
+    if (joint.missing == 0 &&
+        (joint.angle < joint.of.lower_rad - kBeyond || joint.angle > joint.of.upper_rad + kBeyond))
+      return fail(Fault::environment,
+                  named(joint.of) + " on " + link.name() + " stands at " + degrees(joint.angle) +
+                      " degrees by bus.json, and its range is " + degrees(joint.of.lower_rad) +
+                      " to " + degrees(joint.of.upper_rad) +
+                      ": bus.json is not this robot's; `kaz calibrate joints` writes it");
+  }
   return board;
 }
 

@@ -146,7 +146,7 @@ class BoardLink final : public Link {
 
 std::vector<BusJoint> two_joints() {
   const servo_bus::Model* model = servo_bus::find_model("sts3215");
-  return {{{"pan", 1, model, 2048, false}, -1.5, 1.5}, {{"lift", 2, model, 1000, true}, -1, 2}};
+  return {{{"pan", 1, model, 2048, false}, -1.5, 1.5}, {{"lift", 2, model, 1000, true}, -1, 1.5}};
 }
 
 class ServoRobot : public testing::Test {
@@ -158,7 +158,8 @@ class ServoRobot : public testing::Test {
     ASSERT_TRUE(opened) << opened.error().message;
     board.emplace(std::move(*opened));
     link.emplace(*board, servos);
-    auto connected = Robot::connect(*link, servos, {.reconnect = Time::zero()});
+    auto connected =
+        Robot::connect(*link, servos, {.reconnect = Time::zero(), .joint_names = {"pan", "lift"}});
     ASSERT_TRUE(connected) << connected.error().message;
     robot.emplace(std::move(*connected));
   }
@@ -256,6 +257,8 @@ TEST_F(ServoRobot, AnOverloadIsAShutdownThatNamesTheJoint) {
   ASSERT_TRUE(health);
   EXPECT_EQ(health->status >> 8, KZ_SHUTDOWN_OVERLOAD);
   EXPECT_EQ(health->joint, 1);
+  EXPECT_NE(robot->describe_fault(health->status).find("(lift)"), std::string::npos)
+      << robot->describe_fault(health->status);
   EXPECT_EQ(servos.registers[1][40], 0);
   EXPECT_FALSE(robot->clear()) << "its cause is still there";
   servos.error[2] = 0;
@@ -306,6 +309,29 @@ TEST(BusBoard, WhatIsNotThereOrAnotherIsNamed) {
   EXPECT_NE(refusal(servos, twice).find("the id 1 twice"), std::string::npos);
   EXPECT_NE(refusal(servos, {}).find("1 to 18 joints"), std::string::npos);
   EXPECT_EQ(refusal(servos), "opened");
+}
+
+TEST(BusBoard, ARangeThatWrapsOrIsAnotherRobotsIsRefusedBeforeAnythingMoves) {
+  Servos servos;
+  servos.add(1, 2048);
+  servos.add(2, 1000);
+  auto wrapped = two_joints();
+  wrapped[0].servo.zero = 4000;
+  const auto refused = BusBoard::open(servos, servos, wrapped);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(
+      refused.error().message.find("servo 1 (pan): by bus.json its range of -86 to 86 degrees is "
+                                   "positions 3022 to 4978, and the servo has 0 to 4095"),
+      std::string::npos)
+      << refused.error().message;
+  servos.add(1, 3500);  // 128 degrees by bus.json
+  const auto beyond = BusBoard::open(servos, servos, two_joints());
+  ASSERT_FALSE(beyond);
+  EXPECT_NE(
+      beyond.error().message.find("stands at 128 degrees by bus.json, and its range is -86 to 86"),
+      std::string::npos)
+      << beyond.error().message;
+  EXPECT_EQ(servos.registers[1][40], 0) << "its torque is off";
 }
 
 }  // namespace

@@ -130,7 +130,8 @@ std::string Robot::Parts::describe_fault(std::uint16_t status) {
   if (reply) {
     const int reason = status >> 8;
     if (const auto joint = joint_of(reply->detail)) {
-      where = joint_table()[static_cast<std::size_t>(*joint)].name;
+      const auto at = static_cast<std::size_t>(*joint);
+      where = at < options.joint_names.size() ? options.joint_names[at] : joint_table()[at].name;
     } else if (reason == KZ_SHUTDOWN_UNDERVOLTAGE || reason == KZ_SHUTDOWN_OVERVOLTAGE) {
       char volts[48];
       std::snprintf(volts, sizeof volts, "now %.1f V, lowest %.1f V", reply->supply_mv * 1e-3,

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "host/link/link.h"
 #include "host/robot/posture.h"
@@ -144,6 +145,8 @@ struct ConnectOptions {
   // Where the last 64 frames go when the link has failed for good: a file, which the error names,
   // or "-" for standard error; empty: nowhere (Robot::recent_frames).
   std::string frames_path = {};
+  // Of the joints by number, for messages; empty: Kaz's.
+  std::vector<std::string> joint_names = {};
 };
 
 // One of the boards that drive a robot together.

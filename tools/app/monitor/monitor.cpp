@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "host/bus/bus_driver.h"
 #include "host/bus/bus_port.h"
 #include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
@@ -87,6 +88,7 @@ class Monitor {
  private:
   Result<void> connect() {
     auto link = KAZ_TRY(host::open_port(port_, &interrupt_));
+    if (!servos_.empty()) KAZ_TRY(check_limp(*link));
     if (!servos_.empty())
       link = KAZ_TRY(host::BusPort::open(std::move(link), servos_, &interrupt_));
     link_ = std::move(link);
@@ -96,8 +98,11 @@ class Monitor {
       line = tapped_->record(*link_, 0);
     }
     // Nothing of the board is changed by looking at it.
-    auto robot = host::Robot::connect(
-        *line, clock_, {.address = address_, .watchdog = Time::zero(), .reconnect = Time::zero()});
+    auto robot = host::Robot::connect(*line, clock_,
+                                      {.address = address_,
+                                       .watchdog = Time::zero(),
+                                       .reconnect = Time::zero(),
+                                       .joint_names = view_.names});
     if (!robot) {
       link_.reset();
       return tl::unexpected(robot.error());
@@ -107,6 +112,22 @@ class Monitor {
     view_.build = std::to_string(robot_->identity().build_id);
     round_ = 0;
     since_ = Time::zero();
+    return {};
+  }
+
+  // Opening a bus switches its torque off, and what was held falls: not by looking at it.
+  Result<void> check_limp(host::Link& link) {
+    if (looked_) return {};
+    const auto driver = host::BusDriver::make(servos_.front().servo.model->protocol, link, clock_);
+    for (const host::BusJoint& joint : servos_) {
+      const auto torque = KAZ_TRY(driver->read(joint.servo, "torque_enable"));
+      if (torque && *torque != 0)
+        return fail(Fault::environment,
+                    "the torque of " + joint.servo.joint + " on " + port_.name() +
+                        " is on, and this would let go of it: end the program that drives it; if "
+                        "none does, hold the robot and switch its power off and on");
+    }
+    looked_ = true;
     return {};
   }
 
@@ -260,7 +281,7 @@ class Monitor {
   std::optional<host::Robot> robot_;
   BoardView view_;
   int selected_ = 0, round_ = 0, rounds_ = 0;
-  bool watched_ = false;
+  bool watched_ = false, looked_ = false;
   Time since_{}, next_try_{};
   std::string said_ = "looks only, until e or E switches motors on; q switches those off again";
 };

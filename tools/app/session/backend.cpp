@@ -195,6 +195,12 @@ Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
                                     "beside it");
     const auto path = text.substr(servo_bus::name_of(*protocol).size() + 1);
     auto port = KAZ_TRY(host::parse_port_address("--robot", "serial:" + path));
+    if (options.address != KZ_ADDRESS_DEFAULT)
+      return fail(Fault::usage, "--address is of a board: servos have ids, which bus.json has");
+    if (options.reaction == host::Reaction::limp)
+      return fail(Fault::usage,
+                  "--when-lost limp: a bus of servos has no watchdog; they hold, whatever happens "
+                  "to the host");
     // Without one, that of bus.json.
     if (text.find('@') == std::string::npos) port.baud = 0;
     return std::vector{BoardOfFile{port, KZ_ADDRESS_DEFAULT, host::kAllJoints, protocol}};

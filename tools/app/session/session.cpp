@@ -420,7 +420,8 @@ Result<void> Session::connect() {
                                      .on_resumed = report_resumption,
                                      .frames_path = !real()    ? std::string()
                                                     : results_ ? results_->path("frames.txt")
-                                                               : temporary_file("frames.txt")});
+                                                               : temporary_file("frames.txt"),
+                                     .joint_names = options_.backend.joints});
   if (!robot) {
     // With several boards each has its address in the file.
     std::string& sentence = robot.error().message;
