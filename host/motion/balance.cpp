@@ -16,8 +16,6 @@ namespace kaz::motion {
 
 namespace {
 
-using host::Joint;
-
 constexpr double kFast_s = 0.025, kSlow_s = 0.15, kDrift_s = 0.4, kSmooth_s = 0.03, kZero_s = 4.0;
 
 // Full range of each output: phase rate, roll, lift, stride, height, lean.

@@ -135,23 +135,12 @@ Result<void> train(const Arguments& a, const std::string& command) {
       return fail(Fault::usage, state_file + ": " + resumed.error().message);
     std::printf("goes on after generation %d\n", evolution.generation());
   }
-  const auto folder = KAZ_TRY(make_temporary_folder("kaz-balance-"));
-  struct Remove {
-    const std::string& folder;
-    ~Remove() {
-      std::error_code ignored;
-      fs::remove_all(folder, ignored);
-    }
-  } const removed{folder};
   const auto begun = std::chrono::steady_clock::now();
   while (evolution.generation() < a.generations) {
     const int count = a.population * a.episodes, generation = evolution.generation();
-    std::vector<std::string> files;
-    for (int k = 0; k < a.population; ++k) {
-      files.push_back(folder + "/" + std::to_string(k));
-      KAZ_TRY(
-          write_whole_file(files.back(), weights_text(evolution.candidates().col(k), "candidate")));
-    }
+    std::vector<std::string> policies;
+    for (const auto& candidate : evolution.candidates().colwise())
+      policies.push_back(weights_text(candidate, "candidate"));
     std::vector<Score> scores(static_cast<std::size_t>(count));
     std::vector<std::string> errors(static_cast<std::size_t>(count));
     side_by_side(a.jobs, count, [&](int i) {
@@ -161,7 +150,7 @@ Result<void> train(const Arguments& a, const std::string& command) {
           mix64(mix64(a.seed) + static_cast<std::uint64_t>(generation * a.episodes + episode)) >>
           16;
       const auto outcome =
-          run(training_walk(files[static_cast<std::size_t>(candidate)], episode, seed),
+          run(training_walk(policies[static_cast<std::size_t>(candidate)], episode, seed),
               sim::McuKind::native, seed);
       const auto at = static_cast<std::size_t>(i);
       if (outcome) {
@@ -206,10 +195,12 @@ Result<void> train(const Arguments& a, const std::string& command) {
 
 // The course: a metre under pushes of one size, one each 1.5 s, each to the left or the right.
 Result<void> test(const Arguments& a) {
+  const bool word = a.test == "none" || a.test == "learned";
+  const std::string policy = word ? a.test : KAZ_TRY(read_whole_file(a.test, 1 << 20));
   std::vector<Result<Outcome>> outcomes(static_cast<std::size_t>(a.episodes),
                                         fail(Fault::failed, ""));
   side_by_side(a.jobs, a.episodes, [&](int i) {
-    Trial trial = walk(a.test);
+    Trial trial = walk(policy);
     trial.push_ns = a.push_ns;
     trial.push_sides = true;
     outcomes[static_cast<std::size_t>(i)] =
@@ -263,6 +254,7 @@ int main(int argc, char** argv) {
   return studies::run_program(app, "train_balance", argc, argv, [&]() -> Result<void> {
     if (a.population % 2 != 0) return fail(Fault::usage, "--population: give an even number");
     a.mcu = parse_enum(sim::kMcuKinds, a.mcu_name).value();
-    return a.test.empty() ? train(a, "./tools/dev train-balance --seed " + std::to_string(a.seed)) : test(a);
+    return a.test.empty() ? train(a, "./tools/dev train-balance --seed " + std::to_string(a.seed))
+                          : test(a);
   });
 }
