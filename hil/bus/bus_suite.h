@@ -73,5 +73,8 @@ struct ServoCases {
 };
 void add_register_cases(ServoCases cases, ServoFamily family);
 void add_motion_cases(ServoCases cases, ServoFamily family);
+// `row`: of a servo, RAM that moves nothing while the torque is off.
+void add_write_to_all(ServoCases cases, ServoFamily family,
+                      const ServoRow& (*row)(const ExaminedServo&));
 
 }  // namespace kaz::hil

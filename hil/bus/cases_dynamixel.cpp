@@ -278,18 +278,7 @@ void add_instruction_cases(ServoCases cases) {
                     error_of(servo.answer(kWrite, servo.write_of(data.address, {1}))), 0);
               equal("LED", servo.value(led(servo)), 1);
             });
-  cases.add(
-      "instructions.write-to-all", "A write to id 254 is executed and not answered.", "packet",
-      [](ExaminedServo& servo) {
-        const ServoRow& row = profile(servo);
-        servo.keep(row);
-        const long value = servo.value(row) == 5 ? 6 : 5;
-        servo.silent(servo_request(kDynamixel, kAllServos, kWrite,
-                                   servo.write_of(row.address, encode(servo.table(), row, value))),
-                     "a write to id 254");
-        equal(row.what, servo.value(row), value);
-      },
-      kServoAlone);
+  add_write_to_all(cases, kDynamixel, profile);
   for (const char* one : {"factory-reset", "reboot", "clear", "backup"})
     cases.add(
         std::string("instructions.") + one, "The instruction " + std::string(one) + ".", "packet",

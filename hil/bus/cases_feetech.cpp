@@ -132,18 +132,7 @@ void add_instruction_cases(ServoCases cases) {
                      "a sync read of another id");
       },
       kServoNothing, is_sts);
-  cases.add(
-      "instructions.write-to-all", "A write to id 254 is executed and not answered.", "packet",
-      [](ExaminedServo& servo) {
-        const ServoRow& row = probe(servo);
-        servo.keep(row);
-        const long value = servo.value(row) == 5 ? 6 : 5;
-        servo.silent(servo_request(kFeetech, kAllServos, kWrite,
-                                   servo.write_of(row.address, encode(servo.table(), row, value))),
-                     "a write to id 254");
-        equal(row.what, servo.value(row), value);
-      },
-      kServoAlone);
+  add_write_to_all(cases, kFeetech, probe);
   cases.add(
       "instructions.response-level", "At response level 0 only pings and reads are answered.",
       "packet",

@@ -8,6 +8,8 @@
 namespace kaz::hil {
 namespace {
 
+constexpr int kServoWrite = 3;  // of both families
+
 // Rows that no case writes, with the reason. Others of the same beginning, as "Goal PWM", alike.
 constexpr std::pair<const char*, const char*> kNeverWritten[] = {
     {"ID", "the servo would be lost"},
@@ -82,6 +84,23 @@ void write_and_read(ExaminedServo& servo, const ServoRow& row, long value) {
 
 }  // namespace
 
+void add_write_to_all(ServoCases cases, ServoFamily family,
+                      const ServoRow& (*row)(const ExaminedServo&)) {
+  cases.add(
+      "instructions.write-to-all", "A write to id 254 is executed and not answered.", "packet",
+      [family, row](ExaminedServo& servo) {
+        const ServoRow& written = row(servo);
+        servo.keep(written);
+        const long value = servo.value(written) == 5 ? 6 : 5;
+        const Bytes data = encode(servo.table(), written, value);
+        servo.silent(
+            servo_request(family, kAllServos, kServoWrite, servo.write_of(written.address, data)),
+            "a write to id 254");
+        equal(written.what, servo.value(written), value);
+      },
+      kServoAlone);
+}
+
 void add_register_cases(ServoCases cases, ServoFamily family) {
   cases.add("registers.readable", "Each register can be read by itself.", "registers",
             [](ExaminedServo& servo) {
@@ -127,15 +146,16 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
                   write_and_read(servo, row, value);
               });
             });
-  cases.add("registers.ram-read-only", "A register that cannot be written keeps its value.",
-            "registers", [family](ExaminedServo& servo) {
-              const ServoRow& row = *servo.table().find(
-                  {"current voltage", "present voltage", "Present Input Voltage"});
-              const auto got = servo.answer(
-                  3, servo.write_of(row.address, Bytes(static_cast<std::size_t>(row.size))));
-              if (family == ServoFamily::dynamixel) equal("error", got.error & 0x7F, 7);
-              check(servo.value(row) != 0, name_of(row) + " was overwritten with 0");
-            });
+  cases.add(
+      "registers.ram-read-only", "A register that cannot be written keeps its value.", "registers",
+      [family](ExaminedServo& servo) {
+        const ServoRow& row =
+            *servo.table().find({"current voltage", "present voltage", "Present Input Voltage"});
+        const auto got = servo.answer(
+            kServoWrite, servo.write_of(row.address, Bytes(static_cast<std::size_t>(row.size))));
+        if (family == ServoFamily::dynamixel) equal("error", got.error & 0x7F, 7);
+        check(servo.value(row) != 0, name_of(row) + " was overwritten with 0");
+      });
   cases.add(
       "registers.eeprom", "EEPROM takes a value beside the one that it has, and that again.",
       "registers",
