@@ -19,6 +19,7 @@
 #include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/base/version.h"
 #include "tools/kaz/help.h"
@@ -46,6 +47,17 @@ std::string printed(const std::string& name, const std::string& message) {
 int report(const std::string& name, const kaz::Error& error) {
   std::fprintf(stderr, "%s: %s\n", name.c_str(), printed(name, error.message).c_str());
   return kaz::tools::exit_status(error);
+}
+
+// What reads the results of --json gets an object, too, where there is no result.
+void report_json(CLI::App& verb, const kaz::Error& error) {
+  const CLI::Option* json = verb.get_option_no_throw("--json");
+  if (json == nullptr || json->count() == 0 || kaz::tools::json_printed()) return;
+  if (json->get_expected_max() > 0) return;  // names a file, whose report has its own end
+  if (const std::string& given = json->results().back(); given == "false" || given == "0") return;
+  kaz::tools::print_json({{"error", error.message},
+                          {"exit_code", kaz::tools::exit_status(error)},
+                          {"provenance", kaz::tools::provenance_json()}});
 }
 
 // As the parser takes them: the last first. `kaz help VERB` is `kaz VERB --help`.
@@ -120,7 +132,10 @@ int parse_and_run(int argc, char** argv) {
   if (const std::string empty = kaz::tools::empty_value(program); !empty.empty())
     return refuse(empty);
   const kaz::Result<kaz::tools::Outcome> done = action();
-  if (!done) return report(name, done.error());
+  if (!done) {
+    report_json(kaz::tools::chosen_verb(program), done.error());
+    return report(name, done.error());
+  }
   return done->status;
 }
 

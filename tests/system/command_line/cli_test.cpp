@@ -13,6 +13,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/system/command_line/process_testing.h"
 
@@ -140,10 +141,28 @@ TEST(Cli, ADryRunOfFlashingRefusesDamagedAndForeignImages) {
   }
 }
 
-TEST(Cli, StatusInJsonStatesItsError) {
-  const Finished none = run(kaz({"status", "/nowhere", "--json"}));
-  EXPECT_EQ(none.exit_code, 3);
-  EXPECT_NE(none.out.find("\"error\": \"no such port: /nowhere"), std::string::npos) << none.out;
+TEST(Cli, AnErrorIsInTheJsonToo) {
+  const std::vector<std::vector<std::string>> all{
+      {"status", "/nowhere"},
+      {"fuzz", "--port", "/nowhere"},
+      {"flash", "info", "--port", "/nowhere"},
+      {"recover", "--port", "/nowhere"},
+      {"run", "stand", "--robot", "serial:/nowhere"},
+      {"replay", "/nowhere"},
+      {"compare", "/nowhere", "/nowhere"},
+      {"mcu", "run", "/nowhere"},
+      {"bus", "scan", "--port", "/nowhere"},
+  };
+  for (std::vector<std::string> words : all) {
+    words.emplace_back("--json");
+    SCOPED_TRACE(words.front());
+    const Finished none = run(kaz(words));
+    const auto json = nlohmann::json::parse(none.out, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << none.out;
+    EXPECT_NE(json.value("error", "").find("/nowhere"), std::string::npos) << none.out;
+    EXPECT_EQ(json.value("exit_code", none.exit_code), none.exit_code);
+    EXPECT_NE(none.err, "");
+  }
 }
 
 TEST(Cli, ATurnWithinItsToleranceIsRefused) {

@@ -143,7 +143,18 @@ void Progress::done() {
   line_open_ = false;
 }
 
+namespace {
+
+std::atomic<bool> g_json_printed{false};
+
+}  // namespace
+
+bool json_printed() {
+  return g_json_printed;
+}
+
 void print_json(const nlohmann::ordered_json& value) {
+  g_json_printed = true;
   const auto replace = nlohmann::ordered_json::error_handler_t::replace;
   std::printf("%s\n", value.dump(2, ' ', false, replace).c_str());
 }

@@ -54,6 +54,8 @@ std::string broken_lines(const std::string& text, std::size_t width);
 // A result on standard output. Text that is not UTF-8 (a recording may hold any bytes) is
 // replaced: JSON has none.
 void print_json(const nlohmann::ordered_json& value);
+// Whether this process has printed a result by print_json().
+bool json_printed();
 
 // The path of a file of that name in a folder that only this process uses.
 std::string temporary_file(const std::string& name);

@@ -132,10 +132,7 @@ Result<bool> read_status(const StatusOptions& arguments) {
 }  // namespace
 
 Result<bool> print_status(const StatusOptions& arguments) {
-  auto read = read_status(arguments);
-  if (!read && arguments.json)
-    print_json({{"error", read.error().message}, {"provenance", provenance_json()}});
-  return read;
+  return read_status(arguments);
 }
 
 }  // namespace kaz::tools
