@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/world/world.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <vector>
 
 #include "shared/base/number_text.hpp"
 #include "sim/body/ode/ode_world.h"
@@ -60,6 +63,67 @@ Result<void> check_pushes(const WorldModel& world, const RobotModel& robot, bool
   return {};
 }
 
+// Whether `p`, in the shape's frame, lies deeper than `depth_m` in it. Planes and meshes have no inside here.
+bool inside(const Shape& shape, const Eigen::Vector3d& p, double depth_m) {
+  const double radius = shape.size.x() - depth_m, around = p.head<2>().norm(),
+               along = std::abs(p.z()) - shape.size.y() / 2;
+  switch (shape.kind) {
+    case Shape::Kind::box:
+      return (p.cwiseAbs().array() < shape.size.array() / 2 - depth_m).all();
+    case Shape::Kind::sphere:
+      return p.norm() < radius;
+    case Shape::Kind::cylinder:
+      return around < radius && along < -depth_m;
+    case Shape::Kind::capsule:
+      return std::hypot(around, std::max(along, 0.0)) < radius;
+    case Shape::Kind::plane:
+    case Shape::Kind::mesh:
+      break;
+  }
+  return false;
+}
+
+// Of a part of the robot: the middle of each shape, and the corners of the box around it, 5 mm within.
+std::vector<Eigen::Vector3d> points_of(const RigidLink& link) {
+  std::vector<Eigen::Vector3d> points;
+  for (const CollisionShape& one : link.collisions) {
+    const Eigen::AlignedBox3d box = extent(one.shape, one.in_link);
+    if (box.isEmpty()) continue;
+    const Eigen::Vector3d middle = box.center(),
+                          half = (box.sizes() / 2).array().max(0.005).matrix() -
+                                 Eigen::Vector3d::Constant(0.005);
+    points.push_back(middle);
+    for (int corner = 0; corner < 8; ++corner)
+      points.push_back(middle + Eigen::Vector3d((corner & 1) != 0 ? 1 : -1,
+                                                (corner & 2) != 0 ? 1 : -1,
+                                                (corner & 4) != 0 ? 1 : -1)
+                                    .cwiseProduct(half));
+  }
+  return points;
+}
+
+// A robot that starts within something is pushed out with a force that breaks it, or it is stuck.
+Result<void> check_start(const std::string& path, const WorldModel& world,
+                         const RobotModel& robot) {
+  constexpr double kDeep = 0.005;  // m
+  const Eigen::AlignedBox3d extent_at_zero = robot.extent();
+  Eigen::Isometry3d root = world.robot_start;
+  if (!robot.fixed_base && !extent_at_zero.isEmpty())
+    root.translate(Eigen::Vector3d(0, 0, -extent_at_zero.min().z()));
+  for (const RobotLink& link : robot.links) {
+    for (const Eigen::Vector3d& point : points_of(link.rigid)) {
+      const Eigen::Vector3d at = root * link.at_zero * point;
+      for (const WorldBody& body : world.bodies)
+        for (const CollisionShape& one : body.rigid.collisions)
+          if (inside(one.shape, (body.pose * one.in_link).inverse() * at, kDeep))
+            return fail(Fault::usage, path + ": the robot starts inside the model `" + body.model +
+                                          "` (its link `" + link.rigid.name +
+                                          "`); move the model, or the robot by <kaz:robot pose>");
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
@@ -92,6 +156,7 @@ Result<std::unique_ptr<World>> World::load(const std::string& world_path,
                                            const WorldOptions& options) {
   KAZ_TRY(iterations_of(options.dynamics));
   const auto files = KAZ_TRY(read_world_files(world_path, robot_path, options));
+  if (!options.hung) KAZ_TRY(check_start(world_path, files.world, files.robot));
   return make_world(files.world, files.robot, files.motor, options);
 }
 

@@ -365,6 +365,26 @@ TEST(Load, NamesUnknownDynamics) {
   EXPECT_NE(world.error().message.find("unknown dynamics `fast` (--dynamics)"), std::string::npos);
 }
 
+TEST(Load, RefusesAStartInsideAModel) {
+  const test::Folder folder;
+  const auto with_box_at = [&](const char* place) {
+    const std::string path = folder.write(
+        "box.sdf", std::string("<sdf version='1.9'><world name='w'><model name='crate'>"
+                               "<static>true</static><pose>") +
+                       place +
+                       "</pose><link name='l'><collision name='c'><geometry><box><size>0.2 0.2 0.2"
+                       "</size></box></geometry></collision></link></model></world></sdf>");
+    return World::load(path, test::kRobot, WorldOptions{});
+  };
+  const auto inside = with_box_at("0.05 0 0.1 0 0 0.3");
+  ASSERT_FALSE(inside);
+  EXPECT_EQ(inside.error().fault, Fault::usage);
+  EXPECT_NE(inside.error().message.find("starts inside the model `crate`"), std::string::npos)
+      << inside.error().message;
+  EXPECT_TRUE(with_box_at("0.3 0 0.1 0 0 0.3"));
+  EXPECT_TRUE(with_box_at("0 0 -0.1 0 0 0")) << "it stands on it";
+}
+
 TEST(Load, NamesAnUnknownMotor) {
   WorldOptions options;
   options.motor = "s3003";
