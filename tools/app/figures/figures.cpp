@@ -318,7 +318,8 @@ Result<bool> make_figures(const FiguresOptions& options) {
     if (sweep) KAZ_TRY(world_file(options.yard));
   } else {
     const auto recording = KAZ_TRY(sim::McapRecording::load(options.recording));
-    const auto recorded = KAZ_TRY(recorded_backend(recording, options.recording));
+    auto recorded = KAZ_TRY(recorded_backend(recording, options.recording));
+    find_beside(recorded.backend, options.recording);
     const auto figures = KAZ_TRY(figures_of(options, recorded.behavior));
     runs = {{recorded.behavior, recorded.backend.world, {}, figures}};
   }

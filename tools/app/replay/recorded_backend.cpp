@@ -41,11 +41,18 @@ Result<void> choose(const std::string& name, const std::array<T, N>& values, T& 
 
 void find_beside(BackendOptions& options, const std::string& recording) {
   namespace fs = std::filesystem;
+  // A run's folder is as a rule where the run was started.
+  const fs::path folder = fs::path(recording).parent_path();
   for (std::string* file : {&options.world, &options.robot_file}) {
     std::error_code none;
-    const fs::path beside = fs::path(recording).parent_path() / fs::path(*file).filename();
-    const bool is_path = file->find('/') != std::string::npos;
-    if (is_path && !fs::exists(*file, none) && fs::exists(beside, none)) *file = beside.string();
+    const bool is_path = file->find_first_of("/.") != std::string::npos;
+    if (!is_path || fs::exists(*file, none)) continue;
+    for (const fs::path& beside :
+         {folder / fs::path(*file).filename(), folder / ".." / fs::path(*file).filename()}) {
+      if (!fs::exists(beside, none)) continue;
+      *file = beside.string();
+      break;
+    }
   }
 }
 

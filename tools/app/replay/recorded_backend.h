@@ -34,8 +34,8 @@ std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
 std::vector<std::pair<std::uint64_t, std::string>> recorded_requests(
     const sim::McapRecording& recording);
 
-// World and robot that are not where they were, and are beside the recording: as kaz evaluate keeps them of
-// episodes that failed.
+// World and robot that are not where they were, and are beside the recording, as kaz evaluate keeps them of
+// episodes that failed, or beside its folder, as where the run was started in the folder of its world.
 void find_beside(BackendOptions& options, const std::string& recording);
 
 }  // namespace kaz::tools

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <filesystem>
+#include <fstream>
 
 #include <nlohmann/json.hpp>
 
@@ -40,6 +42,30 @@ TEST(RecordedBackend, ReadsTheBallThatWasLookedFor) {
     ASSERT_FALSE(none) << bad;
     EXPECT_NE(none.error().message.find("ball"), std::string::npos) << none.error().message;
   }
+}
+
+// Another's world is where the recording is, or where its run was started: beside the run's folder.
+TEST(RecordedBackend, FindsFilesBesideTheRecordingOrItsFolder) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / "kaz_find_beside";
+  fs::remove_all(folder);
+  fs::create_directories(folder / "out");
+  const std::string recording = (folder / "out/recording.mcap").string();
+  BackendOptions options;
+  options.world = "mine.sdf";
+  find_beside(options, recording);
+  EXPECT_EQ(options.world, "mine.sdf") << "it is nowhere";
+  std::ofstream(folder / "mine.sdf") << "<sdf/>";
+  find_beside(options, recording);
+  EXPECT_TRUE(fs::equivalent(options.world, folder / "mine.sdf")) << options.world;
+  std::ofstream(folder / "out/mine.sdf") << "<sdf/>";
+  options.world = "worlds/mine.sdf";
+  find_beside(options, recording);
+  EXPECT_TRUE(fs::equivalent(options.world, folder / "out/mine.sdf")) << options.world;
+  options.world = "boxes";
+  find_beside(options, recording);
+  EXPECT_EQ(options.world, "boxes");
+  fs::remove_all(folder);
 }
 
 TEST(RecordedBackend, ReadsEachKey) {
