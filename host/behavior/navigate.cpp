@@ -27,7 +27,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr Option kOptions[] = {
-    {"goal", "0.6,0", "X,Y or X,Y,HEADING or ball", 0, 0,
+    {"goal", "1.2,0.1", "X,Y or X,Y,HEADING or ball", 0, 0,
      "m ahead and to the left of the start, up to 3 m away; degrees up to 360, + to the left; or "
      "the ball, which is caught",
      false, is_navigation_goal},
@@ -74,7 +74,8 @@ constexpr double kSpecksBeyond = 0.3;  // m
 // m: a place from where more may be seen, on the way to a goal that has no path; how near it is walked to.
 constexpr double kNearer = 0.15, kAtWaypoint = 0.06;
 constexpr int kMaxWaypoints = 4;
-constexpr double kMarginAround = 0.5;  // m, of the map around start and goal
+constexpr double kHardlyAnyFloor = 0.5;  // m2, in the whole map; a look around shows three
+constexpr double kMarginAround = 0.5;    // m, of the map around start and goal
 // m, of the disc: with room for what map and odometry err; the smallest is what the hands reach. A nearer
 // way with less room is not taken: robots got stuck there.
 constexpr double kWiderDiscs[] = {0.19, 0.175, 0.16};
@@ -110,8 +111,14 @@ class Navigation {
     }
     auto outcome = KAZ_TRY(walk_there());
     draw();
+    const motion::Place last = place();
     outcome.measurements.insert(outcome.measurements.begin(),
                                 {{"navigate_s", seconds(body_.now() - start)},
+                                 {"goal_x_m", goal_now().x()},
+                                 {"goal_y_m", goal_now().y()},
+                                 {"place_x_m", last.x},
+                                 {"place_y_m", last.y},
+                                 {"heading_deg", wrapped(last.heading) / kDegree},
                                  {"walked_m", walked_m_},
                                  {"moving_s", moving_s_},
                                  {"turns", turns_},
@@ -507,13 +514,31 @@ class Navigation {
     return went && (here() - before).norm() > 0.01;
   }
 
-  // Planned to places around the goal it is the first of these that is meant.
   std::string text_of(const plan::NoPath& none) const {
-    const std::string text = plan::text(none, options_), goal = "the goal";
-    const bool around = goal_.ball || explores_;
-    if (!around || !text.starts_with(goal)) return text;
-    return (goal_.ball ? "the place 0.3 m before the ball" : "the place 0.3 m before the goal") +
-           text.substr(goal.size());
+    std::string text = plan::text(none, options_);
+    const std::string goal = "the goal";
+    // Planned to places around the goal it is the first of these that is meant.
+    if ((goal_.ball || explores_) && text.starts_with(goal))
+      text = (goal_.ball ? "the place 0.3 m before the ball" : "the place 0.3 m before the goal") +
+             text.substr(goal.size());
+    if (text.find(" at (") != std::string::npos)
+      text += "; places are m ahead and to the left of the start";
+    if (const double seen = floor_seen_m2(); seen < kHardlyAnyFloor) {
+      char line[120];
+      std::snprintf(line, sizeof line,
+                    ". Only %.2f m2 of floor were seen: is it plain, or too dark?", seen);
+      text += line;
+    }
+    return text;
+  }
+
+  double floor_seen_m2() const {
+    const map::LocalMap& map = map_.map();
+    int floor = 0;
+    for (int x = 0; x < map.cells(); ++x)
+      for (int y = 0; y < map.cells(); ++y)
+        floor += map.certain(x, y) == map::CellState::floor ? 1 : 0;
+    return floor * map.options().cell_m * map.options().cell_m;
   }
 
   // What may help where there is no path. False: nothing was left to try.
@@ -572,9 +597,12 @@ class Navigation {
     std::snprintf(text, sizeof text, "the goal is reached; by odometry %.0f mm beside it",
                   1e3 * missed);
     Outcome outcome{true, text, {{"missed_m", missed}}};
-    if (goal_.heading_rad)
-      outcome.measurements.emplace_back("missed_deg",
-                                        wrapped(*goal_.heading_rad - place().heading) / kDegree);
+    if (goal_.heading_rad) {
+      const double missed_deg = wrapped(*goal_.heading_rad - place().heading) / kDegree;
+      outcome.measurements.emplace_back("missed_deg", missed_deg);
+      std::snprintf(text, sizeof text, " and %.1f degrees off its heading", std::abs(missed_deg));
+      outcome.sentence += text;
+    }
     return outcome;
   }
 

@@ -44,6 +44,8 @@ struct Scene {
   std::vector<Visual> visuals;
   std::vector<std::string> frames;  // name of each moving body; frame 0 is the world
   Light light;
+  // The point between the robot's soles at the start, x ahead, in the world.
+  Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
 };
 
 // World pose of each frame at one time.

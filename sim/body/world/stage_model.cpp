@@ -18,6 +18,7 @@ StageModel::StageModel(const WorldModel& world, const RobotModel& robot,
     : contacts(robot), joint_order(robot.joint_order()), link_frames(robot.frames) {
   scene.frames.push_back("world");
   scene.light = world.light;
+  scene.robot_start = world.robot_start;
   // The root's origin starts above the point between the soles, so that the feet are at height `feet`.
   const double feet = options.hung ? kHungHeight : 0.0;
   const Eigen::AlignedBox3d extent = robot.extent();

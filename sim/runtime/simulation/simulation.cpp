@@ -363,7 +363,10 @@ void Simulation::record_behavior(std::string_view json) {
 
 void Simulation::record_map(const RecordedMap& map) {
   const ProfileScope recording("recording");
-  if (recorder_) recorder_->map(now_, map);
+  if (!recorder_) return;
+  recorder_->map(now_, map);
+  const std::array frame{ros::NamedPose{"map", world_->scene().robot_start}};
+  recorder_->transforms(now_, frame);
 }
 
 Result<void> Simulation::start_recording(const std::string& path) {

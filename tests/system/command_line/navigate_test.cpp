@@ -37,6 +37,34 @@ TEST(Navigate, WalksPastABoxAndLeavesTheMap) {
   EXPECT_NE(std::ranges::find(result["pictures"], "map.png"), result["pictures"].end());
 }
 
+TEST(Navigate, ReachesTheGoalThatItHasWithoutOne) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      run(kaz({"run", "navigate", "--mcu", "native", "--out", folder / "there", "--json"}));
+  ASSERT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+  const json result = parse_json(finished.out);
+  EXPECT_NEAR(result["goal_x_m"].get<double>(), 1.2, 1e-9);
+  EXPECT_NEAR(result["goal_y_m"].get<double>(), 0.1, 1e-9);
+  EXPECT_NEAR(
+      std::hypot(result["place_x_m"].get<double>() - 1.2, result["place_y_m"].get<double>() - 0.1),
+      result["missed_m"].get<double>(), 1e-5);
+}
+
+// A floor of one colour has no depth.
+TEST(Navigate, SaysThatItHardlySeesTheFloor) {
+  const TemporaryFolder folder;
+  std::string world = read_file(KAZ_TREE "/sim/worlds/boxes.sdf");
+  const auto texture = world.find("<kaz:texture");
+  ASSERT_NE(texture, std::string::npos);
+  world.erase(texture, world.find("/>", texture) + 2 - texture);
+  write_file(folder / "plain.sdf", world);
+  const Finished finished = run(kaz({"run", "navigate", "--world", folder / "plain.sdf", "--goal",
+                                     "0.5,0.12", "--eyes", "real", "--mcu", "native"}));
+  EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
+  EXPECT_NE(finished.out.find(" m2 of floor were seen: is it plain"), std::string::npos)
+      << finished.out;
+}
+
 // The floor below the robot, which it cannot see, is no obstacle.
 TEST(Navigate, WalksOnFloorAloneThatItHasSeen) {
   const Finished finished = navigate("0.45,-0.15", {"--set", "unknown=closed"});

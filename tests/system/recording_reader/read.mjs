@@ -101,6 +101,10 @@ async function readIndexed(path) {
       };
     }
     ++result.counts[channel.topic];
+    if (channel.topic === '/tf' && !result.channels['/tf'].of_map)
+      result.channels['/tf'].of_map = decode(channel, schema, message.data).transforms.find(
+        (one) => one.child_frame_id === 'map',
+      );
   }
   await file.close();
   return result;

@@ -84,10 +84,10 @@ TEST_F(RecordingReader, FindsWhatOurOwnReaderFinds) {
   // Each channel with messages was decoded by its schema; read.mjs fails where that cannot be.
   const json& channels = indexed["channels"];
   EXPECT_EQ(channels.size(), counts.size());
-  for (const char* topic :
-       {"/wire/to_board", "/wire/to_host", "/board/pins", "/board/analog", "/truth/joints",
-        "/truth/ball", "/board/supply", "/truth/contacts", "/truth/link_forces",
-        "/truth/joint_loads", "/eyes", "/eyes/left", "/eyes/right", "/behavior", "/tf", "/contacts"})
+  for (const char* topic : {"/wire/to_board", "/wire/to_host", "/board/pins", "/board/analog",
+                            "/truth/joints", "/truth/ball", "/board/supply", "/truth/contacts",
+                            "/truth/link_forces", "/truth/joint_loads", "/eyes", "/eyes/left",
+                            "/eyes/right", "/behavior", "/tf", "/contacts"})
     EXPECT_TRUE(channels.contains(topic)) << topic;
   for (const auto& [topic, channel] : channels.items())
     EXPECT_EQ(channel["first_time_ns"], std::to_string(earliest.at(topic)->time_ns)) << topic;
@@ -171,6 +171,11 @@ TEST_F(RecordingReader, DecodesMapAndPath) {
     }
   }
   EXPECT_GT(obstacles, 12);
+  // Where the robot starts in the world, the map's frame is.
+  const json& placed = channels["/tf"]["of_map"];
+  EXPECT_EQ(placed["header"]["frame_id"], "world");
+  EXPECT_EQ(placed["transform"]["translation"]["x"], 0);
+  EXPECT_EQ(placed["transform"]["rotation"]["w"], 1);
   EXPECT_GT(floor, 160);
   EXPECT_EQ(at(-1.9, 1.9), -1);
 

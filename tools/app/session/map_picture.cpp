@@ -136,15 +136,19 @@ figure::Image map_picture(const behavior::MapReport& report) {
   const MapWindow window = window_of(report);
   figure::Image image = map_cells(report.map, window, MapColors::green_red);
   draw_map_grid(image, window, kGridline, figure::kWhite);
+  const double axis = 2 * (window.max - window.min).norm();  // beyond the picture
+  for (const Vector2d& along : {Vector2d(axis, 0), Vector2d(0, axis)})
+    draw_map_line(image, window, {-along, along}, figure::kWhite, 1.2);
   draw_map_line(image, window, report.trail, figure::kBlue, 3);
   draw_map_line(image, window, report.path, figure::kWhite, 2);
+  draw_map_robot(image, window, report.robot, report.heading_rad);
   const auto [u, v] = window.pixel(report.goal);
   figure::draw_crosshair(image, u, v, 12, figure::kYellow, 3);
-  draw_map_robot(image, window, report.robot, report.heading_rad);
   const char* const legend[] = {"green: floor, red: obstacle, grey: not seen; paler: less sure",
-                                "blue: walked, white: path, yellow: goal; lines every 0.5 m"};
-  for (int line = 0; line < 2; ++line)
-    figure::draw_text(image, 6, image.height - 22 + 14 * line, legend[line], 11, figure::kWhite);
+                                "blue: walked, white: path, yellow: goal, black: robot",
+                                "lines every 0.5 m; the thicker ones meet at the start"};
+  for (int line = 0; line < 3; ++line)
+    figure::draw_text(image, 6, image.height - 36 + 14 * line, legend[line], 11, figure::kWhite);
   return image;
 }
 
