@@ -117,13 +117,14 @@ Json moving_json(const Group& episodes) {
 // Over all maps of all episodes: how many points of outlines in view they have, and how much floor they have
 // as obstacles.
 Json map_json(const Group& episodes) {
-  const char* const names[] = {"outline_points", "outline_found", "floor_cells", "floor_wrong"};
-  std::int64_t sums[4] = {0, 0, 0, 0};
+  const char* const names[] = {"outline_points", "outline_found",          "floor_cells",
+                               "floor_wrong",    "outline_points_in_view", "outline_found_in_view"};
+  std::int64_t sums[6] = {0, 0, 0, 0, 0, 0};
   for (const Json* episode : episodes) {
     const Json& truth = (*episode)["truth"];
     const auto map = truth.find("map");
     if (map == truth.end() || !map->is_object()) continue;
-    for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t i = 0; i < 6; ++i)
       if (const auto value = number_of(*map, names[i]))
         sums[i] += static_cast<std::int64_t>(*value);
   }
@@ -131,7 +132,21 @@ Json map_json(const Group& episodes) {
   const auto share = [](std::int64_t part, std::int64_t of) {
     return static_cast<double>(part) / static_cast<double>(of);
   };
-  return {{"outline_found", share(sums[1], sums[0])}, {"floor_wrong", share(sums[3], sums[2])}};
+  Json json{{"outline_found", share(sums[1], sums[0])}, {"floor_wrong", share(sums[3], sums[2])}};
+  // Episodes of earlier versions have none.
+  if (sums[4] > 0) json["outline_found_in_view"] = share(sums[5], sums[4]);
+  return json;
+}
+
+std::string map_text(const Json& map) {
+  const auto percent_of = [&](const char* name, int digits) {
+    return hil::fixed(100 * map[name].get<double>(), digits) + " %";
+  };
+  std::string text =
+      "maps within 1 m: " + percent_of("outline_found", 1) + " of outlines seen so far found, ";
+  if (map.contains("outline_found_in_view"))
+    text += percent_of("outline_found_in_view", 1) + " of those in view in the last 2 s, ";
+  return text + percent_of("floor_wrong", 2) + " of floor taken for obstacles";
 }
 
 std::string causes(const Json& failures) {
@@ -234,12 +249,7 @@ std::string breakdown_text(const Json& breakdown) {
     text += line;
   }
   if (const auto map = breakdown.find("map"); map != breakdown.end()) {
-    std::snprintf(
-        line, sizeof line,
-        "  maps within 1 m: %.1f %% of outlines in view found, %.2f %% of floor taken for "
-        "obstacles\n",
-        100 * (*map)["outline_found"].get<double>(), 100 * (*map)["floor_wrong"].get<double>());
-    text += line;
+    text += "  " + map_text(*map) + "\n";
   }
   return text;
 }
@@ -279,11 +289,7 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
   }
   if (breakdown.contains("map")) {
     const Json& map = breakdown["map"];
-    page += "<p>Maps, within 1 m of the robot: " +
-            hil::fixed(100 * map["outline_found"].get<double>(), 1) +
-            " % of the outlines in view found, " +
-            hil::fixed(100 * map["floor_wrong"].get<double>(), 2) +
-            " % of the floor taken for obstacles.</p>\n";
+    page += "<p>" + map_text(map) + ".</p>\n";
   }
   if (result["failures"].empty()) return page + hil::kPageEnd;
   page += "<h2>Failures</h2>\n<table>" +

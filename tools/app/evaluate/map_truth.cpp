@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr double kStep = 0.01, kWithin = 1.0;  // m
-constexpr double kLookEvery_s = 0.1, kInView_s = 0.5;
+constexpr double kLookEvery_s = 0.1, kInView_s = 0.5, kRecent_s = 2;
 constexpr double kFoundWithin = 0.025, kClear = 0.02;  // m
 constexpr double kAboveFloor = 0.01;  // m, of an outline's point, below which it is in shadow
 
@@ -59,17 +59,24 @@ MapTruth::MapTruth(const std::vector<Obstacle>& obstacles) {
   }
   for (const Obstacle& o : fixed_)
     for (const Vector2d& at : outline_of(o))
-      if (!near(loose_, at, 0.3)) outline_.push_back({at, 0});
+      if (!near(loose_, at, 0.3)) outline_.push_back({at, 0, {}});
 }
 
 // By things on the way, not by that of which it is the outline: just before it the way is free.
 bool MapTruth::hidden(const Vector2d& from, const Vector2d& at) const {
   const Vector2d way = at - from;
   const double length = way.norm();
-  for (double m = kStep; m < length - kStep; m += kStep) {
-    if (near(fixed_, from + m / length * way, 1e-6)) return true;
-  }
-  return false;
+  return std::ranges::any_of(fixed_, [&](const Obstacle& o) {
+    // Most things are far from the way.
+    const double along = std::clamp(way.dot(o.place() - from) / way.squaredNorm(), 0.0, 1.0);
+    const double reach =
+        0.5 * std::hypot(o.length_m, o.shape == Shape::box ? o.width_m : 0) + kStep;
+    if ((from + along * way - o.place()).norm() > reach) return false;
+    for (double m = kStep; m < length - kStep; m += kStep) {
+      if (distance_to(o, from + m / length * way) < 1e-6) return true;
+    }
+    return false;
+  });
 }
 
 bool MapTruth::looks_at(Time now) const {
@@ -86,7 +93,7 @@ void MapTruth::look(Time now, const Eigen::Isometry3d& start_from_eye,
   const Vector3d left = start_from_eye.translation(),
                  right = start_from_eye * Vector3d(camera.baseline_m, 0, 0);
   for (Outline& one : outline_) {
-    if (one.seen_s >= kInView_s || (one.at - eye).norm() > kWithin) continue;
+    if ((one.at - eye).norm() > kWithin) continue;
     const Vector3d at(one.at.x(), one.at.y(), kAboveFloor), p = eye_from_start * at;
     if (p.z() < 0.1) continue;
     const double u = camera.fx * p.x() / p.z() + camera.cx,
@@ -98,6 +105,7 @@ void MapTruth::look(Time now, const Eigen::Isometry3d& start_from_eye,
     // One eye alone has no depth.
     if (own != nullptr && (own->hides(left, at) || own->hides(right, at))) continue;
     one.seen_s += std::min(since, 2 * kLookEvery_s);
+    one.newest = now;
   }
 }
 
@@ -121,6 +129,9 @@ void MapTruth::compare(const behavior::MapReport& report, const Eigen::Isometry2
     }
     ++points_;
     found_ += found ? 1 : 0;
+    if (seconds(report.time - one.newest) > kRecent_s) continue;
+    ++points_in_view_;
+    found_in_view_ += found ? 1 : 0;
   }
   for (int x = map.number(report.robot.x() - kWithin); x <= map.number(report.robot.x() + kWithin);
        ++x) {
@@ -140,6 +151,8 @@ void MapTruth::compare(const behavior::MapReport& report, const Eigen::Isometry2
 nlohmann::ordered_json MapTruth::json() const {
   return {{"outline_points", points_},
           {"outline_found", found_},
+          {"outline_points_in_view", points_in_view_},
+          {"outline_found_in_view", found_in_view_},
           {"floor_cells", cells_},
           {"floor_wrong", wrong_}};
 }

@@ -120,5 +120,45 @@ TEST(MapTruth, WhatWasNotInViewDoesNotCount) {
   EXPECT_EQ(compared(map_of(kYard), Isometry2d::Identity(), {0, 0}, 1).found, -1);
 }
 
+// After a second of looks at the box, the eyes turn away; the report is `later_s` after the last look at it.
+nlohmann::ordered_json reported_later(const map::LocalMap& map, double later_s) {
+  MapTruth truth({box()});
+  for (int i = 0; i < 10; ++i)
+    truth.look(from_seconds(0.1 * i), map::test_eye(0, 0.5), vision::test_camera(320, 240));
+  Eigen::Isometry3d away = map::test_eye(0, 0.5);
+  away.linear() = Eigen::AngleAxisd(2, Eigen::Vector3d::UnitZ()) * away.linear();
+  for (int i = 10; 0.1 * i <= 0.9 + later_s; ++i)
+    truth.look(from_seconds(0.1 * i), away, vision::test_camera(320, 240));
+  const std::vector<Vector2d> none;
+  truth.compare({from_seconds(0.9 + later_s), map, {0, 0}, 0, none, none, {1, 0}},
+                Isometry2d::Identity());
+  return truth.json();
+}
+
+TEST(MapTruth, InViewAreThePointsOfTheLastTwoSecondsAlone) {
+  const map::LocalMap map = map_of(kYard);
+  const auto now = reported_later(map, 1.9), later = reported_later(map, 2.1);
+  EXPECT_GT(now["outline_points"], 20);
+  EXPECT_EQ(now["outline_points_in_view"], now["outline_points"]);
+  EXPECT_EQ(now["outline_found_in_view"], now["outline_found"]);
+  EXPECT_EQ(later["outline_points_in_view"], 0);
+  EXPECT_EQ(later["outline_found_in_view"], 0);
+  // What was seen before still counts among all.
+  EXPECT_EQ(later["outline_points"], now["outline_points"]);
+  EXPECT_EQ(later["outline_found"], now["outline_found"]);
+  EXPECT_EQ(reported_later(map_of({}), 0)["outline_found_in_view"], 0);
+}
+
+// In view for less than half a second, but within the last 2 s.
+TEST(MapTruth, InViewIsNothingThatWasSeenInPassing) {
+  MapTruth truth({box()});
+  for (int i = 0; i < 3; ++i)
+    truth.look(from_seconds(0.1 * i), map::test_eye(0, 0.5), vision::test_camera(320, 240));
+  const std::vector<Vector2d> none;
+  truth.compare({from_seconds(0.2), map_of({}), {0, 0}, 0, none, none, {1, 0}},
+                Isometry2d::Identity());
+  EXPECT_EQ(truth.json()["outline_points_in_view"], 0);
+}
+
 }  // namespace
 }  // namespace kaz::tools
