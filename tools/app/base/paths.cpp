@@ -54,8 +54,9 @@ Result<std::string> world_file(const std::string& name) {
   }
   if (fs::is_regular_file(name, error)) return name;
   if (!plain_name)
-    return fail(Fault::usage, "there is no file '" + name +
-                                  "': give the path of an SDF file, or one of: " + known_worlds());
+    return fail(Fault::usage,
+                (fs::is_directory(name, error) ? "a folder is no world: '" : "there is no file '") +
+                    name + "': give the path of an SDF file, or one of: " + known_worlds());
   return fail(Fault::usage, "no world `" + name +
                                 "`: give the path of an SDF file, or one of: " + known_worlds());
 }

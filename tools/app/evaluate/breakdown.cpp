@@ -242,6 +242,9 @@ std::string breakdown_text(const Json& breakdown) {
       text += line;
     }
   }
+  text +=
+      "  off goal: by truth, time/least: walking time over the least possible; both median, "
+      "largest of those that reached it\n";
   if (const auto moving = breakdown.find("moving"); moving != breakdown.end()) {
     std::snprintf(line, sizeof line, "  in the way %s, noticed %s, touched %s\n",
                   (*moving)["in_the_way"].dump().c_str(), (*moving)["noticed"].dump().c_str(),

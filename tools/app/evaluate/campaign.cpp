@@ -331,12 +331,12 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   if (there == campaign) return {};
   for (const auto& [key, value] : campaign.items()) {
     if (there.contains(key) && there[key] == value) continue;
-    return fail(Fault::usage, "'" + folder.folder() + "' holds another campaign (its " + key +
+    return fail(Fault::usage, "'" + folder.folder() + "' holds another evaluation (its " + key +
                                   " is " + (there.contains(key) ? there[key].dump() : "missing") +
                                   ", here " + value.dump() + "): choose another --out");
   }
   return fail(Fault::usage,
-              "'" + folder.folder() + "' holds another campaign: choose another --out");
+              "'" + folder.folder() + "' holds another evaluation: choose another --out");
 }
 
 // The summary will be a new one.
@@ -357,10 +357,10 @@ Result<void> refuse_more(const CampaignOptions& options, const OutputFolder& fol
   const std::string part = options.shards == 1 ? ""
                                                : " --shard " + std::to_string(options.shard) + "/" +
                                                      std::to_string(options.shards);
-  return fail(Fault::usage, "'" + folder.folder() + "' holds episodes (" + numbers_text(others) +
-                                ") that are none of --episodes " +
-                                std::to_string(options.episodes) + part +
-                                ": ask for these too, or choose another --out");
+  return fail(Fault::usage, "'" + folder.folder() +
+                                "' holds episodes besides those of --episodes " +
+                                std::to_string(options.episodes) + part + " (numbers " +
+                                numbers_text(others) + "): run these too, or choose another --out");
 }
 
 // The folder of a merge holds what an earlier one has put there: all of it is of the parts.
