@@ -95,8 +95,8 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   // A report of fewer than are there would not be of the folder.
   const std::string report = read_file(folder / "whole/result.json");
   for (const auto& [fewer, others] :
-       {std::pair{std::vector<std::string>{"--episodes", "2"}, "holds episodes (2, 3, 4) that"},
-        {{"--episodes", "5", "--shard", "1/2"}, "holds episodes (1, 3) that"}}) {
+       {std::pair{std::vector<std::string>{"--episodes", "2"}, "(numbers 2, 3, 4): run"},
+        {{"--episodes", "5", "--shard", "1/2"}, "(numbers 1, 3): run"}}) {
     auto words = fewer;
     words.insert(words.end(), {"--out", folder / "whole"});
     const Finished refused = evaluate(words);
@@ -107,7 +107,7 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   EXPECT_EQ(read_file(folder / "whole/result.json"), report);
   const Finished other = evaluate({"--friction", "0.3", "0.4", "--out", folder / "whole"});
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_NE(other.err.find("another campaign"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("another evaluation"), std::string::npos) << other.err;
   EXPECT_NE(other.err.find("friction"), std::string::npos) << other.err;
   const Finished strange =
       run(kaz({"evaluate", "merge", folder / "1/2", folder.path(), "--out", folder / "strange"}));
