@@ -40,7 +40,8 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
 
   auto observations = KAZ_TRY(context_.detector->poll(input.now));
   input.observations = std::move(observations);
-  if (!input.observations.empty()) last_image_ = input.now;
+  // While the link was sought nobody took pictures.
+  if (!input.observations.empty() || input.resumed) last_image_ = input.now;
   if (input.now - last_image_ > context_.camera_patience) {
     char text[40];
     std::snprintf(text, sizeof text, "no image came for %.3g s: check ",
