@@ -252,13 +252,18 @@ Result<void> KeptRun::put_back() {
     std::fprintf(stderr, "%s: %s\n", options_.verb.c_str(), note.c_str());
   if (back.left.empty()) {
     if (!back.done.empty())
-      std::fprintf(stderr, "%s: put back on %s: %s\n", options_.verb.c_str(), options_.port.c_str(),
-                   joined(back.done).c_str());
+      std::fprintf(stderr, "%s: %sput back on %s: %s\n", options_.verb.c_str(),
+                   options_.motors_off ? "motors off (a robot on its feet sinks down); " : "",
+                   options_.port.c_str(), joined(back.done).c_str());
     return {};
   }
-  return fail(Fault::environment, "the board on " + options_.port +
-                                      " may not be as it was before; not put back: " +
-                                      joined(back.left) + ": give `" + command() + "`");
+  return fail(
+      Fault::environment,
+      "the board on " + options_.port +
+          " may not be as it was before; not put back: " + joined(back.left) +
+          (options_.motors_off ? ": its motors may be on, so support the robot, then give `" +
+                                     command() + "`, which switches them off"
+                               : ": give `" + command() + "`"));
 }
 
 Result<void> KeptRun::end() {
