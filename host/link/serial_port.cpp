@@ -3,6 +3,7 @@
 #include "host/link/serial_port.h"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <linux/serial.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
@@ -97,6 +98,16 @@ bool is_left_over(const std::string& path) {
   return dead;
 }
 
+// Whose members may use it; empty: none, or root's.
+std::string group_with_access(const std::string& path) {
+  struct stat status {};
+  constexpr mode_t kBoth = S_IRGRP | S_IWGRP;
+  if (::stat(path.c_str(), &status) != 0 || status.st_gid == 0 || (status.st_mode & kBoth) != kBoth)
+    return "";
+  const ::group* of = ::getgrgid(status.st_gid);
+  return of != nullptr ? of->gr_name : "";
+}
+
 tl::unexpected<Error> open_failure(const std::string& path, int error) {
   std::error_code ignored;
   if (fs::is_socket(path, ignored)) return fail(Fault::environment, socket_sentence(path));
@@ -108,8 +119,9 @@ tl::unexpected<Error> open_failure(const std::string& path, int error) {
       return fail(Fault::environment, "no such port: " + path + " (" + candidates_sentence() + ")");
     case EACCES:
     case EPERM:
-      return fail(Fault::environment, permission_sentence(path, usb_number(path, "idVendor"),
-                                                          usb_number(path, "idProduct")));
+      return fail(Fault::environment,
+                  permission_sentence(path, usb_number(path, "idVendor"),
+                                      usb_number(path, "idProduct"), group_with_access(path)));
     case EBUSY:
       return fail(Fault::environment, path + " is in use by another program: end that one first");
     default:
@@ -172,9 +184,12 @@ std::vector<std::string> serial_port_candidates() {
 }
 
 std::string permission_sentence(const std::string& path, const std::string& vendor,
-                                const std::string& product) {
-  std::string text = "permission denied for " + path +
-                     ": add yourself to its group (`sudo adduser $USER dialout`) and log in again";
+                                const std::string& product, const std::string& group) {
+  std::string text = "permission denied for " + path;
+  text += group.empty()
+              ? ": it belongs to no group but root's; run as root, or `sudo chgrp dialout " + path +
+                    " && sudo chmod 660 " + path + "`"
+              : ": add yourself to its group (`sudo adduser $USER " + group + "`) and log in again";
   if (vendor.empty() || product.empty()) return text;
   return text +
          "; if it belongs to no group, put this line into /etc/udev/rules.d/70-kaz.rules and plug "

@@ -30,8 +30,9 @@ Result<OpenPort> open_serial_port(const std::string& path, int baud);
 Result<void> set_serial_rate(int descriptor, const std::string& path, int baud);
 
 // The sentence for a port that we may not open: what to do once, or for good with a rule for the
-// adapter. Numbers in hexadecimal, as sysfs has them; empty if it is no USB adapter.
+// adapter. Numbers in hexadecimal, as sysfs has them; empty if it is no USB adapter. `group`: whose members
+// may use it; empty: none, or root's.
 std::string permission_sentence(const std::string& path, const std::string& vendor,
-                                const std::string& product);
+                                const std::string& product, const std::string& group);
 
 }  // namespace kaz::host

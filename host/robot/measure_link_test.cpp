@@ -32,10 +32,10 @@ TEST(MeasureLink, SaysWhatToDoAboutASlowOne) {
 }
 
 TEST(MeasureLink, PermissionSentenceHoldsTheRule) {
-  EXPECT_EQ(permission_sentence("/dev/ttyS0", "", ""),
+  EXPECT_EQ(permission_sentence("/dev/ttyS0", "", "", "dialout"),
             "permission denied for /dev/ttyS0: add yourself to its group (`sudo adduser $USER "
             "dialout`) and log in again");
-  EXPECT_NE(permission_sentence("/dev/ttyUSB0", "0403", "6001")
+  EXPECT_NE(permission_sentence("/dev/ttyUSB0", "0403", "6001", "")
                 .find("SUBSYSTEM==\"tty\", ATTRS{idVendor}==\"0403\", ATTRS{idProduct}==\"6001\", "
                       "GROUP=\"dialout\""),
             std::string::npos);

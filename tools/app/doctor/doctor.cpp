@@ -50,8 +50,11 @@ bool is_usable(const MachineFiles& files, const std::string& part, const std::st
     return false;
   }
   if (!files.may_use(device)) {
-    findings.push_back({Level::wrong, part, device, "you may not read and write it",
-                        "sudo adduser $USER " + group + " && echo 'log out and in again'"});
+    findings.push_back(
+        {Level::wrong, part, device, "you may not read and write it",
+         files.group_may_use(device)
+             ? "sudo adduser $USER " + group + " && echo 'log out and in again'"
+             : "sudo chgrp " + group + " " + device + " && sudo chmod 660 " + device});
     return false;
   }
   const auto holders = files.holders(device);

@@ -100,9 +100,10 @@ TEST_F(Doctor, FindsNothingWrongWhereNothingIs) {
 
 TEST_F(Doctor, FindsPortsThatCannotBeUsed) {
   device("/dev/ttyUSB0", 0600);
-  EXPECT_EQ(about("/dev/ttyUSB0"),
-            "wrong you may not read and write it | sudo adduser $USER dialout && echo 'log out and "
-            "in again'\n");
+  EXPECT_EQ(
+      about("/dev/ttyUSB0"),
+      "wrong you may not read and write it | sudo chgrp dialout /dev/ttyUSB0 && sudo chmod 660 "
+      "/dev/ttyUSB0\n");
   files_.user = 0;
   EXPECT_EQ(about("/dev/ttyUSB0").substr(0, 11), "USB adapter");
   put("/proc/77/comm", "minicom");

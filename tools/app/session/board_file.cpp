@@ -26,6 +26,9 @@ Result<BoardOfFile> parse_one(const std::string& where, const Json& json) {
   BoardOfFile board;
   if (!json.is_object() || !json.contains("port") || !json["port"].is_string())
     return wrong(where, std::string("its port is missing") + kForm);
+  for (const auto& [key, value] : json.items())
+    if (key != "port" && key != "address" && key != "joints")
+      return wrong(where, "`" + key + "` is none of port, address, joints");
   board.port = KAZ_TRY(host::parse_port_address(where + ":", json["port"].get<std::string>()));
   const Json address = json.value("address", Json(1));
   if (!address.is_number_integer() || address < 1 || address > KZ_ADDRESS_LAST)
@@ -64,8 +67,16 @@ Result<void> check_lines(const std::string& name, const std::vector<BoardOfFile>
 }  // namespace
 
 Result<std::vector<BoardOfFile>> parse_boards(const std::string& name, std::string_view text) {
-  const Json json = json_too_deep(text) ? Json(Json::value_t::discarded)
-                                        : Json::parse(text, nullptr, false, true);
+  Json json(Json::value_t::discarded);
+  if (!json_too_deep(text)) {
+    try {
+      json = Json::parse(text, nullptr, true, true);
+    } catch (const Json::parse_error& error) {
+      const auto end = text.substr(0, std::min(text.size(), error.byte));
+      return wrong(name, "line " + std::to_string(1 + std::ranges::count(end, '\n')) +
+                             " is no JSON" + kForm);
+    }
+  }
   if (!json.is_object() || !json.contains("boards") || !json["boards"].is_array() ||
       json["boards"].empty())
     return wrong(name, std::string("no file of boards") + kForm);

@@ -51,7 +51,11 @@ TEST(BoardFile, TwoBoardsOnOneBus) {
 
 TEST(BoardFile, EachMistakeHasItsSentence) {
   const std::string all = names(0, 18);
-  EXPECT_EQ(error_of("{").find("kaz.boards: no file of boards; give {\"boards\": [{"), 0u);
+  EXPECT_EQ(error_of("{}").find("kaz.boards: no file of boards; give {\"boards\": [{"), 0u);
+  EXPECT_EQ(error_of("{\"boards\": [\n,]}").find("kaz.boards: line 2 is no JSON; give {"), 0u);
+  EXPECT_EQ(error_of("").find("kaz.boards: line 1 is no JSON; give {"), 0u);
+  EXPECT_EQ(error_of(R"({"boards": [{"port": "x", "adress": 2, "joints": []}]})"),
+            "kaz.boards, board 1: `adress` is none of port, address, joints");
   EXPECT_EQ(error_of(file({"{}"})).find("kaz.boards, board 1: its port is missing; give"), 0u);
   EXPECT_EQ(
       error_of(file({board("can:", "", all)})).find("kaz.boards, board 1: can:: the interface"),

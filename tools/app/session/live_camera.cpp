@@ -25,6 +25,10 @@ bool is_real_camera(const std::string& where) {
 
 Result<void> check_live_camera(const std::string& where, const std::string& calibration) {
   if (!is_real_camera(where)) {
+    if (where.starts_with("/dev/video") || where.starts_with("v4l:"))
+      return fail(Fault::usage, "--camera " + where +
+                                    ": real cameras are given as a pair, "
+                                    "v4l2:/dev/video0,/dev/video2 (left, right)");
     if (!calibration.empty())
       return fail(Fault::usage,
                   "--calibration goes with real cameras (v4l2:...); what comes from " + where +
@@ -36,6 +40,8 @@ Result<void> check_live_camera(const std::string& where, const std::string& cali
     return fail(Fault::usage, where +
                                   " needs --calibration FILE (kaz calibrate stereo): pictures of "
                                   "real lenses have to be rectified");
+  // Before the board is connected and altered.
+  KAZ_TRY(vision::read_calibration(calibration));
   return {};
 }
 
