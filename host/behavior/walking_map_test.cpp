@@ -4,11 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
+
 #include "host/behavior/navigation_goal.h"
 #include "host/behavior/options.h"
 #include "host/map/view_testing.h"
 #include "host/motion/gait.h"
 #include "shared/base/angle.hpp"
+#include "shared/base/random.hpp"
 
 namespace kaz::behavior {
 namespace {
@@ -101,6 +105,62 @@ TEST(WalkingMap, FadesWhileTheRobotWalks) {
   ASSERT_TRUE(walking.enter({picture({}, 20)}, places));
   EXPECT_LT(walking.map().at(face, 0.05).confidence, before);
   EXPECT_EQ(walking.map().at(face, 0.05).state, CellState::obstacle);
+}
+
+// The picture of a floor with spots of 2 cm.
+FloorPicture spotted(const map::TestYard& yard, std::uint64_t number) {
+  FloorPicture seen = picture(yard, number);
+  const vision::CameraModel& c = seen.planes.info.camera;
+  const Eigen::Isometry3d eye = map::test_eye(0, 0.5);
+  auto images = std::make_shared<vision::StereoImages>();
+  images->left = {c.width, c.height, {}};
+  for (int v = 0; v < c.height; ++v) {
+    for (int u = 0; u < c.width; ++u) {
+      const Eigen::Vector3d ray =
+          eye.linear() * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1);
+      const Vector2d at = -eye.translation().z() / ray.z() * ray.head<2>();
+      const auto spot = [](double m) {
+        return static_cast<std::uint64_t>(std::floor(m / 0.02) + 500);
+      };
+      const double bright = ray.z() < 0 && at.norm() < 5
+                                ? 128 + 30 * keyed_normal(3, spot(at.x()), spot(at.y()))
+                                : 200;
+      images->left.rgb.insert(images->left.rgb.end(), 3,
+                              static_cast<std::uint8_t>(std::clamp(bright, 0.0, 255.0)));
+    }
+  }
+  seen.images = std::move(images);
+  return seen;
+}
+
+// Share of the evidence for the box that is left after a turn by `turned_rad`, in which the eyes leave it; where
+// `compares`, the floor's pattern has put the robot's place right before.
+double left_after_turn(double turned_rad, bool compares) {
+  WalkingMap walking(empty_map());
+  PlaceHistory places;
+  places.add(0s, {});
+  places.add(1s, {});
+  EXPECT_TRUE(walking.enter({spotted(kBoxAhead, 1)}, places));
+  walking.remember(spotted(kBoxAhead, 1), places);
+  if (compares) {
+    EXPECT_TRUE(walking.align(spotted(kBoxAhead, 5), places));
+  }
+  EXPECT_EQ(walking.corrections(), compares ? 1 : 0);
+  const int x =
+      walking.map().number(0.458 - motion::hips_over_sole(motion::home(), host::Side::left).x());
+  const int y = walking.map().number(0.05);
+  const double before = walking.map().log_odds(x, y);
+  EXPECT_GT(before, 1);
+  places.add(1900ms, {.heading = turned_rad});
+  EXPECT_TRUE(walking.enter({picture({}, 20)}, places));
+  return walking.map().log_odds(x, y) / before;
+}
+
+// Where the place is known better, what was seen is kept longer: near to where the floor was compared.
+TEST(WalkingMap, FadesMoreSlowlyWhereTheFloorWasCompared) {
+  EXPECT_NEAR(left_after_turn(80 * kDegree, false), 0.90, 0.01);
+  EXPECT_NEAR(left_after_turn(80 * kDegree, true), 0.95, 0.01);
+  EXPECT_NEAR(left_after_turn(100 * kDegree, true), 0.90, 0.01);
 }
 
 TEST(LookAhead, EndsAtAnObstacleAndAtWhatIsNotKnown) {
