@@ -38,7 +38,7 @@ void edges(benchmark::State& state, int width) {
   vision::PlaneSegments planes;
   for (auto _ : state) {
     planes = view.planes;
-    if (!finder.sharpen(image, planes)) state.SkipWithError("the picture was refused");
+    if (!finder.sharpen(image, planes, &view.depth)) state.SkipWithError("the picture was refused");
   }
 }
 

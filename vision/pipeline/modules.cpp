@@ -96,11 +96,11 @@ class FloorModule final : public Module {
  public:
   FloorModule(const FloorEdgeOptions& options, Time latency) : edges_(options), latency_(latency) {}
   std::string name() const override { return "floor"; }
-  std::vector<std::string> needs() const override { return {"planes"}; }
+  std::vector<std::string> needs() const override { return {"planes", "depth"}; }
   Time latency() const override { return latency_; }
   Result<std::any> look(const Frame& frame) override {
     PlaneSegments planes = frame.of<PlaneSegments>("planes");
-    KAZ_TRY(edges_.sharpen(frame.images().left, planes));
+    KAZ_TRY(edges_.sharpen(frame.images().left, planes, &frame.of<DepthImage>("depth")));
     return std::any(std::move(planes));
   }
 

@@ -44,6 +44,14 @@ void BitImage::pack(const std::uint8_t* bytes, int width, int height) {
   }
 }
 
+void BitImage::join(const BitImage& other) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] |= other.bits_[i];
+}
+
+void BitImage::remove(const BitImage& other) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] &= ~other.bits_[i];
+}
+
 void BitImage::invert() {
   const int beyond = static_cast<int>(words_) * kBits - width_;
   for (std::uint64_t& word : bits_) word = ~word;

@@ -14,6 +14,7 @@ class BitImage {
   int width() const { return width_; }
   int height() const { return height_; }
   std::size_t words() const { return words_; }  // of a row
+  std::uint64_t* row(int v) { return &bits_[static_cast<std::size_t>(v) * words_]; }
   const std::uint64_t* row(int v) const { return &bits_[static_cast<std::size_t>(v) * words_]; }
 
   // From one byte a pixel, 0 or 1, rows without padding.
@@ -22,6 +23,9 @@ class BitImage {
   void dilate(int reach);
   void erode(int reach);
   void invert();
+  // Union with, and difference from, an image of the same size.
+  void join(const BitImage& other);
+  void remove(const BitImage& other);
 
  private:
   void dilate_rows(int reach);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -17,6 +18,9 @@ namespace {
 
 constexpr int kSpeck_px = 2;  // holes and specks up to 2 kSpeck_px + 1 wide are removed
 constexpr std::size_t kLabels = 256;
+// Of a narrow thing's points above the floor: three sigma of disparity, and the height from which on the map
+// takes things for obstacles.
+constexpr double kStands_px = 0.6, kStands_m = 0.015;
 
 // Writes 1 where the label is one of `floor`, else 0; returns whether there is any.
 bool mark_floor(const std::uint8_t* __restrict label, std::size_t pixels,
@@ -41,12 +45,34 @@ void move_border(const std::uint8_t* __restrict side, const std::uint8_t* __rest
   }
 }
 
+// Leaves those pixels whose point stands above `ground`. Row 0 of `image` is row `top` of the picture. A
+// plane n . p = -h has the disparity d0 = -n . r fx baseline / h at the ray r = (x, y, 1), and a point of
+// disparity d on that ray is h (1 - d0 / d) above it.
+void keep_standing(BitImage& image, int top, const PlaneSegment& ground, const CameraModel& camera,
+                   const DepthImage& depth) {
+  const double scale = -camera.fx * camera.baseline_m / ground.distance_m;
+  for (int v = 0; v < image.height(); ++v) {
+    std::uint64_t* words = image.row(v);
+    const double y = (v + top - camera.cy) / camera.fy;
+    for (std::size_t i = 0; i < image.words(); ++i) {
+      for (std::uint64_t todo = words[i]; todo != 0; todo &= todo - 1) {
+        const int bit = std::countr_zero(todo), u = static_cast<int>(i) * 64 + bit;
+        const Eigen::Vector3d ray((u - camera.cx) / camera.fx, y, 1);
+        const double floor_px = scale * ground.normal.dot(ray), px = depth.disparity(u, v + top);
+        const bool stands = px > 0 && px > floor_px + kStands_px &&
+                            ground.distance_m * (1 - floor_px / px) > kStands_m;
+        if (!stands) words[i] &= ~(std::uint64_t{1} << bit);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 struct FloorEdges::State {
   FloorEdgeOptions options;
   std::vector<std::uint8_t> mask;
-  BitImage closed, inner, outer;
+  BitImage closed, inner, outer, narrow, beside;
   Watershed watershed;
 };
 
@@ -57,7 +83,8 @@ FloorEdges::~FloorEdges() = default;
 FloorEdges::FloorEdges(FloorEdges&&) noexcept = default;
 FloorEdges& FloorEdges::operator=(FloorEdges&&) noexcept = default;
 
-Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
+Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes,
+                                 const DepthImage* depth) {
   const int reach = state_->options.reach_px;
   if (reach < 1 || reach > 64)
     return fail(Fault::usage, "floor edges: reach_px is " + std::to_string(reach) + ", not 1..64");
@@ -66,6 +93,9 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
   if (pixels == 0 || left.rgb.size() != 3 * pixels || planes.width != left.width ||
       planes.height != left.height || planes.label.size() != pixels)
     return fail(Fault::usage, "floor edges: picture and planes are not of the same size");
+  if (depth != nullptr && (depth->width != left.width || depth->height != left.height ||
+                           depth->disparity_px.size() != pixels))
+    return fail(Fault::usage, "floor edges: picture and depth are not of the same size");
 
   // Labels that count as floor: floor segments whose middle is within step_m of the plane n . p + d = 0 of
   // the largest one (optical frame, m). Label 0 is no segment; segment k has label k + 1.
@@ -115,6 +145,17 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
   s.inner.erode(reach);
   s.outer.dilate(reach);
   s.outer.invert();
+  // Narrow things have no pixel so far from the floor. Beside a wide one it would be the rim of that.
+  if (depth != nullptr) {
+    s.narrow = s.closed;
+    s.narrow.dilate(reach - reach / 4);
+    s.narrow.invert();
+    s.beside = s.outer;
+    s.beside.dilate(reach);
+    s.narrow.remove(s.beside);
+    keep_standing(s.narrow, top, ground, planes.info.camera, *depth);
+    s.outer.join(s.narrow);
+  }
   const std::vector<std::uint8_t>& side =
       s.watershed.grow(left.rgb.data() + 3 * first, s.inner, s.outer);
   move_border(side.data(), &s.mask[first], side.size(), static_cast<std::uint8_t>(largest),

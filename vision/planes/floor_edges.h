@@ -6,15 +6,18 @@
 // the border of the floor's segments are therefore undecided, and a marker-controlled watershed labels
 // them: floor and non-floor grow into the band from both sides, first where the colour gradient is small,
 // and meet where it is largest (F. Meyer, "Color image segmentation", IPA 1992; cv::watershed). Holes in
-// the floor narrower than 2 reach_px are closed.
+// the floor narrower than 2 reach_px are closed, unless depth shows that something stands there: its pixels
+// farther than 3/4 reach_px from the floor, higher above it than depth errs, are a marker as well.
 //
 // Limitations: where the floor and an object on it have the same colour, or a shadow's edge is near, the
-// border is wrong by up to `reach_px`. Objects less than 2 reach_px wide are lost.
+// border is wrong by up to `reach_px`. Objects are lost that are, with the half block by which
+// matching widens them, less than 1.5 reach_px wide.
 #pragma once
 
 #include <memory>
 
 #include "shared/base/result.hpp"
+#include "vision/depth/depth.h"
 #include "vision/image/frame.h"
 #include "vision/planes/plane_segments.h"
 
@@ -34,11 +37,11 @@ class FloorEdges {
   FloorEdges(FloorEdges&&) noexcept;
   FloorEdges& operator=(FloorEdges&&) noexcept;
 
-  // `left`: the rectified picture in which the planes were found. Changes `planes.label`, not the
-  // segments: pixels that become floor get the label of the largest floor segment. Does nothing
-  // without floor. Errors, after which nothing is changed: a picture of another size or cut short;
+  // `left`: the rectified picture in which the planes were found; `depth`: in which they were found, too;
+  // without it, objects less than 2 reach_px wide are lost. Changes `planes.label`, not the segments: pixels that become floor get the label of the largest floor segment. Does nothing
+  // without floor. Errors, after which nothing is changed: a picture or depth of another size or cut short;
   // options out of range.
-  Result<void> sharpen(const Image& left, PlaneSegments& planes);
+  Result<void> sharpen(const Image& left, PlaneSegments& planes, const DepthImage* depth = nullptr);
 
  private:
   struct State;

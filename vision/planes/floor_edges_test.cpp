@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "shared/base/random.hpp"
 
@@ -106,6 +107,55 @@ TEST(FloorEdges, NothingHappensWithoutFloorOrFarFromItsBorder) {
   }
 }
 
+// A can of 7 x 14 px that stands on the floor at v = 100, as block matching sees it: 4 px wider to all sides.
+// Without depth, or with that of the floor, it is a hole to be closed.
+TEST(FloorEdges, NarrowThingsThatStandAreNoFloor) {
+  const auto on_can = [](int u, int v, int wider) {
+    return u >= 30 - wider && u < 37 + wider && v >= 86 - wider && v < 100 + wider;
+  };
+  Image image = picture();
+  PlaneSegments seen = planes(0, false);
+  CameraModel& camera = seen.info.camera;
+  camera = {kWidth, kHeight, 140, 140, 79.5, 59.5, 0.06};
+  // The eye is 0.3 m above the floor and looks 30 degrees down.
+  seen.segments[1].normal = {0, -std::cos(0.52), -std::sin(0.52)};
+  seen.segments[1].distance_m = 0.3;
+  seen.segments[1].middle = {0, 0, 0.3 / std::sin(0.52)};
+  DepthImage depth{seen.info, kWidth, kHeight, {}}, flat = depth;
+  const auto floor_px = [&](int v) {
+    const double down = std::cos(0.52) * (v - camera.cy) / camera.fy + std::sin(0.52);
+    return static_cast<float>(std::max(0.0, camera.fx * camera.baseline_m * down / 0.3));
+  };
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const auto at = static_cast<std::size_t>(v * kWidth + u);
+      const bool can = on_can(u, v, 4);
+      if (can) seen.label[at] = 0;
+      flat.disparity_px.push_back(floor_px(v));
+      depth.disparity_px.push_back(floor_px(can ? 100 : v));
+      if (on_can(u, v, 0)) image.rgb[3 * at] = image.rgb[3 * at + 1] = image.rgb[3 * at + 2] = 30;
+    }
+  }
+  FloorEdges edges;
+  const auto called_floor = [&](const DepthImage* with) {
+    PlaneSegments found = seen;
+    EXPECT_TRUE(edges.sharpen(image, found, with));
+    int can = 0, beside = 0;
+    for (int v = 76; v < 112; ++v) {
+      for (int u = 20; u < 50; ++u) {
+        const bool floor = found.label[static_cast<std::size_t>(v * kWidth + u)] == 2;
+        can += floor && on_can(u, v, 0);
+        beside += floor && !on_can(u, v, 1);
+      }
+    }
+    return std::pair(can, beside);
+  };
+  const int can = 7 * 14, beside = 30 * 36 - 9 * 16;
+  EXPECT_EQ(called_floor(nullptr), std::pair(can, beside));
+  EXPECT_EQ(called_floor(&flat), std::pair(can, beside));
+  EXPECT_EQ(called_floor(&depth), std::pair(0, beside));
+}
+
 TEST(FloorEdges, RefusesWhatDoesNotFit) {
   const Image image = picture();
   FloorEdges edges;
@@ -120,6 +170,9 @@ TEST(FloorEdges, RefusesWhatDoesNotFit) {
   EXPECT_TRUE(refuses({}, planes(0, false), edges));
   EXPECT_TRUE(refuses({}, {}, edges));
   EXPECT_TRUE(refuses({kWidth - 1, kHeight, {}}, planes(0, false), edges));
+  PlaneSegments other = planes(0, false);
+  const DepthImage small{{}, kWidth, kHeight - 1, {}};
+  EXPECT_FALSE(edges.sharpen(image, other, &small));
   PlaneSegments few = planes(0, false);
   few.label.pop_back();
   EXPECT_TRUE(refuses(image, few, edges));
