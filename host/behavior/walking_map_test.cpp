@@ -133,8 +133,8 @@ FloorPicture spotted(const map::TestYard& yard, std::uint64_t number) {
   return seen;
 }
 
-// Share of the evidence for the box that is left after a turn by `turned_rad`, in which the eyes leave it; where
-// `compares`, the floor's pattern has put the robot's place right before.
+// Share of the evidence for the box that is left after a turn by `turned_rad`, in which the eyes leave it;
+// where `compares`, the floor's pattern has put the robot's place right before.
 double left_after_turn(double turned_rad, bool compares) {
   WalkingMap walking(empty_map());
   PlaceHistory places;

@@ -37,10 +37,11 @@ class FloorEdges {
   FloorEdges(FloorEdges&&) noexcept;
   FloorEdges& operator=(FloorEdges&&) noexcept;
 
-  // `left`: the rectified picture in which the planes were found; `depth`: in which they were found, too;
-  // without it, objects less than 2 reach_px wide are lost. Changes `planes.label`, not the segments: pixels that become floor get the label of the largest floor segment. Does nothing
-  // without floor. Errors, after which nothing is changed: a picture or depth of another size or cut short;
-  // options out of range.
+  // `left`: the rectified picture in which the planes were found; `depth`: the depth image in which they were
+  // found; without it, objects less than 2 reach_px wide are lost. Changes `planes.label`, not the segments:
+  // pixels that become floor get the label of the largest floor segment. Does nothing without floor.
+  // Errors, after which nothing is changed: a picture or depth of another size or cut short; options out of
+  // range.
   Result<void> sharpen(const Image& left, PlaneSegments& planes, const DepthImage* depth = nullptr);
 
  private:
