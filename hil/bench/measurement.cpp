@@ -301,6 +301,15 @@ void BenchJudge::enter(const std::string& subject, const std::string& name, doub
   finish(std::move(measurement));
 }
 
+void BenchJudge::enter_finding(const std::string& subject, const std::string& name, double value,
+                               const std::string& finding) {
+  Measurement measurement = begin(subject, name);
+  measurement.value = value;
+  measurement.message = finding;
+  measurement.verdict = Verdict::failed;
+  finish(std::move(measurement));
+}
+
 void BenchJudge::enter_without_default_limits(const std::string& subject, const std::string& name,
                                               double value, double error, const std::string& note) {
   if (limits_.contains(name)) return enter(subject, name, value, error, note);

@@ -101,6 +101,9 @@ class BenchJudge {
   // `name` of measurements.def; `note`: special conditions of it.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
+  // Fails whatever the limits, with these words alone: what is wrong is known, not only that a value is.
+  void enter_finding(const std::string& subject, const std::string& name, double value,
+                     const std::string& finding);
   // Where the default limits are for another condition, which `note` names: only limits that were given
   // apply; without them it is left out, with its value.
   void enter_without_default_limits(const std::string& subject, const std::string& name,

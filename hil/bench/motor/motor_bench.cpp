@@ -19,45 +19,71 @@ struct Part {
   std::string what;
   std::vector<std::string> names;
   bool needs_stand;
+  bool drives;  // switches the motor on
   std::function<void(MotorOnBench&, BenchJudge&)> run;
 };
 
+constexpr const char* kDirection = "direction";
+
+// What one part finds out for others.
+struct Found {
+  std::optional<double> slope;  // Nm/V
+  bool reversed = false;
+  bool enter_direction = true;  // the filter takes it
+};
+
 // Torques want a cold motor, and heat takes minutes to go.
-std::vector<Part> parts_of(double supply_volts, std::optional<double>& slope) {
+std::vector<Part> parts_of(double supply_volts, Found& found) {
   return {
-      {"noise of the potentiometer", {"pot.noise"}, false, measure_potentiometer_noise},
+      {"direction",
+       {kDirection},
+       false,
+       true,
+       [&found](MotorOnBench& motor, BenchJudge& judge) {
+         found.reversed = !measure_direction(motor, judge, found.enter_direction);
+       }},
+      {"noise of the potentiometer", {"pot.noise"}, false, false, measure_potentiometer_noise},
       {"line of the potentiometer",
        {"pot.linearity", "pot.scale", "pot.offset"},
        true,
+       false,
        measure_potentiometer_line},
-      {"backlash", {"backlash"}, true, measure_backlash},
+      {"backlash", {"backlash"}, true, false, measure_backlash},
       {"torque at standstill",
        {"stall.torque_4v8", "stall.torque_10v", "stall.slope", "stall.line_error",
         "stall.asymmetry", "friction.sliding"},
        true,
-       [&slope, supply_volts](MotorOnBench& motor, BenchJudge& judge) {
-         slope = measure_stall(motor, judge, supply_volts);
+       true,
+       [&found, supply_volts](MotorOnBench& motor, BenchJudge& judge) {
+         found.slope = measure_stall(motor, judge, supply_volts);
        }},
       {"dead band",
        {"dead_band", "friction.breakaway"},
        false,
-       [&slope, supply_volts](MotorOnBench& motor, BenchJudge& judge) {
-         measure_dead_band(motor, judge, supply_volts, slope);
+       true,
+       [&found, supply_volts](MotorOnBench& motor, BenchJudge& judge) {
+         measure_dead_band(motor, judge, supply_volts, found.slope);
        }},
       {"speed without load",
        {"no_load.speed", "no_load.slope", "start.time_constant", "friction.running"},
        false,
-       [&slope](MotorOnBench& motor, BenchJudge& judge) { measure_speed(motor, judge, slope); }},
+       true,
+       [&found](MotorOnBench& motor, BenchJudge& judge) {
+         measure_speed(motor, judge, found.slope);
+       }},
       {"step",
        {"step.rise_time", "step.overshoot", "step.settling_time", "step.error", "step.hunting"},
        false,
+       true,
        measure_step},
       {"frequency response",
        {"frequency.bandwidth", "frequency.phase_2hz"},
        false,
+       true,
        measure_frequency},
       {"heat",
        {"thermal.torque_loss"},
+       true,
        true,
        [supply_volts](MotorOnBench& motor, BenchJudge& judge) {
          measure_heat(motor, judge, supply_volts);
@@ -89,15 +115,15 @@ void tidy(MotorOnBench& motor, double supply_volts) {
   }
 }
 
-Result<std::vector<Part>> chosen_parts(std::vector<Part> parts, const std::string& filter) {
+Result<std::vector<Part>> chosen_parts(const std::vector<Part>& parts, const std::string& filter) {
   std::vector<Part> taken;
   try {
     const std::regex pattern(filter);
-    for (Part& part : parts) {
+    for (const Part& part : parts) {
       if (std::ranges::any_of(part.names, [&](const std::string& name) {
             return std::regex_search(name, pattern);
           }))
-        taken.push_back(std::move(part));
+        taken.push_back(part);
     }
   } catch (const std::regex_error& wrong) {
     return fail(Fault::usage, "--filter " + filter + " is no regular expression: " + wrong.what());
@@ -108,13 +134,31 @@ Result<std::vector<Part>> chosen_parts(std::vector<Part> parts, const std::strin
   return taken;
 }
 
-void run_part(const Part& part, MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
-  if (part.needs_stand && !motor.has_stand()) {
-    for (const std::string& name : part.names)
-      judge.leave_out(motor.name(), name,
-                      "needs a motor stand: --stand ctl:PATH or --stand manual");
+// Whatever is chosen, nothing drives the motor before it has been looked where it turns to.
+void begin_with_direction(std::vector<Part>& chosen, const std::vector<Part>& all, bool has_stand,
+                          Found& found) {
+  if (chosen.front().names.front() == kDirection) return;
+  if (std::ranges::none_of(chosen, [&](const Part& part) {
+        return part.drives && (has_stand || !part.needs_stand);
+      }))
     return;
-  }
+  found.enter_direction = false;
+  chosen.insert(chosen.begin(), all.front());
+}
+
+void leave_out(const Part& part, const std::string& subject, const std::string& why,
+               BenchJudge& judge) {
+  for (const std::string& name : part.names) judge.leave_out(subject, name, why);
+}
+
+void run_part(const Part& part, MotorOnBench& motor, BenchJudge& judge, double supply_volts,
+              bool reversed) {
+  if (reversed)
+    return leave_out(part, motor.name(),
+                     "not run, because the motor turns against its potentiometer", judge);
+  if (part.needs_stand && !motor.has_stand())
+    return leave_out(part, motor.name(), "needs a motor stand: --stand ctl:PATH or --stand manual",
+                     judge);
   const std::size_t before = judge.report().measurements.size();
   try {
     motor.come_to_rest();
@@ -138,7 +182,7 @@ host::ConnectOptions bench_connection() {
 }
 
 Result<void> check_motor_filter(const std::string& filter) {
-  std::optional<double> none;
+  Found none;
   const auto parts = chosen_parts(parts_of(0, none), filter);
   if (!parts) return tl::unexpected(parts.error());
   return {};
@@ -146,8 +190,10 @@ Result<void> check_motor_filter(const std::string& filter) {
 
 Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptions& options,
                          BenchJudge& judge) {
-  std::optional<double> slope;
-  const auto parts = KAZ_TRY(chosen_parts(parts_of(options.supply_volts, slope), options.filter));
+  Found found;
+  const std::vector<Part> all = parts_of(options.supply_volts, found);
+  auto parts = KAZ_TRY(chosen_parts(all, options.filter));
+  begin_with_direction(parts, all, stand != nullptr, found);
   if (options.joint < 0 || options.joint >= KZ_JOINTS)
     return fail(Fault::usage,
                 "joints have the numbers 0 to 17, not " + std::to_string(options.joint));
@@ -168,7 +214,9 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
               options.progress(static_cast<double>(i) / static_cast<double>(parts.size()),
                                run_text(motor.name() + ": " + parts[i].what, run));
             try {
-              run_part(parts[i], motor, judge, options.supply_volts);
+              // A repetition decides anew.
+              if (parts[i].names.front() == kDirection) found.reversed = false;
+              run_part(parts[i], motor, judge, options.supply_volts, found.reversed);
             } catch (const Lost& lost) {
               return tl::unexpected(lost.error);
             }

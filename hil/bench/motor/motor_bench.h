@@ -30,12 +30,16 @@ host::ConnectOptions bench_connection();
 Result<void> check_motor_filter(const std::string& filter);
 
 // The robot must be connected with a link watchdog of 0.5 s or more; all motors must be off. What
-// fails is entered as failed and the next one goes on. Errors: link or stand are gone (environment),
+// fails is entered as failed and the next one goes on; where the motor turns against its potentiometer the
+// others are left out. Errors: link or stand are gone (environment),
 // no such joint or filter (usage).
 Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptions& options,
                          BenchJudge& judge);
 
 // The parts, in the order in which they run; each enters what it is named for.
+// direction, a good one only with `enter_good`. False: the motor turns against its potentiometer, and no loop
+// may be closed on it.
+bool measure_direction(MotorOnBench& motor, BenchJudge& judge, bool enter_good);
 void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge);  // pot.noise
 void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge);   // pot.* but noise
 void measure_backlash(MotorOnBench& motor, BenchJudge& judge);

@@ -183,26 +183,38 @@ Trace MotorOnBench::watch(double length_s) {
   return trace;
 }
 
-Trace MotorOnBench::drive(double duty, double length_s, double within_rad, double after_s) {
+template <class Enough>
+Trace MotorOnBench::drive_until(double duty, double length_s, double after_s, Enough enough) {
   unlock();
   listen(true);
   forget_telemetry();
   const std::uint32_t begin = or_throw(robot_.raw_drive(joint_, duty, from_seconds(length_s)));
   const Time end = robot_.clock().now() + from_seconds(length_s);
   Trace trace;
-  bool near = false;
-  collect(trace, begin, end, length_s, [&](const Sample& sample) {
-    const double left = duty > 0 ? upper_ - sample.angle_rad : sample.angle_rad - lower_;
-    return near = within_rad > 0 && left < within_rad;
-  });
-  if (near) (void)or_throw(robot_.raw_drive(joint_, 0, milliseconds(1)));
+  bool stopped = false;
+  collect(trace, begin, end, length_s,
+          [&](const Sample& sample) { return stopped = enough(sample); });
+  if (stopped) (void)or_throw(robot_.raw_drive(joint_, 0, milliseconds(1)));
   if (after_s > 0) {
-    const double driven_s = near ? trace.back().t_s : length_s;
+    const double driven_s = stopped ? trace.back().t_s : length_s;
     collect(trace, begin, robot_.clock().now() + from_seconds(after_s), driven_s + after_s,
             [](const Sample&) { return false; });
   }
   listen(false);
   return trace;
+}
+
+Trace MotorOnBench::drive(double duty, double length_s, double within_rad, double after_s) {
+  return drive_until(duty, length_s, after_s, [&](const Sample& sample) {
+    const double left = duty > 0 ? upper_ - sample.angle_rad : sample.angle_rad - lower_;
+    return within_rad > 0 && left < within_rad;
+  });
+}
+
+Trace MotorOnBench::nudge(double duty, double length_s, double from_rad, double enough_rad) {
+  return drive_until(duty, length_s, 0, [&](const Sample& sample) {
+    return std::abs(sample.angle_rad - from_rad) > enough_rad;
+  });
 }
 
 void MotorOnBench::keep_driving(double duty, double length_s) {

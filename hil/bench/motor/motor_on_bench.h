@@ -63,6 +63,8 @@ class MotorOnBench {
   // Duty -1..1, rounded to 1/255, for that long or, with a shaft that may turn, until it has come
   // `within_rad` of the limit it runs to; then off, and watched for `after_s` more.
   Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
+  // The same, and off as soon as the angle is `enough_rad` from `from_rad` on either side.
+  Trace nudge(double duty, double length_s, double from_rad, double enough_rad);
   // Without watching: a drive that goes on from the one before.
   void keep_driving(double duty, double length_s);
   // The loop's answer to a step of the target, from rest at `from`.
@@ -84,6 +86,8 @@ class MotorOnBench {
   }
   void unlock();
   void listen(bool on);
+  template <class Enough>
+  Trace drive_until(double duty, double length_s, double after_s, Enough enough);
   void forget_telemetry();
   // Until `until` on the host's clock, or as soon as `enough` returns true. Frames of the board's time before
   // until_s, s after begin_tick, are waited for a little longer: on a busy machine they are read late.

@@ -36,6 +36,7 @@ void miscalibrate(MotorTest& test, double centre_rad, double scale) {
 
 const std::vector<Breaker>& breakers() {
   static const std::vector<Breaker> all = {
+      {"direction", false, [](MotorTest& t) { t.inside = "at 0 s joint_reversed joint 2"; }},
       {"pot.noise", true,
        [](MotorTest& t) { t.board.sensor_params.potentiometer.noise_codes = 2; }},
       {"pot.linearity", true,
@@ -225,7 +226,7 @@ TEST(MotorBench, WithoutAStandLeavesOutWhatNeedsOne) {
   test.with_stand = false;
   const BenchReport report = measure_motor(test);
   EXPECT_EQ(names_with(report, Verdict::passed),
-            (Names{"pot.noise", "dead_band", "no_load.speed", "no_load.slope",
+            (Names{"direction", "pot.noise", "dead_band", "no_load.speed", "no_load.slope",
                    "start.time_constant", "step.rise_time", "step.overshoot", "step.settling_time",
                    "step.error", "step.hunting", "frequency.bandwidth", "frequency.phase_2hz"}))
       << all_values(report);
@@ -243,6 +244,68 @@ TEST(MotorBench, AMotorThatDoesNotTurnFailsAndTheRestGoesOn) {
     EXPECT_TRUE(failed(report).contains(name)) << name << "\n" << all_values(report);
   EXPECT_TRUE(names_with(report, Verdict::passed).contains("pot.noise"));
   EXPECT_TRUE(names_with(report, Verdict::passed).contains("backlash")) << all_values(report);
+}
+
+// Each joint, also by a filter that does not take it, with a stand and without.
+TEST(ReversedMotor, IsFoundBeforeAnyLoopIsClosed) {
+  const std::uint64_t seeds[] = {1, 2, 5};
+  for (int joint = 0; joint < KZ_JOINTS; ++joint) {
+    for (const char* filter : {"", "step|no_load", "dead_band"}) {
+      MotorTest test;
+      test.board.seed = seeds[joint % 3];
+      test.options.joint = joint;
+      test.options.filter = filter;
+      test.with_stand = joint % 2 == 0;
+      test.inside = "at 0 s joint_reversed joint " + std::to_string(joint);
+      const BenchReport report = measure_motor(test);
+      SCOPED_TRACE(std::to_string(joint) + " " + filter + "\n" + all_values(report));
+      ASSERT_FALSE(report.measurements.empty());
+      const Measurement& first = report.measurements.front();
+      const std::string name = host::joint_table()[static_cast<std::size_t>(joint)].name;
+      EXPECT_EQ(failed(report), Names{"direction"});
+      EXPECT_EQ(first.of->name, "direction");
+      EXPECT_EQ(first.message, name +
+                                   " turns against its potentiometer: exchange the motor's two "
+                                   "wires, or those at the ends of the potentiometer");
+      EXPECT_EQ(report.count(Verdict::left_out), static_cast<int>(report.measurements.size()) - 1);
+      for (std::size_t i = 1; i < report.measurements.size(); ++i)
+        EXPECT_EQ(report.measurements[i].message,
+                  "not run, because the motor turns against its potentiometer");
+      EXPECT_LT(report.seconds, 6);
+      EXPECT_TRUE(report.plots.empty());
+    }
+  }
+}
+
+TEST(ReversedMotor, IsNoneThatIsHealthy) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    for (int joint = 0; joint < KZ_JOINTS; ++joint) {
+      for (const double backlash : {0.0, 0.4, 1.6}) {
+        MotorTest test;
+        test.board.seed = seed;
+        test.options.joint = joint;
+        test.options.filter = "direction";
+        test.motor.backlash_rad = backlash * kDegree;
+        const BenchReport report = measure_motor(test);
+        EXPECT_EQ(names_with(report, Verdict::passed), Names{"direction"})
+            << seed << " " << joint << " " << backlash << "\n"
+            << all_values(report);
+      }
+    }
+  }
+}
+
+// A filter whose parts drive no motor moves none.
+TEST(ReversedMotor, IsNotLookedForWhereNothingIsDriven) {
+  MotorTest test;
+  test.inside = "at 0 s joint_reversed joint 2";
+  for (const char* filter : {"^pot", "backlash"}) {
+    test.options.filter = filter;
+    EXPECT_EQ(failed(measure_motor(test)), Names{}) << filter;
+  }
+  test.with_stand = false;
+  test.options.filter = "stall";
+  EXPECT_EQ(failed(measure_motor(test)), Names{});
 }
 
 // Limits that another program has set on the board: the joint has its range, and them again afterwards.

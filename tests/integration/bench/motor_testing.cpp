@@ -46,14 +46,20 @@ BenchReport measure_motor(const MotorTest& test) {
   EXPECT_TRUE(made) << made.error().message;
   if (!made) return report;
   lockstep::StandBackend backend(std::move(*made));
+  const auto faults = faults::Schedule::parse(test.inside, "the test");
+  EXPECT_TRUE(faults) << faults.error().message;
+  if (!faults) return report;
+  for (const faults::Fault& fault : faults->faults()) backend.simulation().add_fault(fault);
   auto robot = host::Robot::connect(backend.link(), backend.clock(), bench_connection());
   EXPECT_TRUE(robot) << robot.error().message;
   if (!robot) return report;
   if (test.prepare) test.prepare(*robot);
   BentScale stand(backend.stand(), test.scale_forward);
   BenchJudge judge(report, test.limits);
+  const Time begin = backend.clock().now();
   const auto ran = bench_motor(*robot, test.with_stand ? &stand : nullptr, test.options, judge);
   EXPECT_TRUE(ran) << ran.error().message;
+  report.seconds = kaz::seconds(backend.clock().now() - begin);
   return report;
 }
 

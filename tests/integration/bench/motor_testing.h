@@ -39,6 +39,7 @@ struct MotorTest {
   // Gain error of the scale for positive torques: reading over true torque.
   double scale_forward = 1;
   bool with_stand = true;
+  std::string inside;  // faults of the simulated motor, as of a fault file
   // Changes the board before the measurement.
   std::function<void(host::Robot&)> prepare;
 };
