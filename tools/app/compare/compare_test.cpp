@@ -1,5 +1,6 @@
 // kaz compare finds what was made different, and nothing where only the noise is.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -99,12 +100,61 @@ TEST(Compare, FindsSupplyLinkAndPictures) {
   b.round_trip_s = 0.009;
   RunTrace other = make(b);
   for (auto& picture : other.pictures) picture.delay_s += 0.01;
-  other.unanswered = 1;
+  other.unanswered = 11;
   const Comparison comparison = compare(make({}), other);
   EXPECT_EQ(differing(comparison),
             "supply.mean supply.lowest link.round_trip link.round_trip_p95 link.unanswered "
             "pictures.delay "
             "pictures.delay_p95 ");
+}
+
+// Requests without a reply come now and then where the machine is late.
+TEST(Compare, AFewRareEventsMoreAreNoDifference) {
+  RunTrace a = make({}), b = make({});
+  a.unanswered = 3;
+  b.unanswered = 7;
+  b.damaged = 1;
+  EXPECT_EQ(differing(compare(a, b)), "");
+  b.refused = 1;
+  EXPECT_EQ(differing(compare(a, b)), "link.refused ");
+}
+
+// One ramp, during which the joint is carried at the other side of its play in the other run.
+RunTrace ramped(double degrees, double play_deg, std::uint64_t seed) {
+  RunTrace trace;
+  trace.behavior = "made";
+  trace.robot = "virtual";
+  trace.duration_s = 10;
+  const auto at = [degrees](double t) { return degrees * kDegree * std::clamp(t - 4, 0.0, 1.0); };
+  RunTrace::Targets targets{0, 0.02, 1u << kKnee, {}};
+  trace.targets.push_back(targets);
+  targets.time_s = 4;
+  targets.ramp_s = 1;
+  targets.angle_rad[kKnee] = degrees * kDegree;
+  trace.targets.push_back(targets);
+  std::uint64_t drawn = 0;
+  for (double t = 0; t < trace.duration_s; t += 0.01) {
+    RunTrace::Posture posture{t, {}, 10};
+    const bool moves = t > 4 && t < 5.1;
+    posture.angle_rad[kKnee] = at(t - 0.02) + (moves ? play_deg * kDegree : 0) +
+                               0.1 * kDegree * keyed_normal(seed, ++drawn, 0);
+    trace.postures.push_back(posture);
+  }
+  return trace;
+}
+
+TEST(Compare, ALagThatTheMotionDoesNotDetermineIsLeftOut) {
+  const Comparison slow = compare(ramped(5, 0.1, 1), ramped(5, -0.1, 2));
+  const Measure& lag = find(slow, "l_knee.lag");
+  EXPECT_FALSE(lag.comparable());
+  EXPECT_NE(lag.left_out.find("half of its gear's play may shift the lag by "), std::string::npos)
+      << lag.left_out;
+  EXPECT_TRUE(find(slow, "l_knee.offset").comparable());
+  EXPECT_EQ(differing(slow), "");
+  // Faster: it is known, as far as the play lets it be.
+  const Comparison fast = compare(ramped(40, 0.05, 1), ramped(40, -0.05, 2));
+  EXPECT_TRUE(find(fast, "l_knee.lag").comparable());
+  EXPECT_EQ(differing(fast), "");
 }
 
 TEST(Compare, WhatOneRunHasNotIsNotCompared) {
@@ -127,6 +177,30 @@ TEST(Compare, SaysWhenTheHostSentOtherTargets) {
   ASSERT_EQ(comparison.notes.size(), 1u);
   EXPECT_NE(comparison.notes[0].find("until 4.1 s"), std::string::npos) << comparison.notes[0];
   EXPECT_TRUE(compare(make({}), make({})).notes.empty());
+}
+
+TEST(Compare, SaysThatOtherMotionsAreNotComparable) {
+  RunTrace b = make({});
+  b.behavior = "other";
+  const Comparison comparison = compare(make({}), b);
+  ASSERT_FALSE(comparison.notes.empty());
+  EXPECT_EQ(
+      comparison.notes[0],
+      "not the same behaviour: A ran made, B ran other; measures of different motions are not "
+      "comparable");
+}
+
+TEST(Compare, SaysThatRunsBeganInOtherPostures) {
+  RunTrace b = make({});
+  for (auto& posture : b.postures)
+    if (posture.time_s < 0.5) posture.angle_rad[kKnee] += 20 * kDegree;
+  const Comparison comparison = compare(make({}), b);
+  ASSERT_FALSE(comparison.notes.empty());
+  EXPECT_NE(comparison.notes[0].find("the runs began in different postures (l_knee at "),
+            std::string::npos)
+      << comparison.notes[0];
+  for (const std::string& note : comparison.notes)
+    EXPECT_EQ(note.find("until 0.0 s"), std::string::npos) << note;
 }
 
 TEST(Compare, ARecordingThatEndsEarlyIsNamed) {

@@ -11,6 +11,7 @@
 
 #include "host/robot/posture.h"
 #include "shared/base/angle.hpp"
+#include "shared/base/counted.hpp"
 
 namespace kaz::tools {
 namespace {
@@ -22,6 +23,9 @@ constexpr double kGrid_s = 1e-3;        // of a CommandCurve
 constexpr double kMaxLag_s = 0.3;       // joints that are further behind do not follow
 constexpr double kLagStep_s = 2e-3;     // of the search
 constexpr double kMoved = 2 * kDegree;  // a command that changes less shows no lag
+// Where in its gear's play a joint is carried along differs from run to run, and lasts for about that long.
+constexpr double kPlay = 0.4 * kDegree, kPlayStays_s = 1;
+constexpr double kMaxLagInPlay_s = 0.02;  // a healthy joint's lag: nothing is left of it then
 constexpr double kSameTarget =
     1 * kDegree;  // ramps begin where joints stand, which differs by their play
 
@@ -100,9 +104,11 @@ class Following {
     if (command.angle_rad.empty()) return;
     const auto [low, high] = std::ranges::minmax(command.angle_rad);
     if (high - low < kMoved) return;
+    std::vector<double> times;
     for (const RunTrace::Posture& posture : trace.postures) {
       if (!command.covers(posture.time_s - kMaxLag_s)) continue;
       ++samples_;
+      times.push_back(posture.time_s);
       const auto block = static_cast<std::size_t>(block_of(posture.time_s, trace.duration_s));
       for (std::size_t k = 0; k < kLags; ++k) {
         const double error = posture.angle_rad[static_cast<std::size_t>(joint)] -
@@ -113,6 +119,7 @@ class Following {
         sums.second += error * error;
       }
     }
+    find_lag_in_play(command, times);
   }
 
   bool known() const { return samples_ >= 50; }
@@ -138,6 +145,10 @@ class Following {
     if (!best) return std::nullopt;
     return total(*best, without).mean();
   }
+  // By how much half of the play shifts that lag, s: a constant error e of the angle while the joint moves
+  // at a speed v is worth e / v; those of many motions are independent and average. Of the motion that is
+  // left when the command has passed the play: within it the shaft need not follow.
+  double lag_in_play_s() const { return lag_in_play_s_; }
   // What is left then: root mean square, rad.
   std::optional<double> rest(int without) const {
     const auto best = best_lag(without);
@@ -152,6 +163,34 @@ class Following {
     double variance() const { return second / count - mean() * mean(); }
   };
   static constexpr std::size_t kLags = static_cast<std::size_t>(kMaxLag_s / kLagStep_s) + 1;
+
+  // The standard error of a lag by least squares, whose derivative is the speed less its mean (the offset is
+  // fitted, too), for errors of half the play whose correlation decays exponentially.
+  void find_lag_in_play(const CommandCurve& command, const std::vector<double>& times) {
+    const auto best = best_lag(-1);
+    if (!best) return;
+    const double lag_s = static_cast<double>(*best) * kLagStep_s;
+    std::vector<double> moved;
+    double carried = command.at(times.front() - lag_s), mean = 0;
+    for (const double time_s : times) {
+      const double to = command.at(time_s - lag_s);
+      const double before = carried;
+      carried = std::clamp(carried, to - kPlay / 2, to + kPlay / 2);
+      moved.push_back(carried - before);
+    }
+    // Speeds times the time of a sample, of which the run has enough for sums to be integrals.
+    const double step_s = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+    for (const double one : moved) mean += one / static_cast<double>(moved.size());
+    double squares = 0, pairs = 0, tail = 0;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const double one = moved[i] - mean;
+      if (i > 0) tail *= std::exp(-(times[i] - times[i - 1]) / kPlayStays_s);
+      pairs += 2 * one * tail + one * one;
+      tail += one;
+      squares += one * one / step_s;
+    }
+    lag_in_play_s_ = squares > 0 ? kPlay / 2 * std::sqrt(std::max(0.0, pairs)) / squares : 1e9;
+  }
 
   Sums total(std::size_t lag, int without) const {
     Sums all;
@@ -179,6 +218,7 @@ class Following {
   }
 
   std::size_t samples_ = 0;
+  double lag_in_play_s_ = 1e9;
   std::array<std::array<Sums, kBlocks>, kLags> sums_{};
 };
 
@@ -223,9 +263,20 @@ class Measurer {
       measures_.push_back(
           {std::string(joint_name(j)) + "." + what, unit, meaning, resolution, of(a), of(b)});
     };
-    // Resolutions: a tick; half of the gears' play of 0.4 degrees, within which an unloaded joint stays for a
-    // run where it came to rest; half a code of the potentiometer (190 degrees in 1,024 codes).
-    add_of("lag", "ms", "by how much the joint is later than its command", 1, 1e3, &Following::lag);
+    // Resolutions: a tick each of the command's time and of the posture's, or what half of the play is worth;
+    // half of the gears' play of 0.4 degrees, within which an unloaded joint stays for a run where it came to
+    // rest; half a code of the potentiometer (190 degrees in 1,024 codes).
+    const double in_play_s = std::max(a.lag_in_play_s(), b.lag_in_play_s());
+    add_of("lag", "ms", "by how much the joint is later than its command",
+           std::max(2.0, 1e3 * in_play_s), 1e3, &Following::lag);
+    if (a.known() && b.known() && in_play_s > kMaxLagInPlay_s) {
+      Measure& lag = measures_.back();
+      lag.a = lag.b = {};
+      lag.left_out =
+          "it moved so slowly, or so little, that half of its gear's play may shift the lag by " +
+          (in_play_s < 1 ? std::to_string(std::lround(1e3 * in_play_s)) + " ms"
+                         : "a second or more");
+    }
     add_of("offset", "deg", "mean of angle less command", 0.2, 1 / kDegree, &Following::offset);
     add_of("scatter", "deg", "what lag and offset leave of it, root mean square", 0.1, 1 / kDegree,
            &Following::rest);
@@ -274,8 +325,10 @@ class Measurer {
     });
     add("link.unanswered", "", "requests without reply", 0,
         [](const RunTrace& trace) { return count(trace.unanswered); });
+    measures_.back().rare = true;
     add("link.damaged", "", "damaged frames", 0,
         [](const RunTrace& trace) { return count(trace.damaged); });
+    measures_.back().rare = true;
     add("link.refused", "", "requests that the board refused", 0,
         [](const RunTrace& trace) { return count(trace.refused); });
   }
@@ -339,18 +392,69 @@ std::string seconds_text(double value) {
   return text;
 }
 
+std::string named(const std::string& behavior) {
+  return behavior.empty() ? "one that is not named" : behavior;
+}
+
+std::string degrees_text(double rad) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", rad / kDegree);
+  return text;
+}
+
+// Angles when the first target came.
+std::array<double, KZ_JOINTS> first_posture(const RunTrace& run) {
+  const double start_s = run.targets.front().time_s;
+  return std::ranges::min_element(run.postures, {},
+                                  [start_s](const RunTrace::Posture& posture) {
+                                    return std::abs(posture.time_s - start_s);
+                                  })
+      ->angle_rad;
+}
+
+// "the runs began in different postures (l_knee at 0.0 degrees in A, 31.2 in B, and 2 more joints)"; empty:
+// in the same one, as far as joints are commanded.
+std::string other_begin(const RunTrace& a, const RunTrace& b) {
+  if (a.targets.empty() || b.targets.empty() || a.postures.empty() || b.postures.empty()) return {};
+  std::uint32_t commanded = 0;
+  for (const RunTrace* run : {&a, &b})
+    for (const RunTrace::Targets& targets : run->targets) commanded |= targets.mask;
+  const auto from = first_posture(a), to = first_posture(b);
+  std::size_t worst = 0;
+  double most = 0;
+  int count = 0;
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+    const double apart = std::abs(to[j] - from[j]);
+    if (!(commanded >> j & 1) || apart <= kSameTarget) continue;
+    ++count;
+    if (apart > most) worst = j;
+    most = std::max(most, apart);
+  }
+  if (count == 0) return {};
+  return "the runs began in different postures (" +
+         std::string(joint_name(static_cast<int>(worst))) + " at " + degrees_text(from[worst]) +
+         " degrees in A, " + degrees_text(to[worst]) + " in B" +
+         (count > 1 ? ", and " + counted(count - 1, "more joint") : "") + ")";
+}
+
 std::vector<std::string> notes_of(const RunTrace& a, const RunTrace& b, double same_s) {
   std::vector<std::string> notes;
   if (a.behavior != b.behavior)
-    notes.push_back("not the same behaviour: A ran " + a.behavior + ", B ran " + b.behavior);
+    notes.push_back("not the same behaviour: A ran " + named(a.behavior) + ", B ran " +
+                    named(b.behavior) + "; measures of different motions are not comparable");
   else if (a.settings != b.settings)
     notes.push_back("not the same options of " + a.behavior + ": A " + a.settings + ", B " +
                     b.settings);
   const double shorter = std::min(a.duration_s, b.duration_s);
-  if (same_s < shorter)
-    notes.push_back((same_s <= 0 ? std::string("from the beginning the host sent other targets")
-                                 : "the host sent the same targets, within 1 degree, until " +
-                                       seconds_text(same_s)) +
+  const std::string begin = other_begin(a, b);
+  const bool at_once = same_s < 0.05;  // what would be printed as 0.0 s
+  if (!begin.empty())
+    notes.push_back(begin +
+                    ", from which the first targets lead; angles may differ for this reason");
+  if (same_s < shorter && (begin.empty() || !at_once))
+    notes.push_back((at_once ? std::string("from the beginning the host sent other targets")
+                             : "the host sent the same targets, within 1 degree, until " +
+                                   seconds_text(same_s)) +
                     "; angles may differ for this reason, too");
   for (const auto& [run, letter] : {std::pair{&a, "A"}, std::pair{&b, "B"}}) {
     if (!run->early_end.empty()) notes.push_back(std::string(letter) + ": " + run->early_end);
@@ -413,6 +517,9 @@ CommandCurve command_curve(const RunTrace& trace, int joint) {
 double Measure::threshold() const {
   // Welch and Satterthwaite: degrees of freedom of the difference of two means of unlike scatter.
   const double va = a.error * a.error, vb = b.error * b.error;
+  // The difference of two counts of rare events scatters by the root of their sum; beyond 3.3 of them is
+  // one normal value in a thousand.
+  if (rare) return 3.3 * std::sqrt(a.value + b.value);
   if (va + vb <= 0) return resolution;
   const double freedom = (kBlocks - 1) * (va + vb) * (va + vb) / (va * va + vb * vb);
   const auto row = static_cast<std::size_t>(std::clamp(freedom, 7.0, 14.0) - 7);

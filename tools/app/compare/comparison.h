@@ -4,7 +4,8 @@
 // Each measure is computed of the whole run and once more without each of eight blocks of its time. From how
 // much these differ follows its standard error (delete-a-block jackknife: Künsch, The jackknife and the
 // bootstrap for general stationary observations, 1989). Two values differ if Welch's test at 0.1 % says so
-// and they are further apart than the measure's resolution.
+// and they are further apart than the measure's resolution. A lag is left out where the motion does not
+// determine it.
 #pragma once
 
 #include <string>
@@ -29,6 +30,8 @@ struct Measure {
   std::string meaning;  // what a person asks: "how far the joint is behind its command"
   double resolution = 0;
   Measured a, b;
+  std::string left_out = {};  // why it is not known, where the runs do not determine it; else empty
+  bool rare = false;          // a count of what befalls a line now and then
   bool comparable() const { return a.known && b.known; }
   double difference() const { return b.value - a.value; }
   // Of the difference, at which it would be just noticed.

@@ -8,6 +8,7 @@
 
 #include "host/robot/posture.h"
 #include "shared/base/angle.hpp"
+#include "shared/base/counted.hpp"
 #include "tools/app/base/output.h"
 #include "tools/app/compare/comparison.h"
 
@@ -40,7 +41,7 @@ void print_measure(std::string& text, const Measure& measure, std::size_t width)
   std::snprintf(line, sizeof line, "%-22s %-4s %18s %18s %9s  ", measure.name.c_str(),
                 measure.unit.c_str(), value_text(measure.a).c_str(), value_text(measure.b).c_str(),
                 apart.c_str());
-  text += list_row(line, measure.meaning, width);
+  text += list_row(line, measure.left_out.empty() ? measure.meaning : measure.left_out, width);
 }
 
 Json measured_json(const Measured& value) {
@@ -148,6 +149,11 @@ std::string comparison_text(const Comparison& comparison, const RunTrace& a, con
                 differing, static_cast<int>(comparable),
                 all || differing == 0 ? "" : " (--all shows the others)");
   text += line;
+  const auto left_out = std::ranges::count_if(
+      comparison.measures, [](const Measure& measure) { return !measure.left_out.empty(); });
+  if (left_out > 0 && !all)
+    text += counted(left_out, "lag") +
+            " left out, which these motions do not determine (--all names them)\n";
   if (!all && differing == 0) return text;
   std::snprintf(line, sizeof line, "\n%-22s %-4s %18s %18s %9s\n", "measure", "unit", "A", "B",
                 "B - A");
@@ -169,6 +175,7 @@ Json comparison_json(const Comparison& comparison, const RunTrace& a, const RunT
             {"notes", comparison.notes}};
   for (const Measure& measure : comparison.measures) {
     Json one{{"name", measure.name}, {"unit", measure.unit}, {"meaning", measure.meaning}};
+    if (!measure.left_out.empty()) one["left_out"] = measure.left_out;
     // What was not measured is absent.
     if (measure.a.known) one["a"] = measured_json(measure.a);
     if (measure.b.known) one["b"] = measured_json(measure.b);
