@@ -341,15 +341,16 @@ void add_reading(Chapter& to) {
            b.stay_alive(300);
            // The mean of many: at this speed a gear with friction goes by fits and starts.
            constexpr int kLooks = 20;
-           long speed = 0;
+           long speed = 0, duty = 0;
            Reply joints = b.joints(1);
            for (int look = 0; look < kLooks; ++look) {
              b.wait(10);
              joints = b.joints(1);
              speed += sign * joints.number("speed", 0);
+             duty += sign * joints.number("duty", 0);
            }
            within("speed, mrad/s", speed / kLooks, 200, 900);
-           within("duty", sign * joints.number("duty", 0), 1, 255);
+           within("duty", duty / kLooks, 1, 255);
            within("load", joints.number("load", 0), 0, 255);
          });
   to.add(
