@@ -98,16 +98,6 @@ bool is_left_over(const std::string& path) {
   return dead;
 }
 
-// Whose members may use it; empty: none, or root's.
-std::string group_with_access(const std::string& path) {
-  struct stat status {};
-  constexpr mode_t kBoth = S_IRGRP | S_IWGRP;
-  if (::stat(path.c_str(), &status) != 0 || status.st_gid == 0 || (status.st_mode & kBoth) != kBoth)
-    return "";
-  const ::group* of = ::getgrgid(status.st_gid);
-  return of != nullptr ? of->gr_name : "";
-}
-
 tl::unexpected<Error> open_failure(const std::string& path, int error) {
   std::error_code ignored;
   if (fs::is_socket(path, ignored)) return fail(Fault::environment, socket_sentence(path));
@@ -183,17 +173,28 @@ std::vector<std::string> serial_port_candidates() {
   return ports;
 }
 
+std::string group_with_access(const std::string& path) {
+  struct stat status {};
+  constexpr mode_t kBoth = S_IRGRP | S_IWGRP;
+  if (::stat(path.c_str(), &status) != 0 || status.st_gid == 0 || (status.st_mode & kBoth) != kBoth)
+    return "";
+  const ::group* of = ::getgrgid(status.st_gid);
+  return of != nullptr ? of->gr_name : "";
+}
+
 std::string permission_sentence(const std::string& path, const std::string& vendor,
                                 const std::string& product, const std::string& group) {
-  std::string text = "permission denied for " + path;
-  text += group.empty()
-              ? ": it belongs to no group but root's; run as root, or `sudo chgrp dialout " + path +
-                    " && sudo chmod 660 " + path + "`"
-              : ": add yourself to its group (`sudo adduser $USER " + group + "`) and log in again";
-  if (vendor.empty() || product.empty()) return text;
-  return text +
-         "; if it belongs to no group, put this line into /etc/udev/rules.d/70-kaz.rules and plug "
-         "it in again: SUBSYSTEM==\"tty\", ATTRS{idVendor}==\"" +
+  const std::string denied = "permission denied for " + path + ": ";
+  if (!group.empty())
+    return denied + "add yourself to its group (`sudo adduser $USER " + group +
+           "`) and log in again";
+  if (vendor.empty() || product.empty())
+    return denied + "it belongs to no group but root's; run as root, or `sudo chgrp dialout " +
+           path + " && sudo chmod 660 " + path + "`";
+  return denied +
+         "it belongs to no group but root's; put this line into /etc/udev/rules.d/70-kaz.rules, "
+         "add "
+         "yourself to dialout, and plug it in again: SUBSYSTEM==\"tty\", ATTRS{idVendor}==\"" +
          vendor + "\", ATTRS{idProduct}==\"" + product +
          "\", GROUP=\"dialout\", MODE=\"0660\", SYMLINK+=\"kaz\"";
 }

@@ -29,9 +29,12 @@ Result<OpenPort> open_serial_port(const std::string& path, int baud);
 // Another rate for a port that is open. Errors: Fault::usage for a rate that no port has here.
 Result<void> set_serial_rate(int descriptor, const std::string& path, int baud);
 
+// The group whose members may read and write a device; empty: none, or root's.
+std::string group_with_access(const std::string& path);
+
 // The sentence for a port that we may not open: what to do once, or for good with a rule for the
-// adapter. Numbers in hexadecimal, as sysfs has them; empty if it is no USB adapter. `group`: whose members
-// may use it; empty: none, or root's.
+// adapter. Numbers in hexadecimal, as sysfs has them; empty if it is no USB adapter. `group`: that of
+// group_with_access().
 std::string permission_sentence(const std::string& path, const std::string& vendor,
                                 const std::string& product, const std::string& group);
 

@@ -11,6 +11,7 @@
 #include "shared/base/number_text.hpp"
 #include "sim/body/ode/ode_world.h"
 #include "sim/body/reduced/reduced_world.h"
+#include "sim/body/world/stage_model.h"
 
 namespace kaz::sim {
 
@@ -106,10 +107,7 @@ std::vector<Eigen::Vector3d> points_of(const RigidLink& link) {
 Result<void> check_start(const std::string& path, const WorldModel& world,
                          const RobotModel& robot) {
   constexpr double kDeep = 0.005;  // m
-  const Eigen::AlignedBox3d extent_at_zero = robot.extent();
-  Eigen::Isometry3d root = world.robot_start;
-  if (!robot.fixed_base && !extent_at_zero.isEmpty())
-    root.translate(Eigen::Vector3d(0, 0, -extent_at_zero.min().z()));
+  const Eigen::Isometry3d root = root_at_start(world, robot, false);
   for (const RobotLink& link : robot.links) {
     for (const Eigen::Vector3d& point : points_of(link.rigid)) {
       const Eigen::Vector3d at = root * link.at_zero * point;

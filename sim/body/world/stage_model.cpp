@@ -13,18 +13,21 @@ constexpr double kHungHeight = 0.5;  // m, of the feet above the ground
 
 }  // namespace
 
+Eigen::Isometry3d root_at_start(const WorldModel& world, const RobotModel& robot, bool hung) {
+  const double feet = hung ? kHungHeight : 0.0;
+  const Eigen::AlignedBox3d extent = robot.extent();
+  Eigen::Vector3d lift = Eigen::Vector3d::Zero();
+  if (!robot.fixed_base) lift.z() = feet - (extent.isEmpty() ? 0.0 : extent.min().z());
+  return world.robot_start * Eigen::Translation3d(lift);
+}
+
 StageModel::StageModel(const WorldModel& world, const RobotModel& robot,
                        const WorldOptions& options)
     : contacts(robot), joint_order(robot.joint_order()), link_frames(robot.frames) {
   scene.frames.push_back("world");
   scene.light = world.light;
   scene.robot_start = world.robot_start;
-  // The root's origin starts above the point between the soles, so that the feet are at height `feet`.
-  const double feet = options.hung ? kHungHeight : 0.0;
-  const Eigen::AlignedBox3d extent = robot.extent();
-  Eigen::Vector3d lift = Eigen::Vector3d::Zero();
-  if (!robot.fixed_base) lift.z() = feet - (extent.isEmpty() ? 0.0 : extent.min().z());
-  add_robot(robot, world.robot_start * Eigen::Translation3d(lift));
+  add_robot(robot, root_at_start(world, robot, options.hung));
   for (const WorldBody& object : world.bodies) add_object(object, options.step_s);
   for (const Push& push : world.pushes) add_push(push, options.step_s);
   // Latest first: the next kick is taken from the end; equal times keep the order of the file.

@@ -16,6 +16,10 @@
 
 namespace kaz::sim {
 
+// Pose of the robot's root link in the world at the start, in its zero posture: above the point between the
+// soles, so that these are on the ground, or, `hung`, half a metre above it. A fixed base is at that point.
+Eigen::Isometry3d root_at_start(const WorldModel& world, const RobotModel& robot, bool hung);
+
 struct StageModel {
   // Precondition: the world's pushes are on links of the robot that can move (make_world()).
   StageModel(const WorldModel& world, const RobotModel& robot, const WorldOptions& options);

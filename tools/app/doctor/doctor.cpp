@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/link/serial_port.h"
 #include "shared/base/counted.hpp"
 #include "shared/base/number_text.hpp"
 #include "tools/app/base/output.h"
@@ -50,11 +51,12 @@ bool is_usable(const MachineFiles& files, const std::string& part, const std::st
     return false;
   }
   if (!files.may_use(device)) {
+    const std::string with_access = host::group_with_access(files.root + device);
     findings.push_back(
         {Level::wrong, part, device, "you may not read and write it",
-         files.group_may_use(device)
-             ? "sudo adduser $USER " + group + " && echo 'log out and in again'"
-             : "sudo chgrp " + group + " " + device + " && sudo chmod 660 " + device});
+         with_access.empty()
+             ? "sudo chgrp " + group + " " + device + " && sudo chmod 660 " + device
+             : "sudo adduser $USER " + with_access + " && echo 'log out and in again'"});
     return false;
   }
   const auto holders = files.holders(device);

@@ -130,13 +130,6 @@ bool MachineFiles::may_use(const std::string& device) const {
   return both(S_IROTH, S_IWOTH);
 }
 
-bool MachineFiles::group_may_use(const std::string& device) const {
-  struct stat status {};
-  constexpr mode_t kBoth = S_IRGRP | S_IWGRP;
-  return stat((root + device).c_str(), &status) == 0 && status.st_gid != 0 &&
-         (status.st_mode & kBoth) == kBoth;
-}
-
 std::vector<std::string> MachineFiles::holders(const std::string& device) const {
   std::vector<std::string> holders;
   const std::string self = std::to_string(getpid());

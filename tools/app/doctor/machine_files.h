@@ -38,8 +38,6 @@ struct MachineFiles {
   // Where a link, or a path with links in it, leads, without `root`; empty if nowhere.
   std::string target(const std::string& path) const;
   bool may_use(const std::string& device) const;
-  // Whether a group but root's may, so that a user who becomes its member may.
-  bool group_may_use(const std::string& device) const;
   // "PID (NAME)" of processes that have the device open, of those whose files `user` may see.
   std::vector<std::string> holders(const std::string& device) const;
   bool has_program(const std::string& name) const;

@@ -27,6 +27,7 @@
 #include "tools/app/session/line_recorder.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/lockstep/lockstep.h"
+#include "vision/calibration/calibration_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -310,8 +311,12 @@ Result<void> check(const BackendOptions& options) {
                             "real cameras "
                             "(v4l2:/dev/video0,/dev/video2)");
   }
-  if (!sim_robot && options.camera != "sim")
-    return check_live_camera(options.camera, options.calibration);
+  if (!sim_robot && options.camera != "sim") {
+    KAZ_TRY(check_live_camera(options.camera, options.calibration));
+    // A file that cannot be used is to be known before the board is connected and altered.
+    if (is_real_camera(options.camera)) KAZ_TRY(vision::read_calibration(options.calibration));
+    return {};
+  }
   if (!options.calibration.empty())
     return fail(Fault::usage, "--calibration goes with real cameras (v4l2:...); leave it out");
   return {};

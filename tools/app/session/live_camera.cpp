@@ -40,8 +40,6 @@ Result<void> check_live_camera(const std::string& where, const std::string& cali
     return fail(Fault::usage, where +
                                   " needs --calibration FILE (kaz calibrate stereo): pictures of "
                                   "real lenses have to be rectified");
-  // Before the board is connected and altered.
-  KAZ_TRY(vision::read_calibration(calibration));
   return {};
 }
 
