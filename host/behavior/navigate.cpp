@@ -80,6 +80,7 @@ constexpr double kMarginAround = 0.5;    // m, of the map around start and goal
 // way with less room is not taken: robots got stuck there.
 constexpr double kWiderDiscs[] = {0.19, 0.175, 0.16};
 constexpr double kSmallestDisc = 0.15;
+constexpr double kRoomToTurn = kSmallestDisc - 0.10;  // m, beyond what look_ahead() leaves
 
 double wrapped(double angle) {
   return std::remainder(angle, 2 * std::numbers::pi);
@@ -412,8 +413,16 @@ class Navigation {
   }
 
   bool blocked(double left) {
-    const Ahead ahead = look_ahead(map_.map(), place(), std::min(left, 0.2), unknown_ends());
-    return ahead.by != Ahead::By::nothing && ahead.clear_m < std::min(left, 0.2) - 0.02;
+    const double within = std::min(left, 0.2);
+    return free_ahead(place(), within).clear_m < within - 0.02;
+  }
+
+  // As look_ahead(), which lets the toes come up to an obstacle: where it ends the robot turns, and its hands
+  // reach farther than they do.
+  Ahead free_ahead(const motion::Place& along, double until) {
+    Ahead ahead = look_ahead(map_.map(), along, until + kRoomToTurn, unknown_ends());
+    if (ahead.by != Ahead::By::unknown) ahead.clear_m = std::max(0.0, ahead.clear_m - kRoomToTurn);
+    return ahead;
   }
 
   // The first piece of a path that begins with a straight line. False: it is not free.
@@ -423,7 +432,7 @@ class Navigation {
     motion::Place along = place();
     along.heading += steer;
     const double piece = std::min(distance, kPiece);
-    const Ahead ahead = look_ahead(map_.map(), along, piece, unknown_ends());
+    const Ahead ahead = free_ahead(along, piece);
     if (ahead.clear_m < std::min(piece, 2 * kShortest)) {
       if (ahead.by == Ahead::By::unknown) close(ahead.where, along.heading);
       return false;
