@@ -6,7 +6,8 @@
 
 #include "sim/body/world/world.h"
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
+  if (count != 2) return std::puts("usage: body PREFIX/share/kaz"), 2;
   const std::string data = arguments[1];
   auto world = kaz::sim::World::load(data + "/worlds/empty.sdf", data + "/robot/kaz/kaz.urdf", {});
   if (!world) return std::puts(world.error().message.c_str()), 1;

@@ -5,7 +5,8 @@
 
 #include "shared/image/image.h"
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
+  if (count != 2) return std::puts("usage: image PREFIX/share/kaz"), 2;
   const auto image = kaz::h8s::load_image(std::string(arguments[1]) + "/firmware/kaz.mot");
   if (!image) return std::puts(image.error().message.c_str()), 1;
   std::size_t bytes = 0;

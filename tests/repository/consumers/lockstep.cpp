@@ -6,7 +6,8 @@
 #include "host/robot/robot.h"
 #include "tools/lockstep/lockstep.h"
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
+  if (count != 2) return std::puts("usage: lockstep PREFIX/share/kaz"), 2;
   const std::string data = arguments[1];
   kaz::sim::SimulationOptions options;
   options.world_path = data + "/worlds/empty.sdf";

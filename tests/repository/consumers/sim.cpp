@@ -5,7 +5,8 @@
 
 #include "sim/runtime/simulation/simulation.h"
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
+  if (count != 2) return std::puts("usage: sim PREFIX/share/kaz"), 2;
   const std::string data = arguments[1];
   kaz::sim::SimulationOptions options;
   options.mcu = kaz::sim::McuKind::h8;
