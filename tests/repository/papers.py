@@ -159,6 +159,8 @@ def check_citation(yaml):
     ]:
         if where and (entry.get("type") not in TYPES or not entry.get("title")):
             fault(name, f"{where}type or title")
+        if where and not entry.get("doi") and "DOI" not in entry.get("notes", ""):
+            fault(name, f"{where}has neither a doi nor notes that say what is not known")
         if where and not isinstance(entry.get("year"), int):
             fault(name, f"{where}year is no number")
         for author in entry.get("authors") or [{}]:
