@@ -12,7 +12,12 @@ using namespace kaz;
 using behavior::Context;
 using behavior::Outcome;
 
-constexpr behavior::Option kOptions[] = {{"times", "3", "", 1, 10, "how often it waves", true}};
+constexpr behavior::Option kOptions[] = {{.name = "times",
+                                          .initial = "3",
+                                          .min = 1,
+                                          .max = 10,
+                                          .text = "how often it waves",
+                                          .whole = true}};
 
 // The right arm, rad: pitch negative forwards and up, roll negative outwards, elbow negative bent.
 struct Arm {
@@ -55,8 +60,8 @@ Result<Outcome> run(Context& context) {
   return Outcome{outermost < -0.7, "the robot has waved", {{"outermost_rad", outermost}}, {}};
 }
 
-constinit const behavior::Behavior kWave{"wave", "raise the right arm and wave", false, kOptions,
-                                         run};
+constinit const behavior::Behavior kWave{
+    .name = "wave", .text = "raise the right arm and wave", .options = kOptions, .run = run};
 
 }  // namespace
 

@@ -64,7 +64,7 @@ struct Behavior {
   std::string_view name;      // "track-ball"
   std::string_view text;      // one line
   bool needs_camera = false;  // run() uses Context::detector
-  std::span<const Option> options;
+  std::span<const Option> options = {};
   // An outcome without success: the task failed. An Error: it could not be completed (link, camera,
   // usage); one of Fault::failed counts as a failure.
   Result<Outcome> (*run)(Context& context) = nullptr;

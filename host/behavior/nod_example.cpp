@@ -10,7 +10,8 @@ extern const Behavior kNod;  // defined below; behaviors.def declares those list
 
 namespace {
 
-constexpr Option kOptions[] = {{"times", "2", "", 1, 10, "number of nods", true}};
+constexpr Option kOptions[] = {
+    {.name = "times", .initial = "2", .min = 1, .max = 10, .text = "number of nods", .whole = true}};
 
 Result<Outcome> run(Context& context) {
   KAZ_TRY(require_joints(context, kNod.name, {host::neck_tilt}));
@@ -34,6 +35,7 @@ Result<Outcome> run(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kNod{"nod", "move the head up and down", false, kOptions, run};
+constinit const Behavior kNod{
+    .name = "nod", .text = "move the head up and down", .options = kOptions, .run = run};
 
 }  // namespace kaz::behavior

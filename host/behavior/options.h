@@ -15,9 +15,9 @@ struct Option {
   std::string_view name;     // "seconds"
   std::string_view initial;  // default value
   // "keep|straight|home"; empty: a number in [min, max]. Of a text (is_valid) its form, for messages.
-  std::string_view choices;
+  std::string_view choices = {};
   double min = 0, max = 0;
-  std::string_view text;  // one line, with the unit
+  std::string_view text = {};  // one line, with the unit
   bool whole = false;     // a number without fraction
   // Makes it a text: false for one of another form.
   bool (*is_valid)(std::string_view value) = nullptr;
