@@ -65,9 +65,9 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
   char text[160];
   std::snprintf(
       text, sizeof text,
-      "the ball was found after %.1f s and then within 3 degrees of the middle in %.0f %% of "
-      "%zu pictures",
-      found_s, std::min(share * 100, 100.0), taken);
+      "the ball was found after %.1f s and then within 3 degrees of the image center: in %zu "
+      "pictures by vision %.0f %%",
+      found_s, taken, std::min(share * 100, 100.0));
   outcome.sentence = text;
   outcome.measurements = {{"found_s", found_s},
                           {"pictures_of_tracking", static_cast<double>(taken)},

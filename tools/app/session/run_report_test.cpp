@@ -115,6 +115,25 @@ TEST_F(Report, HasTheScore) {
   EXPECT_EQ(json["tracking_measured_by"], "pictures");
 }
 
+TEST_F(Report, PrintsEachShareOfTheTrackingOnce) {
+  const auto first_line = [this] {
+    testing::internal::CaptureStdout();
+    print_report(result(), report_, "", false);
+    const std::string out = testing::internal::GetCapturedStdout();
+    return out.substr(0, out.find('\n'));
+  };
+  EXPECT_EQ(first_line(), "done: the ball was tracked");
+  report_.score.found_s = 1;
+  report_.score.within_3deg = 0.98214;
+  EXPECT_EQ(first_line(),
+            "done: the ball was tracked; within 3 degrees of the image center once it was found: "
+            "by vision 98.2 %");
+  report_.outcome.measurements = {{"tracking_within_3deg", 0.98}};
+  EXPECT_EQ(first_line(), "done: the ball was tracked") << "its sentence has that";
+  report_.score.measured_by = "truth";
+  EXPECT_EQ(first_line(), "done: the ball was tracked, by ground truth 98.2 %");
+}
+
 TEST_F(Report, HasNothingThatWasNotMeasured) {
   const ordered_json json = result();
   for (const char* name : {"tracking_within_3deg", "tracking_rms_deg", "tracking_measured_by",
