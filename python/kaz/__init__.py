@@ -14,20 +14,54 @@ The same `Robot` drives a board at a port: kaz.Robot("serial:/dev/ttyUSB0"). Uni
 UsageError (a ValueError), EnvironmentFault (an OSError: ports, files) and RobotError.
 """
 
+import importlib.machinery as _machinery
 import os as _os
 import pathlib as _pathlib
+import re as _re
+import sys as _sys
 
 # Robot, worlds and firmware, as `kaz` itself looks for them.
 _share = _pathlib.Path(__file__).absolute().parent / "share"
 if _share.is_dir():
     _os.environ.setdefault("KAZ_DATA", str(_share))
 
-from . import _kaz, env, vision  # noqa: E402
-from ._kaz import (  # noqa: E402
-    HOME, JOINT_LIMITS, JOINTS, Camera, CameraModel, EnvironmentFault, Pair, Posture, Robot, RobotError,
-    Simulation, UsageError, __version__, behaviors, run_behavior)
-from .env import Env, VectorEnv  # noqa: E402
-from .recording import Recording  # noqa: E402
+
+def _what_to_do(error):
+    """A sentence where the compiled module or numpy is missing for this Python; None for another error."""
+    folder = _pathlib.Path(__file__).absolute().parent
+    this = f"{_sys.executable} (Python {_sys.version_info[0]}.{_sys.version_info[1]})"
+    modules = sorted(module.name for module in folder.glob("_kaz.*.so"))
+    try:
+        built_for = (folder / "built_for.txt").read_text().strip()  # CMake's, in a build folder
+    except OSError:
+        tag = _re.match(r"_kaz\.cpython-(\d)(\d+)-", modules[0]) if modules else None
+        built_for = f"Python {tag[1]}.{tag[2]}" if tag else ""
+    if (error.name or "").split(".")[0] == "numpy":
+        other = f"use {built_for}, or " if built_for and built_for != this else ""
+        return f"kaz needs numpy, which {this} does not have: {other}install numpy for it"
+    if any((folder / f"_kaz{suffix}").exists() for suffix in _machinery.EXTENSION_SUFFIXES):
+        return None
+    if modules:
+        return f"kaz is built for {built_for} and this is {this}: use the former"
+    tree = _pathlib.Path(__file__).resolve().parents[2]
+    if not (tree / "tools/dev").exists():
+        return f"kaz's compiled module is missing in {folder}: install kaz again"
+    return (f"kaz's compiled module is not built: run {tree}/tools/dev build kaz_python, then "
+            f"{built_for or '/usr/bin/python3'} with PYTHONPATH={tree}/build/release/python")
+
+
+try:
+    from . import _kaz, env, vision
+    from ._kaz import (
+        HOME, JOINT_LIMITS, JOINTS, Camera, CameraModel, EnvironmentFault, Pair, Posture, Robot, RobotError,
+        Simulation, UsageError, __version__, behaviors, run_behavior)
+    from .env import Env, VectorEnv
+    from .recording import Recording
+except ImportError as _error:
+    _sentence = _what_to_do(_error)
+    if _sentence is None:
+        raise
+    raise ImportError(_sentence, name=_error.name) from None
 
 __all__ = [
     "HOME", "JOINTS", "JOINT_LIMITS", "Camera", "CameraModel", "Env", "EnvironmentFault", "Pair", "Posture",
