@@ -125,6 +125,10 @@ int parse_and_run(int argc, char** argv) {
       return refuse("`help` takes a verb alone, not `" + more + "` as well");
     return program.exit(success);
   } catch (const CLI::ParseError& wrong) {
+    if (argc < 2) {  // somebody's first look: what there is
+      std::fputs(program.help().c_str(), stderr);
+      return kUsage;
+    }
     return refuse(kaz::tools::wrong_usage(program, wrong));
   }
   const std::string name = kaz::tools::full_name(kaz::tools::chosen_verb(program));

@@ -212,7 +212,6 @@ TEST(Cli, WrongOption) {
   EXPECT_TRUE(one_sentence(run(kaz({"demo", "--sed", "7"})), 2, {"--sed", "kaz demo --help"}));
   EXPECT_TRUE(one_sentence(run(kaz({"demo", "--seed", "many"})), 2, {"--seed", "many"}));
   EXPECT_TRUE(one_sentence(run(kaz({"dance"})), 2, {"dance", "kaz --help"}));
-  EXPECT_TRUE(one_sentence(run(kaz({})), 2, {"kaz --help"}));
   EXPECT_TRUE(one_sentence(run(kaz({"run", "fly"})), 2, {"fly", "track-ball"}));
   EXPECT_TRUE(one_sentence(run(kaz({"demo", "--mcu", "z80"})), 2, {"z80", "h8", "native"}));
   EXPECT_TRUE(
@@ -314,6 +313,14 @@ TEST(Cli, ACaseWithoutAByteIsNotReplayed) {
   write_file(folder / "empty", "");
   EXPECT_TRUE(one_sentence(run(kaz({"fuzz", "--replay", folder / "empty"})), 2,
                            {folder / "empty", "is empty", "give a case"}));
+}
+
+TEST(Cli, AloneItListsItsVerbs) {
+  const Finished alone = run(kaz({}));
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_TRUE(alone.out.empty()) << alone.out;
+  EXPECT_EQ(alone.err, run(kaz({"--help"})).out);
+  EXPECT_NE(alone.err.find("\n  conformance "), std::string::npos) << alone.err;
 }
 
 TEST(Cli, WrongNamesGetTheNearest) {
