@@ -22,8 +22,12 @@ Result<watch::ViewOptions> view_of(const WatchArguments& arguments, const std::s
   view.wait = arguments.wait;
   view.pace = arguments.pace;
   view.robot_path = robot_file.empty() ? KAZ_TRY(data_file("robot/kaz/kaz.urdf")) : robot_file;
-  if (const auto page = data_file("view/index.html"))
-    view.page_folder = page->substr(0, page->rfind('/'));
+  if (const auto page = view_page()) {
+    view.page_folder = *page;
+  } else {
+    view.no_page = page.error().message;
+    std::fprintf(stderr, "%s: %s\n", named_verb().c_str(), view.no_page.c_str());
+  }
   view.stopped = [] { return received_signal() != 0; };
   return view;
 }

@@ -21,10 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = 64 << 20;
-constexpr const char* kNoPage =
-    "<!doctype html><title>kaz</title><p>The page is not built: install npm and build again "
-    "(docs/howto/watch.md). Foxglove and Lichtblick can open this address as it is: "
-    "ws://, and what is behind http:// above.</p>\n";
+constexpr const char* kWithoutPage =
+    ".\nFoxglove and Lichtblick can open this address as it is: ws://, and what is behind http:// "
+    "above.\n";
 
 const char* type_of(const fs::path& path) {
   const std::string end = path.extension().string();
@@ -128,8 +127,8 @@ Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uin
   server.end_ns = end_ns;
   if (!options.page_folder.empty()) server.page.merge(KAZ_TRY(page_files(options.page_folder)));
   if (!server.page.contains("/index.html")) {
-    const std::string_view text = kNoPage;
-    server.page["/index.html"] = {"text/html; charset=utf-8", Bytes(text.begin(), text.end())};
+    const std::string text = options.no_page + kWithoutPage;
+    server.page["/index.html"] = {"text/plain; charset=utf-8", Bytes(text.begin(), text.end())};
   }
   server.robot = KAZ_TRY(robot_files(options.robot_path));
   const std::string token = server.token;

@@ -29,6 +29,7 @@ struct ViewOptions {
   bool own_time = false;  // it goes by a clock: there is no pace, and no pause
   double pace = 0;        // the run's time over real time, at most; 0: as fast as it goes
   std::string robot_path, page_folder;
+  std::string no_page = "There is no page here";  // what a browser shows where page_folder has none
   bool recorded_pictures = false;  // the recording has them: no others are sent
   // The world is no robot's, as a motor stand: its joints turn a robot that hangs in the air.
   bool joints_only = false;

@@ -83,6 +83,20 @@ Received received(const Bytes& frame) {
   return message;
 }
 
+TEST(View, WithoutAPageABrowserShowsTheReason) {
+  ViewOptions options;
+  options.where = "127.0.0.1:0";
+  options.robot_path = kRobot;
+  options.page_folder = kTree + "/sim/worlds";  // no index.html in it
+  options.no_page = "not built <yet>";
+  const auto view = View::open(options);
+  ASSERT_TRUE(view.has_value()) << view.error().message;
+  const std::string shown = answer((*view)->server().port(), get("/"));
+  EXPECT_NE(shown.find("200 OK"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("text/plain"), std::string::npos) << "else <yet> would be HTML";
+  EXPECT_NE(shown.find("not built <yet>.\nFoxglove"), std::string::npos) << shown;
+}
+
 TEST(View, WatchedOrNotTheRecordingIsTheSameAndAReaderThatKeepsUpHasAllOfIt) {
   const sim::TestFolder folder;
   const std::string alone = recorded(folder.file("alone.mcap"), nullptr);

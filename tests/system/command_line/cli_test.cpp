@@ -315,6 +315,36 @@ TEST(Cli, ACaseWithoutAByteIsNotReplayed) {
                            {folder / "empty", "is empty", "give a case"}));
 }
 
+// Before anybody opens a browser on an empty page.
+TEST(Cli, WithoutThePageOfViewTheTerminalNamesTheCommandForIt) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  const fs::path share = fs::path(kaz({}).front()).parent_path().parent_path() / "share/kaz";
+  const auto said = [&folder] {
+    const std::vector<std::string> command =
+        kaz({"run", "stand", "--mcu", "native", "--view", "127.0.0.1:0"});
+    std::vector<std::string> words{"/usr/bin/env", "KAZ_DATA=" + folder.path()};
+    words.insert(words.end(), command.begin(), command.end());
+    const Finished finished = run(words);
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+    return finished.err;
+  };
+  for (const char* part : {"robot", "worlds"})
+    fs::create_directory_symlink(fs::canonical(share / part), folder / part);
+  const std::string dev = fs::canonical(share / "worlds").parent_path().parent_path() / "tools/dev";
+  const std::string built = said();
+  EXPECT_TRUE(built.starts_with("kaz run: the page of --view is not built; to have it: " + dev +
+                                " build kaz_page\n"))
+      << built;
+  // An installed program has no tree.
+  fs::remove(folder / "worlds");
+  fs::copy(share / "worlds", folder / "worlds", fs::copy_options::recursive);
+  const std::string installed = said();
+  EXPECT_NE(installed.find("is not in " + folder.path() + "/view: Kaz was built without npm"),
+            std::string::npos)
+      << installed;
+}
+
 TEST(Cli, AloneItListsItsVerbs) {
   const Finished alone = run(kaz({}));
   EXPECT_EQ(alone.exit_code, 2);

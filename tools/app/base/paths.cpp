@@ -61,6 +61,21 @@ Result<std::string> world_file(const std::string& name) {
                                 "`: give the path of an SDF file, or one of: " + known_worlds());
 }
 
+Result<std::string> view_page() {
+  const fs::path folder = data_folder() / "view";
+  std::error_code error;
+  if (fs::exists(folder / "index.html", error)) return folder.string();
+  // A build folder has a link into its tree.
+  const fs::path worlds = fs::canonical(data_folder() / "worlds", error);
+  const fs::path dev = worlds.parent_path().parent_path() / "tools/dev";
+  if (!error && fs::exists(dev, error))
+    return fail(Fault::environment,
+                "the page of --view is not built; to have it: " + dev.string() + " build kaz_page");
+  return fail(Fault::environment, "the page of --view is not in " + folder.string() +
+                                      ": Kaz was built without npm; build it with npm, or "
+                                      "install its packages");
+}
+
 Result<std::string> firmware_image(const std::string& given) {
   std::error_code error;
   if (!given.empty()) {

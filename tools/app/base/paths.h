@@ -17,6 +17,9 @@ Result<std::string> data_file(const std::string& name);
 // A world by path, or by the name of one that comes with Kaz ("ball").
 Result<std::string> world_file(const std::string& name);
 
+// The folder of the page of --view. Where there is none the error says what builds it.
+Result<std::string> view_page();
+
 // The firmware image to emulate: `given` if not empty, else the one built with the program. Where
 // there is none the error says what to install.
 Result<std::string> firmware_image(const std::string& given);
