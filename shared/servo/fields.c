@@ -4,6 +4,8 @@
 
 #include <stddef.h>
 
+#include "kz_build_id.h"
+
 #define SIGNED_u8 0
 #define SIGNED_u16 0
 #define SIGNED_s16 1
@@ -45,3 +47,5 @@ const u8 kz_state_field_count = sizeof(kz_state_fields) / sizeof(kz_state_fields
 
 // The H8 rounds a structure up to an even size; the PC to a multiple of 4.
 const u16 kz_state_size_h8 = (offsetof(kz_servo, sender.body) + KZ_BODY_MAX + 1) / 2 * 2;
+
+const u32 kz_build_id = KZ_BUILD_ID;

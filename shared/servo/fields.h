@@ -26,6 +26,9 @@ extern const u8 kz_state_field_count;
 // Bytes of struct kz_servo on the H8.
 extern const u16 kz_state_size_h8;
 
+// Of the sources that this program was built from; an image's header has that of its own.
+extern const u32 kz_build_id;
+
 #ifdef __cplusplus
 }
 #endif

@@ -4,15 +4,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <deque>
 
 #include "shared/base/hex_text.hpp"
+#include "shared/flash/image.h"
 #include "shared/protocol/message_info.h"
 #include "shared/servo/fields.h"
 #include "shared/servo/servo.h"
 #include "shared/servo/tick.h"
+#include "sim/mcu/frame_fields.h"
 #include "sim/mcu/h8_layout.h"
 #include "sim/mcu/h8_mcu.h"
 #include "sim/mcu/traffic.h"
@@ -48,6 +51,15 @@ std::uint32_t native_number(const std::uint8_t* at, std::size_t size) {
   std::uint32_t value = 0;
   std::memcpy(&value, at, sizeof value);
   return value;
+}
+
+// What sent_body() takes of the chip's sender; the structure is at the same place as on the PC.
+kz_sender h8_sender(std::span<const std::uint8_t> state) {
+  kz_sender sender{};
+  sender.length = state[offsetof(kz_servo, sender.length)];
+  sender.first = state[offsetof(kz_servo, sender.first)];
+  std::copy_n(&state[offsetof(kz_servo, sender.body)], std::size(sender.body), sender.body);
+  return sender;
 }
 
 class Comparison {
@@ -243,6 +255,20 @@ class Comparison {
                  sign_extended(ours, field), sign_extended(theirs, field));
       }
     }
+    name_frame_fields(h8);
+  }
+
+  // In place of bytes of the sender's body: the fields of the frame that they belong to, first of all.
+  void name_frame_fields(std::span<const std::uint8_t> h8_state) {
+    const auto is_byte = [](const CompareDifference& difference) {
+      return difference.field.starts_with("state.sender.body[");
+    };
+    auto& all = report_.differences;
+    if (std::ranges::none_of(all, is_byte)) return;
+    const auto frame = frame_differences(sent_body(native_.sender), sent_body(h8_sender(h8_state)));
+    if (frame.empty()) return;
+    std::erase_if(all, is_byte);
+    all.insert(all.begin(), frame.begin(), frame.end());
   }
 
   const CompareOptions& options_;
@@ -314,6 +340,17 @@ std::string CompareReport::text() const {
   return text + "\n  input of that tick, as the H8 has it: " + input_hex;
 }
 
+Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path) {
+  const h8s::Chip& chip = h8.chip();
+  const auto build_id = chip.peek32(KZ_APPLICATION_HEADER + offsetof(kz_image_header, build_id));
+  if (chip.peek32(KZ_APPLICATION_HEADER) != KZ_IMAGE_ID || build_id == kz_build_id) return {};
+  char ids[60];
+  std::snprintf(ids, sizeof ids, "(build %08x, this program %08x)",
+                static_cast<unsigned>(build_id.value_or(0)), static_cast<unsigned>(kz_build_id));
+  return fail(Fault::usage, image_path + ": the image is of other sources " + ids +
+                                ": build image and program from the same tree (./tools/dev prove)");
+}
+
 Result<CompareReport> compare_engines(const CompareOptions& options) {
   if (options.ticks < 1 || options.state_every < 1)
     return fail(Fault::usage, "the comparison takes at least one tick");
@@ -327,6 +364,7 @@ Result<CompareReport> compare_engines(const CompareOptions& options) {
                     " has no symbols of the servo's tick; put the .coff of the same " +
                     "build beside it");
   if (options.prepare_h8) options.prepare_h8(*h8);
+  KAZ_TRY(check_same_sources(*h8, options.image_path));
   return Comparison(options, *h8).run();
 }
 

@@ -34,7 +34,9 @@ struct CompareOptions {
 };
 
 struct CompareDifference {
-  std::string field;  // "output.pw[3]", "state.joints[2].goal", "pins.pw[3]", "line.byte"
+  // "output.pw[3]", "state.joint[2].goal", "pins.pw[3]", "line.byte"; of a frame that is being sent
+  // its message and field, "identify_reply.build_id".
+  std::string field;
   std::int64_t native = 0, h8 = 0;
 };
 
@@ -71,7 +73,11 @@ struct CompareReport {
   std::string text() const;
 };
 
-// Errors: an image that cannot be read or has no tick symbols, a chip that stopped.
+// Errors: an image that cannot be read, has no tick symbols or is of other sources, a chip that stopped.
 Result<CompareReport> compare_engines(const CompareOptions& options);
+
+// Returns Fault::usage if the header in the chip's flash names other sources than this program's: every
+// comparison would then end at the build id. An image without a header passes.
+Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path);
 
 }  // namespace kaz::sim

@@ -14,6 +14,7 @@
 #include "shared/base/hex_text.hpp"
 #include "shared/protocol/frame.h"
 #include "shared/protocol/message_info.h"
+#include "sim/mcu/compare.h"
 #include "sim/mcu/traffic.h"
 #include "sim/mcu/txd_watch.h"
 #include "sim/mcu/wire_differences.h"
@@ -578,6 +579,7 @@ Result<WireReport> compare_wire(const WireOptions& options) {
     return fail(Fault::usage, "the comparison takes at least one conversation");
   auto h8 = KAZ_TRY(H8Mcu::load(options.image_path));
   if (options.prepare_h8) options.prepare_h8(*h8);
+  KAZ_TRY(check_same_sources(*h8, options.image_path));
   WireReport report;
   report.seed = options.seed;
   report.emulator_engine = h8->emulator_engine();

@@ -5,11 +5,16 @@
 #include <unistd.h>
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <vector>
 
+#include "shared/flash/image.h"
+#include "shared/servo/fields.h"
 #include "sim/mcu/compare_testing.h"
+#include "sim/mcu/compare_wire.h"
 #include "sim/mcu/h8_mcu.h"
 #include "sim/mcu/host_testing.h"
 
@@ -222,6 +227,75 @@ TEST(Compare, IsRepeatable) {
   EXPECT_EQ(first.bytes_received, second.bytes_received);
   EXPECT_EQ(first.bytes_sent, second.bytes_sent);
   EXPECT_EQ(first.worst_busy_8states, second.worst_busy_8states);
+}
+
+// The application's bytes in flash; the CRC of its header is put right when they are written back.
+std::vector<std::uint8_t> application(H8Mcu& h8) {
+  std::vector<std::uint8_t> bytes(
+      h8.chip().peek32(KZ_APPLICATION_HEADER + offsetof(kz_image_header, length)).value_or(0));
+  EXPECT_TRUE(h8.chip().peek(KZ_APPLICATION, bytes));
+  return bytes;
+}
+
+void replace_application(H8Mcu& h8, std::vector<std::uint8_t> bytes) {
+  const std::size_t crc_at =
+      KZ_APPLICATION_HEADER - KZ_APPLICATION + offsetof(kz_image_header, crc);
+  u16 crc = 0xFFFF;
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    if (i != crc_at && i != crc_at + 1) crc = kz_crc16(crc, bytes[i]);
+  bytes[crc_at] = static_cast<std::uint8_t>(crc >> 8);
+  bytes[crc_at + 1] = static_cast<std::uint8_t>(crc);
+  ASSERT_TRUE(h8.chip().poke(KZ_APPLICATION, bytes));
+}
+
+// An image of other sources as the header names them.
+void plant_other_header(H8Mcu& h8) {
+  auto bytes = application(h8);
+  bytes[KZ_APPLICATION_HEADER - KZ_APPLICATION + offsetof(kz_image_header, build_id)] ^= 1;
+  replace_application(h8, bytes);
+}
+
+TEST(Compare, RefusesAnImageOfOtherSourcesBeforeTheFirstTick) {
+  char other[9], own[9];
+  std::snprintf(own, sizeof own, "%08x", static_cast<unsigned>(kz_build_id));
+  std::snprintf(other, sizeof other, "%08x", static_cast<unsigned>(kz_build_id ^ 0x01000000));
+  CompareOptions options = firmware_comparison(1);
+  options.prepare_h8 = plant_other_header;
+  WireOptions wire;
+  wire.image_path = KAZ_FIRMWARE_IMAGE;
+  wire.conversations = 1;
+  wire.prepare_h8 = plant_other_header;
+  const auto ticks = compare_engines(options);
+  const auto conversations = compare_wire(wire);
+  for (const Error* error : {ticks ? nullptr : &ticks.error(),
+                             conversations ? nullptr : &conversations.error()}) {
+    ASSERT_NE(error, nullptr) << "it was compared";
+    EXPECT_EQ(error->fault, Fault::usage);
+    for (const std::string& part :
+         {std::string(KAZ_FIRMWARE_IMAGE), std::string("of other sources"),
+          std::string("build ") + other, std::string("this program ") + own})
+      EXPECT_NE(error->message.find(part), std::string::npos) << error->message;
+  }
+}
+
+TEST(Compare, ADifferenceInAFrameIsNamedByMessageAndField) {
+  CompareOptions options = firmware_comparison(2000);
+  // The build id that the code puts into its reply, not the header's.
+  options.prepare_h8 = [](H8Mcu& h8) {
+    auto bytes = application(h8);
+    std::array<std::uint8_t, 4> id{};
+    for (int i = 0; i < 4; ++i) id[i] = static_cast<std::uint8_t>(kz_build_id >> (24 - 8 * i));
+    const auto code = bytes.begin() + (KZ_APPLICATION_CODE - KZ_APPLICATION);
+    const auto found = std::search(code, bytes.end(), id.begin(), id.end());
+    ASSERT_NE(found, bytes.end());
+    found[3] ^= 1;
+    replace_application(h8, bytes);
+  };
+  const CompareReport report = compare_or_fail(options);
+  ASSERT_FALSE(report.equal());
+  EXPECT_EQ(report.differences.front().field, "identify_reply.build_id") << report.text();
+  EXPECT_EQ(report.differences.front().native, std::int64_t{kz_build_id}) << report.text();
+  EXPECT_EQ(report.text().find("sender.body"), std::string::npos) << report.text();
 }
 
 TEST(Compare, NeedsSymbols) {
