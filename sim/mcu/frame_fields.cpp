@@ -23,8 +23,9 @@ std::int64_t number_of(const kz_field_info& field, std::uint32_t bits) {
 // Of a masked field the elements are those of the mask's bits, the lowest first.
 Numbers numbers_of(std::span<const std::uint8_t> body, const kz_message_info& message) {
   const std::string name = message.name;
-  Numbers numbers{{name + ".address", body[KZ_BODY_ADDRESS]},
-                  {name + ".sequence", body[KZ_BODY_SEQUENCE]}};
+  // calibration_reply has a field `sequence` of its own.
+  Numbers numbers{{name + ".header.address", body[KZ_BODY_ADDRESS]},
+                  {name + ".header.sequence", body[KZ_BODY_SEQUENCE]}};
   std::map<std::string_view, std::uint32_t> masks;
   std::size_t at = KZ_HEADER_SIZE;
   for (int f = 0; f < message.field_count; ++f) {

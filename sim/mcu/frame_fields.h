@@ -15,7 +15,7 @@ namespace kaz::sim {
 // sends nothing, or its bytes are no stuffed body.
 std::vector<std::uint8_t> sent_body(const kz_sender& sender);
 
-// The fields in which two bodies differ: "state_reply.angle[3]", "state_reply.sequence". Of different
+// The fields in which two bodies differ: "state_reply.angle[3]", "state_reply.header.sequence". Of different
 // messages only "type", with the codes. Empty if the bodies are equal, or one is of no known message.
 // Elements that only one body has are left out: their mask differs.
 std::vector<CompareDifference> frame_differences(std::span<const std::uint8_t> native,

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "shared/protocol/message_info.h"
 #include "shared/protocol/messages.h"
 
 namespace kaz::sim {
@@ -57,6 +58,15 @@ TEST(FrameFields, ElementsOfAMaskAreNamedByJoint) {
   const auto other = frame_differences(joint_reply(0x12, 30), joint_reply(0x10, 30));
   ASSERT_EQ(other.size(), 1u);
   EXPECT_EQ(other[0].field, "joints_reply.mask");
+}
+
+TEST(FrameFields, EqualFramesOfEveryMessageHaveNoDifference) {
+  for (int m = 0; m < kz_message_count; ++m) {
+    Body body(std::size_t{KZ_HEADER_SIZE} + kz_messages[m].size_max);
+    for (std::size_t i = 0; i < body.size(); ++i) body[i] = static_cast<std::uint8_t>(17 * i + 1);
+    body[KZ_BODY_TYPE] = kz_messages[m].code;
+    EXPECT_TRUE(frame_differences(body, body).empty()) << kz_messages[m].name;
+  }
 }
 
 TEST(FrameFields, OtherMessagesDifferInTheirType) {
