@@ -36,6 +36,12 @@ void Interrupt::request() noexcept {
   errno = saved_errno;
 }
 
+void Interrupt::withdraw() noexcept {
+  std::uint64_t count = 0;
+  [[maybe_unused]] const ssize_t taken = read(descriptor_, &count, sizeof count);
+  requested_.store(false, std::memory_order_release);
+}
+
 bool Interrupt::cleaning() const noexcept {
   const std::int64_t until = clean_until_ns_.load(std::memory_order_acquire);
   return until != 0 && steady_ns() < until;

@@ -12,8 +12,8 @@
 namespace kaz::host {
 
 // Given at construction to the links and clocks of real time, and to those of interruptible.h. Once
-// requested, Clock::sleep_until and Link::read fail with `error()` at once and, but for a CleanUp, for
-// good; Link::write still works, so that a program that is exiting can switch the motors off.
+// requested, Clock::sleep_until and Link::read fail with `error()` at once, until withdraw(), except in a
+// CleanUp; Link::write still works, so that a program that is exiting can switch the motors off.
 class Interrupt {
  public:
   Interrupt();  // throws std::system_error if the process has no file descriptor left
@@ -24,6 +24,8 @@ class Interrupt {
   // From any thread, and from a signal handler (async-signal-safe).
   void request() noexcept;
   bool requested() const noexcept { return requested_.load(std::memory_order_acquire); }
+  // Takes requests back, for a program that goes on. Not while another thread may request or wait.
+  void withdraw() noexcept;
 
   // Whether waiting ends: requested, and no clean-up is under way.
   bool ends_waiting() const noexcept;

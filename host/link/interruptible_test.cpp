@@ -6,6 +6,8 @@
 
 #include <vector>
 
+#include "host/link/wall_clock.h"
+
 namespace kaz::host {
 namespace {
 
@@ -88,6 +90,18 @@ TEST(Interruptible, EndsALongWaitInItsMiddle) {
   }
   EXPECT_FALSE(link.read(byte, 1h));
   EXPECT_EQ(clock.now(), before + 30ms);
+}
+
+TEST(Interruptible, AWithdrawnRequestEndsNoWait) {
+  Interrupt interrupt;
+  WallClock clock(&interrupt);
+  interrupt.request();
+  interrupt.request();
+  EXPECT_FALSE(clock.sleep_until(clock.now() + 1h));
+  interrupt.withdraw();
+  EXPECT_TRUE(clock.sleep_until(clock.now() + 1ms));
+  interrupt.request();
+  EXPECT_FALSE(clock.sleep_until(clock.now() + 1h));
 }
 
 TEST(Interruptible, ACleanUpHasItsTime) {
