@@ -12,6 +12,10 @@
 
 The same `Robot` drives a board at a port: kaz.Robot("serial:/dev/ttyUSB0"). Units: m, rad, s, N. Errors are
 UsageError (a ValueError), EnvironmentFault (an OSError: ports, files) and RobotError.
+
+Threads: each object takes one call at a time. A second thread's call raises RuntimeError, "in use by another
+thread". Robot.stop() and Robot.close() are always accepted: they end the call that is running, which raises
+Stopped (a RobotError), and switch the motors off. A Robot in a Simulation and that Simulation count as one.
 """
 
 import importlib.machinery as _machinery
@@ -54,7 +58,7 @@ try:
     from . import _kaz, env, vision
     from ._kaz import (
         HOME, JOINT_LIMITS, JOINTS, Camera, CameraModel, EnvironmentFault, Pair, Posture, Robot, RobotError,
-        Simulation, UsageError, __version__, behaviors, run_behavior)
+        Simulation, Stopped, UsageError, __version__, behaviors, run_behavior)
     from .env import Env, VectorEnv
     from .recording import Recording
 except ImportError as _error:
@@ -65,5 +69,5 @@ except ImportError as _error:
 
 __all__ = [
     "HOME", "JOINTS", "JOINT_LIMITS", "Camera", "CameraModel", "Env", "EnvironmentFault", "Pair", "Posture",
-    "Recording", "Robot", "RobotError", "Simulation", "UsageError", "VectorEnv", "__version__", "behaviors",
-    "env", "run_behavior", "vision"]
+    "Recording", "Robot", "RobotError", "Simulation", "Stopped", "UsageError", "VectorEnv", "__version__",
+    "behaviors", "env", "run_behavior", "vision"]

@@ -333,6 +333,8 @@ class VectorEnv(_VectorEnv):
     infos["final_obs"]), or "disabled" (reset(options={"reset_mask": ...})). sensors, dynamics, imu and the
     like go to the simulation.
 
+    One call at a time: while step() or reset() runs, another thread's call raises RuntimeError.
+
     pictures: "ideal" or "real", the kind of eyes; not on the engine "none". Observations are then a dict:
     "state", which is all there is without, and "pictures", the newest pair that has reached the host, of
     30 a second: robots x 2 (left, right) x height x width x 3 bytes, RGB. infos["picture_age_s"]: time since

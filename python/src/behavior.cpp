@@ -73,14 +73,21 @@ py::dict run_behavior(const std::string& name, const py::kwargs& given) {
     ended = outcome;
     duration_s = run_s;
   };
-  const auto result = [&session] {
+  // Signal handlers belong to the process. Never destroyed: a thread may be in a run when the process ends.
+  static ObjectLock& lock = *new ObjectLock("kaz.run_behavior()");
+  LockedCall call(lock);
+  const auto result = [&] {
     const SessionSignals signals;
-    return released([&session] { return tools::run_session(session); });
+    return call.piece([&session] { return tools::run_session(session); });
   }();
   if (const int number = tools::received_signal(); number != 0) {
     tools::forget_signal();
     ::raise(number);  // to Python, whose handler says what it means
     check_signals();
+  }
+  if (!result && result.error().fault == Fault::interrupted) {
+    PyErr_SetString(PyExc_KeyboardInterrupt, result.error().message.c_str());
+    throw py::error_already_set();
   }
   if (!result) raise(result.error());
 

@@ -14,8 +14,9 @@ namespace kaz::python {
 namespace {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Robots = Locked<Batch>;
 
-std::unique_ptr<Batch> make(const py::kwargs& given) {
+std::unique_ptr<Robots> make(const py::kwargs& given) {
   py::dict arguments(given);
   BatchOptions options;
   options.robots = take<int>(arguments, "robots", 1);
@@ -54,18 +55,18 @@ std::unique_ptr<Batch> make(const py::kwargs& given) {
   simulation.sensors = sim::sensor_switches(backend.sensors);
   simulation.imu = backend.imu;
   simulation.supply_volts = backend.supply_volts;
-  return value_of(released([&] { return Batch::create(options); }));
+  return std::make_unique<Robots>("this Batch",
+                                  value_of(released([&] { return Batch::create(options); })));
 }
 
-// Copies: the batch writes its own in the next step.
 py::array_t<double> table(const std::vector<double>& values, int columns) {
   return py::array_t<double>(
       {static_cast<py::ssize_t>(values.size()) / columns, static_cast<py::ssize_t>(columns)},
       values.data());
 }
 
-py::dict state_of(const Batch& batch) {
-  const BatchState& state = batch.state();
+py::dict state_of(Robots& robots) {
+  const BatchState state = robots.alone([](Batch& batch) { return batch.state(); });
   py::dict all;
   all["measured"] = table(state.measured, KZ_JOINTS);
   all["inertial"] = table(state.inertial, 3);
@@ -74,52 +75,59 @@ py::dict state_of(const Batch& batch) {
   all["off"] =
       py::array_t<std::uint8_t>(static_cast<py::ssize_t>(state.off.size()), state.off.data())
           .attr("astype")("bool");
-  if (batch.options().pictures) all["picture_age"] = array_of(state.picture_age);
+  if (!state.picture_age.empty()) all["picture_age"] = array_of(state.picture_age);
   return all;
 }
 
 // Robots x left and right x height x width x 3: one copy, since each robot's pair has memory of its own.
 // Black until the first pair has arrived.
-py::array_t<std::uint8_t> pictures_of(const Batch& batch) {
-  if (!batch.options().pictures) raise({Fault::usage, "this batch has no pictures"});
-  const py::ssize_t robots = batch.options().robots, height = batch.camera().height,
-                    width = batch.camera().width;
-  py::array_t<std::uint8_t> all({robots, py::ssize_t{2}, height, width, py::ssize_t{3}});
+py::array_t<std::uint8_t> pictures_of(Robots& robots) {
+  const auto [count, camera] = robots.alone([](Batch& batch) {
+    return std::pair(batch.options().pictures ? batch.options().robots : 0, batch.camera());
+  });
+  if (count == 0) raise({Fault::usage, "this batch has no pictures"});
+  py::array_t<std::uint8_t> all({count, 2, camera.height, camera.width, 3});
   std::uint8_t* to = all.mutable_data();
-  const auto bytes = static_cast<std::size_t>(3 * width * height);
-  for (py::ssize_t i = 0; i < robots; ++i) {
-    const vision::StereoImages* const pair = batch.pictures(static_cast<std::size_t>(i));
-    for (const bool right : {false, true}) {
-      if (pair != nullptr)
-        std::memcpy(to, (right ? pair->right : pair->left).rgb.data(), bytes);
-      else
-        std::memset(to, 0, bytes);
-      to += bytes;
+  const auto bytes = static_cast<std::size_t>(3 * camera.width * camera.height);
+  robots.alone([&, robots_ = static_cast<std::size_t>(count)](Batch& batch) {
+    for (std::size_t i = 0; i < robots_; ++i) {
+      const vision::StereoImages* const pair = batch.pictures(i);
+      for (const bool right : {false, true}) {
+        if (pair != nullptr)
+          std::memcpy(to, (right ? pair->right : pair->left).rgb.data(), bytes);
+        else
+          std::memset(to, 0, bytes);
+        to += bytes;
+      }
     }
-  }
+  });
   return all;
 }
 
-void reset(Batch& batch, const std::vector<std::optional<std::uint64_t>>& seeds) {
-  if (static_cast<int>(seeds.size()) != batch.options().robots)
-    raise({Fault::usage, "reset: give a seed, or None, for each robot"});
-  value_of(released([&] { return batch.reset(seeds); }));
+int count_of(Robots& robots) {
+  return robots.alone([](Batch& batch) { return batch.options().robots; });
 }
 
-void step(Batch& batch, const Numbers& targets,
+void reset(Robots& robots, const std::vector<std::optional<std::uint64_t>>& seeds) {
+  if (static_cast<int>(seeds.size()) != count_of(robots))
+    raise({Fault::usage, "reset: give a seed, or None, for each robot"});
+  value_of(robots.alone([&](Batch& batch) { return batch.reset(seeds); }));
+}
+
+void step(Robots& robots, const Numbers& targets,
           const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& resting) {
-  const auto robots = static_cast<py::ssize_t>(batch.options().robots);
-  if (targets.ndim() != 2 || targets.shape(0) != robots || targets.shape(1) != KZ_JOINTS)
-    raise({Fault::usage, "step: targets are an array of " + std::to_string(robots) + " x " +
+  const int count = count_of(robots);
+  if (targets.ndim() != 2 || targets.shape(0) != count || targets.shape(1) != KZ_JOINTS)
+    raise({Fault::usage, "step: targets are an array of " + std::to_string(count) + " x " +
                              std::to_string(KZ_JOINTS) + " angles, rad"});
-  if (resting.ndim() != 1 || resting.shape(0) != robots)
+  if (resting.ndim() != 1 || resting.shape(0) != count)
     raise({Fault::usage, "step: `resting` has a flag for each robot"});
-  const std::span<const double> angles(targets.data(), static_cast<std::size_t>(targets.size()));
+  // Copies: without the GIL another thread may write into the arrays.
+  const std::vector<double> angles(targets.data(), targets.data() + targets.size());
+  const std::vector<std::uint8_t> flags(resting.data(), resting.data() + resting.size());
   if (!std::ranges::all_of(angles, [](double x) { return std::isfinite(x); }))
     raise({Fault::usage, "step: a target is not finite"});
-  const std::span<const std::uint8_t> flags(resting.data(),
-                                            static_cast<std::size_t>(resting.size()));
-  value_of(released([&] { return batch.step(angles, flags); }));
+  value_of(robots.alone([&](Batch& batch) { return batch.step(angles, flags); }));
   check_signals();
 }
 
@@ -127,35 +135,39 @@ void step(Batch& batch, const Numbers& targets,
 
 void add_environment(py::module_& module) {
   module.attr("HOME") = py::tuple(py::cast(motion::home()));  // by joint, rad
-  py::class_<Batch>(module, "Batch")
+  py::class_<Robots>(module, "Batch")
       .def(py::init(&make))
       .def("reset", &reset, py::arg("seeds"))
       .def("step", &step, py::arg("targets"), py::arg("resting"))
       .def("state", &state_of)
       .def("pictures", &pictures_of)
-      .def_property_readonly("camera", [](const Batch& batch) { return batch.camera(); })
+      .def_property_readonly(
+          "camera",
+          [](Robots& robots) { return robots.alone([](Batch& batch) { return batch.camera(); }); })
       .def(
           "push",
-          [](Batch& batch, int robot, const std::string& link,
+          [](Robots& robots, int robot, const std::string& link,
              const std::array<double, 3>& impulse) {
             const Eigen::Vector3d vector(impulse.data());
             if (!vector.allFinite()) raise({Fault::usage, "push: the impulse is not finite"});
-            value_of(batch.push(robot, link, vector));
+            value_of(robots.alone([&](Batch& batch) { return batch.push(robot, link, vector); }));
           },
           py::arg("robot"), py::arg("link"), py::arg("impulse"))
       .def(
           "accelerate",
-          [](Batch& batch, int robot, const std::string& model,
+          [](Robots& robots, int robot, const std::string& model,
              const std::array<double, 3>& change) {
             const Eigen::Vector3d vector(change.data());
             if (!vector.allFinite()) raise({Fault::usage, "accelerate: the change is not finite"});
-            value_of(batch.accelerate(robot, model, vector));
+            value_of(
+                robots.alone([&](Batch& batch) { return batch.accelerate(robot, model, vector); }));
           },
           py::arg("robot"), py::arg("model"), py::arg("change"))
       .def(
           "link_pose",
-          [](const Batch& batch, int robot, const std::string& link) {
-            return matrix_of(value_of(batch.link_pose(robot, link)));
+          [](Robots& robots, int robot, const std::string& link) {
+            return matrix_of(
+                value_of(robots.alone([&](Batch& batch) { return batch.link_pose(robot, link); })));
           },
           py::arg("robot"), py::arg("link"));
 }

@@ -3,6 +3,7 @@
 #include "python/src/python.h"
 
 #include <exception>
+#include <stdexcept>
 
 #include "tools/app/base/version.h"
 
@@ -13,6 +14,9 @@ namespace {
 PyObject* g_usage = nullptr;
 PyObject* g_environment = nullptr;
 PyObject* g_robot = nullptr;
+PyObject* g_stopped = nullptr;
+
+constexpr const char* kStopped = "stop() or close() was called while this call was running";
 
 }  // namespace
 
@@ -25,13 +29,24 @@ void raise(const Error& error) {
       PyErr_SetString(g_environment, error.message.c_str());
       break;
     case Fault::interrupted:
-      PyErr_SetString(PyExc_KeyboardInterrupt, error.message.c_str());
+      PyErr_SetString(g_stopped, kStopped);
       break;
     case Fault::failed:
     default:
       PyErr_SetString(g_robot, error.message.c_str());
   }
   throw py::error_already_set();
+}
+
+const char* Stopped::what() const noexcept {
+  return kStopped;
+}
+
+LockedCall::LockedCall(ObjectLock& lock) : call_(lock) {
+  if (call_.state() == ObjectLock::Call::State::stopping) throw Stopped();
+  if (call_.state() == ObjectLock::Call::State::in_use)
+    throw std::runtime_error(lock.name() +
+                             " is in use by another thread: wait until its call has returned");
 }
 
 void check_signals() {
@@ -66,6 +81,14 @@ void add_errors(py::module_& module) {
   g_usage = add("UsageError", PyExc_ValueError);
   g_environment = add("EnvironmentFault", PyExc_OSError);
   g_robot = add("RobotError", PyExc_RuntimeError);
+  g_stopped = add("Stopped", g_robot);
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      std::rethrow_exception(std::move(thrown));
+    } catch (const Stopped& stopped) {
+      PyErr_SetString(g_stopped, stopped.what());
+    }
+  });
 }
 
 }  // namespace kaz::python

@@ -19,20 +19,19 @@ py::array picture_of(const Pair& pair, bool right) {
 }
 
 // A camera of another process, or a real one.
-class LiveCamera {
- public:
-  LiveCamera(const std::string& path, const std::string& calibration)
-      : camera_(value_of(released([&] { return tools::open_live_camera(path, calibration); }))) {}
-  std::optional<Pair> poll() {
-    auto pair = value_of(released([&] { return camera_.camera->poll(); }));
-    if (!pair) return std::nullopt;
-    return released([&] { return pair_of(*pair); });
-  }
-  const vision::CameraModel& model() const { return camera_.camera->model(); }
+using Camera = Locked<vision::Camera>;
 
- private:
-  tools::LiveCamera camera_;
-};
+std::unique_ptr<Camera> open_camera(const std::string& path, const std::string& calibration) {
+  auto opened = value_of(released([&] { return tools::open_live_camera(path, calibration); }));
+  return std::make_unique<Camera>("this Camera", std::move(opened.camera));
+}
+
+std::optional<Pair> poll(Camera& camera) {
+  return value_of(camera.alone([](vision::Camera& c) -> Result<std::optional<Pair>> {
+    const auto pair = KAZ_TRY(c.poll());
+    return pair ? std::optional(pair_of(*pair)) : std::nullopt;
+  }));
+}
 
 }  // namespace
 
@@ -72,11 +71,12 @@ void add_pictures(py::module_& module) {
       .def_property_readonly("sequence", [](const Pair& pair) { return pair.info.sequence; })
       .def_property_readonly("time", [](const Pair& pair) { return seconds(pair.info.exposure); })
       .def_property_readonly("camera", [](const Pair& pair) { return pair.info.camera; });
-  py::class_<LiveCamera>(module, "Camera")
-      .def(py::init<const std::string&, const std::string&>(), py::arg("path"),
-           py::arg("calibration") = "")
-      .def("poll", &LiveCamera::poll)
-      .def_property_readonly("model", &LiveCamera::model);
+  py::class_<Camera>(module, "Camera")
+      .def(py::init(&open_camera), py::arg("path"), py::arg("calibration") = "")
+      .def("poll", &poll)
+      .def_property_readonly("model", [](Camera& camera) {
+        return camera.alone([](vision::Camera& c) { return c.model(); });
+      });
 }
 
 }  // namespace kaz::python

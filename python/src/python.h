@@ -1,7 +1,8 @@
 // What the parts of the Python module share: errors as exceptions, arrays, names of joints.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whatever takes longer than some microseconds runs without the GIL; arguments are checked before.
+// Whatever takes longer than some microseconds runs without the GIL; arguments are checked before. So each
+// object that a call changes has an ObjectLock, and all of its members go through LockedCall.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -10,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,6 +22,7 @@
 
 #include <Eigen/Geometry>
 
+#include "python/src/object_lock.h"
 #include "shared/base/result.hpp"
 #include "vision/image/frame.h"
 
@@ -28,8 +31,8 @@ namespace kaz::python {
 namespace py = pybind11;
 
 // Throws a Python exception with the error's sentence: UsageError (a ValueError) for wrong values,
-// KeyboardInterrupt for an interrupted call, EnvironmentFault (an OSError) for ports, files and the like,
-// RobotError for the rest.
+// EnvironmentFault (an OSError) for ports, files and the like, Stopped (a RobotError) for an interrupted
+// call, RobotError for the rest.
 [[noreturn]] void raise(const Error& error);
 
 template <class T>
@@ -47,6 +50,60 @@ auto released(F call) {
 
 // A pending signal's exception (Ctrl-C), if there is one.
 void check_signals();
+
+// Becomes the Python exception kaz.Stopped.
+struct Stopped final : std::exception {
+  const char* what() const noexcept override;
+};
+
+// A call from Python on an object with a lock. Throws a RuntimeError if another thread's call is running on
+// the object, Stopped if stop() or close() is.
+class LockedCall {
+ public:
+  explicit LockedCall(ObjectLock& lock);
+
+  // Runs `work` without the GIL, alone with the object. Throws Stopped if stop() or close() came before it.
+  // The object is free again before the GIL is taken, so that stop() does not wait for the GIL.
+  template <class F>
+  auto piece(F work) {
+    const py::gil_scoped_release release;
+    const Inside inside(call_);
+    return work();
+  }
+
+ private:
+  struct Inside {
+    explicit Inside(ObjectLock::Call& call_) : call(call_) {
+      if (!call.enter()) throw Stopped();
+    }
+    ~Inside() { call.leave(); }
+    Inside(const Inside&) = delete;
+    Inside& operator=(const Inside&) = delete;
+    ObjectLock::Call& call;
+  };
+  ObjectLock::Call call_;
+};
+
+// An object as Python has it, and its lock.
+template <class T>
+class Locked {
+ public:
+  Locked(const std::string& name, std::unique_ptr<T> object)
+      : lock_(name), object_(std::move(object)) {}
+  ObjectLock& lock() { return lock_; }
+  // To be used in a piece of a LockedCall only.
+  T& object() { return *object_; }
+
+  // What `work` returns for the object; it must not use Python.
+  template <class F>
+  auto alone(F work) {
+    return LockedCall(lock_).piece([&] { return work(*object_); });
+  }
+
+ private:
+  ObjectLock lock_;
+  std::unique_ptr<T> object_;
+};
 
 // A copy, so that it is the caller's.
 py::array_t<double> array_of(std::span<const double> values);

@@ -1,10 +1,11 @@
 // The host's client of a servo board: in a Simulation, or at a port.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 
-#include "host/link/interrupt.h"
+#include "host/link/interruptible.h"
 #include "host/robot/robot.h"
 #include "python/src/simulation.h"
 #include "tools/app/session/backend.h"
@@ -64,15 +65,15 @@ std::vector<host::JointTarget> targets_of(const Targets& given) {
   return targets;
 }
 
-// Where the robot's lines and clock come from.
+// A robot, where its lines and clock come from, and its lock: of one in a Simulation the simulation's.
 class PythonRobot {
  public:
   explicit PythonRobot(std::shared_ptr<SimulatedWorld> world, const host::ConnectOptions& options)
-      : world_(std::move(world)),
-        simulated_clock_(std::make_unique<lockstep::LockstepClock>(world_->simulation())),
-        simulated_link_(std::make_unique<lockstep::LockstepLink>(world_->simulation())) {
-    robot_.emplace(value_of(released(
-        [&] { return host::Robot::connect(*simulated_link_, *simulated_clock_, options); })));
+      : world_(std::move(world)), lock_(world_->lock()) {
+    robot_.emplace(value_of(world_->alone([&](sim::Simulation& simulation) {
+      simulated_.emplace(simulation, lock_.interrupt());
+      return host::Robot::connect(simulated_->link, simulated_->clock, options);
+    })));
   }
   PythonRobot(const std::string& port, const std::string& robot_file, std::uint8_t address,
               const host::ConnectOptions& options) {
@@ -83,7 +84,8 @@ class PythonRobot {
     backend.needs_camera = false;
     if (port == "sim")
       raise({Fault::usage, "Robot('sim'): make a Simulation first, and give that"});
-    port_ = value_of(released([&] { return tools::SessionBackend::open(backend, interrupt_); }));
+    port_ =
+        value_of(released([&] { return tools::SessionBackend::open(backend, lock_.interrupt()); }));
     robot_.emplace(value_of(released([&] {
       const auto boards = port_->boards();
       return host::Robot::connect(boards, port_->clock(), options);
@@ -91,46 +93,79 @@ class PythonRobot {
   }
   // As every program leaves it.
   ~PythonRobot() { close(); }
+  PythonRobot(const PythonRobot&) = delete;
+  PythonRobot& operator=(const PythonRobot&) = delete;
 
-  host::Robot& robot() {
-    if (!robot_) raise({Fault::usage, "this robot is closed: make another one"});
-    return *robot_;
+  // What `work` returns, a Result, for the robot.
+  template <class F>
+  auto alone(F work) {
+    return value_of(LockedCall(lock_).piece([&] { return with_robot(work); }));
+  }
+
+  // From any thread, at any time: the running call ends, its requests are abandoned, and the stop is sent.
+  void stop() {
+    auto stopped = released([this] {
+      const ObjectLock::Stop alone(lock_);
+      return with_robot([](host::Robot& robot) { return robot.stop(); });
+    });
+    if (stopped) return;
+    if (stopped.error().fault != Fault::usage)
+      stopped.error().message += "; the motors may still be on: cut the power";
+    raise(stopped.error());
   }
   void close() {
-    if (!robot_) return;
+    if (closed_) return;
     const py::gil_scoped_release release;
-    robot_->disable_all();
+    const ObjectLock::Stop alone(lock_);
+    if (robot_) robot_->disable_all();
     robot_.reset();
     port_.reset();
+    closed_ = true;
   }
 
   // Ctrl-C ends it; the motors stay on.
   void sleep(double seconds_) {
-    Time left = time_of("sleep: the time", seconds_, 1e6);
-    host::Clock& clock = robot().clock();
-    const Time until = clock.now() + left;
-    while (clock.now() < until) {
-      const Time next = std::min(until, clock.now() + Time(std::chrono::milliseconds(100)));
-      value_of(released([&] { return clock.sleep_until(next); }));
-      check_signals();
-    }
+    const Time left = time_of("sleep: the time", seconds_, 1e6);
+    LockedCall call(lock_);
+    std::optional<Time> until;
+    const auto piece = [&](host::Robot& robot) -> Result<bool> {
+      host::Clock& clock = robot.clock();
+      if (!until) until = clock.now() + left;
+      KAZ_TRY(clock.sleep_until(std::min(*until, clock.now() + kBetweenSignals)));
+      return clock.now() >= *until;
+    };
+    while (!value_of(call.piece([&] { return with_robot(piece); }))) check_signals();
   }
 
  private:
-  std::shared_ptr<SimulatedWorld> world_;
-  std::unique_ptr<lockstep::LockstepClock> simulated_clock_;
-  std::unique_ptr<lockstep::LockstepLink> simulated_link_;
-  host::Interrupt interrupt_;
+  static constexpr Time kBetweenSignals = std::chrono::milliseconds(100);
+
+  struct Simulated {
+    Simulated(sim::Simulation& simulation, const host::Interrupt& interrupt)
+        : raw_clock(simulation),
+          raw_link(simulation),
+          clock(raw_clock, interrupt),
+          link(raw_link, raw_clock, interrupt) {}
+    lockstep::LockstepClock raw_clock;
+    lockstep::LockstepLink raw_link;
+    host::InterruptibleClock clock;
+    host::InterruptibleLink link;
+  };
+
+  template <class F>
+  std::invoke_result_t<F, host::Robot&> with_robot(F work) {
+    if (!robot_) return fail(Fault::usage, "this robot is closed: make another one");
+    return work(*robot_);
+  }
+
+  const std::shared_ptr<SimulatedWorld> world_;
+  ObjectLock own_lock_{"this Robot"};
+  ObjectLock& lock_ = own_lock_;
+  std::optional<Simulated> simulated_;
   std::unique_ptr<tools::SessionBackend> port_;
   std::optional<host::Robot> robot_;
+  std::atomic<bool> closed_{false};
 };
-
-// Calls with the robot, without the GIL.
-template <class F>
-auto on(PythonRobot& self, F call) {
-  host::Robot& robot = self.robot();
-  return value_of(released([&] { return call(robot); }));
-}
 
 host::ConnectOptions options_of(double watchdog, const std::string& reaction) {
   host::ConnectOptions options;
@@ -142,7 +177,7 @@ host::ConnectOptions options_of(double watchdog, const std::string& reaction) {
 
 py::dict joint_details(PythonRobot& self, const std::optional<Joints>& joints) {
   const std::uint32_t mask = mask_of(joints);
-  const auto details = on(self, [&](host::Robot& robot) { return robot.joints(mask); });
+  const auto details = self.alone([&](host::Robot& robot) { return robot.joints(mask); });
   std::vector<std::string> names;
   std::vector<double> angle, speed, duty, load;
   for (const host::JointDetail& joint : details) {
@@ -162,7 +197,7 @@ py::dict joint_details(PythonRobot& self, const std::optional<Joints>& joints) {
 }
 
 py::dict health_of(PythonRobot& self) {
-  const host::Health health = on(self, [&](host::Robot& robot) { return robot.health(); });
+  const host::Health health = self.alone([&](host::Robot& robot) { return robot.health(); });
   py::dict all;
   all["tick"] = health.tick;
   all["status"] = health.status;
@@ -211,7 +246,7 @@ void add_robot(py::module_& module) {
           "enable",
           [](Robot& self, const std::optional<Joints>& joints) {
             const std::uint32_t mask = mask_of(joints);
-            on(self, [&](host::Robot& robot) { return robot.enable(mask); });
+            self.alone([&](host::Robot& robot) { return robot.enable(mask); });
           },
           py::arg("joints") = py::none())
       .def(
@@ -219,17 +254,18 @@ void add_robot(py::module_& module) {
           [](Robot& self, const Targets& given, double duration) {
             const auto targets = targets_of(given);
             const Time time = time_of("duration", duration, 65);
-            on(self, [&](host::Robot& robot) { return robot.set_targets(targets, time); });
+            self.alone([&](host::Robot& robot) { return robot.set_targets(targets, time); });
           },
           py::arg("targets"), py::arg("duration") = 0.0)
-      .def("state",
-           [](Robot& self) { return on(self, [&](host::Robot& robot) { return robot.state(); }); })
+      .def(
+          "state",
+          [](Robot& self) { return self.alone([&](host::Robot& robot) { return robot.state(); }); })
       .def(
           "exchange",
           [](Robot& self, const Targets& given, double duration) {
             const auto targets = targets_of(given);
             const Time time = time_of("duration", duration, 65);
-            return on(self, [&](host::Robot& robot) { return robot.exchange(targets, time); });
+            return self.alone([&](host::Robot& robot) { return robot.exchange(targets, time); });
           },
           py::arg("targets"), py::arg("duration") = 0.0)
       .def("joints", &joint_details, py::arg("joints") = py::none())
@@ -240,7 +276,7 @@ void add_robot(py::module_& module) {
              double dead_band, double friction) {
             const std::uint32_t mask = mask_of(joints);
             const host::Gains gains{kp, kd, dead_band, friction};
-            on(self, [&](host::Robot& robot) { return robot.set_gains(mask, gains); });
+            self.alone([&](host::Robot& robot) { return robot.set_gains(mask, gains); });
           },
           py::arg("joints") = py::none(), py::kw_only(), py::arg("kp") = host::Gains{}.kp_per_rad,
           py::arg("kd") = host::Gains{}.kd_s_per_rad, py::arg("dead_band") = 0.0,
@@ -251,18 +287,29 @@ void add_robot(py::module_& module) {
              double upper) {
             const std::uint32_t mask = mask_of(joints);
             const host::Limits limits_{ramp, lower, upper};
-            on(self, [&](host::Robot& robot) { return robot.set_limits(mask, limits_); });
+            self.alone([&](host::Robot& robot) { return robot.set_limits(mask, limits_); });
           },
           py::arg("joints") = py::none(), py::kw_only(),
           py::arg("ramp") = host::Limits{}.ramp_rad_per_s,
           py::arg("lower") = host::Limits{}.lower_rad, py::arg("upper") = host::Limits{}.upper_rad)
-      .def("stop", [](Robot& self) { on(self, [&](host::Robot& robot) { return robot.stop(); }); })
+      // Not &Robot::stop: pybind11 would take self by pointer, so None would be null.
+      .def(
+          "stop", [](Robot& self) { self.stop(); },
+          "Motors off at once, from any thread: the running call ends and raises Stopped. Returns "
+          "when the board has confirmed.")
       .def("clear",
-           [](Robot& self) { on(self, [&](host::Robot& robot) { return robot.clear(); }); })
-      .def("sleep", &Robot::sleep, py::arg("seconds"))
+           [](Robot& self) { self.alone([&](host::Robot& robot) { return robot.clear(); }); })
+      .def(
+          "sleep", [](Robot& self, double seconds_) { self.sleep(seconds_); }, py::arg("seconds"))
       .def_property_readonly("time",
-                             [](Robot& self) { return seconds(self.robot().clock().now()); })
-      .def("close", &Robot::close)
+                             [](Robot& self) {
+                               return seconds(self.alone([](host::Robot& robot) -> Result<Time> {
+                                 return robot.clock().now();
+                               }));
+                             })
+      .def(
+          "close", [](Robot& self) { self.close(); },
+          "Motors off, and the port closed; from any thread, as stop().")
       .def(
           "__enter__", [](Robot& self) -> Robot& { return self; },
           py::return_value_policy::reference)

@@ -19,15 +19,20 @@ namespace {
 
 constexpr std::int64_t kMillisecondsBetweenSignals = 200;
 
-// Steps of a millisecond; Ctrl-C ends them.
+// Steps of a millisecond; Ctrl-C and a robot's stop() end them.
 void step(SimulatedWorld& world, double seconds) {
   if (!(seconds >= 0.001 && seconds <= 1e6))
     raise({Fault::usage, "step: give at least 0.001 s, and 1e6 s at most"});
   auto left = static_cast<std::int64_t>(std::llround(seconds * 1000));
+  LockedCall call(world.lock());
   while (left > 0) {
     const std::int64_t now = std::min(left, kMillisecondsBetweenSignals);
-    value_of(released([&]() -> Result<void> {
-      for (std::int64_t i = 0; i < now; ++i) KAZ_TRY(world.simulation().step());
+    value_of(call.piece([&]() -> Result<void> {
+      for (std::int64_t i = 0; i < now; ++i) {
+        if (world.lock().interrupt().ends_waiting())
+          return tl::unexpected(host::Interrupt::error());
+        KAZ_TRY(world.object().step());
+      }
       return {};
     }));
     left -= now;
@@ -35,8 +40,11 @@ void step(SimulatedWorld& world, double seconds) {
   }
 }
 
-py::dict joints_of(sim::World& world) {
-  const auto joints = world.joints();
+py::dict joints_of(SimulatedWorld& world) {
+  const auto joints = world.alone([](sim::Simulation& simulation) {
+    const auto now = simulation.world().joints();
+    return std::vector<sim::JointState>(now.begin(), now.end());
+  });
   const auto column = [&](double sim::JointState::*field) {
     std::vector<double> values;
     for (const sim::JointState& joint : joints) values.push_back(joint.*field);
@@ -51,9 +59,13 @@ py::dict joints_of(sim::World& world) {
   return all;
 }
 
-py::list contacts_of(sim::World& world) {
+py::list contacts_of(SimulatedWorld& world) {
+  const auto contacts = world.alone([](sim::Simulation& simulation) {
+    const auto now = simulation.world().contacts();
+    return std::vector<sim::ContactPoint>(now.begin(), now.end());
+  });
   py::list all;
-  for (const sim::ContactPoint& point : world.contacts()) {
+  for (const sim::ContactPoint& point : contacts) {
     py::dict one;
     one["a"] = point.a;
     one["b"] = point.b;
@@ -71,17 +83,18 @@ py::array_t<double> link_pose(SimulatedWorld& world, const std::string& link) {
     for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
     raise({Fault::usage, "no link '" + link + "'; there are " + known});
   }
-  return matrix_of(world.simulation().world().link_pose(link));
+  return matrix_of(
+      world.alone([&](sim::Simulation& simulation) { return simulation.world().link_pose(link); }));
 }
 
 std::vector<Pair> pairs(SimulatedWorld& world) {
-  if (!world.simulation().has_eyes()) raise(sim::Simulation::no_eyes());
-  world.simulation().open_eyes();
-  return released([&] {
+  return value_of(world.alone([](sim::Simulation& simulation) -> Result<std::vector<Pair>> {
+    if (!simulation.has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
+    simulation.open_eyes();
     std::vector<Pair> all;
-    while (auto pair = world.simulation().next_pair()) all.push_back(pair_of(*pair));
+    while (auto pair = simulation.next_pair()) all.push_back(pair_of(*pair));
     return all;
-  });
+  }));
 }
 
 py::array picture(SimulatedWorld& world, const std::array<double, 3>& from,
@@ -98,8 +111,9 @@ py::array picture(SimulatedWorld& world, const std::array<double, 3>& from,
   view.camera = sim::Pinhole::from_horizontal_view(width, height, view_rad);
   view.world_from_optical = sim::look_at(eye, target);
   view.samples_per_axis = 2;
-  auto drawn = value_of(released(
-      [&] { return world.simulation().picture(view, world.simulation().world().pose()); }));
+  auto drawn = value_of(world.alone([&](sim::Simulation& simulation) {
+    return simulation.picture(view, simulation.world().pose());
+  }));
   auto* const kept = new std::vector<std::uint8_t>(std::move(drawn.rgb));
   py::capsule owner(kept, [](void* held) { delete static_cast<std::vector<std::uint8_t>*>(held); });
   return py::array_t<std::uint8_t>({height, width, 3}, kept->data(), owner);
@@ -130,85 +144,104 @@ std::shared_ptr<SimulatedWorld> make(const py::kwargs& given) {
 }
 
 void add_fault(SimulatedWorld& world, const std::string& line) {
-  world.simulation().add_fault(value_of(faults::parse(line, world.simulation().time())));
+  value_of(world.alone([&](sim::Simulation& simulation) -> Result<void> {
+    simulation.add_fault(KAZ_TRY(faults::parse(line, simulation.time())));
+    return {};
+  }));
 }
 
 }  // namespace
 
 void add_simulation(py::module_& module) {
   using World = SimulatedWorld;
+  using sim::Simulation;
   py::class_<World, std::shared_ptr<World>> made(module, "Simulation");
   made.def(py::init(&make))
       .def("step", &step, py::arg("seconds") = 0.001)
-      .def_property_readonly("time", [](World& w) { return seconds(w.simulation().time()); })
+      .def_property_readonly(
+          "time", [](World& w) { return w.alone([](Simulation& s) { return seconds(s.time()); }); })
       .def_property_readonly("joint_names",
                              [](World& w) {
-                               const auto names = w.simulation().world().joint_order();
-                               return std::vector<std::string>(names.begin(), names.end());
+                               return w.alone([](Simulation& s) {
+                                 const auto names = s.world().joint_order();
+                                 return std::vector<std::string>(names.begin(), names.end());
+                               });
                              })
       .def_property_readonly("link_names", [](World& w) { return w.links(); })
-      .def("joints", [](World& w) { return joints_of(w.simulation().world()); })
-      .def(
-          "link_pose", [](World& w, const std::string& link) { return link_pose(w, link); },
-          py::arg("link"))
+      .def("joints", &joints_of)
+      .def("link_pose", &link_pose, py::arg("link"))
       .def(
           "object_position",
           [](World& w, const std::string& model) {
-            return vector_of(value_of(w.simulation().world().object_position(model)));
+            return vector_of(
+                value_of(w.alone([&](Simulation& s) { return s.world().object_position(model); })));
           },
           py::arg("model"))
-      .def("contacts", [](World& w) { return contacts_of(w.simulation().world()); })
+      .def("contacts", &contacts_of)
       .def(
           "push",
           [](World& w, const std::string& link, const std::array<double, 3>& impulse) {
             const Eigen::Vector3d vector(impulse.data());
             if (!vector.allFinite()) raise({Fault::usage, "push: the impulse is not finite"});
-            value_of(w.simulation().world().push(link, vector));
+            value_of(w.alone([&](Simulation& s) { return s.world().push(link, vector); }));
           },
           py::arg("link"), py::arg("impulse"))
-      .def_property_readonly("supply_volts",
-                             [](World& w) { return w.simulation().board().supply_volts(); })
-      .def_property_readonly("supply_amperes",
-                             [](World& w) { return w.simulation().world().supply_current_a(); })
-      .def_property_readonly("motors_enabled",
-                             [](World& w) { return w.simulation().board().drivers_enabled(); })
+      .def_property_readonly(
+          "supply_volts",
+          [](World& w) { return w.alone([](Simulation& s) { return s.board().supply_volts(); }); })
+      .def_property_readonly(
+          "supply_amperes",
+          [](World& w) {
+            return w.alone([](Simulation& s) { return s.world().supply_current_a(); });
+          })
+      .def_property_readonly(
+          "motors_enabled",
+          [](World& w) {
+            return w.alone([](Simulation& s) { return s.board().drivers_enabled(); });
+          })
       .def("pairs", &pairs)
-      .def_property_readonly("camera", [](World& w) { return w.simulation().camera().model(); })
+      .def_property_readonly(
+          "camera",
+          [](World& w) { return w.alone([](Simulation& s) { return s.camera().model(); }); })
       .def("picture", &picture, py::arg("from_"), py::arg("at"), py::arg("width") = 640,
            py::arg("height") = 480, py::arg("view_rad") = 0.9)
       .def("add_fault", &add_fault, py::arg("line"))
-      .def("clear_faults", [](World& w) { w.simulation().clear_faults(); })
+      .def("clear_faults", [](World& w) { w.alone([](Simulation& s) { s.clear_faults(); }); })
       .def("save",
            [](World& w) {
-             const auto state = value_of(released([&] { return w.simulation().save(); }));
+             const auto state = value_of(w.alone([](Simulation& s) { return s.save(); }));
              return py::bytes(reinterpret_cast<const char*>(state.data()), state.size());
            })
       .def(
           "restore",
           [](World& w, const py::bytes& state) {
             const auto bytes = bytes_of(state);
-            value_of(released([&] { return w.simulation().restore(bytes); }));
+            value_of(w.alone([&](Simulation& s) { return s.restore(bytes); }));
           },
           py::arg("state"))
       .def(
-          "write", [](World& w, const py::bytes& bytes) { w.simulation().write(bytes_of(bytes)); },
+          "write",
+          [](World& w, const py::bytes& given) {
+            const auto bytes = bytes_of(given);
+            w.alone([&](Simulation& s) { s.write(bytes); });
+          },
           py::arg("bytes"))
       .def(
           "read",
           [](World& w, std::size_t most) {
             std::vector<std::uint8_t> some(std::min<std::size_t>(most, 1 << 20));
-            const std::size_t count = w.simulation().read(some);
+            const std::size_t count = w.alone([&](Simulation& s) { return s.read(some); });
             return py::bytes(reinterpret_cast<const char*>(some.data()), count);
           },
           py::arg("most") = 4096)
       .def(
           "start_recording",
           [](World& w, const std::string& path) {
-            value_of(released([&] { return w.simulation().start_recording(path); }));
+            value_of(w.alone([&](Simulation& s) { return s.start_recording(path); }));
           },
           py::arg("path"))
       .def("finish_recording", [](World& w) {
-        return value_of(released([&] { return w.simulation().finish_recording(); }));
+        return value_of(w.alone([](Simulation& s) { return s.finish_recording(); }));
       });
 }
 

@@ -11,18 +11,17 @@
 
 namespace kaz::python {
 
-// Whoever has it keeps it alive: a Robot in it outlives the variable that it was made of.
-class SimulatedWorld {
+// A Robot in it keeps it alive and uses its lock: the robot's calls advance this simulation.
+class SimulatedWorld : public Locked<sim::Simulation> {
  public:
   // `links`: names of the robot's links, the welded ones included.
   SimulatedWorld(std::unique_ptr<sim::Simulation> simulation, std::vector<std::string> links)
-      : simulation_(std::move(simulation)), links_(std::move(links)) {}
-  sim::Simulation& simulation() { return *simulation_; }
+      : Locked("this Simulation, or a Robot in it,", std::move(simulation)),
+        links_(std::move(links)) {}
   const std::vector<std::string>& links() const { return links_; }
 
  private:
-  std::unique_ptr<sim::Simulation> simulation_;
-  std::vector<std::string> links_;
+  const std::vector<std::string> links_;
 };
 
 }  // namespace kaz::python
