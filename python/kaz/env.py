@@ -343,6 +343,8 @@ class VectorEnv(_VectorEnv):
 
     def __init__(self, task="stand", num_envs=8, engine="native", threads=0, autoreset_mode="next_step",
                  episode_s=None, pictures=None, **simulation):
+        if task is None:
+            raise TypeError(f"task=None: give one of {', '.join(TASKS)}, or an object like them")
         if isinstance(task, str) and task not in TASKS:
             raise UsageError(f"no task '{task}': give one of {', '.join(TASKS)}, or an object like them")
         if autoreset_mode not in AUTORESET_MODES:

@@ -3,6 +3,7 @@
 """Recording("recording.mcap"): what `kaz run --out` and Simulation(recording=...) leave."""
 
 import json
+import os
 import re
 import struct
 
@@ -105,7 +106,7 @@ class Recording:
     """
 
     def __init__(self, path):
-        self._file = McapRecording(str(path))
+        self._file = McapRecording(os.fspath(path))
         self._schemas = schemas()
         self.topics = dict(self._file.topics)
         self.facts = dict(self._file.facts)

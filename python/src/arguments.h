@@ -16,17 +16,17 @@ tools::BackendOptions take_world_arguments(py::dict& arguments);
 // Raises UsageError if something is left.
 void nothing_left(const std::string& function, const py::dict& arguments);
 
-// Removes and returns it; `otherwise` if it is not there. Raises TypeError for another type.
+// Removes and returns it; `otherwise` if it is not there. Raises TypeError for another type, and for None.
 template <class T>
 T take(py::dict& arguments, const char* name, T otherwise) {
   if (!arguments.contains(name)) return otherwise;
   const py::object value = arguments.attr("pop")(name);
   try {
-    return value.cast<T>();
+    if (!value.is_none()) return value.cast<T>();
   } catch (const py::cast_error&) {
-    throw py::type_error(std::string(name) + "=" + std::string(py::repr(value)) +
-                         " is of the wrong type: " + std::string(py::str(py::type::of(value))));
   }
+  throw py::type_error(std::string(name) + "=" + std::string(py::repr(value)) +
+                       " is of the wrong type: " + std::string(py::str(py::type::of(value))));
 }
 
 }  // namespace kaz::python

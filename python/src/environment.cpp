@@ -138,7 +138,7 @@ void add_environment(py::module_& module) {
   py::class_<Robots>(module, "Batch")
       .def(py::init(&make))
       .def("reset", &reset, py::arg("seeds"))
-      .def("step", &step, py::arg("targets"), py::arg("resting"))
+      .def("step", &step, py::arg("targets").none(false), py::arg("resting").none(false))
       .def("state", &state_of)
       .def("pictures", &pictures_of)
       .def_property_readonly(

@@ -232,7 +232,7 @@ void add_robot(py::module_& module) {
                        const std::string& when_lost) {
              return std::make_unique<Robot>(std::move(world), options_of(watchdog, when_lost));
            }),
-           py::arg("simulation"), py::kw_only(), py::arg("watchdog") = 0.09,
+           py::arg("simulation").none(false), py::kw_only(), py::arg("watchdog") = 0.09,
            py::arg("when_lost") = "hold")
       .def(py::init([](const std::string& port, const std::string& robot_file, int address,
                        double watchdog, const std::string& when_lost) {

@@ -135,7 +135,7 @@ void add_vision(py::module_& module) {
                  "this PlaneFinder", std::make_unique<vision::PlaneSegmentFinder>(options));
            }),
            py::arg("seed") = 1)
-      .def("find", &find_planes, py::arg("disparity"), py::arg("camera"));
+      .def("find", &find_planes, py::arg("disparity").none(false), py::arg("camera"));
 }
 
 }  // namespace kaz::python
