@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/bus/bus_driver.h"
+#include "host/link/drain.h"
 
 namespace kaz::host {
 
@@ -26,15 +27,15 @@ class BusExchange {
 
   BusExchange(Link& link, Clock& clock) : link_(link), clock_(clock) {}
 
-  // What came before belongs to no request any more.
+  // What came before belongs to no request any more. Where the link cannot be read, or does not fall silent, the
+  // request leaves all the same: it may be the one that switches torque off.
   Result<void> send(const Packet& request) {
-    std::array<std::uint8_t, 256> old{};
-    while (KAZ_TRY(link_.read(old, clock_.now())) > 0) {
-    }
+    const auto drained = drain(link_, clock_);
     come_.clear();
     reader_.reset();
     ++counts_.requests;
-    return link_.write(Wire::wire_of(request));
+    KAZ_TRY(link_.write(Wire::wire_of(request)));
+    return drained;
   }
 
   // Nothing: it did not come in time, or damaged. An adapter may hand back the request itself.

@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 
+#include "host/link/drain.h"
 #include "shared/dynamixel/packet.h"
 #include "shared/feetech/packet.h"
 
@@ -96,9 +97,8 @@ class Scan {
   using Answer = std::optional<typename Wire::Packet>;
 
   Result<Answer> request(ScannedServo& servo, const typename Wire::Packet& packet) {
+    KAZ_TRY(drain(link_, clock_));
     std::array<std::uint8_t, 256> bytes{};
-    while (KAZ_TRY(link_.read(bytes, clock_.now())) > 0) {
-    }
     ++servo.requests;
     const Time begin = clock_.now();
     KAZ_TRY(link_.write(Wire::wire_of(packet)));
