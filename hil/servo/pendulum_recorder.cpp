@@ -24,6 +24,7 @@ constexpr double kFeetechAmps = 0.0065, kFeetechDuty = 0.166;  // A; duty for ra
 constexpr double kFastest = 30;                                // rad/s: no profile
 constexpr double kBlend_s = 0.5;                               // from rest to the motion
 constexpr double kStill = 0.01;                                // rad, within half a second
+constexpr const char* kMayHold = "its torque is not confirmed to be off: cut its power";
 
 struct Motion {
   const char* name;
@@ -339,9 +340,7 @@ class Recorder {
       const double goal = start * (1 - smooth(t / kBlend_s)) +
                           options_.amplitude_rad * motion.goal(t * 6 / options_.seconds);
       if (t >= drop_s && torque_) {
-        if (!KAZ_TRY(driver_->write(servo_, "torque_enable", 0)))
-          return wrong(Fault::environment, "does not switch its torque off");
-        torque_ = false;
+        KAZ_TRY(release());
       }
       if (torque_) KAZ_TRY(goal_at(goal));
       const auto now = KAZ_TRY(look());
@@ -358,24 +357,32 @@ class Recorder {
           {now->at_s - seconds(begin), wanted, now->angle, now->volts, now->amps, torque_});
       if (options_.progress) options_.progress(done_ + t / options_.seconds / all, one.name);
     }
-    KAZ_TRY(driver_->release(servo_));
-    torque_ = false;
-    return {};
+    return release();
+  }
+
+  // Fails unless the servo says that its torque is off.
+  Result<void> release() {
+    const BusServo* const servo = &servo_;
+    const auto torque = driver_->release({&servo, 1});
+    if (torque && torque->front() == BusDriver::Torque::off) {
+      torque_ = false;
+      return {};
+    }
+    return wrong(
+        torque ? Fault::environment : torque.error().fault,
+        std::string("may hold, ") + kMayHold + (torque ? "" : " (" + torque.error().message + ")"));
   }
 
   Result<void> leave() {
     std::string left;
-    bool off = false;
-    for (int tries = 0; tries < 5 && !off; ++tries) {
-      KAZ_TRY(driver_->release(servo_));
-      off = KAZ_TRY(driver_->read(servo_, "torque_enable")) == 0;
-    }
-    if (!off) left = "its torque could not be switched off: switch its supply off";
+    auto off = release();
+    for (int tries = 0; tries < 5 && !off; ++tries) off = release();
     for (const auto& [name, value] : before_) {
       if (set(name, value)) continue;
       left += (left.empty() ? "not put back: " : ", ") + std::string(name) + " was " +
               std::to_string(value);
     }
+    if (!off) left = kMayHold + (left.empty() ? "" : "; " + left);
     if (left.empty()) return {};
     return wrong(Fault::environment, "is not as it was: " + left);
   }

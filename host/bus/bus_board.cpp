@@ -15,9 +15,10 @@ using servo_bus::BusServo;
 
 namespace {
 
-constexpr int kMostMissing = 3;                          // readings in a row
-constexpr Time kFresh = std::chrono::milliseconds(2);    // of readings
-constexpr Time kStream = std::chrono::milliseconds(50);  // shorter moves are one of many
+constexpr int kMostMissing = 3;                                // readings in a row
+constexpr Time kFresh = std::chrono::milliseconds(2);          // of readings
+constexpr Time kStream = std::chrono::milliseconds(50);        // shorter moves are one of many
+constexpr Time kSilentEvery = std::chrono::milliseconds(100);  // a silent servo is asked to be off
 constexpr double kPerRad = KZ_ANGLE_PER_RAD;
 
 s16 to_angle(double rad) {
@@ -39,10 +40,6 @@ std::vector<std::uint8_t> packed(const Message& message, u8 (*pack)(const Messag
   return {fields.begin(), fields.begin() + size};
 }
 
-std::string named(const BusJoint& joint) {
-  return "servo " + std::to_string(joint.servo.id) + " (" + joint.servo.joint + ")";
-}
-
 std::string degrees(double rad) {
   return std::to_string(std::lround(rad / kDegree));
 }
@@ -53,7 +50,7 @@ Result<void> check_range(const BusJoint& joint) {
       std::minmax({joint.servo.steps_at(joint.lower_rad), joint.servo.steps_at(joint.upper_rad)});
   const int last = joint.servo.model->steps - 1;
   if (low > -1 && high < last + 1) return {};
-  return fail(Fault::usage, named(joint) + ": by bus.json its range of " +
+  return fail(Fault::usage, named(joint.servo) + ": by bus.json its range of " +
                                 degrees(joint.lower_rad) + " to " + degrees(joint.upper_rad) +
                                 " degrees is positions " + std::to_string(std::lround(low)) +
                                 " to " + std::to_string(std::lround(high)) +
@@ -80,20 +77,26 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
     KAZ_TRY(check_range(joint));
     const auto greeting = KAZ_TRY(board.driver_->greet(joint.servo));
     if (!greeting) {
-      silent += (silent.empty() ? "" : ", ") + named(joint);
+      silent += (silent.empty() ? "" : ", ") + named(joint.servo);
       continue;
     }
-    const auto [model, mode] = *greeting;
+    const auto& [model, mode, refused] = *greeting;
     if (model && *model != joint.servo.model->number)
-      return fail(Fault::usage, named(joint) + " on " + link.name() + " is of model number " +
+      return fail(Fault::usage, named(joint.servo) + " on " + link.name() + " is of model number " +
                                     std::to_string(*model) + ", and bus.json says " +
                                     std::string(joint.servo.model->name) + " (" +
                                     std::to_string(joint.servo.model->number) + ")");
     const int wanted = board.driver_->position_mode();
     if (mode && *mode != wanted)
-      return fail(Fault::usage, named(joint) + " on " + link.name() + " is in mode " +
+      return fail(Fault::usage, named(joint.servo) + " on " + link.name() + " is in mode " +
                                     std::to_string(*mode) + ", and only the position mode, " +
                                     std::to_string(wanted) + ", can be driven");
+    if (!refused.empty())
+      return fail(Fault::environment, named(joint.servo) + " on " + link.name() +
+                                          " does not accept 0 for its register " +
+                                          std::string(refused) +
+                                          ": check its plug and supply; `kaz bus scan --port " +
+                                          link.name() + "` counts what is lost");
     Joint& one = board.joints_.emplace_back();
     one.of = std::move(joint);
   }
@@ -109,9 +112,9 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
     if (joint.missing == 0 &&
         (joint.angle < joint.of.lower_rad - kBeyond || joint.angle > joint.of.upper_rad + kBeyond))
       return fail(Fault::environment,
-                  named(joint.of) + " on " + link.name() + " stands at " + degrees(joint.angle) +
-                      " degrees by bus.json, and its range is " + degrees(joint.of.lower_rad) +
-                      " to " + degrees(joint.of.upper_rad) +
+                  named(joint.of.servo) + " on " + link.name() + " stands at " +
+                      degrees(joint.angle) + " degrees by bus.json, and its range is " +
+                      degrees(joint.of.lower_rad) + " to " + degrees(joint.of.upper_rad) +
                       ": bus.json is not this robot's; `kaz calibrate joints` writes it");
   }
   return board;
@@ -151,8 +154,23 @@ std::uint32_t BusBoard::tick() const {
 
 std::uint32_t BusBoard::on() const {
   std::uint32_t mask = 0;
-  for (std::size_t j = 0; j < joints_.size(); ++j) mask |= (joints_[j].on ? 1u : 0u) << j;
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    mask |= (joints_[j].power != Power::off ? 1u : 0u) << j;
   return mask;
+}
+
+std::uint32_t BusBoard::driven() const {
+  std::uint32_t mask = 0;
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    mask |= (joints_[j].power == Power::on ? 1u : 0u) << j;
+  return mask;
+}
+
+std::string BusBoard::still_on() const {
+  std::vector<BusDriver::Torque> torque;
+  for (const Joint& joint : joints_)
+    torque.push_back(joint.power == Power::off ? BusDriver::Torque::off : joint.said);
+  return host::still_on(servos(), torque);
 }
 
 u16 BusBoard::status() const {
@@ -198,15 +216,16 @@ Result<void> BusBoard::look() {
   }
   lowest_volts_ = std::min(lowest_volts_, volts_);
   u8 detail = KZ_NO_DETAIL;
-  if (const u8 reason = cause(detail); reason != 0 && on() != 0) return shut_down(reason, detail);
-  return {};
+  if (const u8 reason = cause(detail); reason != 0 && driven() != 0)
+    return shut_down(reason, detail);
+  return release_next();
 }
 
 u8 BusBoard::cause(u8& detail) const {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
     detail = static_cast<u8>(j);
-    if (joint.missing >= kMostMissing) return KZ_SHUTDOWN_POT;
+    if (joint.missing >= kMostMissing || !joint.accepted) return KZ_SHUTDOWN_POT;
     if ((joint.trouble & kTroubleSensor) != 0) return KZ_SHUTDOWN_POT;
     if ((joint.trouble & kTroubleOverload) != 0) return KZ_SHUTDOWN_OVERLOAD;
     detail = KZ_NO_DETAIL;
@@ -224,21 +243,60 @@ Result<void> BusBoard::shut_down(u8 reason, u8 detail) {
   return switch_to(0);
 }
 
-// A joint that was off holds the angle that it has.
-Result<void> BusBoard::switch_to(std::uint32_t mask) {
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    Joint& joint = joints_[j];
-    const bool wanted = (mask >> j & 1) != 0;
-    if (wanted && !joint.on) {
-      joint.target = joint.angle;
-      joint.on = KAZ_TRY(driver_->hold(joint.of.servo, joint.of.servo.steps_at(joint.angle)));
-    } else if (!wanted) {
-      // Also of one that should be off: a program that was killed may have left it on.
-      KAZ_TRY(driver_->release(joint.of.servo));
-      joint.on = false;
-    }
+Result<void> BusBoard::release(std::vector<Joint*> joints, Time within) {
+  if (joints.empty()) return {};
+  // Those that answer come first: waiting for a silent one takes long.
+  std::ranges::stable_partition(joints, [](const Joint* joint) { return joint->missing == 0; });
+  std::vector<const BusServo*> servos;
+  for (Joint* joint : joints) {
+    joint->power = Power::unconfirmed;
+    joint->said = BusDriver::Torque::silent;
+    servos.push_back(&joint->of.servo);
+  }
+  const auto torque = KAZ_TRY(driver_->release(servos, within));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    joints[i]->said = torque[i];
+    if (torque[i] == BusDriver::Torque::off) joints[i]->power = Power::off;
   }
   return {};
+}
+
+Result<void> BusBoard::release_next() {
+  if (on() == driven()) return {};
+  const bool silent_too = clock_.now() >= silent_due_;
+  for (std::size_t n = 0; n < joints_.size(); ++n) {
+    released_ = (released_ + 1) % joints_.size();
+    Joint& joint = joints_[released_];
+    if (joint.power != Power::unconfirmed || (joint.missing > 0 && !silent_too)) continue;
+    if (joint.missing > 0) silent_due_ = clock_.now() + kSilentEvery;
+    return release({&joint}, Time::zero());
+  }
+  return {};
+}
+
+// A joint that was off holds the angle that it has, if that was just read.
+Result<void> BusBoard::switch_to(std::uint32_t mask) {
+  std::vector<Joint*> off, failed;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    // Also one that should be off already: a program that was killed may have left it on.
+    if ((mask >> j & 1) == 0) off.push_back(&joints_[j]);
+  }
+  KAZ_TRY(release(std::move(off)));
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    Joint& joint = joints_[j];
+    if ((mask >> j & 1) == 0 || joint.power == Power::on || joint.missing > 0) continue;
+    joint.target = joint.angle;
+    joint.power = Power::unconfirmed;  // until it says that it holds, or that it is off
+    joint.said = BusDriver::Torque::silent;
+    const BusServo& servo = joint.of.servo;
+    if (KAZ_TRY(driver_->hold(servo, servo.steps_at(joint.angle)))) {
+      joint.power = Power::on;
+      joint.said = BusDriver::Torque::on;
+    } else {
+      failed.push_back(&joint);
+    }
+  }
+  return release(std::move(failed));
 }
 
 // A servo goes to its target at a constant speed; of targets that follow one another, each is gone to as fast
@@ -264,11 +322,18 @@ Result<void> BusBoard::move(const kz_targets& targets) {
 
 Result<void> BusBoard::recover() {
   std::vector<BusDriver::Goal> troubled;
-  for (const Joint& joint : joints_) {
-    if (joint.trouble != 0)
-      troubled.push_back({&joint.of.servo, joint.of.servo.steps_at(joint.angle), 0});
+  std::vector<Joint*> joints;
+  for (Joint& joint : joints_) {
+    if (joint.missing > 0 || (joint.trouble == 0 && joint.accepted)) continue;
+    troubled.push_back({&joint.of.servo, joint.of.servo.steps_at(joint.angle), 0});
+    joints.push_back(&joint);
+    joint.power = Power::unconfirmed;
   }
-  if (!troubled.empty()) KAZ_TRY(driver_->recover(troubled));
+  if (!troubled.empty()) {
+    const auto accepted = KAZ_TRY(driver_->recover(troubled));
+    for (std::size_t i = 0; i < joints.size(); ++i) joints[i]->accepted = accepted[i];
+    KAZ_TRY(release(std::move(joints)));
+  }
   has_looked_ = false;
   return look();
 }
@@ -358,17 +423,20 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
       kz_enable enable{};
       if (!kz_unpack_enable(&enable, body, size)) return refuse(KZ_REFUSED_LENGTH);
       if (enable.mask != 0 && reason_ != 0) return refuse(KZ_REFUSED_FAULT, reason_);
-      has_looked_ = false;
-      KAZ_TRY(look());
       u8 detail = KZ_NO_DETAIL;
-      if (const u8 reason = cause(detail); enable.mask != 0 && reason != 0) {
-        KAZ_TRY(shut_down(reason, detail));
-        return refuse(KZ_REFUSED_FAULT, reason);
+      // Off waits for no reading.
+      if (enable.mask != 0) {
+        has_looked_ = false;
+        KAZ_TRY(look());
+        if (const u8 reason = cause(detail); reason != 0) {
+          KAZ_TRY(shut_down(reason, detail));
+          return refuse(KZ_REFUSED_FAULT, reason);
+        }
       }
       KAZ_TRY(switch_to(enable.mask));
       // Joints that are not there are as they were requested.
       const std::uint32_t there = (std::uint32_t{1} << joints_.size()) - 1;
-      if (on() != (enable.mask & there)) {
+      if (driven() != (enable.mask & there)) {
         // A servo whose protection has acted meanwhile does not go on.
         has_looked_ = false;
         KAZ_TRY(look());
@@ -377,8 +445,10 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
           return refuse(KZ_REFUSED_FAULT, reason);
         }
       }
-      return packed(kz_enable_reply{tick(), status(), on() | (enable.mask & ~there)},
-                    kz_pack_enable_reply);
+      // A joint that was to be on counts as on if it holds; one that was to be off, until it says that it is.
+      const std::uint32_t mask =
+          (driven() & enable.mask) | (on() & ~enable.mask) | (enable.mask & ~there);
+      return packed(kz_enable_reply{tick(), status(), mask}, kz_pack_enable_reply);
     }
     case KZ_TYPE_targets: {
       kz_targets targets{};
@@ -386,7 +456,8 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
       if (reason_ != 0) return refuse(KZ_REFUSED_FAULT, reason_);
       for (u8 j = 0; j < KZ_JOINTS; ++j) {
         if ((targets.mask >> j & 1) == 0) continue;
-        if (j >= joints_.size() || !joints_[j].on) return refuse(KZ_REFUSED_DISABLED, j);
+        if (j >= joints_.size() || joints_[j].power != Power::on)
+          return refuse(KZ_REFUSED_DISABLED, j);
         if (targets.angle[j] < joints_[j].lower || targets.angle[j] > joints_[j].upper)
           return refuse(KZ_REFUSED_LIMIT, j);
       }
@@ -402,7 +473,8 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
       reply.status = status();
       reply.mask = query.mask;
       for (std::size_t j = 0; j < joints_.size(); ++j)
-        reply.angle[j] = to_angle(joints_[j].on ? joints_[j].target : joints_[j].angle);
+        reply.angle[j] =
+            to_angle(joints_[j].power == Power::on ? joints_[j].target : joints_[j].angle);
       return packed(reply, kz_pack_read_targets_reply);
     }
     case KZ_TYPE_state: {
@@ -430,7 +502,8 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
         reply.duty[j] = static_cast<s16>(std::lround(255 * std::clamp(joint.duty, -1.0, 1.0)));
         reply.load[j] = static_cast<u8>(std::lround(255 * std::min(1.0, std::abs(joint.duty))));
         reply.faults[j] =
-            static_cast<u8>((joint.on ? KZ_JOINT_ON : 0) | (joint.missing > 0 ? KZ_JOINT_POT : 0) |
+            static_cast<u8>((joint.power != Power::off ? KZ_JOINT_ON : 0) |
+                            (joint.missing > 0 || !joint.accepted ? KZ_JOINT_POT : 0) |
                             ((joint.trouble & kTroubleOverload) != 0 ? KZ_JOINT_STALLED : 0) |
                             ((joint.trouble & kTroubleHeat) != 0 ? KZ_JOINT_HOT : 0));
       }

@@ -43,18 +43,24 @@ class BusBoard {
   // waits. Errors: the port's.
   Result<std::optional<std::vector<std::uint8_t>>> serve();
   const BusDriver::Counts& counts() const { return driver_->counts(); }
+  // Servos that have not said that they are off, as still_on() of bus_driver.h.
+  std::string still_on() const;
   // The port was opened anew.
   void forget();
 
  private:
+  // Unconfirmed: it should be off, and its servo has not said so. It takes no targets, and counts as on.
+  enum class Power : std::uint8_t { off, on, unconfirmed };
   struct Joint {
     BusJoint of;
-    bool on = false;
-    int missing = 0;                                    // readings in a row that did not come
-    double angle = 0, speed = 0, duty = 0, target = 0;  // rad, rad/s, -1..1, rad
-    std::uint8_t trouble = 0;                           // ServoTrouble
-    s16 lower = 0, upper = 0;                           // 100 urad, soft limits
-    u16 ramp = 60;                                      // 100 urad/ms
+    Power power = Power::unconfirmed;
+    BusDriver::Torque said = BusDriver::Torque::silent;  // when it was last asked to be off
+    bool accepted = true;                                // what the last recover() wrote
+    int missing = 0;                                     // readings in a row that did not come
+    double angle = 0, speed = 0, duty = 0, target = 0;   // rad, rad/s, -1..1, rad
+    std::uint8_t trouble = 0;                            // ServoTrouble
+    s16 lower = 0, upper = 0;                            // 100 urad, soft limits
+    u16 ramp = 60;                                       // 100 urad/ms
     u16 kp = KZ_KP_DEFAULT, kd = KZ_KD_DEFAULT, dead_band = 0;
     u8 friction = 0;
   };
@@ -70,6 +76,10 @@ class BusBoard {
   }
   Result<void> look();  // reads all servos, unless that was just done
   Result<void> switch_to(std::uint32_t mask);
+  // Asks these to be off, and takes what they say; up to BusDriver::kReleaseWithin.
+  Result<void> release(std::vector<Joint*> joints, Time within = BusDriver::kReleaseWithin);
+  // One of those that are unconfirmed, once: within a control cycle.
+  Result<void> release_next();
   Result<void> shut_down(u8 reason, u8 detail);
   u8 cause(u8& detail) const;  // KZ_SHUTDOWN_* that is there now
   Result<Fields> answer(u8 type, const u8* body, u8 size, Refusal& refusal);
@@ -78,7 +88,8 @@ class BusBoard {
   void set_limits(const kz_limits& limits);
   // Of servos whose protection acted.
   Result<void> recover();
-  std::uint32_t on() const;
+  std::uint32_t on() const;      // joints that are not confirmed to be off
+  std::uint32_t driven() const;  // joints that take targets
   std::uint32_t tick() const;
   u16 status() const;
   std::vector<const servo_bus::BusServo*> servos() const;
@@ -89,7 +100,8 @@ class BusBoard {
   kz_receiver receiver_{};
   std::vector<std::vector<std::uint8_t>> waiting_;  // bodies of frames
   std::vector<std::uint8_t> last_body_, last_answer_;
-  Time start_{}, moving_until_{}, looked_{};
+  Time start_{}, moving_until_{}, looked_{}, silent_due_{};
+  std::size_t released_ = 0;  // the joint that release_next() took last
   bool has_looked_ = false;
   u8 reason_ = 0, detail_ = KZ_NO_DETAIL;
   std::uint32_t shutdown_tick_ = 0;

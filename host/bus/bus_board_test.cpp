@@ -8,6 +8,7 @@
 #include <deque>
 #include <map>
 
+#include "host/bus/bus_scan.h"
 #include "host/robot/robot.h"
 #include "shared/feetech/packet.h"
 
@@ -26,6 +27,13 @@ class Servos final : public Link, public Clock {
   std::map<int, int> silent;          // requests that a servo does not hear
   int damaged = 0;                    // answers to be damaged
   int writes = 0;
+  // Writes of this value that a servo loses although it hears the rest, by id and address.
+  struct Lost {
+    int value, count;
+  };
+  std::map<std::pair<int, int>, Lost> lost;
+  bool mute = false;      // writes are done and not answered
+  bool flooding = false;  // bytes come without end
 
   void add(int id, int position) {
     auto& bytes = registers[id];
@@ -53,6 +61,10 @@ class Servos final : public Link, public Clock {
     return {};
   }
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    if (flooding) {
+      std::ranges::fill(bytes, 0x55);
+      return bytes.size();
+    }
     if (wire_.empty()) {
       now_ = std::max(now_, deadline);
       return std::size_t{0};
@@ -82,6 +94,17 @@ class Servos final : public Link, public Clock {
     if (!registers.contains(id)) return false;
     return silent[id] == 0 || silent[id]-- < 0;
   }
+  // False: it did not arrive. A goal switches the torque on.
+  bool write(int id, std::size_t address, std::span<const std::uint8_t> bytes) {
+    const auto losing = lost.find({id, static_cast<int>(address)});
+    if (losing != lost.end() && losing->second.count != 0 && losing->second.value == bytes[0]) {
+      --losing->second.count;
+      return false;
+    }
+    std::ranges::copy(bytes, registers[id].begin() + static_cast<std::ptrdiff_t>(address));
+    if (address == 42) registers[id][40] = 1;
+    return true;
+  }
   std::vector<std::uint8_t> bytes_of(int id, std::size_t address, std::size_t count) const {
     const auto& all = registers.at(id);
     return {all.begin() + static_cast<std::ptrdiff_t>(address),
@@ -98,7 +121,7 @@ class Servos final : public Link, public Clock {
     } else if (packet.id == feetech::kBroadcast && instruction == Instruction::sync_write) {
       ++writes;
       for (std::size_t i = 2; i + p[1] < p.size(); i += p[1] + 1u) {
-        for (std::size_t k = 0; k < p[1]; ++k) registers[p[i]][p[0] + k] = p[i + 1 + k];
+        if (hears(p[i])) (void)write(p[i], p[0], std::span(p).subspan(i + 1, p[1]));
       }
     } else if (hears(packet.id)) {
       if (instruction == Instruction::read) {
@@ -107,7 +130,7 @@ class Servos final : public Link, public Clock {
       }
       if (instruction == Instruction::write) {
         ++writes;
-        for (std::size_t k = 1; k < p.size(); ++k) registers[packet.id][p[0] + k - 1] = p[k];
+        if (!write(packet.id, p[0], std::span(p).subspan(1)) || mute) return;
       }
       answer(packet.id, {});
     }
@@ -143,6 +166,17 @@ class BoardLink final : public Link {
   Servos& servos_;
   std::vector<std::uint8_t> waiting_;
 };
+
+template <class Message>
+std::vector<u8> frame_of(u8 type, const Message& message, u8 (*pack)(const Message*, u8*)) {
+  std::array<u8, KZ_PAYLOAD_MAX> fields{};
+  const u8 size = pack(&message, fields.data());
+  std::vector<u8> body{KZ_ADDRESS_DEFAULT, type, 7};
+  body.insert(body.end(), fields.begin(), fields.begin() + size);
+  std::vector<u8> wire(KZ_FRAME_MAX);
+  wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
+  return wire;
+}
 
 std::vector<BusJoint> two_joints() {
   const servo_bus::Model* model = servo_bus::find_model("sts3215");
@@ -193,9 +227,174 @@ TEST_F(ServoRobot, HoldsWhereItIsAndTurnsToItsTargets) {
   EXPECT_NEAR(state->angle[1], 1.0, 2e-3);
   EXPECT_NEAR(state->supply_volts, 7.4, 1e-3);
   EXPECT_EQ(state->angle[5], 0) << "a joint that is none";
-  robot->disable_all();
+  EXPECT_TRUE(robot->disable_all());
   EXPECT_EQ(servos.registers[1][40], 0);
   EXPECT_EQ(servos.registers[2][40], 0);
+}
+
+constexpr int kTorque = 40, kGoal = 42, kFor = 1'000'000;
+
+TEST_F(ServoRobot, AnOffThatIsLostIsWrittenAgain) {
+  for (const int times : {1, 2, 3}) {
+    ASSERT_TRUE(robot->enable(0b11));
+    servos.lost[{1, kTorque}] = {0, times};
+    servos.lost[{2, kTorque}] = {0, times};
+    const auto off = robot->disable_all();
+    EXPECT_TRUE(off) << times << ": " << off.error().message;
+    EXPECT_EQ(servos.registers[1][kTorque], 0) << times;
+    EXPECT_EQ(servos.registers[2][kTorque], 0) << times;
+    EXPECT_EQ(board->still_on(), "");
+  }
+}
+
+TEST_F(ServoRobot, AServoThatKeepsItsTorqueStaysOnAndIsNamed) {
+  ASSERT_TRUE(robot->enable(0b11));
+  servos.lost[{1, kTorque}] = {0, kFor};
+  const auto stopped = robot->stop();
+  ASSERT_FALSE(stopped);
+  EXPECT_NE(stopped.error().message.find("motors are still on"), std::string::npos);
+  EXPECT_EQ(servos.registers[2][kTorque], 0);
+  EXPECT_EQ(board->still_on(), "pan (id 1) still has torque: cut the power");
+  (void)servos.sleep_until(servos.now() + 10ms);
+  const auto state = robot->state();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->status, KZ_SHUTDOWN_STOP << 8 | KZ_STATUS_ENABLED);
+  EXPECT_NE(robot->describe_fault(state->status).find("not all motors confirm"), std::string::npos);
+  const auto details = robot->joints(0b11);
+  ASSERT_TRUE(details);
+  EXPECT_NE((*details)[0].flags & KZ_JOINT_ON, 0);
+  EXPECT_EQ((*details)[1].flags & KZ_JOINT_ON, 0);
+  EXPECT_FALSE(robot->set_targets({{{0, 0.1}}}, 100ms)) << "it takes none";
+  const auto off = robot->disable_all();
+  ASSERT_FALSE(off);
+  EXPECT_NE(
+      off.error().message.find("the motors on the bus are off (still on: pan): cut their power"),
+      std::string::npos)
+      << off.error().message;
+  const auto other = robot->enable(0b10);
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("still on: pan"), std::string::npos)
+      << other.error().message;
+  ASSERT_FALSE(robot->disable_all());
+
+  // Readings alone switch it off once that is possible.
+  servos.lost.clear();
+  for (int i = 0; i < 3 && !board->still_on().empty(); ++i) {
+    (void)servos.sleep_until(servos.now() + 10ms);
+    ASSERT_TRUE(robot->state());
+  }
+  EXPECT_EQ(board->still_on(), "");
+  EXPECT_EQ(servos.registers[1][kTorque], 0);
+  EXPECT_TRUE(robot->disable_all());
+  EXPECT_TRUE(robot->enable(0b11));
+}
+
+TEST_F(ServoRobot, AServoThatIsSilentDoesNotConfirm) {
+  ASSERT_TRUE(robot->enable(0b11));
+  servos.silent[2] = kFor;
+  const Time begin = servos.now();
+  ASSERT_FALSE(robot->stop());
+  EXPECT_LT(servos.now() - begin, 400ms);
+  EXPECT_EQ(servos.registers[1][kTorque], 0);
+  EXPECT_EQ(board->still_on(),
+            "lift (id 2) does not confirm that its torque is off: cut the power");
+  servos.lost[{1, kTorque}] = {0, kFor};
+  servos.registers[1][kTorque] = 1;
+  ASSERT_FALSE(robot->disable_all());
+  EXPECT_EQ(board->still_on(),
+            "pan (id 1) still has torque; lift (id 2) does not confirm that its torque is off: cut "
+            "the power");
+  servos.lost.clear();
+  servos.silent[2] = 0;
+  EXPECT_TRUE(robot->disable_all());
+  EXPECT_EQ(servos.registers[2][kTorque], 0);
+}
+
+TEST_F(ServoRobot, AnErrorInTheAnswersChangesNothing) {
+  ASSERT_TRUE(robot->enable(0b11));
+  servos.error[1] = servos.error[2] = feetech::kVoltageError;
+  servos.lost[{1, kTorque}] = {0, kFor};
+  (void)robot->stop();
+  EXPECT_EQ(board->still_on(), "pan (id 1) still has torque: cut the power");
+  EXPECT_EQ(servos.registers[2][kTorque], 0);
+}
+
+// Waiting for one that keeps its torque must not make the others' cycles late.
+TEST_F(ServoRobot, AServoThatKeepsItsTorqueCostsACycleTwoRequests) {
+  const auto requests_of_a_cycle = [&] {
+    (void)servos.sleep_until(servos.now() + 10ms);
+    const auto before = board->counts().requests;
+    EXPECT_TRUE(robot->state());
+    return board->counts().requests - before;
+  };
+  ASSERT_TRUE(robot->enable(0b11));
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(requests_of_a_cycle(), 1u);
+  servos.lost[{1, kTorque}] = {0, kFor};
+  EXPECT_FALSE(robot->enable(0b10));
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(requests_of_a_cycle(), 3u);
+}
+
+TEST_F(ServoRobot, HoldsOnlyWhereTheGoalIsAccepted) {
+  servos.set(1, 56, 2148);
+  servos.lost[{1, kGoal}] = {2148 & 0xFF, kFor};
+  const auto enabled = robot->enable(0b11);
+  ASSERT_FALSE(enabled);
+  EXPECT_NE(enabled.error().message.find("still off: pan"), std::string::npos)
+      << enabled.error().message;
+  EXPECT_EQ(servos.registers[1][kTorque], 0);
+  EXPECT_EQ(servos.registers[2][kTorque], 1);
+  EXPECT_FALSE(robot->set_targets({{{0, 0.1}}}, 100ms));
+  EXPECT_TRUE(robot->disable_all());
+  // Nor where it has not just said where it is: all tries of a reading.
+  servos.lost.clear();
+  servos.silent[1] = 3;
+  board->take(frame_of(KZ_TYPE_enable, kz_enable{0b11}, kz_pack_enable));
+  ASSERT_TRUE(board->serve());
+  EXPECT_EQ(servos.registers[1][kTorque], 0);
+  EXPECT_EQ(servos.registers[2][kTorque], 1);
+  // A servo may answer reads alone: what is read back counts.
+  servos.mute = true;
+  EXPECT_TRUE(robot->enable(0b11));
+  EXPECT_EQ(servos.get(1, kGoal), 2148);
+  EXPECT_TRUE(robot->disable_all());
+  EXPECT_EQ(servos.registers[1][kTorque], 0);
+}
+
+// The goal that ends an overload switches the torque on.
+TEST_F(ServoRobot, ClearingAnOverloadLeavesTheTorqueOff) {
+  ASSERT_TRUE(robot->enable(0b11));
+  servos.error[2] = feetech::kOverloadError;
+  (void)servos.sleep_until(servos.now() + 10ms);
+  (void)robot->state();
+  servos.lost[{2, kTorque}] = {0, 3};
+  EXPECT_FALSE(robot->clear());
+  EXPECT_EQ(board->still_on(), "");
+  EXPECT_EQ(servos.registers[2][kTorque], 0);
+  // Nor is it cleared while the servo does not accept the goal.
+  servos.set(2, 56, 900);
+  servos.lost[{2, kGoal}] = {900 & 0xFF, kFor};
+  EXPECT_FALSE(robot->clear());
+  servos.error[2] = 0;
+  EXPECT_FALSE(robot->clear());
+  servos.lost.clear();
+  EXPECT_TRUE(robot->clear());
+}
+
+TEST_F(ServoRobot, AFloodIsAnErrorAndTheTorqueGoesOffAllTheSame) {
+  ASSERT_TRUE(robot->enable(0b11));
+  servos.flooding = true;
+  const auto off = robot->disable_all();
+  ASSERT_FALSE(off);
+  EXPECT_NE(off.error().message.find("bytes that nobody requested keep coming"), std::string::npos)
+      << off.error().message;
+  EXPECT_EQ(servos.registers[1][kTorque], 0);
+  EXPECT_EQ(servos.registers[2][kTorque], 0);
+  EXPECT_EQ(board->still_on(),
+            "pan (id 1) does not confirm that its torque is off; lift (id 2) does not confirm that "
+            "its torque is off: cut the power");
+  const auto found = scan_bus(servos, servos, servo_bus::Protocol::feetech, 1000000, {});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().fault, Fault::environment);
 }
 
 TEST_F(ServoRobot, RefusesWhatABoardRefuses) {
@@ -270,17 +469,11 @@ TEST(BusBoard, ARequestThatIsRepeatedIsDoneOnce) {
   servos.add(1, 2048);
   servos.add(2, 1000);
   auto board = BusBoard::open(servos, servos, two_joints()).value();
-  std::array<u8, KZ_PAYLOAD_MAX> fields{};
-  const kz_enable enable{0b11};
-  const u8 size = kz_pack_enable(&enable, fields.data());
-  std::vector<u8> body{KZ_ADDRESS_DEFAULT, KZ_TYPE_enable, 7};
-  body.insert(body.end(), fields.begin(), fields.begin() + size);
-  std::array<u8, KZ_FRAME_MAX> wire{};
-  const u8 length = kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data());
-  board.take(std::span(wire).first(length));
+  const auto wire = frame_of(KZ_TYPE_enable, kz_enable{0b11}, kz_pack_enable);
+  board.take(wire);
   const auto first = board.serve().value();
   const int writes = servos.writes;
-  board.take(std::span(wire).first(length));
+  board.take(wire);
   EXPECT_EQ(board.serve().value(), first);
   EXPECT_EQ(servos.writes, writes);
   EXPECT_FALSE(board.serve().value());
@@ -304,6 +497,13 @@ TEST(BusBoard, WhatIsNotThereOrAnotherIsNamed) {
   servos.registers[1][33] = 1;
   EXPECT_NE(refusal(servos).find("servo 1 (pan) on the bus is in mode 1"), std::string::npos);
   servos.registers[1][33] = 0;
+  // Its acceleration would make each target late.
+  servos.registers[2][41] = 50;
+  servos.lost[{2, 41}] = {0, 1'000'000};
+  EXPECT_NE(refusal(servos).find("servo 2 (lift) on the bus does not accept 0 for its register "
+                                 "acceleration"),
+            std::string::npos);
+  servos.lost.clear();
   auto twice = two_joints();
   twice[1].servo.id = 1;
   EXPECT_NE(refusal(servos, twice).find("the id 1 twice"), std::string::npos);

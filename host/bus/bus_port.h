@@ -30,6 +30,7 @@ class BusPort final : public PortLink {
   LowLatency low_latency() const override { return port_->low_latency(); }
   int descriptor() const override { return port_->descriptor(); }
   bool has_unsent() const override { return !answer_.empty() || port_->has_unsent(); }
+  std::string still_on() const override { return board_->still_on(); }
   // Of the bus: "2 of 4100 requests without an answer, 1 answer damaged".
   std::string counts() const override;
 

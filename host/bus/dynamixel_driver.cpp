@@ -18,6 +18,8 @@ namespace {
 constexpr std::string_view kMotion = "present_pwm", kCircuit = "present_input_voltage";
 constexpr std::size_t kMotionBytes = 12, kCircuitBytes = 3;
 constexpr Time kCircuitPeriod = std::chrono::milliseconds(500);
+// 0: the board's ramps are the profile; the servo's own acceleration would make each target late.
+constexpr std::string_view kAcceleration = "profile_acceleration";
 // profile_velocity and goal_position.
 constexpr std::string_view kGoal = "profile_velocity";
 constexpr double kFullPwm = 885;
@@ -92,6 +94,20 @@ Result<bool> DynamixelDriver::write(const Servo& servo, std::string_view name, i
   return answer && (answer->error & ~dynamixel::kAlert) == 0;
 }
 
+Result<void> DynamixelDriver::write_all(Servos servos, std::string_view name, int value) {
+  if (servos.empty()) return {};
+  // The same place in all models.
+  const Register& first = *servos.front()->model->find(name);
+  std::vector<std::uint8_t> parameters{low(first.address), high(first.address), first.size, 0};
+  for (const Servo* servo : servos) {
+    parameters.push_back(id_of(*servo));
+    std::ranges::copy(servo_bus::encode(*servo->model, first, value),
+                      std::back_inserter(parameters));
+  }
+  return exchange_.send(
+      dynamixel::request(dynamixel::kBroadcast, Instruction::sync_write, std::move(parameters)));
+}
+
 Result<std::optional<BusDriver::Greeting>> DynamixelDriver::greet(const Servo& servo) {
   const auto answer = KAZ_TRY(ping(servo));
   if (!answer || answer->parameters.size() != 3) return std::optional<Greeting>();
@@ -100,8 +116,7 @@ Result<std::optional<BusDriver::Greeting>> DynamixelDriver::greet(const Servo& s
   if (answer->parameters[2] < fast_since(*servo.model)) may_be_fast_ = false;
   if (greeting.model == servo.model->number) {
     greeting.mode = KAZ_TRY(read(servo, "operating_mode"));
-    // The board's ramps are the profile: the servo's own acceleration would make each target late.
-    KAZ_TRY(write(servo, "profile_acceleration", 0));
+    if (!KAZ_TRY(set(servo, kAcceleration, 0))) greeting.refused = kAcceleration;
   }
   return std::optional<Greeting>(greeting);
 }
@@ -187,17 +202,6 @@ Result<std::vector<std::optional<ServoState>>> DynamixelDriver::read_all(Servos 
   return states;
 }
 
-// The goal first: one left from before would be gone to at full speed, were it not forgotten with the torque.
-Result<bool> DynamixelDriver::hold(const Servo& servo, double steps) {
-  KAZ_TRY(write(servo, "goal_position", static_cast<int>(std::lround(steps))));
-  return write(servo, "torque_enable", 1);
-}
-
-Result<void> DynamixelDriver::release(const Servo& servo) {
-  KAZ_TRY(write(servo, "torque_enable", 0));
-  return {};
-}
-
 Result<void> DynamixelDriver::move(std::span<const Goal> goals) {
   if (goals.empty()) return {};
   const Register& first = *goals.front().servo->model->find(kGoal);
@@ -219,16 +223,17 @@ Result<void> DynamixelDriver::move(std::span<const Goal> goals) {
 }
 
 // What its protection switched off, only a reboot lets on again.
-Result<void> DynamixelDriver::recover(std::span<const Goal> troubled) {
+Result<std::vector<bool>> DynamixelDriver::recover(std::span<const Goal> troubled) {
   for (const Goal& one : troubled)
     KAZ_TRY(exchange_.query(dynamixel::request(id_of(*one.servo), Instruction::reboot), 0));
   const Time deadline = clock_.now() + kRebootWithin;
+  std::vector<bool> accepted;
   for (const Goal& one : troubled) {
     while (!KAZ_TRY(ping(*one.servo)) && clock_.now() < deadline) {
     }
-    KAZ_TRY(write(*one.servo, "profile_acceleration", 0));
+    accepted.push_back(KAZ_TRY(set(*one.servo, kAcceleration, 0)));
   }
-  return {};
+  return accepted;
 }
 
 }  // namespace kaz::host

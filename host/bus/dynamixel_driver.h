@@ -12,7 +12,7 @@ namespace kaz::host {
 
 class DynamixelDriver final : public BusDriver {
  public:
-  DynamixelDriver(Link& link, Clock& clock) : exchange_(link, clock), clock_(clock) {}
+  DynamixelDriver(Link& link, Clock& clock) : BusDriver(clock), exchange_(link, clock) {}
 
   Result<std::optional<Greeting>> greet(const Servo& servo) override;
   int position_mode() const override { return 3; }
@@ -21,11 +21,10 @@ class DynamixelDriver final : public BusDriver {
                                                               std::string_view first,
                                                               std::size_t count) override;
   Result<bool> write(const Servo& servo, std::string_view name, int value) override;
+  Result<void> write_all(Servos servos, std::string_view name, int value) override;
   Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) override;
-  Result<bool> hold(const Servo& servo, double steps) override;
-  Result<void> release(const Servo& servo) override;
   Result<void> move(std::span<const Goal> goals) override;
-  Result<void> recover(std::span<const Goal> troubled) override;
+  Result<std::vector<bool>> recover(std::span<const Goal> troubled) override;
   const Counts& counts() const override { return exchange_.counts(); }
 
  private:
@@ -55,7 +54,6 @@ class DynamixelDriver final : public BusDriver {
   // silences before it no.
   bool may_be_fast_ = true, was_fast_ = false;
   int fast_silences_ = 0;
-  Clock& clock_;
   Time circuit_due_{};  // when voltages and temperatures are read again
 };
 

@@ -28,6 +28,8 @@ class Servos final : public Link, public Clock {
   std::uint8_t firmware = 53;
   int fast_reads = 0, slow_reads = 0;
   std::vector<Packet> group_writes;
+  // Values that a servo refuses with "result fail", or loses, by id and address.
+  std::map<std::pair<int, int>, int> refused, lost;
 
   void add(int id, int position) {
     registers[id].fill(0);
@@ -46,7 +48,11 @@ class Servos final : public Link, public Clock {
     for (std::size_t i = size; i > 0; --i) value = value << 8 | registers.at(id)[address + i - 1];
     return static_cast<int>(value);
   }
-  void report(int id, std::uint8_t hardware_error) { set(id, 70, hardware_error, 1); }
+  // An error switches the torque off.
+  void report(int id, std::uint8_t hardware_error) {
+    set(id, 70, hardware_error, 1);
+    if (hardware_error != 0) set(id, 64, 0, 1);
+  }
 
   std::string name() const override { return "the bus"; }
   Result<void> write(std::span<const std::uint8_t> bytes) override {
@@ -90,6 +96,11 @@ class Servos final : public Link, public Clock {
     if (!registers.contains(id)) return false;
     return silent[id] == 0 || silent[id]-- < 0;
   }
+  static bool takes_not(const std::map<std::pair<int, int>, int>& values, int id, int address,
+                        int value) {
+    const auto found = values.find({id, address});
+    return found != values.end() && found->second == value;
+  }
   void answer_block(int id, const std::vector<std::uint8_t>& p) {
     const auto begin = registers.at(id).begin() + p[0];
     answer(id, {begin, begin + p[2]});
@@ -129,6 +140,9 @@ class Servos final : public Link, public Clock {
     } else if (instruction == Instruction::sync_write) {
       group_writes.push_back(packet);
       for (std::size_t i = 4; i + p[2] < p.size(); i += p[2] + 1u) {
+        if (!hears(p[i]) || takes_not(refused, p[i], p[0], p[i + 1]) ||
+            takes_not(lost, p[i], p[0], p[i + 1]))
+          continue;
         for (std::size_t k = 0; k < p[2]; ++k) registers[p[i]][p[0] + k] = p[i + 1 + k];
       }
     } else if (hears(packet.id)) {
@@ -142,6 +156,8 @@ class Servos final : public Link, public Clock {
       }
       const bool torque = p.size() == 3 && p[0] == 64 && p[2] != 0;
       if (torque && get(packet.id, 70, 1) != 0) return answer(packet.id, {}, 1);
+      if (takes_not(refused, packet.id, p[0], p[2])) return answer(packet.id, {}, 1);
+      if (takes_not(lost, packet.id, p[0], p[2])) return;
       for (std::size_t k = 2; k < p.size(); ++k) registers[packet.id][p[0] + k - 2] = p[k];
       answer(packet.id, {});
     }
@@ -173,6 +189,7 @@ TEST_F(Driver, GreetsAndReadsMotionOftenAndTheCircuitSeldom) {
   ASSERT_TRUE(greeting);
   EXPECT_EQ(greeting->model, 1200);
   EXPECT_EQ(greeting->mode, 3);
+  EXPECT_EQ(greeting->refused, "");
   EXPECT_EQ(servos.get(1, 108, 4), 0) << "no acceleration besides the board's ramps";
   servo_bus::BusServo none{"none", 9, &xl330(), 2048, false};
   EXPECT_FALSE(driver.greet(none).value());
@@ -288,6 +305,59 @@ TEST_F(Driver, AShutdownIsNamedAndEndedByAReboot) {
   ASSERT_TRUE(driver.recover(troubled));
   EXPECT_EQ(driver.read_all(both).value()[0]->trouble, 0);
   EXPECT_TRUE(driver.hold(pan, 2048).value());
+}
+
+constexpr int kTorque = 64, kGoal = 116, kAcceleration = 108;
+
+TEST_F(Driver, OffIsWhatTheServoSaysWhenItIsReadBack) {
+  using enum BusDriver::Torque;
+  const std::array<const servo_bus::BusServo*, 2> both{&pan, &lift};
+  const auto hold = [&] {
+    EXPECT_TRUE(driver.hold(pan, 2048).value());
+    EXPECT_TRUE(driver.hold(lift, 1000).value());
+  };
+  hold();
+  const auto requests = driver.counts().requests;
+  EXPECT_EQ(driver.release(both).value(), (std::vector{off, off}));
+  EXPECT_EQ(driver.counts().requests, requests + 3) << "one write for all, and a reading of each";
+  hold();
+  servos.refused[{1, kTorque}] = 0;
+  servos.lost[{2, kTorque}] = 0;
+  auto torque = driver.release(both).value();
+  EXPECT_EQ(torque, (std::vector{on, on}));
+  EXPECT_EQ(still_on(both, torque),
+            "pan (id 1) still has torque; lift (id 2) still has torque: cut the power");
+  servos.refused.clear();
+  servos.lost.clear();
+  servos.silent[2] = 1000;
+  torque = driver.release(both).value();
+  EXPECT_EQ(torque, (std::vector{off, silent}));
+  EXPECT_EQ(still_on(both, torque),
+            "lift (id 2) does not confirm that its torque is off: cut the power");
+}
+
+TEST_F(Driver, HoldsOnlyWhereTheGoalIsAccepted) {
+  for (auto* values : {&servos.refused, &servos.lost}) {
+    (*values)[{1, kGoal}] = 2100 & 0xFF;
+    EXPECT_FALSE(driver.hold(pan, 2100).value());
+    EXPECT_EQ(servos.get(1, kTorque, 1), 0);
+    values->clear();
+  }
+  EXPECT_TRUE(driver.hold(pan, 2100).value());
+  EXPECT_EQ(servos.get(1, kGoal, 4), 2100);
+}
+
+TEST_F(Driver, AServoThatKeepsAnAccelerationIsNotDriven) {
+  servos.set(1, kAcceleration, 50, 4);
+  servos.refused[{1, kAcceleration}] = 0;
+  EXPECT_EQ(driver.greet(pan).value()->refused, "profile_acceleration");
+  const BusDriver::Goal troubled[] = {{&pan, 2048, 0}, {&lift, 1000, 0}};
+  EXPECT_EQ(driver.recover(troubled).value(), (std::vector{false, true}));
+  auto opened = BusBoard::open(servos, servos, {{pan, -1, 1}, {lift, -1, 1}});
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message.find("does not accept 0 for its register profile_acceleration"),
+            std::string::npos)
+      << opened.error().message;
 }
 
 TEST_F(Driver, ABoardNamesWhatIsNotRight) {

@@ -63,6 +63,20 @@ Result<bool> FeetechDriver::write(const Servo& servo, std::string_view name, int
   return KAZ_TRY(exchange_.query(request, 0)).has_value();
 }
 
+Result<void> FeetechDriver::write_all(Servos servos, std::string_view name, int value) {
+  if (servos.empty()) return {};
+  // The same place in all models.
+  const Register& first = *servos.front()->model->find(name);
+  std::vector<std::uint8_t> parameters{address_of(first), first.size};
+  for (const Servo* servo : servos) {
+    parameters.push_back(id_of(*servo));
+    std::ranges::copy(servo_bus::encode(*servo->model, first, value),
+                      std::back_inserter(parameters));
+  }
+  return exchange_.send(
+      feetech::request(feetech::kBroadcast, Instruction::sync_write, std::move(parameters)));
+}
+
 Result<std::optional<BusDriver::Greeting>> FeetechDriver::greet(const Servo& servo) {
   // No ping: the answer of a servo whose voltage is wrong has the bytes of the ping itself, and would pass
   // for an adapter's echo.
@@ -71,8 +85,10 @@ Result<std::optional<BusDriver::Greeting>> FeetechDriver::greet(const Servo& ser
   if (!greeting.model) return std::optional<Greeting>();
   if (servo.model->find("mode") != nullptr) greeting.mode = KAZ_TRY(read(servo, "mode"));
   // The board's ramps are the profile: the servo's own acceleration would make each target late.
-  if (greeting.model == servo.model->number && servo.model->find("acceleration") != nullptr)
-    KAZ_TRY(write(servo, "acceleration", 0));
+  constexpr std::string_view kAcceleration = "acceleration";
+  if (greeting.model == servo.model->number && servo.model->find(kAcceleration) != nullptr &&
+      !KAZ_TRY(set(servo, kAcceleration, 0)))
+    greeting.refused = kAcceleration;
   return std::optional<Greeting>(greeting);
 }
 
@@ -108,16 +124,6 @@ Result<std::vector<std::optional<ServoState>>> FeetechDriver::read_all(Servos se
   return states;
 }
 
-Result<bool> FeetechDriver::hold(const Servo& servo, double steps) {
-  KAZ_TRY(write(servo, "goal_position", static_cast<int>(std::lround(steps))));
-  return write(servo, "torque_enable", 1);
-}
-
-Result<void> FeetechDriver::release(const Servo& servo) {
-  KAZ_TRY(write(servo, "torque_enable", 0));
-  return {};
-}
-
 // One write for all servos of a model: goal, time and speed.
 Result<void> FeetechDriver::move(std::span<const Goal> goals) {
   for (const servo_bus::Model& model : servo_bus::models()) {
@@ -148,12 +154,12 @@ Result<void> FeetechDriver::move(std::span<const Goal> goals) {
 }
 
 // A goal ends an overload; it also switches the torque on.
-Result<void> FeetechDriver::recover(std::span<const Goal> troubled) {
-  for (const Goal& one : troubled) {
-    KAZ_TRY(write(*one.servo, "goal_position", static_cast<int>(std::lround(one.steps))));
-    KAZ_TRY(release(*one.servo));
-  }
-  return {};
+Result<std::vector<bool>> FeetechDriver::recover(std::span<const Goal> troubled) {
+  std::vector<bool> accepted;
+  for (const Goal& one : troubled)
+    accepted.push_back(
+        KAZ_TRY(set(*one.servo, "goal_position", static_cast<int>(std::lround(one.steps)))));
+  return accepted;
 }
 
 }  // namespace kaz::host

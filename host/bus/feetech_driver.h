@@ -11,7 +11,7 @@ namespace kaz::host {
 
 class FeetechDriver final : public BusDriver {
  public:
-  FeetechDriver(Link& link, Clock& clock) : exchange_(link, clock) {}
+  FeetechDriver(Link& link, Clock& clock) : BusDriver(clock), exchange_(link, clock) {}
 
   Result<std::optional<Greeting>> greet(const Servo& servo) override;
   int position_mode() const override { return 0; }
@@ -20,11 +20,10 @@ class FeetechDriver final : public BusDriver {
                                                               std::string_view first,
                                                               std::size_t count) override;
   Result<bool> write(const Servo& servo, std::string_view name, int value) override;
+  Result<void> write_all(Servos servos, std::string_view name, int value) override;
   Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) override;
-  Result<bool> hold(const Servo& servo, double steps) override;
-  Result<void> release(const Servo& servo) override;
   Result<void> move(std::span<const Goal> goals) override;
-  Result<void> recover(std::span<const Goal> troubled) override;
+  Result<std::vector<bool>> recover(std::span<const Goal> troubled) override;
   const Counts& counts() const override { return exchange_.counts(); }
 
  private:

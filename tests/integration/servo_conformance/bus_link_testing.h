@@ -56,4 +56,10 @@ class BusLink final : public host::Link, public host::Clock {
   Bytes waiting_;
 };
 
+// Does `wire` switch the torque off: a write of 0 to a servo of Feetech's, or to all?
+inline bool switches_off(const BusLink::Bytes& wire) {
+  return wire.size() > 7 && wire[5] == 40 && (wire[4] == 0x83 ? wire[8] : wire[6]) == 0 &&
+         (wire[4] == 3 || wire[4] == 0x83);
+}
+
 }  // namespace kaz::test

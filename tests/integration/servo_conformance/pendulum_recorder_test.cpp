@@ -122,6 +122,22 @@ TEST(PendulumRecorder, ALimitAnErrorOrAnInterruptSwitchesTheTorqueOff) {
   EXPECT_NE(refused(other, nothing).find("does not answer"), std::string::npos);
 }
 
+TEST(PendulumRecorder, ATorqueThatStaysOnEndsItAndIsNamed) {
+  const auto bus = bench();
+  BusLink link(*bus);
+  link.request = [](BusLink::Bytes wire) { return switches_off(wire) ? BusLink::Bytes() : wire; };
+  auto options = weight();
+  options.seconds = 1.5;
+  const auto record = hil::record_pendulum(link, link, options);
+  ASSERT_FALSE(record);
+  EXPECT_EQ(bus->servo(0).registers().get("torque_enable"), 1);
+  EXPECT_NE(record.error().message.find("may hold, its torque is not confirmed to be off: cut its "
+                                        "power; and servo 1 on bus is not as it was: its torque is "
+                                        "not confirmed to be off: cut its power"),
+            std::string::npos)
+      << record.error().message;
+}
+
 TEST(PendulumRecorder, AnInterruptOnTheWayLeavesTheServoAsItWas) {
   for (const int at : {100, 1500, 4000}) {
     const auto bus = bench();

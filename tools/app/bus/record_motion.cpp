@@ -42,10 +42,6 @@ struct Sample {
   std::vector<double> angles;
 };
 
-std::string named(const BusJoint& joint) {
-  return "servo " + std::to_string(joint.servo.id) + " (" + joint.servo.joint + ")";
-}
-
 std::vector<const servo_bus::BusServo*> servos_of(const std::vector<BusJoint>& joints) {
   std::vector<const servo_bus::BusServo*> all;
   for (const BusJoint& joint : joints) all.push_back(&joint.servo);
@@ -63,7 +59,7 @@ class Recording {
     port_ = std::move(bus.port);
     joints_ = std::move(bus.joints);
     driver_ = BusDriver::make(bus.protocol, *port_, clock_);
-    KAZ_TRY(look());
+    KAZ_TRY(require_limp(*driver_, joints_, port_->name(), options_.release));
     KAZ_TRY(read());
     const auto problem = trim();
     if (!problem.empty()) {
@@ -77,29 +73,6 @@ class Recording {
   }
 
  private:
-  tl::unexpected<Error> silent(const BusJoint& joint) const {
-    return fail(Fault::environment, named(joint) + " does not answer on " + port_->name() +
-                                        ": check power, cable, id and rate; `kaz bus scan --port " +
-                                        port_->name() + "` finds servos");
-  }
-
-  Result<void> look() {
-    std::string held;
-    for (const BusJoint& joint : joints_) {
-      const auto torque = KAZ_TRY(driver_->read(joint.servo, "torque_enable"));
-      if (!torque) return silent(joint);
-      if (*torque == 0) continue;
-      if (options_.release) KAZ_TRY(driver_->release(joint.servo));
-      if (options_.release && KAZ_TRY(driver_->read(joint.servo, "torque_enable")) == 0) continue;
-      held += (held.empty() ? "" : ", ") + named(joint);
-    }
-    if (held.empty()) return {};
-    return fail(
-        Fault::environment,
-        held + " on " + port_->name() +
-            ": the torque is on. Hold the robot, and give --release, which switches it off");
-  }
-
   Result<void> read() {
     if (!options_.json)
       std::fprintf(stderr, "%s: nothing is driven; move the robot by hand, for %.0f s\n", kVerb,
@@ -118,7 +91,7 @@ class Recording {
           last[j] = joints_[j].servo.angle_at(states[j]->steps);
           heard[j] = now;
         } else if (now - heard[j] > kLost) {
-          return silent(joints_[j]);
+          return tl::unexpected(silent_servo(joints_[j].servo, port_->name()));
         }
       }
       if (std::ranges::none_of(last, [](double angle) { return std::isnan(angle); }))

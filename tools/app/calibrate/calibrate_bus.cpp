@@ -29,6 +29,7 @@ namespace {
 
 using host::BusDriver;
 using host::BusJoint;
+using host::named;
 using host::RangePlan;
 using host::RangeRegisters;
 using host::RangeSweep;
@@ -53,10 +54,6 @@ constexpr const char* kNobody =
 const OutputKind& joints_output() {
   static const OutputKind kind{"calibrate joints", {"result.json", "joints.svg"}};
   return kind;
-}
-
-std::string named(const BusServo& servo) {
-  return "servo " + std::to_string(servo.id) + " (" + servo.joint + ")";
 }
 
 // The registers that Feetech's and ROBOTIS's have for the same.
@@ -124,9 +121,7 @@ class BusCalibration {
   }
 
   tl::unexpected<Error> silent(const BusServo& servo) const {
-    return fail(Fault::environment, named(servo) + " does not answer on " + port_->name() +
-                                        ": check power, cable, id and rate; `kaz bus scan --port " +
-                                        port_->name() + "` finds servos");
+    return tl::unexpected(silent_servo(servo, port_->name()));
   }
   Result<int> read(const BusServo& servo, std::string_view name) {
     const auto value = KAZ_TRY(driver_->read(servo, name));
@@ -150,7 +145,6 @@ class BusCalibration {
   Result<void> look() {
     const std::string model = protocol_ == Protocol::feetech ? "model" : "model_number",
                       mode = protocol_ == Protocol::feetech ? "mode" : "operating_mode";
-    std::string held;
     for (const BusJoint& joint : joints_) {
       const BusServo& servo = joint.servo;
       if (const int number = KAZ_TRY(read(servo, model)); number != servo.model->number)
@@ -163,18 +157,8 @@ class BusCalibration {
                                         std::to_string(now) + ", and only the position mode, " +
                                         std::to_string(driver_->position_mode()) + ", has a range");
       }
-      if (KAZ_TRY(read(servo, "torque_enable")) == 0) continue;
-      if (options_.release) {
-        KAZ_TRY(driver_->release(servo));
-        if (KAZ_TRY(read(servo, "torque_enable")) == 0) continue;
-      }
-      held += (held.empty() ? "" : ", ") + named(servo);
     }
-    if (!held.empty())
-      return fail(
-          Fault::environment,
-          held + " on " + port_->name() +
-              ": the torque is on. Hold the robot, and give --release, which switches it off");
+    KAZ_TRY(require_limp(*driver_, joints_, port_->name(), options_.release));
     for (const BusJoint& joint : joints_) before_.push_back(KAZ_TRY(registers_of(joint.servo)));
     for (const BusJoint& joint : joints_) sweeps_.emplace_back(*joint.servo.model);
     return {};

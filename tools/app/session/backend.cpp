@@ -120,6 +120,14 @@ class RealBackend final : public SessionBackend {
     return all;
   }
   const host::PortLink* port() const override { return lines_.front().port.get(); }
+  std::string still_on() const override {
+    std::string text;
+    for (const RealLine& line : lines_) {
+      if (const std::string on = line.port->still_on(); !on.empty())
+        text += (text.empty() ? "" : "; ") + on;
+    }
+    return text;
+  }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override {
     if (camera_path_ == "sim") return {};  // left out
@@ -294,6 +302,34 @@ Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Inter
   auto bus = KAZ_TRY(servo_bus_of(options));
   auto port = KAZ_TRY(host::open_port(bus.address, &interrupt));
   return ServoBus{bus.protocol, std::move(port), std::move(bus.joints)};
+}
+
+Error silent_servo(const servo_bus::BusServo& servo, const std::string& port) {
+  return {Fault::environment, host::named(servo) + " does not answer on " + port +
+                                  ": check power, cable, id and rate; `kaz bus scan --port " +
+                                  port + "` finds servos"};
+}
+
+Result<void> require_limp(host::BusDriver& driver, std::span<const host::BusJoint> joints,
+                          const std::string& port, bool release) {
+  std::vector<const servo_bus::BusServo*> held;
+  std::string names;
+  for (const host::BusJoint& joint : joints) {
+    const auto torque = KAZ_TRY(driver.read(joint.servo, "torque_enable"));
+    if (!torque) return tl::unexpected(silent_servo(joint.servo, port));
+    if (*torque == 0) continue;
+    held.push_back(&joint.servo);
+    names += (names.empty() ? "" : ", ") + host::named(joint.servo);
+  }
+  if (held.empty()) return {};
+  if (!release)
+    return fail(
+        Fault::environment,
+        names + " on " + port +
+            ": the torque is on. Hold the robot, and give --release, which switches it off");
+  const auto torque = KAZ_TRY(driver.release(held));
+  const std::string on = host::still_on(held, torque);
+  return on.empty() ? Result<void>() : fail(Fault::environment, port + ": " + on);
 }
 
 Result<void> check(const BackendOptions& options) {

@@ -41,6 +41,13 @@ struct ServoBus {
 // Of --robot, which must name one, and --robot-file. Errors: as of SessionBackend::open(); no servo is heard.
 Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Interrupt& interrupt);
 
+// That a servo at a port does not answer, with what to do.
+Error silent_servo(const servo_bus::BusServo& servo, const std::string& port);
+// Fails (environment) unless each servo says that its torque is off, naming those that do not. `release`: switches it
+// off first.
+Result<void> require_limp(host::BusDriver& driver, std::span<const host::BusJoint> joints,
+                          const std::string& port, bool release);
+
 class SessionBackend {
  public:
   // Errors: wrong or missing files (usage), ports that are not there (environment).
@@ -56,6 +63,8 @@ class SessionBackend {
   virtual host::Clock& clock() = 0;
   // The port of the first board; null where the robot is simulated in this process.
   virtual const host::PortLink* port() const { return nullptr; }
+  // Of buses of servos, those that have not confirmed that they are off (PortLink::still_on).
+  virtual std::string still_on() const { return ""; }
   // To be called once, before camera() and camera_latency(): apart from open(), so that a board that does
   // not answer is reported before a camera that is not there.
   virtual Result<void> open_camera() = 0;

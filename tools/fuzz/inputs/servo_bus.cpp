@@ -178,23 +178,34 @@ Complaint try_answers(Bytes bytes, const servo_bus::Model* model) {
   HostileServos servos(bytes);
   auto board = host::BusBoard::open(servos, servos, {{{"a", 1, model, 2048, false}, -1, 1}});
   if (!board) return judge_error(board.error(), "bus", board.error().fault);
-  const std::array<std::uint8_t, 3> query{1, KZ_TYPE_state, 1};
   for (std::uint8_t i = 0; i < 50; ++i) {
-    auto body = query;
-    body[2] = i;
+    // Now and then on, off and cleared.
+    constexpr std::array<std::uint8_t, 8> kTypes{KZ_TYPE_state, KZ_TYPE_enable, KZ_TYPE_state,
+                                                 KZ_TYPE_state, KZ_TYPE_stop,   KZ_TYPE_state,
+                                                 KZ_TYPE_clear, KZ_TYPE_state};
+    const std::uint8_t type = kTypes[i % kTypes.size()];
+    std::vector<std::uint8_t> body{1, type, i};
+    if (type == KZ_TYPE_enable) body.insert(body.end(), {0, 0, 0, 1});
     std::array<std::uint8_t, KZ_FRAME_MAX> wire{};
-    const auto length = kz_frame_encode(body.data(), body.size(), wire.data());
+    const auto length =
+        kz_frame_encode(body.data(), static_cast<std::uint8_t>(body.size()), wire.data());
     board->take(std::span(wire).first(length));
     const auto answer = board->serve();
-    if (!answer || !*answer) return "a request for the state is not answered";
+    if (!answer || !*answer) return "a request is not answered";
     kz_receiver receiver;
     kz_receiver_init(&receiver);
     bool whole = false;
     for (const std::uint8_t byte : **answer)
       whole = kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME || whole;
+    if (type == KZ_TYPE_stop && whole) {
+      const bool on = (receiver.body[KZ_HEADER_SIZE + 5] & KZ_STATUS_ENABLED) != 0;
+      if (on == board->still_on().empty()) return "the reply to `stop` and still_on() disagree";
+    }
     kz_state_reply state{};
-    if (!whole || !kz_unpack_state_reply(&state, receiver.body + KZ_HEADER_SIZE,
-                                         static_cast<u8>(receiver.length - KZ_HEADER_SIZE)))
+    if (type != KZ_TYPE_state) {
+      if (!whole) return "an answer is no frame";
+    } else if (!whole || !kz_unpack_state_reply(&state, receiver.body + KZ_HEADER_SIZE,
+                                                static_cast<u8>(receiver.length - KZ_HEADER_SIZE)))
       return "an answer is no state";
     (void)servos.sleep_until(servos.now() + std::chrono::milliseconds(10));
   }
