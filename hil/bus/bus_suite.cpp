@@ -25,7 +25,9 @@ Result<void> leave(ExaminedServo& servo, bool moves, host::Interrupt* interrupt)
   } catch (const Failed& failed) {
     return fail(Fault::environment, servo.title() + ": " + failed.message);
   } catch (const Lost& lost) {
-    return tl::unexpected(lost.error);
+    return fail(lost.error.fault, servo.title() +
+                                      ": its torque is not confirmed to be off: cut its power (" +
+                                      lost.error.message + ")");
   }
   return {};
 }
@@ -134,7 +136,11 @@ Result<RunReport> run_bus_suite(host::Link& link, host::Clock& clock,
     } catch (const Lost& lost) {
       const bool interrupted = lost.error.fault == Fault::interrupted;
       const auto left = leave(servo, true, options.interrupt);
-      if (!interrupted) return tl::unexpected(lost.error);
+      if (!interrupted)
+        return fail(lost.error.fault,
+                    lost.error.message + (left || (options.allowed & kServoMotion) == 0
+                                              ? ""
+                                              : "; and " + left.error().message));
       KAZ_TRY(left);
       report.interrupted = true;
       for (std::size_t i = report.results.size(); i < taken.size(); ++i)

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdio>
 
+#include "host/link/drain.h"
+
 namespace kaz::hil {
 namespace {
 
@@ -34,11 +36,11 @@ void ExaminedServo::note(char direction, const Bytes& bytes) {
 }
 
 void ExaminedServo::send(const Bytes& wire) {
-  std::array<std::uint8_t, 256> old{};
-  while (sure(link_.read(old, clock_.now())) > 0) {
-  }
+  // Written also after an error: it may be what switches the torque off.
+  const auto drained = host::drain(link_, clock_);
   note('>', wire);
   sure(link_.write(wire));
+  sure(drained);
 }
 
 // What comes until there are `count` answers, or the window is over. The window follows the last byte sent.
@@ -162,31 +164,41 @@ std::vector<std::string> ExaminedServo::put_back() {
   return left;
 }
 
-void ExaminedServo::end_case(bool moves) {
+// Goes on after a damaged answer: what is read back decides.
+ExaminedServo::Torque ExaminedServo::release() {
   const ServoRow& torque = torque_row(*table_);
-  before_.erase(&torque);
-  bool off = false, was_on = false;
-  for (int tries = 0; tries < 3 && !off; ++tries) {
+  const ServoRow* level = table_->find({"Status Return Level"});
+  const auto attempt = [](const auto& request) {
     try {
-      const bool on = value(torque) != 0;
-      was_on = was_on || on;
-      if (on) (void)maybe(request(kWrite, write_of(torque.address, {0})));
-      off = !on || value(torque) == 0;
+      request();
     } catch (const Failed&) {
-      // It does not answer reads now: without words.
-      (void)maybe(request(kWrite, write_of(torque.address, {0})));
     }
-    if (!off) {
-      const ServoRow* level = table_->find({"Status Return Level"});
-      if (level != nullptr && before_.contains(level))
-        (void)maybe(request(kWrite, write_of(level->address, {2})));
-    }
+  };
+  Torque found;
+  for (int tries = 0; tries < 3 && !found.off; ++tries) {
+    // A case may have left it silent to reads.
+    if (tries > 0 && level != nullptr && before_.contains(level))
+      attempt([&] { (void)maybe(request(kWrite, write_of(level->address, {2}))); });
+    attempt([&] {
+      found.off = value(torque) == 0;
+      found.was_on = found.was_on || !found.off;
+    });
+    if (found.off) break;
+    attempt([&] { (void)maybe(request(kWrite, write_of(torque.address, {0}))); });
+    attempt([&] { found.off = value(torque) == 0; });
   }
+  return found;
+}
+
+void ExaminedServo::end_case(bool moves) {
+  before_.erase(&torque_row(*table_));
+  const auto [off, was_on] = release();
   const auto left = put_back();
   std::string wrong;
   for (const std::string& one : left) wrong += (wrong.empty() ? "not put back: " : ", ") + one;
+  const std::string holds = "its torque is not confirmed to be off: cut its power";
+  check(off, wrong.empty() ? holds : holds + "; " + wrong);
   check(wrong.empty(), wrong);
-  check(off, "its torque cannot be switched off: switch its supply off");
   check(moves || !was_on, "its torque came on although nothing that should do so was written");
 }
 
@@ -230,9 +242,9 @@ Result<void> ExaminedServo::identify(bool release) {
       version_ = std::to_string(value(table_->row("firmware main version"))) + "." +
                  std::to_string(value(table_->row("firmware sub version")));
     }
-    const ServoRow& torque = torque_row(*table_);
-    if (release && value(torque) != 0) (void)maybe(request(kWrite, write_of(torque.address, {0})));
-    if (value(torque) != 0)
+    if (release && !this->release().off)
+      return refuse("does not confirm that its torque is off: cut its power");
+    if (!release && value(torque_row(*table_)) != 0)
       return refuse(
           "has its torque on, and whatever it carries would fall: end the program that "
           "drives it, or give --release");

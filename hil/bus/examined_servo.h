@@ -68,6 +68,10 @@ class ExaminedServo {
   static constexpr Time kPatience = std::chrono::milliseconds(300);
 
  private:
+  struct Torque {
+    bool off = false, was_on = false;  // as read back, and before
+  };
+  Torque release();
   Bytes exchange(const Bytes& wire, std::size_t count, Time window);
   void note(char direction, const Bytes& bytes);
   int error_of(const ServoAnswer& answer) const;

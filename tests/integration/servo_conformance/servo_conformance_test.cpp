@@ -98,6 +98,57 @@ TEST_P(Models, PassesEveryCaseAndIsAsItWas) {
   }
 }
 
+TEST(ServoTorque, IsSwitchedOffUntilItIsReadBack) {
+  const auto bus = sim::test::bus_of({kId}, "sts3215");
+  bus->advance(std::chrono::milliseconds(3));
+  BusLink link(*bus);
+  const auto before = memory_of(*bus);
+  hil::BusRunOptions options;
+  options.family = ServoFamily::feetech;
+  options.allowed = kAll;
+  options.filter = "^motion.goal$";
+  // The answers to it, and to what is read then, come damaged.
+  int damaged = 0;
+  link.request = [&, first = true](Bytes wire) mutable {
+    if (switches_off(wire) && std::exchange(first, false)) damaged = 3;
+    return wire;
+  };
+  link.answer = [&](Bytes wire) {
+    if (damaged > 0 && damaged-- > 0) wire.back() ^= 0x10;
+    return wire;
+  };
+  const auto report = hil::run_bus_suite(link, link, options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(messages_of(*report), "");
+  EXPECT_EQ(memory_of(*bus), before);
+  EXPECT_EQ(bus->servo(0).registers().get("torque_enable"), 0);
+
+  // One that it has before is tried again, too.
+  link.answer = nullptr;
+  link.request = nullptr;
+  ASSERT_TRUE(link.write(hil::servo_request(ServoFamily::feetech, kId, 3, {40, 1})));
+  ASSERT_TRUE(link.sleep_until(link.now() + std::chrono::milliseconds(20)));
+  ASSERT_EQ(bus->servo(0).registers().get("torque_enable"), 1);
+  int lost = 0;
+  link.request = [&](Bytes wire) {
+    return switches_off(wire) && lost++ < 2 ? Bytes() : std::move(wire);
+  };
+  options.release = true;
+  options.filter = "^packet.ping$";
+  const auto released = hil::run_bus_suite(link, link, options);
+  EXPECT_TRUE(released) << released.error().message;
+  EXPECT_EQ(bus->servo(0).registers().get("torque_enable"), 0);
+
+  // A servo that keeps it is named.
+  link.request = [](Bytes wire) { return switches_off(wire) ? Bytes() : wire; };
+  options.filter = "^motion.goal$";
+  const auto kept = hil::run_bus_suite(link, link, options);
+  ASSERT_TRUE(kept);
+  EXPECT_NE(messages_of(*kept).find("its torque is not confirmed to be off: cut its power"),
+            std::string::npos)
+      << messages_of(*kept);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Models,
                          testing::Values("sts3215", "scs0009", "xl330-m288", "xl330-m077",
                                          "xl430-w250", "xm430-w350"),
