@@ -79,12 +79,23 @@ class Bus:
         return self.answer(servo)
 
     def read(self, servo, address, length):
+        """None if no answer comes, or one with an error in place of data."""
         found = self.request(servo, READ, word(address) + word(length))
-        return found and int.from_bytes(found[1], "little", signed=length == 4)
+        if not found or len(found[1]) != length:
+            return None
+        return int.from_bytes(found[1], "little", signed=length == 4)
 
     def write(self, servo, address, length, value):
         data = value.to_bytes(length, "little", signed=value < 0)
         return self.request(servo, WRITE, word(address) + data)
+
+    def release(self, servos):
+        """Torque off, until each servo says so. Returns those that do not."""
+        for _ in range(5):
+            for servo in servos:
+                self.write(servo, TORQUE, 1, 0)
+            servos = [servo for servo in servos if self.read(servo, TORQUE, 1) != 0]
+        return servos
 
     def positions(self, servos):
         self.send(ALL, SYNC_READ, word(POSITION) + word(4) + bytes(servos))
@@ -135,22 +146,26 @@ def main():
     start = bus.positions(servos)
     if None in start:
         return 1
-    for servo in servos:
-        bus.write(servo, PROFILE_VELOCITY, 4, 0)
-        bus.write(servo, TORQUE, 1, 1)
-    worst, begin = 0, time.monotonic()
-    while (now := time.monotonic() - begin) < options.seconds:
-        nod = 57 * math.sin(2 * math.pi * 0.5 * now)
-        bus.move({servo: at + nod for servo, at in zip(servos, start)})
-        time.sleep(0.005)
-        seen = bus.positions(servos)
-        if None not in seen:
-            worst = max(worst, max(abs(one - at - nod) for one, at in zip(seen, start)))
-        time.sleep(max(0, begin + now + 0.02 - time.monotonic()))
-    for servo in servos:
-        bus.write(servo, TORQUE, 1, 0)
+    worst = 0
+    try:
+        for servo in servos:
+            bus.write(servo, PROFILE_VELOCITY, 4, 0)
+            bus.write(servo, TORQUE, 1, 1)
+        begin = time.monotonic()
+        while (now := time.monotonic() - begin) < options.seconds:
+            nod = 57 * math.sin(2 * math.pi * 0.5 * now)
+            bus.move({servo: at + nod for servo, at in zip(servos, start)})
+            time.sleep(0.005)
+            seen = bus.positions(servos)
+            if None not in seen:
+                worst = max(worst, max(abs(one - at - nod) for one, at in zip(seen, start)))
+            time.sleep(max(0, begin + now + 0.02 - time.monotonic()))
+    finally:  # also after Ctrl-C
+        if held := bus.release(servos):
+            print(f"servo_humanoid.py: servos {held} do not confirm that their torque is off: cut the power",
+                  file=sys.stderr)
     print(f"answers lost or damaged: {bus.bad}; the slowest was up to {worst:.0f} pulses behind")
-    return 0 if bus.bad == 0 and worst < 120 else 1
+    return 0 if bus.bad == 0 and worst < 120 and not held else 1
 
 
 if __name__ == "__main__":
