@@ -121,6 +121,7 @@ void BoardGroup::note_enabled(const Request& request) {
   for (const auto& member : members_) {
     if (off) member->to_be_on = 0;
     if (enable) member->to_be_on = enable->mask & member->board.joints;
+    if (enable) member->to_be_off = false;
   }
 }
 

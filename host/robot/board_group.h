@@ -72,6 +72,7 @@ class BoardGroup final : public Exchanger {
   void merge_calibration(const Exchange& exchange, Reply& merged);
   std::uint16_t merge_status();
   void switch_off();
+  static void switch_off(Member& member);
   void note_enabled(const Request& request);
 
   std::vector<std::unique_ptr<Member>> members_;

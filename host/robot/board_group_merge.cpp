@@ -168,15 +168,22 @@ std::uint16_t BoardGroup::merge_status() {
   if (expected && !as_expected) flags &= ~static_cast<unsigned>(KZ_STATUS_ENABLED);
   // One robot: a shutdown of a part is one of all.
   if (expected && reason != KZ_SHUTDOWN_NONE && reason != KZ_SHUTDOWN_LINK_LOST) switch_off();
+  // The request to be off may have been lost.
+  for (const auto& member : members_) {
+    if (member->to_be_off && (member->status & KZ_STATUS_ENABLED)) switch_off(*member);
+  }
   return static_cast<std::uint16_t>(reason << 8 | flags);
 }
 
-// The motors of all boards. Not waited for: a board that hears nothing has its link watchdog.
+// The motors of all boards. Not waited for: the status of each one's next reply shows whether it was done.
 void BoardGroup::switch_off() {
-  for (const auto& member : members_) {
-    member->to_be_on = 0;
-    (void)member->requester.send(make_request(KZ_TYPE_enable, kz_enable{}, kz_pack_enable));
-  }
+  for (const auto& member : members_) switch_off(*member);
+}
+
+void BoardGroup::switch_off(Member& member) {
+  member.to_be_on = 0;
+  member.to_be_off = true;
+  (void)member.requester.send(make_request(KZ_TYPE_enable, kz_enable{}, kz_pack_enable));
 }
 
 namespace {

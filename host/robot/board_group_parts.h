@@ -25,6 +25,7 @@ struct BoardGroup::Member {
   std::uint16_t status = 0;
   bool restarted = false;
   std::uint32_t to_be_on = 0;  // joints that were switched on
+  bool to_be_off = false;      // switch_off() since then
   bool link_lost = false;      // to be opened again
   struct State {
     Time time{};

@@ -173,6 +173,28 @@ TEST_F(Group, AShutdownOfOneBoardSwitchesAllMotorsOff) {
   EXPECT_FALSE(health->shutdown.empty());
 }
 
+TEST_F(Group, AnOffThatIsLostIsSentAgain) {
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  int lost = 0;
+  both.upper.to_board = [&](const TestBoard::Bytes& wire) {
+    kz_receiver receiver;
+    kz_receiver_init(&receiver);
+    for (const std::uint8_t byte : wire) {
+      if (kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME &&
+          receiver.body[KZ_BODY_TYPE] == KZ_TYPE_enable && lost++ == 0)
+        return TestBoard::Bytes();
+    }
+    return wire;
+  };
+  both.lower.supply_volts = 3;
+  wait(300ms);
+  ASSERT_TRUE(robot.state());
+  ASSERT_TRUE(robot.state());
+  ASSERT_TRUE(both.sleep_until(both.now() + 20ms));
+  EXPECT_GT(lost, 1);
+  EXPECT_FALSE(both.upper.motors_on());
+}
+
 TEST_F(Group, AnEnableThatOneBoardRefusesLeavesNoMotorOn) {
   both.lower.supply_volts = 3;
   wait(300ms);

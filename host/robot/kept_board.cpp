@@ -189,7 +189,9 @@ class Return {
     }
     const auto identity = KAZ_TRY(board.identify());
     result_.status = identity.status;
-    return {};
+    if (!options_.motors_off || (identity.status & KZ_STATUS_ENABLED) == 0) return {};
+    result_.left.emplace_back("motors, which are still on");
+    return fail(Fault::environment, "motors on " + link_.name() + " are still on");
   }
 
   // Where the board is now: at its old address first.

@@ -64,7 +64,8 @@ struct PutBack {
   std::uint8_t found_at = 0;      // the board's address at the beginning; 0: nowhere
   std::uint16_t status = 0;       // of the board at the end
   std::vector<std::string> done;  // what was put back: "address 3 to 1"
-  std::vector<std::string> left;  // what was not; empty: the board is as it was
+  // What was not; empty: the board is as it was, and confirms that its motors are off if they were to be.
+  std::vector<std::string> left;
   std::vector<std::string> notes;
 };
 

@@ -103,8 +103,13 @@ Result<void> Robot::enable(std::uint32_t mask) {
   if (!reply) return tl::unexpected(parts_->with_joints(reply.error(), replies->front()));
   if (reply->mask != mask) {
     const auto faults = fault_sentence(reply->status);
-    return fail(shutdown_fault(reply->status), "the board did not switch the motors as requested" +
-                                                   (faults ? ": " + *faults : std::string()));
+    const std::string off = parts_->names_of(mask & ~reply->mask);
+    std::string why = parts_->still_on(reply->mask & ~mask, 0);
+    if (!why.empty()) why += "; cut their power";
+    if (!off.empty()) why += (why.empty() ? "" : "; ") + ("still off: " + off);
+    return fail(shutdown_fault(reply->status),
+                "the board did not switch the motors as requested: " + why +
+                    (faults ? "; " + *faults : std::string()));
   }
   parts_->on = mask;
   return {};
@@ -257,18 +262,32 @@ std::string Robot::recent_frames() const {
   return parts_->requester.recent_frames();
 }
 
-void Robot::disable_all() noexcept {
-  if (!parts_) return;
+Result<void> Robot::disable_all() noexcept {
+  constexpr int kTries = 3;  // a bus asks its servos anew each time
+  if (!parts_) return {};
   try {
     parts_->on = 0;
     parts_->requester.start_anew();
     const Request off = make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable);
-    if (parts_->requester.exchange({&off, 1})) return;
-    // Nobody listens here any more (interrupted, or the board is deaf), but the wire may still
-    // carry it.
-    for (int i = 0; i < 3; ++i) (void)parts_->requester.send(off);
+    std::string why;
+    for (int tries = 0; tries < kTries; ++tries) {
+      const auto replies = parts_->requester.exchange({&off, 1});
+      const auto reply = replies ? read_reply(replies->front(), kz_unpack_enable_reply)
+                                 : tl::unexpected(replies.error());
+      why = reply ? parts_->still_on(reply->mask, reply->status) : reply.error().message;
+      if (why.empty()) return {};
+      if (replies) continue;
+      // Nobody listens here any more (interrupted, or the board is deaf), but the wire may still
+      // carry it.
+      for (int i = 0; i < kTries; ++i) (void)parts_->requester.send(off);
+      break;
+    }
+    return fail(Fault::environment, "nobody confirms that the motors on " +
+                                        parts_->requester.link().name() + " are off (" + why +
+                                        "): cut their power");
   } catch (...) {
     // Out of memory: the board's link watchdog does it.
+    return tl::unexpected(Error());
   }
 }
 

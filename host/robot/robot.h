@@ -56,7 +56,8 @@ class Robot {
   // ---- Motion
 
   // Motors on for the joints of the mask (bit n: joint n), off for all others. A joint that was off
-  // holds the angle it has. Clears a latched shutdown whose cause is gone.
+  // holds the angle it has. Clears a latched shutdown whose cause is gone. Fails unless the reply says so of
+  // each joint.
   Result<void> enable(std::uint32_t mask);
   // Straight ramps to the targets in `duration` (0..65 s; 0: as fast as the joint's ramp allows).
   // All or none: refused if a target is outside its limits or its joint is off.
@@ -83,7 +84,8 @@ class Robot {
 
   // ---- Safety
 
-  // All motors off at once, ahead of everything that waits; latched until clear() or enable().
+  // All motors off at once, ahead of everything that waits; latched until clear() or enable(). Fails also where the
+  // board's reply says that motors are still on, as a bus of servos can.
   Result<void> stop();
   // Forgets a latched shutdown; motors stay off until enable(). Fails while its cause is present.
   Result<void> clear();
@@ -150,8 +152,9 @@ class Robot {
   // The last 64 frames, one line each: to be shown when the link fails (frame_log.h).
   std::string recent_frames() const;
 
-  // Best effort, for the end of every program, interrupted or not: all motors off.
-  void disable_all() noexcept;
+  // Best effort, for the end of every program, interrupted or not: all motors off. Fails (environment) unless the
+  // board's reply confirms it, with the joints that are still on; the motors may then have power.
+  [[nodiscard]] Result<void> disable_all() noexcept;
 
  private:
   struct Parts;

@@ -64,6 +64,10 @@ struct Robot::Parts {
   Result<Posture> take_sensed(const Reply& state, const Reply* motion);
   // The replies of a cycle; `move` is null if no targets were sent.
   std::string describe_fault(std::uint16_t status);
+  // "pan, lift", by ConnectOptions::joint_names.
+  std::string names_of(std::uint32_t mask) const;
+  // "still on: pan, lift" of a reply that was to confirm that motors are off; empty: it does.
+  std::string still_on(std::uint32_t mask, std::uint16_t status) const;
   Result<Posture> take_cycle(const Reply* move, const Reply& state,
                              std::span<const JointTarget> targets, const Reply* motion = nullptr);
   void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> fields, Time now);

@@ -48,8 +48,10 @@ Result<void> Robot::stop() {
     if (!reply) return tl::unexpected(reply.error());
   }
   parts.observe(KZ_TYPE_stop, *reply);
-  const auto stopped = read_reply(*reply, kz_unpack_stop_reply);
-  if (!stopped) return tl::unexpected(stopped.error());
+  const auto stopped = KAZ_TRY(read_reply(*reply, kz_unpack_stop_reply));
+  if (const std::string on = parts.still_on(0, stopped.status); !on.empty())
+    return fail(Fault::environment,
+                "the board was to stop, and motors are " + on + "; cut their power");
   return {};
 }
 
@@ -118,6 +120,22 @@ Result<Health> Robot::health() {
   health.temperature_c = reply->temperature_dc * 0.1;
   health.reference = reply->reference / 1024.0;
   return health;
+}
+
+std::string Robot::Parts::names_of(std::uint32_t mask) const {
+  std::string names;
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+    if ((mask >> j & 1) == 0) continue;
+    names += names.empty() ? "" : ", ";
+    names += j < options.joint_names.size() ? options.joint_names[j] : joint_table()[j].name;
+  }
+  return names;
+}
+
+std::string Robot::Parts::still_on(std::uint32_t mask, std::uint16_t status) const {
+  if (mask == 0 && (status & KZ_STATUS_ENABLED) == 0) return "";
+  const std::string names = names_of(mask);
+  return "still on" + (names.empty() ? "" : ": " + names);
 }
 
 std::string Robot::describe_fault(std::uint16_t status) {

@@ -213,6 +213,10 @@ TEST(Robot, ReportsMotorsThatWentOff) {
   ASSERT_TRUE(state);
   const auto sentence = fault_sentence(state->status);
   ASSERT_TRUE(sentence);
+  EXPECT_NE(sentence->find(" motors went off: "), std::string::npos) << *sentence;
+  EXPECT_NE(fault_sentence(KZ_SHUTDOWN_STOP << 8 | KZ_STATUS_ENABLED)
+                ->find("not all motors confirm that they went off: "),
+            std::string::npos);
   EXPECT_NE(sentence->find("no request came for too long"), std::string::npos);
   EXPECT_FALSE(fault_sentence(KZ_STATUS_ENABLED | KZ_STATUS_MOVING));
   EXPECT_EQ(shutdown_fault(state->status), Fault::environment) << "nothing reached the board";
@@ -225,13 +229,61 @@ TEST(Robot, DisablesAllEvenWhenInterrupted) {
   ASSERT_TRUE(robot.enable(kAllJoints));
   wait(board, 5ms);
   EXPECT_TRUE(board.motors_on());
-  robot.disable_all();
+  EXPECT_TRUE(robot.disable_all());
   wait(board, 5ms);
   EXPECT_FALSE(board.motors_on());
 
   board.link_failure = Error{Fault::environment, "gone"};
-  robot.disable_all();  // must not throw
+  const auto off = robot.disable_all();  // must not throw
+  ASSERT_FALSE(off);
+  EXPECT_EQ(off.error().message,
+            "nobody confirms that the motors on test-port are off (gone): cut their power");
   EXPECT_EQ(robot.state().error().message, "gone; the board was sought for 3.0 s in vain");
+}
+
+// A board that does not switch the motor of the neck off, as its replies say.
+TestBoard::Bytes says_on(const TestBoard::Bytes& wire) {
+  TestBoard::Bytes all;
+  kz_receiver receiver;
+  kz_receiver_init(&receiver);
+  for (const std::uint8_t byte : wire) {
+    if (kz_receive(&receiver, byte, 0) != KZ_RECEIVE_FRAME) continue;
+    std::vector<std::uint8_t> body(receiver.body, receiver.body + receiver.length);
+    const std::uint8_t type = body[KZ_BODY_TYPE];
+    if (type == KZ_TYPE_enable_reply || type == KZ_TYPE_stop_reply)
+      body[KZ_HEADER_SIZE + 5] |= KZ_STATUS_ENABLED;     // behind the tick
+    if (type == KZ_TYPE_enable_reply) body.back() |= 1;  // of the mask, joint 0
+    std::array<std::uint8_t, KZ_FRAME_MAX> frame{};
+    const auto length =
+        kz_frame_encode(body.data(), static_cast<std::uint8_t>(body.size()), frame.data());
+    all.insert(all.end(), frame.begin(), frame.begin() + length);
+  }
+  return all;
+}
+
+TEST(Robot, OffIsWhatTheReplyConfirms) {
+  TestBoard board;
+  Robot robot = connect_to(board);
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  board.to_host = says_on;
+  const auto off = robot.disable_all();
+  ASSERT_FALSE(off);
+  EXPECT_EQ(off.error().fault, Fault::environment);
+  EXPECT_EQ(off.error().message,
+            "nobody confirms that the motors on test-port are off (still on: neck_pan): cut their "
+            "power");
+  const auto stopped = robot.stop();
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().message,
+            "the board was to stop, and motors are still on; cut their power");
+  const auto enabled = robot.enable(0b10);
+  ASSERT_FALSE(enabled);
+  EXPECT_NE(enabled.error().message.find("as requested: still on: neck_pan; cut their power"),
+            std::string::npos)
+      << enabled.error().message;
+  board.to_host = nullptr;
+  EXPECT_TRUE(robot.stop());
+  EXPECT_TRUE(robot.disable_all());
 }
 
 TEST(Robot, PostureAtInterpolates) {

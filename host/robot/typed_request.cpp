@@ -151,8 +151,11 @@ std::optional<std::string> fault_sentence(std::uint16_t status, const std::strin
   std::string faults;
   const auto reason = static_cast<std::uint8_t>(status >> 8);
   if (reason != KZ_SHUTDOWN_NONE) {
-    faults = std::string(status & KZ_STATUS_HOLDING ? "motors hold" : "motors went off") + ": " +
-             kz_shutdown_text(reason) + (where.empty() ? "" : " (" + where + ")") + "; " +
+    // On in spite of a shutdown: servos on a bus that do not confirm.
+    faults = std::string(status & KZ_STATUS_HOLDING   ? "motors hold"
+                         : status & KZ_STATUS_ENABLED ? "not all motors confirm that they went off"
+                                                      : "motors went off") +
+             ": " + kz_shutdown_text(reason) + (where.empty() ? "" : " (" + where + ")") + "; " +
              remedy(reason);
   }
   if (status & KZ_STATUS_MISSED_TICK) {

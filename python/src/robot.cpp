@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "host/link/interruptible.h"
@@ -92,7 +93,7 @@ class PythonRobot {
     })));
   }
   // As every program leaves it.
-  ~PythonRobot() { close(); }
+  ~PythonRobot() { close_after_error(); }
   PythonRobot(const PythonRobot&) = delete;
   PythonRobot& operator=(const PythonRobot&) = delete;
 
@@ -113,14 +114,12 @@ class PythonRobot {
       stopped.error().message += "; the motors may still be on: cut the power";
     raise(stopped.error());
   }
-  void close() {
-    if (closed_) return;
-    const py::gil_scoped_release release;
-    const ObjectLock::Stop alone(lock_);
-    if (robot_) robot_->disable_all();
-    robot_.reset();
-    port_.reset();
-    closed_ = true;
+  // Raises if nobody confirms that the motors are off.
+  void close() { value_of(switch_off()); }
+  // Prints that instead: another exception is on its way, or nobody catches one.
+  void close_after_error() {
+    if (const auto off = switch_off(); !off)
+      std::fprintf(stderr, "kaz: %s\n", off.error().message.c_str());
   }
 
   // Ctrl-C ends it; the motors stay on.
@@ -151,6 +150,24 @@ class PythonRobot {
     host::InterruptibleClock clock;
     host::InterruptibleLink link;
   };
+
+  Result<void> switch_off() {
+    if (closed_) return {};
+    const py::gil_scoped_release release;
+    const ObjectLock::Stop alone(lock_);
+    Result<void> off;
+    std::string on;
+    if (robot_) {
+      off = robot_->disable_all();
+      if (!port_) off = {};  // no motor has power in a simulation
+      if (!off) on = port_->still_on();
+    }
+    robot_.reset();
+    port_.reset();
+    closed_ = true;
+    if (!on.empty()) return fail(Fault::environment, on);
+    return off;
+  }
 
   template <class F>
   std::invoke_result_t<F, host::Robot&> with_robot(F work) {
@@ -313,7 +330,9 @@ void add_robot(py::module_& module) {
       .def(
           "__enter__", [](Robot& self) -> Robot& { return self; },
           py::return_value_policy::reference)
-      .def("__exit__", [](Robot& self, const py::args&) { self.close(); });
+      .def("__exit__", [](Robot& self, const py::object& type, const py::args&) {
+        type.is_none() ? self.close() : self.close_after_error();
+      });
 }
 
 }  // namespace kaz::python

@@ -48,7 +48,7 @@ MotorOnBench::MotorOnBench(host::Robot& robot, Stand* stand, int joint, const ho
 
 MotorOnBench::~MotorOnBench() {
   if (listening_) (void)robot_.subscribe(Time::zero(), 0);
-  robot_.disable_all();
+  (void)robot_.disable_all();  // at a port, what puts the board back makes it confirm this
   (void)robot_.set_gains(bit(joint_), own_gains_);
   if (own_limits_) (void)robot_.set_limits(bit(joint_), *own_limits_);
 }

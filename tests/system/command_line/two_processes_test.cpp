@@ -126,7 +126,7 @@ TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
     EXPECT_FALSE(robot->set_targets({&target, 1}, Time(0))) << "held: no target is taken";
     ASSERT_TRUE(robot->enable(host::kAllJoints));
     EXPECT_TRUE(robot->set_targets({&target, 1}, Time(0)));
-    robot->disable_all();
+    EXPECT_TRUE(robot->disable_all());
   }
   // Read from the emulated firmware's state.
   EXPECT_TRUE(sim.wait_for_output("s: by a request of the host, or a reset", seconds(10)))

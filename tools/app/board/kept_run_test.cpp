@@ -282,6 +282,61 @@ TEST_F(KeptRuns, AResetAtTheEndClearsAShutdownAndKeepsTheSettings) {
   EXPECT_EQ(status_after(true), "");
 }
 
+// A board one of whose motors stays on, whatever is requested.
+class StuckPort final : public host::Link {
+ public:
+  explicit StuckPort(lockstep::VirtualBench& board) : board_(board) {
+    kz_receiver_init(&receiver_);
+  }
+  std::string name() const override { return "test-port"; }
+  Result<void> write(std::span<const std::uint8_t> bytes) override {
+    for (const std::uint8_t byte : bytes) {
+      if (kz_receive(&receiver_, byte, 0) != KZ_RECEIVE_FRAME) continue;
+      if (stuck && receiver_.body[KZ_BODY_TYPE] == KZ_TYPE_enable)
+        receiver_.body[receiver_.length - 1] |= 1;  // of the mask, joint 0
+      std::array<std::uint8_t, KZ_FRAME_MAX> frame{};
+      const auto length = kz_frame_encode(receiver_.body, receiver_.length, frame.data());
+      KAZ_TRY(board_.write(std::span(frame).first(length)));
+    }
+    return {};
+  }
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    return board_.read(bytes, deadline);
+  }
+  bool stuck = false;
+
+ private:
+  lockstep::VirtualBench& board_;
+  kz_receiver receiver_{};
+};
+
+TEST_F(KeptRuns, MotorsThatAreStillOnAreNotCalledOff) {
+  lockstep::VirtualBench board(sim::make_native());
+  StuckPort port(board);
+  host::Interrupt interrupt;
+  const auto end_of_run = [&](bool stuck, std::function<std::string()> still_on = nullptr) {
+    port.stuck = false;
+    auto wanted = options(1);
+    wanted.flash = false;
+    wanted.notes = false;
+    wanted.still_on = std::move(still_on);
+    const auto kept = sure(KeptRun::begin(port, board, interrupt, wanted));
+    sure(sure(host::Robot::connect(port, board)).set_gains(1, {.kp_per_rad = 7}));
+    port.stuck = stuck;
+    testing::internal::CaptureStderr();
+    const auto ended = kept->end();
+    return testing::internal::GetCapturedStderr() + (ended ? "" : ended.error().message);
+  };
+  EXPECT_NE(end_of_run(false).find("motors off ("), std::string::npos);
+  const std::string stuck = end_of_run(true);
+  EXPECT_EQ(stuck.find("motors off ("), std::string::npos) << stuck;
+  EXPECT_NE(stuck.find("not put back: motors, which are still on: its motors may be on"),
+            std::string::npos)
+      << stuck;
+  EXPECT_EQ(end_of_run(true, [] { return "pan (id 1) still has torque: cut the power"; }),
+            "test-port: pan (id 1) still has torque: cut the power");
+}
+
 TEST_F(KeptRuns, EarlierNotesAreNamed) {
   lockstep::VirtualBench board(sim::make_native());
   prepare(board, 1);

@@ -195,8 +195,9 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
     std::fprintf(stderr, "%s: %s\n", o.verb.c_str(), sentence.c_str());
   if (o.notes) KAZ_TRY(run->write_notes());
   run->ended_ = false;
-  leaves_behind("the board on " + o.port + " may not be as it was before: give `" + run->command() +
-                "`");
+  leaves_behind(o.still_on ? "the servos on " + o.port + " may hold: cut their power"
+                           : "the board on " + o.port + " may not be as it was before: give `" +
+                                 run->command() + "`");
   if (!o.flash) return run;
   // From here on the board is altered: by a reset.
   auto kept = host::read_flash(link, clock, run->kept_.board);
@@ -257,6 +258,8 @@ Result<void> KeptRun::put_back() {
                    options_.port.c_str(), joined(back.done).c_str());
     return {};
   }
+  const std::string on = options_.still_on ? options_.still_on() : "";
+  if (!on.empty()) return fail(Fault::environment, options_.port + ": " + on);
   return fail(
       Fault::environment,
       "the board on " + options_.port +

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,7 +39,9 @@ struct KeptRunOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   bool flash = false;  // the run may write the board's flash: its address, its calibration
   bool motors_off =
-      true;            // at the end; false: the run does that itself, once it has moved anything
+      true;  // at the end; false: the run does that itself, once it has moved anything
+  // Of a bus of servos, those that are not off, with what to do (PortLink::still_on).
+  std::function<std::string()> still_on = nullptr;
   bool reset = false;  // at the end: the run may latch a shutdown, such as an emergency stop
   bool alone = false;  // the run disturbs every board on the line
   Time patience = host::PutBackOptions{}.patience;

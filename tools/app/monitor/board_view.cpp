@@ -40,6 +40,8 @@ Line motors(const BoardView& view) {
   const std::uint16_t status = view.health.status;
   if (!view.there) return {{"no answer", Ink::bad}};
   if (status & KZ_STATUS_HOLDING) return {{"motors held: the link was lost", Ink::warning}};
+  if ((status & host::kMotorsOffFaults) != 0 && (status & KZ_STATUS_ENABLED) != 0)
+    return {{"shutdown, motors still on: cut the power", Ink::bad}};
   if ((status & host::kMotorsOffFaults) != 0) return {{"motors off: shutdown", Ink::bad}};
   if (status & KZ_STATUS_ENABLED) return {{"motors on", Ink::good}};
   return {{"motors off", Ink::plain}};

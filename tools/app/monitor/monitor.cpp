@@ -259,14 +259,18 @@ class Monitor {
 
   Result<void> leave() {
     // What it switched on, and the watchdog; a board that it only looked at is left as it was.
-    if (robot_ && watched_) {
-      const host::CleanUp clean_up(interrupt_);
-      robot_->disable_all();
-      const kz_identify_reply& was = robot_->identity();
-      (void)robot_->heartbeat(std::chrono::milliseconds(10) * was.watchdog_10ms,
-                              static_cast<host::Reaction>(was.reaction));
-    }
-    return {};
+    if (!watched_ && (!link_ || link_->still_on().empty())) return {};
+    if (!robot_)
+      return fail(Fault::environment, "motors were switched on, and nobody answers on " +
+                                          port_.name() + " any more: cut their power");
+    const host::CleanUp clean_up(interrupt_);
+    const auto off = robot_->disable_all();
+    const kz_identify_reply& was = robot_->identity();
+    (void)robot_->heartbeat(std::chrono::milliseconds(10) * was.watchdog_10ms,
+                            static_cast<host::Reaction>(was.reaction));
+    if (const std::string on = off ? "" : link_->still_on(); !on.empty())
+      return fail(Fault::environment, port_.name() + ": " + on);
+    return off;
   }
 
   host::PortAddress port_;

@@ -17,15 +17,14 @@
 #include "host/behavior/plugin.h"
 #include "host/behavior/pose_request.h"
 #include "host/camera/capture.h"
-#include "host/link/requester.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
-#include "host/robot/typed_request.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/app/session/call_gate.h"
+#include "tools/app/session/leave_board.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/app/session/map_picture.h"
 #include "tools/app/session/moments.h"
@@ -286,10 +285,14 @@ class Session {
   void take_times();
   void check_outcome();
   std::string abandon(const PluginEnd& end);
-  std::string leave_board();
-  bool leave(const host::RobotBoard& board);
+  std::string leave_boards();
   void end_kept();
 
+  // For what puts a bus of servos back; null for boards.
+  std::function<std::string()> still_on() const {
+    if (!names_servo_bus(options_.backend.robot)) return nullptr;
+    return [this] { return backend_->still_on(); };
+  }
   bool plugin() const { return behavior::names_plugin(options_.behavior); }
   CallGate* gate() { return plugin() ? &gate_ : nullptr; }
   bool real() const { return backend_->port() != nullptr; }
@@ -407,6 +410,7 @@ Result<void> Session::connect() {
                                               .port = board.link->name(),
                                               .address = board.address,
                                               .motors_off = false,
+                                              .still_on = still_on(),
                                               .notes = false})));
   }
   clock_.emplace(backend_->clock(), gate(), backend_->simulation(), options_.onlooker,
@@ -577,7 +581,7 @@ std::string Session::abandon(const PluginEnd& end) {
   if (options_.on_end) options_.on_end(outcome_, run_s_, run_s_ / wall_s_);
   std::string rest;
   if (interrupt) sha256_ = backend_->finish_recording(end.by);
-  if (real() || interrupt) rest = leave_board();
+  if (real() || interrupt) rest = leave_boards();
   if (interrupt && options_.keep_interrupted) {
     rest += "; " + (sha256_ ? report().error() : lost(sha256_.error())).message;
   } else if (interrupt) {
@@ -593,16 +597,23 @@ std::string Session::abandon(const PluginEnd& end) {
   return rest;
 }
 
-// Motors off, by requests of its own: another thread may be in the midst of one.
-std::string Session::leave_board() {
+// Of a run that a plug-in broke off: the rest of the sentence.
+std::string Session::leave_boards() {
   const host::CleanUp clean_up(interrupt_);
-  bool answered = true;
-  for (const host::RobotBoard& board : backend_->boards()) answered = leave(board) && answered;
+  bool answered = true, off = true;
+  for (const host::RobotBoard& board : backend_->boards()) {
+    const auto confirmed = leave_board(board, backend_->clock(), health_);
+    answered = answered && confirmed;
+    off = off && confirmed.value_or(false);
+  }
   if (!real()) return {};
-  std::string rest = answered ? "; the motors are off"
-                              : "; the board does not answer, its link watchdog makes it hold: "
-                                "switch it off";
   end_kept();
+  std::string rest;
+  // What puts boards back makes them confirm it, too.
+  if (off || left_)
+    rest = "; the motors are off";
+  else if (!answered && backend_->still_on().empty())
+    rest = "; the board does not answer, its link watchdog makes it hold: switch it off";
   if (!left_) rest += "; " + left_.error().message;
   return rest;
 }
@@ -612,22 +623,6 @@ void Session::end_kept() {
     auto ended = kept->end();
     if (!ended && left_) left_ = std::move(ended);
   }
-}
-
-// False: it does not answer.
-bool Session::leave(const host::RobotBoard& board) {
-  host::Requester requester(*board.link, backend_->clock(), {.address = board.address});
-  requester.limit_tries(3);
-  const host::Request requests[] = {
-      host::make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable),
-      host::make_request(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics)};
-  const auto replies = requester.exchange(requests);
-  if (replies) {
-    health_ = host::read_reply((*replies)[1], kz_unpack_statistics_reply);
-  } else {
-    for (int i = 0; i < 3; ++i) (void)requester.send(requests[0]);  // the wire may still carry it
-  }
-  return replies.has_value();
 }
 
 // The time of SessionOptions::until has come.
@@ -656,13 +651,19 @@ void Session::settle() {
     clean_up.emplace(interrupt_);
   }
   if (outcome_ || interrupted()) health_ = robot_->board_statistics();
-  robot_->disable_all();
+  const auto off = robot_->disable_all();
   clean_up.reset();
   // Behind the motors' end: it takes up to 0.1 s, in which nothing is sent, and would let the board's
   // link watchdog expire. A simulator that is asked after it has stopped answering would be waited for.
   if (lateness_meter_ && (outcome_ || interrupted())) lateness_ = lateness_meter_->end();
   excuse_failure();
   progress_->done();
+  // At once: putting the board back, which tries again, may take seconds.
+  if (!off && real()) {
+    const std::string on = backend_->still_on();
+    std::fprintf(stderr, "%s: %s\n", options_.label.c_str(),
+                 (on.empty() ? off.error().message : on).c_str());
+  }
   end_kept();
   pipeline_->finish();
   if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
