@@ -79,9 +79,9 @@ class BusDriver {
   // What a servo says of its torque; silent: no answer, or one that has no value.
   enum class Torque : std::uint8_t { off, on, silent };
   static constexpr Time kReleaseWithin = std::chrono::milliseconds(150);
-  // Torque off: one packet to all, then each servo is read back and written to again until it says `off`. Ends
-  // after three rounds, or with the first servo whose turn begins after `within`; the first servo is always
-  // read back.
+  // Torque off: one packet to all, then each servo is read back and written to again until it says `off`.
+  // Ends after three rounds, or with the first servo whose turn begins after `within`; the first servo is
+  // always read back.
   Result<std::vector<Torque>> release(Servos servos, Time within = kReleaseWithin);
   struct Goal {
     const Servo* servo;
@@ -89,8 +89,8 @@ class BusDriver {
   };
   // With as few requests as it takes; nobody answers them.
   virtual Result<void> move(std::span<const Goal> goals) = 0;
-  // Lets servos whose protection acted be switched on again, at the positions that they have. For each: whether it
-  // accepted that. Their torque may be on: release() them.
+  // Lets servos whose protection acted be switched on again, at the positions that they have. For each:
+  // whether it accepted that. Their torque may be on: release() them.
   virtual Result<std::vector<bool>> recover(std::span<const Goal> troubled) = 0;
 
   virtual const Counts& counts() const = 0;
@@ -99,9 +99,9 @@ class BusDriver {
   Clock& clock_;
 };
 
-// Servos that should be off and do not say so, a sentence with what to do: "pan (id 1) still has torque; lift (id 2)
-// does not confirm that its torque is off: cut the power". Empty: all said that they are off. One of `torque` for
-// each of `servos`.
+// Servos that should be off and do not say so, a sentence with what to do: "pan (id 1) still has torque;
+// lift (id 2) does not confirm that its torque is off: cut the power". Empty: all said that they are off.
+// One of `torque` for each of `servos`.
 std::string still_on(BusDriver::Servos servos, std::span<const BusDriver::Torque> torque);
 
 }  // namespace kaz::host

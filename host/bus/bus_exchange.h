@@ -27,8 +27,8 @@ class BusExchange {
 
   BusExchange(Link& link, Clock& clock) : link_(link), clock_(clock) {}
 
-  // What came before belongs to no request any more. Where the link cannot be read, or does not fall silent, the
-  // request leaves all the same: it may be the one that switches torque off.
+  // What came before belongs to no request any more. Where the link cannot be read, or does not fall
+  // silent, the request leaves all the same: it may be the one that switches torque off.
   Result<void> send(const Packet& request) {
     const auto drained = drain(link_, clock_);
     come_.clear();

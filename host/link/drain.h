@@ -6,8 +6,8 @@
 
 namespace kaz::host {
 
-// Reads and discards what has come, without waiting for more. Errors: the link's; (environment) bytes still come
-// after 64 KiB or 100 ms, as from a device that sends on its own.
+// Reads and discards what has come, without waiting for more. Errors: the link's; (environment) bytes still
+// come after 64 KiB or 100 ms, as from a device that sends on its own.
 Result<void> drain(Link& link, Clock& clock);
 
 }  // namespace kaz::host

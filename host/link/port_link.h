@@ -24,7 +24,8 @@ class PortLink : public Link, public ModemLines {
   virtual bool has_unsent() const { return false; }
   // What the link has counted besides bytes, as a sentence: "3 error frames, bus-off once"; empty if nothing.
   virtual std::string counts() const { return ""; }
-  // Of a bus of servos, those that have not confirmed that they are off, a sentence with what to do; else empty.
+  // Of a bus of servos, those that have not confirmed that they are off, a sentence with what to do; else
+  // empty.
   virtual std::string still_on() const { return ""; }
 };
 

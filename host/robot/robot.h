@@ -84,8 +84,8 @@ class Robot {
 
   // ---- Safety
 
-  // All motors off at once, ahead of everything that waits; latched until clear() or enable(). Fails also where the
-  // board's reply says that motors are still on, as a bus of servos can.
+  // All motors off at once, ahead of everything that waits; latched until clear() or enable(). Fails also
+  // where the board's reply says that motors are still on, as a bus of servos can.
   Result<void> stop();
   // Forgets a latched shutdown; motors stay off until enable(). Fails while its cause is present.
   Result<void> clear();
@@ -152,8 +152,9 @@ class Robot {
   // The last 64 frames, one line each: to be shown when the link fails (frame_log.h).
   std::string recent_frames() const;
 
-  // Best effort, for the end of every program, interrupted or not: all motors off. Fails (environment) unless the
-  // board's reply confirms it, with the joints that are still on; the motors may then have power.
+  // Best effort, for the end of every program, interrupted or not: all motors off. Fails (environment)
+  // unless the board's reply confirms it, with the joints that are still on; the motors may then have
+  // power.
   [[nodiscard]] Result<void> disable_all() noexcept;
 
  private:

@@ -43,8 +43,8 @@ Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Inter
 
 // That a servo at a port does not answer, with what to do.
 Error silent_servo(const servo_bus::BusServo& servo, const std::string& port);
-// Fails (environment) unless each servo says that its torque is off, naming those that do not. `release`: switches it
-// off first.
+// Fails (environment) unless each servo says that its torque is off, naming those that do not. `release`:
+// switches it off first.
 Result<void> require_limp(host::BusDriver& driver, std::span<const host::BusJoint> joints,
                           const std::string& port, bool release);
 

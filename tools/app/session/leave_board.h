@@ -10,8 +10,8 @@
 
 namespace kaz::tools {
 
-// By requests of its own: another thread may be in the midst of one. Whether the board's reply confirms that its
-// motors are off; nothing: it does not answer. `counts`: the board's own, where it answers.
+// By requests of its own: another thread may be in the midst of one. Whether the board's reply confirms
+// that its motors are off; nothing: it does not answer. `counts`: the board's own, where it answers.
 std::optional<bool> leave_board(const host::RobotBoard& board, host::Clock& clock,
                                 Result<kz_statistics_reply>& counts);
 
