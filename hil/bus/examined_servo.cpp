@@ -225,7 +225,8 @@ Result<void> ExaminedServo::identify(bool release) {
         if (one.id == id_ && one.data.size() == 2) first = one;
     }
     if (!first)
-      return refuse("does not answer: check its supply, plug, id and rate; `kaz bus scan --port " +
+      return refuse("does not answer: check its supply, plug, id and rate; `kaz bus scan --robot " +
+                    std::string(family_ == ServoFamily::feetech ? "feetech:" : "dynamixel:") +
                     link_.name() + "` finds servos");
     for (const ServoTable& one : servo_tables())
       if (one.family == family_ &&

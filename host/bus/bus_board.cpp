@@ -92,11 +92,11 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
                                     std::to_string(*mode) + ", and only the position mode, " +
                                     std::to_string(wanted) + ", can be driven");
     if (!refused.empty())
-      return fail(Fault::environment, named(joint.servo) + " on " + link.name() +
-                                          " does not accept 0 for its register " +
-                                          std::string(refused) +
-                                          ": check its plug and supply; `kaz bus scan --port " +
-                                          link.name() + "` counts what is lost");
+      return fail(
+          Fault::environment,
+          named(joint.servo) + " on " + link.name() + " does not accept 0 for its register " +
+              std::string(refused) + ": check its plug and supply; `kaz bus scan " +
+              bus_option(joint.servo.model->protocol, link.name()) + "` counts what is lost");
     Joint& one = board.joints_.emplace_back();
     one.of = std::move(joint);
   }

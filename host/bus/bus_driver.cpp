@@ -17,6 +17,10 @@ std::string named(const servo_bus::BusServo& servo) {
   return "servo " + std::to_string(servo.id) + " (" + servo.joint + ")";
 }
 
+std::string bus_option(servo_bus::Protocol protocol, const std::string& port_name) {
+  return "--robot " + std::string(servo_bus::name_of(protocol)) + ":" + port_name;
+}
+
 std::string still_on(BusDriver::Servos servos, std::span<const BusDriver::Torque> torque) {
   std::string text;
   for (std::size_t i = 0; i < servos.size(); ++i) {

@@ -21,6 +21,8 @@ namespace kaz::host {
 
 // "servo 1 (pan)"
 std::string named(const servo_bus::BusServo& servo);
+// "--robot feetech:/dev/ttyACM0": for commands that a message suggests.
+std::string bus_option(servo_bus::Protocol protocol, const std::string& port_name);
 
 // What a servo says is wrong with it.
 enum ServoTrouble : std::uint8_t {

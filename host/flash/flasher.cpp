@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "host/flash/diagnostic.h"
+#include "host/link/port_address.h"
 #include "host/link/requester.h"
 #include "host/robot/connect.h"
 
@@ -156,7 +157,7 @@ Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
                            "board id " + hex_word(identity->board_id) + ", of the image",
                            hex_word(*board_id_) + ", of the board on " + link_.name(),
                            {"the port is that of another board", "the image is of another board"},
-                           "check --port and IMAGE; --force overrides this guard alone"});
+                           "check --robot and IMAGE; --force overrides this guard alone"});
   }
   return {};
 }
@@ -191,8 +192,8 @@ Result<bool> Flasher::enter_loader() {
                                           "it leaves its application",
                                           "a refusal",
                                           {"its motors are on"},
-                                          "stop the motors (`kaz status --port " + link_.name() +
-                                              "`), try again"});
+                                          "stop the motors (`kaz status " +
+                                              robot_option(link_.name()) + "`), try again"});
   }
   // The reply may be lost although the board resets. The watchdog takes 7 ms, the loader 1 ms.
   for (int k = 0; k < 10; ++k) {
@@ -207,8 +208,8 @@ Result<bool> Flasher::enter_loader() {
                  "nothing",
                  {"the board's loader is older than this program", "the line is noisy"},
                  "the same command again; else boot mode, which erases the whole flash: kaz "
-                 "flash write IMAGE --port " +
-                     link_.name() + " --reset dtr-rts (or ctl:PATH, or manual)"});
+                 "flash write IMAGE " +
+                     robot_option(link_.name()) + " --reset dtr-rts (or ctl:PATH, or manual)"});
 }
 
 Result<void> Flasher::load_writer_rest() {
@@ -348,13 +349,14 @@ Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const Flash
   for (const FlashRange& range : ranges) {
     const auto equal = KAZ_TRY(same(range, image));
     if (!equal) {
-      return fail(Fault::failed, Diagnostic{"the flash does not hold the image",
-                                            "the image's bytes from " + hex_address(range.from) +
-                                                " to " + hex_address(range.to - 1),
-                                            "other sums",
-                                            {"another image was flashed since",
-                                             "cells lose their charge: the part is worn"},
-                                            "kaz flash write IMAGE --port " + link_.name() + " …"});
+      return fail(Fault::failed,
+                  Diagnostic{"the flash does not hold the image",
+                             "the image's bytes from " + hex_address(range.from) + " to " +
+                                 hex_address(range.to - 1),
+                             "other sums",
+                             {"another image was flashed since",
+                              "cells lose their charge: the part is worn"},
+                             "kaz flash write IMAGE " + robot_option(link_.name()) + " …"});
     }
     report_progress("verify", done += range.size(), total);
   }

@@ -99,6 +99,11 @@ bool names_port_kind(std::string_view text) {
                              [&](const auto& kind) { return text.starts_with(kind.first); });
 }
 
+std::string robot_option(std::string_view port_name) {
+  std::string option = names_port_kind(port_name) ? "--robot " : "--robot serial:";
+  return option.append(port_name);
+}
+
 Result<PortAddress> parse_port_address(const std::string& option, std::string_view text) {
   PortAddress address;
   std::string_view rest = text;
@@ -109,7 +114,7 @@ Result<PortAddress> parse_port_address(const std::string& option, std::string_vi
   }
   if (const auto wrong = read_place(rest, address); !wrong.empty())
     return fail(Fault::usage, option + " " + std::string(text) + ": " + wrong +
-                                  "; give PATH or PATH@BAUD of a serial port, can:INTERFACE, "
+                                  "; give serial:PATH or serial:PATH@BAUD, can:INTERFACE, "
                                   "tcp:HOST:PORT or rfc2217:HOST:PORT");
   return address;
 }

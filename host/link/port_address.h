@@ -1,4 +1,4 @@
-// The one reader of --robot and --port: where a board is.
+// The one reader of --robot KIND:PATH for boards: where a board is.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,8 +24,8 @@ struct PortAddress {
   std::uint16_t tcp_port = 0;  // of tcp and rfc2217
   int baud = KZ_BAUD;          // of serial and rfc2217
 
-  // For messages, and as a value of --port again, without the rate: "/dev/ttyUSB0", "can:can0",
-  // "tcp:bench:7000".
+  // For messages, without the rate: "/dev/ttyUSB0", "can:can0", "tcp:bench:7000".
+  // parse_port_address() accepts it.
   std::string name() const;
 };
 
@@ -34,5 +34,7 @@ struct PortAddress {
 Result<PortAddress> parse_port_address(const std::string& option, std::string_view text);
 // Whether the text begins as one of the four kinds; a path may contain any other colon.
 bool names_port_kind(std::string_view text);
+// "--robot serial:/dev/ttyUSB0" for the name() "/dev/ttyUSB0": for commands that a message suggests.
+std::string robot_option(std::string_view port_name);
 
 }  // namespace kaz::host

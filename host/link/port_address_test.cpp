@@ -1,4 +1,4 @@
-// --robot and --port as the user types them, and adapters as sysfs shows them.
+// --robot as the user types it, and adapters as sysfs shows them.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/link/port_address.h"
 
@@ -60,8 +60,21 @@ TEST(PortAddress, EachMistakeHasItsSentence) {
     EXPECT_EQ(address.error().fault, Fault::usage);
     EXPECT_EQ(address.error().message,
               "--robot " + std::string(text) + ": " + sentence +
-                  "; give PATH or PATH@BAUD of a serial port, can:INTERFACE, tcp:HOST:PORT or "
+                  "; give serial:PATH or serial:PATH@BAUD, can:INTERFACE, tcp:HOST:PORT or "
                   "rfc2217:HOST:PORT");
+  }
+}
+
+TEST(PortAddress, SuggestedOptionsParseToTheSamePort) {
+  const std::pair<const char*, const char*> kOptions[] = {
+      {"/dev/ttyUSB0", "--robot serial:/dev/ttyUSB0"},
+      {"board:left", "--robot serial:board:left"},
+      {"can:can0", "--robot can:can0"},
+      {"tcp:bench:7000", "--robot tcp:bench:7000"},
+      {"rfc2217:[fe80::1]:7217", "--robot rfc2217:[fe80::1]:7217"}};
+  for (const auto& [name, option] : kOptions) {
+    EXPECT_EQ(robot_option(name), option);
+    EXPECT_EQ(read(robot_option(name).substr(std::string("--robot ").size())).name(), name);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <span>
 
+#include "host/link/port_address.h"
 #include "shared/protocol/frame.h"
 
 namespace kaz::host {
@@ -92,8 +93,8 @@ Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error erro
   return {Fault::environment,
           "no board answers at address " + std::to_string(address) + " on " + link.name() +
               ", but " + (one ? "one does at " : "others do at ") + addresses_text(*found) +
-              ": give --address " + first + ", or move it with `kaz recover " + link.name() +
-              (one ? "" : " --found-at " + first) +
+              ": give --address " + first + ", or move it with `kaz recover " +
+              robot_option(link.name()) + (one ? "" : " --found-at " + first) +
               (address == KZ_ADDRESS_DEFAULT ? "" : " --address " + std::to_string(address)) + "`"};
 }
 

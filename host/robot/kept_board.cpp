@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "host/link/port_address.h"
 #include "host/link/requester.h"
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
@@ -375,7 +376,7 @@ std::string how_calibration_goes(const kz_identify_reply& identity, const std::s
   if (identity.image_crc == 0)
     return ": kaz sim --mcu native, which has no loader to erase them, forgets them when it ends, "
            "unless its --memory keeps them";
-  return "; `kaz flash erase --blocks 1,2 --port " + port +
+  return "; `kaz flash erase --blocks 1,2 " + robot_option(port) +
          (address == KZ_ADDRESS_DEFAULT ? "" : " --address " + std::to_string(address)) +
          "` erases them";
 }

@@ -1,5 +1,6 @@
 // Robot: settings of joints and their detailed state.
 // SPDX-License-Identifier: Apache-2.0
+#include "host/link/port_address.h"
 #include "host/robot/robot_parts.h"
 
 namespace kaz::host {
@@ -103,7 +104,7 @@ Error Robot::Parts::with_limits(Error error, const Reply& reply,
   const auto set = read_reply(replies->front(), kz_unpack_settings_reply);
   if (!set) return error;
   const std::string recover =
-      "kaz recover " + requester.link().name() +
+      "kaz recover " + robot_option(requester.link().name()) +
       (options.address == KZ_ADDRESS_DEFAULT ? ""
                                              : " --address " + std::to_string(options.address));
   return outside_set_limits(refusal.detail, targets,

@@ -100,7 +100,8 @@ TEST(Robot, NamesTheLimitsThatAreInForce) {
   EXPECT_EQ(
       alone.error().message,
       "neck_tilt was not moved: its target of 12.00 degrees lies outside the limits that were "
-      "set on the board, -5.73 to 6.88 degrees; a reset of the board or `kaz recover test-port` "
+      "set on the board, -5.73 to 6.88 degrees; a reset of the board or `kaz recover --robot "
+      "serial:test-port` "
       "gives it its own of -44.99 to 74.99 degrees again");
   const auto cycle = robot.exchange({&target, 1}, 10ms);
   ASSERT_FALSE(cycle);

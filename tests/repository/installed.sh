@@ -60,9 +60,9 @@ try kaz bench tick --out ticks
 try kaz bench motor --mcu native --filter pot.noise --out measured
 try kaz sim --eyes real --write-calibration eyes.yml
 begin --erased
-try kaz flash write "$share/kaz/firmware/kaz.mot" --port board --reset ctl:board.ctl
-try kaz flash verify "$share/kaz/firmware/kaz.mot" --port board
-try kaz status board
+try kaz flash write "$share/kaz/firmware/kaz.mot" --robot serial:board --reset ctl:board.ctl
+try kaz flash verify "$share/kaz/firmware/kaz.mot" --robot serial:board
+try kaz status --robot serial:board
 end
 begin --mcu native --cameras board.eyes
 try kaz run search-ball --robot serial:board --camera board.eyes --out live

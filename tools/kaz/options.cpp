@@ -155,8 +155,12 @@ void add_motor_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("KGM2");
 }
 
-void add_port(CLI::App& verb, std::string& port) {
-  verb.add_option("--port,PORT", port, kPortText)->type_name("PORT")->required();
+CLI::Option* add_port(CLI::App& verb, std::string& port, const std::string& text) {
+  return verb.add_option("--robot,--port", port, text)->type_name("KIND:PATH");
+}
+
+void add_required_port(CLI::App& verb, std::string& port, const std::string& text) {
+  verb.add_option("--robot,--port,PORT", port, text)->type_name("KIND:PATH")->required();
 }
 
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {

@@ -103,17 +103,22 @@ void add_imu(CLI::App& verb, bool& imu);
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text);
 // --motor-file, --motor, --disc: the motors on a virtual motor stand.
 void add_motor_options(CLI::App& verb, BackendOptions& options);
-// What the values of --port and --robot can be (host/link/port_address.h).
+// The values of --robot (host/link/port_address.h).
 inline constexpr const char* kPortText =
-    "port of the board: PATH[@BAUD] of a serial port or pty, can:INTERFACE, tcp:HOST:PORT or "
+    "the board: serial:PATH[@BAUD] of a serial port or pty, can:INTERFACE, tcp:HOST:PORT or "
     "rfc2217:HOST:PORT[@BAUD]";
+inline constexpr const char* kBusText =
+    "the servo bus: feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]; PATH may also be "
+    "rfc2217:HOST:PORT";
 inline constexpr const char* kRobotText =
     "sim, a board at a port (serial:PATH[@BAUD], can:INTERFACE, tcp:HOST:PORT or "
     "rfc2217:HOST:PORT[@BAUD]), boards:FILE, which says which joint is on which board, or "
     "feetech:PATH[@BAUD] and dynamixel:PATH[@BAUD], buses of servos";
 
-// --port, which may also be given as a word, for verbs that need one.
-void add_port(CLI::App& verb, std::string& port);
+// --robot KIND:PATH for verbs that need no robot but a port. --port is its name in older scripts.
+CLI::Option* add_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);
+// The same, required; the value may also be given without the option's name.
+void add_required_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);
 // --address N, for every verb that opens a port.
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address);
 // --record-pictures, for verbs that record.

@@ -15,11 +15,10 @@ namespace kaz::tools {
 namespace {
 
 void add_common(CLI::App& verb, BenchOptions& arguments) {
-  auto* port = verb.add_option("--port", arguments.target.port,
-                               std::string(kPortText) +
-                                   "; without it an emulated one on a virtual motor stand, in "
-                                   "simulated time")
-                   ->type_name("PORT");
+  auto* port = add_port(verb, arguments.target.port,
+                        std::string(kPortText) +
+                            "; without it an emulated one on a virtual motor stand, in simulated "
+                            "time");
   add_address(verb, arguments.target.address)->needs(port);
   add_choice(verb, "--mcu", sim::kMcuKinds, arguments.target.backend.mcu,
              "microcontroller of the emulated board: h8 executes the firmware image, native runs "
@@ -76,7 +75,7 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->type_name("REGEX");
   add_motor_options(verb, arguments.target.backend);
   for (const char* name : {"--motor-file", "--motor"})
-    verb.get_option(name)->excludes(verb.get_option("--port"));
+    verb.get_option(name)->excludes(verb.get_option("--robot"));
   verb.get_option("--disc")->description(
       "inertia of the disc on the shaft: of the virtual stand, or of yours with --stand "
       "manual");
@@ -105,7 +104,7 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
             "the board refuses the target frames, which are as long");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
-    motion->needs(verb->get_option("--port"))->excludes(verb->get_option("--stand"));
+    motion->needs(verb->get_option("--robot"))->excludes(verb->get_option("--stand"));
   std::string joints;
   for (const host::JointInfo& joint : host::joint_table())
     joints += (joints.empty() ? "" : ", ") + std::string(joint.name);
@@ -175,16 +174,13 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
   verb->add_option_function<std::string>(
           "--bus",
           [arguments](const std::string& protocol) {
-            arguments->recorder.protocol = protocol == "feetech" ? servo_bus::Protocol::feetech
-                                                                 : servo_bus::Protocol::dynamixel;
+            arguments->protocol = protocol == "feetech" ? servo_bus::Protocol::feetech
+                                                        : servo_bus::Protocol::dynamixel;
           },
-          "the servo's protocol")
-      ->required()
+          "the servo's protocol, where --robot does not say it")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
-  verb->add_option("--port", arguments->port, "the adapter's port: /dev/ttyACM0, rfc2217:HOST:PORT")
-      ->required()
-      ->type_name("PORT");
+  add_port(*verb, arguments->robot, kBusText)->required();
   verb->add_option("--baud", arguments->baud,
                    "rate of the bus; that of servos as they are sold if not given")
       ->check(between(1200L, 10000000L))
@@ -232,7 +228,7 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       "gain are to be held out. D, I and least duty are 0 meanwhile, and put back. Ctrl-C, a limit "
       "or a lost servo: torque off, registers as they were, nothing is written.\n"
       "Examples:\n"
-      "  kaz bench pendulum --bus feetech --port /dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 "
+      "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 "
       "\\\n"
       "      --out heavy\n"
       "  kaz bench servo heavy/fit-*.csv light/fit-*.csv --held-out heavy/held-*.csv \\\n"
@@ -273,7 +269,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
   verb->add_flag("--json", arguments->json, "the result as JSON on standard output");
   verb->footer(
       "Examples:\n"
-      "  kaz bench motor --port /dev/ttyUSB0 --stand manual --disc 4e-4 --out my-motor\n"
+      "  kaz bench motor --robot serial:/dev/ttyUSB0 --stand manual --disc 4e-4 --out my-motor\n"
       "  kaz bench fit my-motor --out my-fit\n"
       "  kaz bench motor --motor-file my-fit/motor.xml     # on the virtual stand");
   verb->callback([&action, arguments] { action = [arguments] { return run_fit(*arguments); }; });
@@ -293,21 +289,23 @@ void add_bench(CLI::App& program, Action& action) {
       [](BenchOptions& a) { a.motor = true; },
       "  kaz bench motor --out motor     # an emulated board: no hardware needed\n"
       "  kaz bench motor --joint l_knee,r_knee --filter 'stall|no_load'\n"
-      "  kaz bench motor --port /dev/ttyUSB0 --joint l_sh_pitch --stand manual --disc 4e-4\n"
-      "  kaz bench motor --port board --stand ctl:board.ctl     # for kaz sim --serial board "
+      "  kaz bench motor --robot serial:/dev/ttyUSB0 --joint l_sh_pitch --stand manual --disc "
+      "4e-4\n"
+      "  kaz bench motor --robot serial:board --stand ctl:board.ctl     # for kaz sim --serial "
+      "board "
       "--stand");
   add_measuring(
       *verb, action, "link", "measure round trips, cycles a second, errors, lost telemetry",
       [](BenchOptions& a) { a.link = true; },
-      "  kaz bench link --port /dev/ttyUSB0\n  kaz bench link --json > link.json");
+      "  kaz bench link --robot serial:/dev/ttyUSB0\n  kaz bench link --json > link.json");
   add_measuring(
       *verb, action, "tick", "measure how long and how even the board's ticks are",
       [](BenchOptions& a) { a.tick = true; },
-      "  kaz bench tick --port /dev/ttyUSB0 --allow-motion\n  kaz bench tick");
+      "  kaz bench tick --robot serial:/dev/ttyUSB0 --allow-motion\n  kaz bench tick");
   add_measuring(
       *verb, action, "all", "measure link, tick and motor, in one report",
       [](BenchOptions& a) { a.motor = a.link = a.tick = true; },
-      "  kaz bench all --out board-42\n  kaz bench all --port /dev/ttyUSB0 --stand manual");
+      "  kaz bench all --out board-42\n  kaz bench all --robot serial:/dev/ttyUSB0 --stand manual");
   add_fit(*verb, action);
   add_servo(*verb, action);
   add_pendulum(*verb, action);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "shared/base/number_text.hpp"
+#include "tools/app/base/arguments.h"
 #include "tools/app/bus/record_motion.h"
 #include "tools/app/bus/scan.h"
 #include "tools/kaz/options.h"
@@ -32,9 +33,7 @@ CLI::Validator ids_of(const std::shared_ptr<BusScanOptions>& options) {
 
 // --robot and --robot-file, both needed.
 void add_robot(CLI::App& verb, BackendOptions& options) {
-  verb.add_option("--robot", options.robot, "the bus: feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]")
-      ->required()
-      ->type_name("PORT");
+  verb.add_option("--robot", options.robot, kBusText)->required()->type_name("KIND:PATH");
   verb.add_option("--robot-file", options.robot_file,
                   "URDF of the robot; bus.json beside it says which servo is which joint")
       ->required()
@@ -107,7 +106,7 @@ void add_bus(CLI::App& program, Action& action) {
       "bus", "servos of Feetech's and ROBOTIS's on a serial line: find, look at, record");
   verb->require_subcommand(1);
   verb->footer(
-      "Examples:\n  kaz bus scan --port /dev/ttyACM0\n  kaz bus status --robot "
+      "Examples:\n  kaz bus scan --robot serial:/dev/ttyACM0\n  kaz bus status --robot "
       "feetech:/dev/ttyACM0 "
       "--robot-file so101.urdf");
   add_record(*verb, action);
@@ -116,10 +115,10 @@ void add_bus(CLI::App& program, Action& action) {
       "scan", "look for servos at every id and rate, and for what is wrong with them and the wire");
   auto options = std::make_shared<BusScanOptions>();
   auto ids = std::make_shared<std::string>();
-  scan->add_option("--port", options->port, "the adapter's port: /dev/ttyACM0, rfc2217:HOST:PORT")
-      ->required()
-      ->type_name("PORT");
-  scan->add_option("--protocol", options->protocol, "feetech or dynamixel; both if not given")
+  add_port(*scan, options->robot, std::string(kBusText) + "; PATH alone tries both protocols")
+      ->required();
+  scan->add_option("--protocol", options->protocol,
+                   "feetech or dynamixel, where --robot does not say it; both if not given")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   scan->add_option("--baud", options->bauds,
@@ -141,9 +140,9 @@ void add_bus(CLI::App& program, Action& action) {
       "Exit status: 0 servos are there and nothing is wrong, 1 none is, or something is wrong, 2 "
       "wrong usage, 3 port error.\n"
       "Examples:\n"
-      "  kaz bus scan --port /dev/ttyACM0\n"
-      "  kaz bus scan --port /dev/ttyACM0 --protocol feetech --baud 1000000 --ids 1-6\n"
-      "  kaz bus scan --port arm --readings 1000 --json     # of kaz sim --bus");
+      "  kaz bus scan --robot serial:/dev/ttyACM0\n"
+      "  kaz bus scan --robot feetech:/dev/ttyACM0@1000000 --ids 1-6\n"
+      "  kaz bus scan --robot serial:arm --readings 1000 --json     # of kaz sim --bus");
   scan->callback([&action, options, ids] {
     (void)ids;  // CLI11 writes the option's text there
     action = [options]() -> Result<Outcome> { return run_bus_scan(*options); };

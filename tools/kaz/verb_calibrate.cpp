@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "tools/app/base/arguments.h"
 #include "tools/app/calibrate/calibrate_bus.h"
 #include "tools/app/calibrate/calibrate_joints.h"
 #include "tools/app/vision/calibrate_stereo.h"

@@ -13,11 +13,10 @@ void add_can_bridge(CLI::App& program, Action& action) {
       "can-bridge",
       "put a board's serial line, real or emulated, on a CAN bus (SocketCAN, ISO-TP)");
   auto arguments = std::make_shared<CanBridgeOptions>();
-  verb->add_option("--port,--robot,PORT", arguments->port,
-                   "the board's line: PATH[@BAUD] of a serial port or pty, tcp:HOST:PORT or "
-                   "rfc2217:HOST:PORT[@BAUD]")
-      ->type_name("PORT")
-      ->required();
+  add_required_port(
+      *verb, arguments->port,
+      "the board's line: serial:PATH[@BAUD] of a serial port or pty, tcp:HOST:PORT or "
+      "rfc2217:HOST:PORT[@BAUD]");
   verb->add_option("--can", arguments->interface, "CAN interface, which is up")
       ->type_name("NAME")
       ->required();
@@ -32,7 +31,7 @@ void add_can_bridge(CLI::App& program, Action& action) {
       ->type_name("N")
       ->default_str("1");
   verb->footer(
-      "Then `--robot can:can0` and `--port can:can0` reach the board from every machine on the "
+      "Then `--robot can:can0` reaches the board from every machine on the "
       "bus. "
       "docs/reference/links.md lists the identifiers and what cannot cross. A line or a bus that "
       "goes "
@@ -41,9 +40,9 @@ void add_can_bridge(CLI::App& program, Action& action) {
       "error.\n"
       "Examples:\n"
       "  sudo ip link set can0 up type can bitrate 1000000 restart-ms 100\n"
-      "  kaz can-bridge --port /dev/ttyUSB0 --can can0\n"
-      "  kaz can-bridge --port /dev/ttyUSB1 --can can0 --address 2,3\n"
-      "  kaz status --port can:can0");
+      "  kaz can-bridge --robot serial:/dev/ttyUSB0 --can can0\n"
+      "  kaz can-bridge --robot serial:/dev/ttyUSB1 --can can0 --address 2,3\n"
+      "  kaz status --robot can:can0");
   verb->callback([&action, arguments] { action = [arguments] { return bridge_can(*arguments); }; });
 }
 

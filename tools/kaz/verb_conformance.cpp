@@ -3,19 +3,42 @@
 #include <memory>
 #include <string>
 
+#include "tools/app/base/arguments.h"
 #include "tools/app/board/conformance.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
+namespace {
+
+// Options that belong to a servo board are refused with a servo bus, and the reverse. Takes the protocol
+// from --robot.
+Result<void> check_kind(const CLI::App& verb, ConformanceOptions& arguments) {
+  if (!arguments.bus && names_servo_bus(arguments.port))
+    arguments.bus = KAZ_TRY(parse_bus(arguments.port)).protocol;
+  if (arguments.bus) {
+    for (const char* option : {"--address", "--virtual", "--image", "--allow-flash", "--seed"})
+      if (verb.count(option) > 0)
+        return fail(Fault::usage,
+                    std::string(option) + " is not valid with a servo bus; leave it out");
+  } else {
+    for (const char* option : {"--id", "--baud", "--allow-eeprom", "--alone", "--release"})
+      if (verb.count(option) > 0)
+        return fail(Fault::usage, std::string(option) +
+                                      " is only valid with a servo bus, as --robot "
+                                      "feetech:/dev/ttyACM0");
+  }
+  return {};
+}
+
+}  // namespace
 
 void add_conformance(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "conformance", "check case by case that a board does what docs/reference/protocol.md says");
   auto arguments = std::make_shared<ConformanceOptions>();
-  auto* port = verb->add_option("--port", arguments->port,
-                                std::string(kPortText) + "; either this or --virtual")
-                   ->type_name("PORT");
+  auto* port = add_port(*verb, arguments->port,
+                        std::string(kPortText) + "; or " + kBusText + "; either this or --virtual");
   add_address(*verb, arguments->address)->needs(port);
   add_choice(*verb, "--virtual", sim::kMcuKinds, arguments->mcu,
              "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
@@ -32,24 +55,19 @@ void add_conformance(CLI::App& program, Action& action) {
   verb->add_option("--id", arguments->id, "of the servo on the bus")
       ->check(between(0, 253))
       ->capture_default_str()
-      ->type_name("N")
-      ->needs(bus);
+      ->type_name("N");
   verb->add_option("--baud", arguments->baud,
                    "rate of the bus; that of servos as they are sold if not given: 1000000 of "
                    "Feetech's, 57600 of ROBOTIS's")
       ->check(between(1200L, 10000000L))
-      ->type_name("BAUD")
-      ->needs(bus);
+      ->type_name("BAUD");
   verb->add_flag(
-          "--allow-eeprom", arguments->allow_eeprom,
-          "on a bus: also the cases that write EEPROM, which wear it; each value is put back")
-      ->needs(bus);
+      "--allow-eeprom", arguments->allow_eeprom,
+      "on a bus: also the cases that write EEPROM, which wear it; each value is put back");
   verb->add_flag("--alone", arguments->alone,
-                 "on a bus: the servo is alone at the port, so also requests to all servos")
-      ->needs(bus);
+                 "on a bus: the servo is alone at the port, so also requests to all servos");
   verb->add_flag("--release", arguments->release,
-                 "on a bus: a torque that is on is switched off at the beginning; hold the arm")
-      ->needs(bus);
+                 "on a bus: a torque that is on is switched off at the beginning; hold the arm");
   verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
   verb->add_flag(
@@ -66,12 +84,10 @@ void add_conformance(CLI::App& program, Action& action) {
       ->transform(whole_number())
       ->type_name("N")
       ->capture_default_str();
-  for (const char* of_a_board : {"--address", "--virtual", "--image", "--allow-flash", "--seed"})
-    verb->get_option(of_a_board)->excludes(bus);
   auto* list = verb->add_flag("--list", arguments->list,
                               "print the cases and run none; with --filter those that it takes");
   for (const char* of_a_run :
-       {"--port", "--virtual", "--image", "--allow-motion", "--allow-flash", "--seed", "--id",
+       {"--robot", "--virtual", "--image", "--allow-motion", "--allow-flash", "--seed", "--id",
         "--baud", "--allow-eeprom", "--alone", "--release"})
     verb->get_option(of_a_run)->excludes(list);
   verb->add_option("--junit", arguments->junit, "write JUnit XML; -: to standard output")
@@ -99,13 +115,17 @@ void add_conformance(CLI::App& program, Action& action) {
       "undecided.\n"
       "Examples:\n"
       "  kaz conformance --virtual h8 --html report.html\n"
-      "  kaz conformance --port /dev/ttyUSB0 --junit conformance.xml\n"
+      "  kaz conformance --robot serial:/dev/ttyUSB0 --junit conformance.xml\n"
       "  kaz conformance --virtual native --filter 'SAFE-|watchdog'\n"
-      "  kaz conformance --bus feetech --port /dev/ttyACM0 --id 3\n"
-      "  kaz conformance --bus dynamixel --port /dev/ttyUSB0 --baud 1000000 --json report.json\n"
+      "  kaz conformance --robot feetech:/dev/ttyACM0 --id 3\n"
+      "  kaz conformance --robot dynamixel:/dev/ttyUSB0@1000000 --json report.json\n"
       "  kaz conformance --list");
-  verb->callback(
-      [&action, arguments] { action = [arguments] { return run_conformance(*arguments); }; });
+  verb->callback([&action, arguments, verb] {
+    action = [arguments, verb]() -> Result<Outcome> {
+      KAZ_TRY(check_kind(*verb, *arguments));
+      return run_conformance(*arguments);
+    };
+  });
 }
 
 }  // namespace kaz::tools

@@ -13,9 +13,10 @@ namespace kaz::tools {
 namespace {
 
 constexpr const char* kWriteExamples =
-    "  kaz flash write kaz.mot --port /dev/ttyUSB0\n"
-    "  kaz flash write kaz.mot --port board --reset ctl:board.ctl     # for kaz sim --erased\n"
-    "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n";
+    "  kaz flash write kaz.mot --robot serial:/dev/ttyUSB0\n"
+    "  kaz flash write kaz.mot --robot serial:board --reset ctl:board.ctl     # for kaz sim "
+    "--erased\n"
+    "  kaz flash write kaz.mot --robot serial:/dev/ttyUSB0 --reset manual\n";
 constexpr const char* kExitStatus =
     "Exit status: 0 done, 1 it failed, 2 wrong usage or image, 3 port error.";
 
@@ -49,10 +50,10 @@ void add_reset_to_run(CLI::App& verb, FlashArguments& arguments) {
 }
 
 void add_common(CLI::App& verb, FlashArguments& arguments, bool dry_run) {
-  auto* port = verb.add_option("--port", arguments.port,
-                               std::string("serial port or pty of the board; 115,200 baud") +
-                                   (dry_run ? " (required, but for --dry-run)" : ""))
-                   ->type_name("PATH");
+  auto* port =
+      add_port(verb, arguments.port,
+               std::string("the board: serial:PATH of a serial port or pty; 115,200 baud") +
+                   (dry_run ? " (required, but for --dry-run)" : ""));
   if (!dry_run) port->required();
   add_address(verb, arguments.address);
   verb.add_flag("--json", arguments.json,
@@ -82,7 +83,7 @@ void add_flash(CLI::App& program, Action& action) {
       "flash", "write, read and verify the board's firmware, through boot mode or resident loader");
   all->require_subcommand(1);
   all->footer(std::string("Examples:\n") + kWriteExamples +
-              "  kaz flash info --port /dev/ttyUSB0\n" + kExitStatus);
+              "  kaz flash info --robot serial:/dev/ttyUSB0\n" + kExitStatus);
   const auto add = [&](const char* name, const char* text, const char* examples) {
     auto* verb = all->add_subcommand(name, text);
     const std::string_view which = name;
@@ -105,11 +106,11 @@ void add_flash(CLI::App& program, Action& action) {
     return std::pair(verb, arguments);
   };
   add("info", "print what is in the board's flash; restarts the board, motors go off",
-      "  kaz flash info --port /dev/ttyUSB0\n"
-      "  kaz flash info --port board --json\n");
+      "  kaz flash info --robot serial:/dev/ttyUSB0\n"
+      "  kaz flash info --robot serial:board --json\n");
   add("run", "start the firmware in the flash, and print its identity",
-      "  kaz flash run --port /dev/ttyUSB0     # after kaz flash write --no-start\n"
-      "  kaz flash run --port board --reset ctl:board.ctl\n");
+      "  kaz flash run --robot serial:/dev/ttyUSB0     # after kaz flash write --no-start\n"
+      "  kaz flash run --robot serial:board --reset ctl:board.ctl\n");
   auto [write, to_write] =
       add("write", "erase what differs, write, verify and start an image", kWriteExamples);
   add_image(*write, *to_write);
@@ -121,11 +122,11 @@ void add_flash(CLI::App& program, Action& action) {
                   "leave the board in the loader or boot mode, without starting the image");
   auto [verify, to_verify] =
       add("verify", "compare the flash with an image; restarts the board, motors go off",
-          "  kaz flash verify kaz.mot --port /dev/ttyUSB0\n");
+          "  kaz flash verify kaz.mot --robot serial:/dev/ttyUSB0\n");
   add_image(*verify, *to_verify);
   auto [erase, to_erase] = add("erase", "erase blocks; with --reset the whole flash",
-                               "  kaz flash erase --port /dev/ttyUSB0 --blocks 7,8\n"
-                               "  kaz flash erase --port /dev/ttyUSB0 --reset manual\n");
+                               "  kaz flash erase --robot serial:/dev/ttyUSB0 --blocks 7,8\n"
+                               "  kaz flash erase --robot serial:/dev/ttyUSB0 --reset manual\n");
   erase
       ->add_option(
           "--blocks", to_erase->blocks,
@@ -135,10 +136,11 @@ void add_flash(CLI::App& program, Action& action) {
       ->delimiter(',')
       ->check(erasable_block())
       ->type_name("N,N");
-  auto [read, to_read] = add("read", "copy flash to a raw file; restarts the board, motors go off",
-                             "  kaz flash read --port /dev/ttyUSB0 --out flash.bin\n"
-                             "  kaz flash read --port board --from 0x1000 --length 4096 --out "
-                             "part.bin\n");
+  auto [read, to_read] =
+      add("read", "copy flash to a raw file; restarts the board, motors go off",
+          "  kaz flash read --robot serial:/dev/ttyUSB0 --out flash.bin\n"
+          "  kaz flash read --robot serial:board --from 0x1000 --length 4096 --out "
+          "part.bin\n");
   read->add_option("--from", to_read->from, "first address to read")
       ->check(between(0, 0x1ffff))
       ->type_name("ADDRESS")

@@ -13,10 +13,10 @@ void add_fuzz(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "fuzz", "send hostile requests to a board and check that motors and replies stay in order");
   auto arguments = std::make_shared<FuzzOptions>();
-  verb->add_option("--target,--port", arguments->target,
-                   std::string("native or h8, simulated in this process, or a ") + kPortText)
+  verb->add_option("--target,--robot,--port", arguments->target,
+                   std::string("native or h8, simulated in this process, or ") + kPortText)
       ->capture_default_str()
-      ->type_name("native|h8|PORT");
+      ->type_name("native|h8|KIND:PATH");
   add_address(*verb, arguments->address);
   auto* seconds = verb->add_option("--seconds", arguments->seconds,
                                    "how long to run; a case that has begun is finished")
@@ -73,7 +73,7 @@ void add_fuzz(CLI::App& program, Action& action) {
       "  kaz fuzz --seconds 60\n"
       "  kaz fuzz --target h8 --cases 200 --seed 7\n"
       "  kaz fuzz --body --seconds 60\n"
-      "  kaz fuzz --target /dev/ttyUSB0 --allow-motion --seconds 600\n"
+      "  kaz fuzz --robot serial:/dev/ttyUSB0 --allow-motion --seconds 600\n"
       "  kaz fuzz --replay kaz-fuzz-failure");
   verb->callback([&action, arguments, verb] {
     arguments->seed_given = verb->count("--seed") > 0;

@@ -15,7 +15,7 @@ void add_monitor(CLI::App& program, Action& action) {
       "monitor", "show a board in the terminal: joints, supply, tick, link; keys to move and stop");
   auto arguments = std::make_shared<MonitorOptions>();
   auto watch = std::make_shared<WatchArguments>();
-  add_port(*verb, arguments->port);
+  add_required_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
   verb->add_option("--robot-file", arguments->robot_file,
                    "URDF of another robot than Kaz; of a bus of servos, feetech:PATH[@BAUD] or "
@@ -33,12 +33,12 @@ void add_monitor(CLI::App& program, Action& action) {
       "Exit status: 0 left by q, Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage or no terminal, 3 port "
       "error.\n"
       "Examples:\n"
-      "  kaz monitor --port /dev/ttyUSB0\n"
+      "  kaz monitor --robot serial:/dev/ttyUSB0\n"
       "  kaz sim --mcu native --serial board     # in another terminal, until it says ready\n"
-      "  kaz monitor --port board\n"
-      "  kaz monitor --port board --view        # the robot in a browser, too\n"
-      "  kaz monitor feetech:/dev/ttyACM0 --robot-file so101.urdf\n"
-      "  ssh workbench -t kaz monitor --port /dev/ttyUSB0");
+      "  kaz monitor --robot serial:board\n"
+      "  kaz monitor --robot serial:board --view        # the robot in a browser, too\n"
+      "  kaz monitor --robot feetech:/dev/ttyACM0 --robot-file so101.urdf\n"
+      "  ssh workbench -t kaz monitor --robot serial:/dev/ttyUSB0");
   verb->callback([&action, arguments, watch] {
     action = [arguments, watch] { return monitor_watched(*watch, *arguments); };
   });

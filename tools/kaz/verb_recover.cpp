@@ -13,7 +13,7 @@ void add_recover(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "recover", "find a board at any address, and bring it back: address, faults, motors off");
   auto arguments = std::make_shared<RecoverOptions>();
-  add_port(*verb, arguments->port);
+  add_required_port(*verb, arguments->port);
   const auto add_number = [&](const char* name, std::optional<std::uint8_t>& to, const char* text) {
     verb->add_option_function<int>(
             name, [&to](int number) { to = static_cast<std::uint8_t>(number); }, text)
@@ -44,10 +44,11 @@ void add_recover(CLI::App& program, Action& action) {
       "--from.\n"
       "Exit status: 0 recovered, 1 something or a fault remains, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
-      "  kaz recover /dev/ttyUSB0\n"
-      "  kaz recover /dev/ttyUSB0 --from ~/.local/state/kaz/board_dev_ttyUSB0-4711.json\n"
-      "  kaz recover /dev/ttyUSB0 --found-at 9 --address 2 --json\n"
-      "  kaz recover /dev/ttyUSB0 --address 3 --shared-line off");
+      "  kaz recover --robot serial:/dev/ttyUSB0\n"
+      "  kaz recover --robot serial:/dev/ttyUSB0 --from "
+      "~/.local/state/kaz/board_dev_ttyUSB0-4711.json\n"
+      "  kaz recover --robot serial:/dev/ttyUSB0 --found-at 9 --address 2 --json\n"
+      "  kaz recover --robot serial:/dev/ttyUSB0 --address 3 --shared-line off");
   verb->callback([&action, arguments] { action = [arguments] { return recover(*arguments); }; });
 }
 

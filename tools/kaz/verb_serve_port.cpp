@@ -12,9 +12,7 @@ void add_serve_port(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "serve-port", "serve a board's port, real or emulated, to one client on the network");
   auto arguments = std::make_shared<ServePortOptions>();
-  verb->add_option("--port,--robot,PORT", arguments->port, kPortText)
-      ->type_name("PORT")
-      ->required();
+  add_required_port(*verb, arguments->port);
   verb->add_option("--listen", arguments->listen,
                    "address of this machine and port; other machines reach 0.0.0.0, not 127.0.0.1")
       ->type_name("HOST:PORT")
@@ -29,9 +27,10 @@ void add_serve_port(CLI::App& program, Action& action) {
       "port that goes away is looked for until it is there again.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
-      "  kaz serve-port --port /dev/ttyUSB0\n"
-      "  kaz serve-port --port board --raw --listen 0.0.0.0:7000   # of kaz sim --serial board\n"
-      "  ssh -L 7217:localhost:7217 robot kaz serve-port --port /dev/ttyUSB0\n"
+      "  kaz serve-port --robot serial:/dev/ttyUSB0\n"
+      "  kaz serve-port --robot serial:board --raw --listen 0.0.0.0:7000   # of kaz sim --serial "
+      "board\n"
+      "  ssh -L 7217:localhost:7217 robot kaz serve-port --robot serial:/dev/ttyUSB0\n"
       "  kaz run track-ball --robot rfc2217:localhost:7217 --camera board.eyes");
   verb->callback([&action, arguments] { action = [arguments] { return serve_port(*arguments); }; });
 }

@@ -13,7 +13,7 @@ void add_status(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "status", "print a board's state: motors, why they went off, supply, link");
   auto arguments = std::make_shared<StatusOptions>();
-  add_port(*verb, arguments->port);
+  add_required_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
   verb->add_flag("--json", arguments->json, "print it as JSON");
   verb->footer(
@@ -25,8 +25,8 @@ void add_status(CLI::App& program, Action& action) {
       "`kaz flash info`.\n"
       "Exit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
-      "  kaz status --port /dev/ttyUSB0\n"
-      "  kaz status --port /dev/ttyUSB0 --address 3 --json");
+      "  kaz status --robot serial:/dev/ttyUSB0\n"
+      "  kaz status --robot serial:/dev/ttyUSB0 --address 3 --json");
   verb->callback(
       [&action, arguments] { action = [arguments] { return print_status(*arguments); }; });
 }

@@ -128,7 +128,7 @@ TEST(BenchVerb, ErrorsSayWhatToDo) {
   } cases[] = {
       {{"motor", "--joint", "l_foot"}, 2, "there is no joint `l_foot`"},
       {{"motor", "--joint", "neck_pan,neck_pan"}, 2, "names `neck_pan` twice"},
-      {{"motor", "--stand", "manual"}, 2, "--stand goes with --port"},
+      {{"motor", "--stand", "manual"}, 2, "--stand goes with --robot"},
       {{"motor", "--limits", folder / "none.json"},
        2,
        "cannot be read (No such file or directory)"},

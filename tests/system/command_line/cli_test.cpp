@@ -97,7 +97,7 @@ TEST(Cli, HelpSaysHowAnOptionIsTyped) {
   EXPECT_NE(help({"conformance"}).find("\n  --json [FILE]  "), std::string::npos);
   // One that is a word too.
   EXPECT_NE(help({"recover"}).find("\n  PORT  "), std::string::npos);
-  EXPECT_NE(help({"recover"}).find("\n  --port PORT  "), std::string::npos);
+  EXPECT_NE(help({"recover"}).find("\n  --robot KIND:PATH  "), std::string::npos);
   // Bounds beside the placeholder, in digits.
   EXPECT_NE(help({"demo"}).find("\n  --supply V  "), std::string::npos);
   EXPECT_NE(help({"demo"}).find("(1 to 20 V; default: 10)"), std::string::npos);
@@ -253,8 +253,8 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
       {{"conformance", "--virtual", "native", "--allow-motion"},
        {"--allow-motion is for a board at a port", "every case runs"}},
       {{"conformance", "--virtual", "native", "--allow-flash"}, {"--allow-flash"}},
-      {{"conformance", "--list", "--port", "board"}, {"--list", "--port"}},
-      {{"bench", "motor", "--allow-motion"}, {"--allow-motion needs --port"}},
+      {{"conformance", "--list", "--port", "board"}, {"--list", "--robot"}},
+      {{"bench", "motor", "--allow-motion"}, {"--allow-motion needs --robot"}},
       {{"mcu", "run", folder / "reset.mot", "--flat", "--crystal", "1e6"}, {"--crystal", "--flat"}},
       {{"mcu", "run", folder / "reset.mot", "--gdb", "-", "--max-states", "5"},
        {"--gdb", "--max-states"}},
@@ -293,6 +293,43 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
     EXPECT_TRUE(one_sentence(run(kaz(arguments)), 2, one.words)) << arguments.back();
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "lcov"));
+}
+
+// One spelling in every verb: --robot KIND:PATH. --port is an alias of it.
+TEST(Cli, EveryVerbTakesRobotKindPath) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> pendulum{"bench",    "pendulum", "--mass", "0.3",
+                                          "--length", "0.15",     "--arm",  "0.02"};
+  const std::vector<std::vector<std::string>> boards{
+      {"status"},        {"recover"},
+      {"flash", "info"}, {"bench", "link"},
+      {"conformance"},   {"fuzz", "--cases", "1", "--allow-motion"},
+      {"serve-port"},    {"can-bridge", "--can", "none"}},
+      buses{{"bus", "scan", "--ids", "1"}, {"conformance"}, pendulum};
+  const auto run_at = [&](std::vector<std::string> words, const char* option,
+                          const std::string& robot) {
+    words.insert(words.end(), {option, robot});
+    if (words[0] == "bench" || words[0] == "fuzz")
+      words.insert(words.end(), {"--out", folder / "out"});
+    return run(kaz(words));
+  };
+  const std::string none = folder / "none";
+  for (const auto& verb : boards) {
+    SCOPED_TRACE(verb.back());
+    for (const char* option : {"--robot", "--port"})
+      EXPECT_TRUE(one_sentence(run_at(verb, option, "serial:" + none), 3, {none}));
+    // The conformance suite has cases for servos, too.
+    if (verb[0] == "conformance") continue;
+    EXPECT_TRUE(one_sentence(run_at(verb, "--robot", "feetech:" + none), 2,
+                             {"--robot feetech:" + none + ": a servo bus", "kaz bus status"}));
+  }
+  for (const auto& verb : buses) {
+    SCOPED_TRACE(verb.back());
+    for (const char* kind : {"feetech:", "dynamixel:"})
+      EXPECT_TRUE(one_sentence(run_at(verb, "--robot", kind + none + "@57600"), 3, {none}));
+  }
+  EXPECT_TRUE(one_sentence(run_at(pendulum, "--robot", none), 2,
+                           {"its protocol is missing; give feetech:" + none}));
 }
 
 // A mistyped engine must not lead to --allow-motion.
@@ -410,11 +447,11 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
                    "--ticks 0: give a whole number from 1 to 1000000000000"));
   EXPECT_TRUE(says({"mcu", "run", "image", "--max-states", "0"},
                    "--max-states 0: give a whole number from 1 to 999999999999999999"));
-  EXPECT_TRUE(says({"monitor"}, "--port is missing; give --port PORT"));
+  EXPECT_TRUE(says({"monitor"}, "--robot is missing; give --robot KIND:PATH"));
   EXPECT_TRUE(says({"mcu", "run", "image", "--format", "hex"},
                    "--format hex: give coff, elf, ihex, raw or srec"));
   EXPECT_TRUE(
-      says({"bench", "link", "--mcu", "h8", "--port", "a"}, "give --port or --mcu, not both"));
+      says({"bench", "link", "--mcu", "h8", "--port", "a"}, "give --robot or --mcu, not both"));
   EXPECT_TRUE(says({"mcu", "run", "image", "--mode", "4"}, "--mode 4: give 2 or 3"));
   EXPECT_TRUE(says({"mcu", "run", "image", "--profile-format", "xml"},
                    "--profile-format xml: give text, json or callgrind"));

@@ -219,7 +219,8 @@ TEST_F(RecoverVerb, ASecondSignalLaterEndsAtOnceAndNamesWhatIsLeft) {
             std::string::npos)
       << end.err;
   const std::string from = notes().front();
-  EXPECT_NE(end.err.find("`kaz recover " + port() + " --from " + from + "`"), std::string::npos)
+  EXPECT_NE(end.err.find("`kaz recover --robot serial:" + port() + " --from " + from + "`"),
+            std::string::npos)
       << end.err;
   const Finished status = run(kaz({"status", "--port", port(), "--address", "1"}));
   if (status.exit_code == 0) {
@@ -262,7 +263,7 @@ TEST_F(RecoverVerb, NotesThatCannotBeReadAreASentenceAndNoObstacle) {
 // Verbs that only look at a board name them, too: whoever looks may be looking for what is wrong.
 TEST_F(RecoverVerb, MonitorAndVisionNameNotes) {
   write_file(notes_file(port()), "{");
-  const std::string named = "`kaz recover " + port() + "`";
+  const std::string named = "`kaz recover --robot serial:" + port() + "`";
   const Finished monitor = run(kaz({"monitor", "--port", port(), "--address", "3"}));
   EXPECT_EQ(monitor.exit_code, 3) << monitor.err;
   EXPECT_NE(monitor.err.find(named), std::string::npos) << monitor.err;
@@ -284,10 +285,12 @@ TEST_F(RecoverVerb, MonitorAndVisionNameNotes) {
   const Finished seen = vision({});
   EXPECT_EQ(seen.exit_code, 0) << seen.err;
   EXPECT_NE(seen.err.find(said), std::string::npos) << seen.err;
-  EXPECT_NE(seen.err.find("`kaz recover " + seeing + "`"), std::string::npos) << seen.err;
+  EXPECT_NE(seen.err.find("`kaz recover --robot serial:" + seeing + "`"), std::string::npos)
+      << seen.err;
   const Finished elsewhere = vision({"--address", "3"});
   EXPECT_EQ(elsewhere.exit_code, 3) << elsewhere.err;
-  EXPECT_NE(elsewhere.err.find("`kaz recover " + seeing + "`"), std::string::npos) << elsewhere.err;
+  EXPECT_NE(elsewhere.err.find("`kaz recover --robot serial:" + seeing + "`"), std::string::npos)
+      << elsewhere.err;
 }
 
 TEST_F(RecoverVerb, WithoutAPlaceForNotesNothingIsRun) {
@@ -312,7 +315,7 @@ TEST_F(RecoverVerb, APortThatDiesIsNamedWithTheCommand) {
   EXPECT_NE(status.err.find("left behind by a `kaz sim` that was killed"), std::string::npos)
       << status.err;
   ASSERT_EQ(notes().size(), 1u) << ended.err;
-  EXPECT_NE(ended.err.find("kaz recover " + port() + " --from " + notes().front()),
+  EXPECT_NE(ended.err.find("kaz recover --robot serial:" + port() + " --from " + notes().front()),
             std::string::npos)
       << ended.err;
 }

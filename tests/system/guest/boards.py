@@ -28,7 +28,7 @@ def conformance(options, guest, folder, address, short):
     """Lines and faults. The other board's bridge is away: the suite disturbs every board on its line."""
     name = f"conformance{address}"
     only = f" --filter '{SHORT}'" if short else ""
-    code, printed = guest.run(f"{options.kaz} conformance --port can:can0 --address {address} --allow-motion"
+    code, printed = guest.run(f"{options.kaz} conformance --robot can:can0 --address {address} --allow-motion"
                               f"{only} --json /mnt/{name}.json >/mnt/{name}.txt 2>&1; e=$?; "
                               f"tail -n 3 /mnt/{name}.txt; exit $e", PATIENCE_S, check=False)
     if not (folder / f"{name}.json").exists():

@@ -7,8 +7,62 @@
 
 namespace kaz::tools {
 
+namespace {
+
+// The protocol whose name and a colon begin `text`.
+std::optional<servo_bus::Protocol> bus_protocol(std::string_view text) {
+  for (const auto protocol : {servo_bus::Protocol::feetech, servo_bus::Protocol::dynamixel}) {
+    if (text.starts_with(std::string(servo_bus::name_of(protocol)) + ":")) return protocol;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 Result<host::PortAddress> parse_port(const std::string& text) {
-  return host::parse_port_address("--port", text);
+  if (names_servo_bus(text))
+    return fail(Fault::usage, "--robot " + text +
+                                  ": a servo bus, and this command is for a servo board; for "
+                                  "servos use `kaz bus status`, `kaz bus scan` or `kaz monitor`");
+  return host::parse_port_address("--robot", text);
+}
+
+Result<BusAddress> parse_bus(const std::string& text) {
+  BusAddress bus{bus_protocol(text), {}};
+  const std::string port =
+      bus.protocol ? text.substr(servo_bus::name_of(*bus.protocol).size() + 1) : text;
+  const auto parsed = host::parse_port_address("--robot", port);
+  if (!parsed ||
+      (parsed->kind != host::PortKind::serial && parsed->kind != host::PortKind::rfc2217))
+    return fail(Fault::usage, "--robot " + text +
+                                  ": not a servo bus; give feetech:PATH[@BAUD] or "
+                                  "dynamixel:PATH[@BAUD], as feetech:/dev/ttyACM0, or "
+                                  "feetech:rfc2217:HOST:PORT for a port on another machine");
+  bus.port = *parsed;
+  if (port.find('@') == std::string::npos) bus.port.baud = 0;
+  return bus;
+}
+
+Result<BusAddress> parse_one_bus(const std::string& text,
+                                 std::optional<servo_bus::Protocol> protocol, long baud) {
+  BusAddress bus = KAZ_TRY(parse_bus(text));
+  if (bus.protocol && protocol && bus.protocol != protocol)
+    return fail(Fault::usage, "--bus " + std::string(servo_bus::name_of(*protocol)) + ": --robot " +
+                                  text + " is another protocol; leave --bus out");
+  if (!bus.protocol) bus.protocol = protocol;
+  if (!bus.protocol)
+    return fail(Fault::usage, "--robot " + text + ": its protocol is missing; give feetech:" +
+                                  text + " or dynamixel:" + text);
+  if (bus.port.baud != 0 && baud != 0 && bus.port.baud != baud)
+    return fail(Fault::usage, "--baud " + std::to_string(baud) + ": --robot " + text +
+                                  " has another rate; leave --baud out");
+  if (bus.port.baud == 0)
+    bus.port.baud = static_cast<int>(baud != 0 ? baud : servo_bus::factory_baud(*bus.protocol));
+  return bus;
+}
+
+bool names_servo_bus(const std::string& robot) {
+  return bus_protocol(robot).has_value();
 }
 
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts) {

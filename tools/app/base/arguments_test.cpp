@@ -30,6 +30,67 @@ TEST(Port, RefusesWhatIsNoBaudRate) {
   }
 }
 
+TEST(Port, RefusesAServoBus) {
+  for (const char* text : {"feetech:/dev/ttyACM0", "dynamixel:arm@57600"}) {
+    const auto port = parse_port(text);
+    ASSERT_FALSE(port) << text;
+    EXPECT_EQ(port.error().fault, Fault::usage);
+    EXPECT_EQ(port.error().message.find("--robot " + std::string(text) + ": a servo bus"), 0u);
+    EXPECT_NE(port.error().message.find("kaz bus status"), std::string::npos);
+  }
+}
+
+TEST(Bus, HasProtocolPortAndRate) {
+  using servo_bus::Protocol;
+  const std::tuple<const char*, std::optional<Protocol>, const char*, int> kBuses[] = {
+      {"feetech:/dev/ttyACM0", Protocol::feetech, "/dev/ttyACM0", 0},
+      {"dynamixel:arm@57600", Protocol::dynamixel, "arm", 57600},
+      {"feetech:serial:arm@500000", Protocol::feetech, "arm", 500000},
+      {"feetech:rfc2217:bench:7217@1000000", Protocol::feetech, "rfc2217:bench:7217", 1000000},
+      {"/dev/ttyACM0", std::nullopt, "/dev/ttyACM0", 0},
+      {"serial:arm@9600", std::nullopt, "arm", 9600}};
+  for (const auto& [text, protocol, name, baud] : kBuses) {
+    const auto bus = parse_bus(text);
+    ASSERT_TRUE(bus) << bus.error().message;
+    EXPECT_EQ(bus->protocol, protocol) << text;
+    EXPECT_EQ(bus->port.name(), name) << text;
+    EXPECT_EQ(bus->port.baud, baud) << text;
+    EXPECT_EQ(names_servo_bus(text), protocol.has_value()) << text;
+  }
+  for (const char* text : {"feetech:", "can:can0", "feetech:can:can0", "tcp:bench:7000", "arm@fast",
+                           "feetech:arm@fast", "feetech:rfc2217:bench"}) {
+    const auto bus = parse_bus(text);
+    ASSERT_FALSE(bus) << text;
+    EXPECT_EQ(bus.error().fault, Fault::usage);
+    EXPECT_EQ(bus.error().message.find("--robot " + std::string(text) + ": not a servo bus"), 0u)
+        << bus.error().message;
+  }
+}
+
+TEST(Bus, OneProtocolAndOneRateComeFromRobotOrFromOlderOptions) {
+  using servo_bus::Protocol;
+  const auto rate = [](const char* text, std::optional<Protocol> protocol, long baud) {
+    const auto bus = parse_one_bus(text, protocol, baud);
+    EXPECT_TRUE(bus) << bus.error().message;
+    return bus ? std::pair(*bus->protocol, bus->port.baud) : std::pair(Protocol::feetech, -1);
+  };
+  EXPECT_EQ(rate("feetech:arm", {}, 0), std::pair(Protocol::feetech, 1000000));
+  EXPECT_EQ(rate("dynamixel:arm", {}, 0), std::pair(Protocol::dynamixel, 57600));
+  EXPECT_EQ(rate("dynamixel:arm@9600", {}, 9600), std::pair(Protocol::dynamixel, 9600));
+  EXPECT_EQ(rate("feetech:arm", Protocol::feetech, 500000), std::pair(Protocol::feetech, 500000));
+  EXPECT_EQ(rate("arm@9600", Protocol::dynamixel, 0), std::pair(Protocol::dynamixel, 9600));
+  const auto error = [](const char* text, std::optional<Protocol> protocol, long baud) {
+    const auto bus = parse_one_bus(text, protocol, baud);
+    return bus ? std::string("none") : bus.error().message;
+  };
+  EXPECT_EQ(error("arm", {}, 0),
+            "--robot arm: its protocol is missing; give feetech:arm or dynamixel:arm");
+  EXPECT_EQ(error("feetech:arm", Protocol::dynamixel, 0),
+            "--bus dynamixel: --robot feetech:arm is another protocol; leave --bus out");
+  EXPECT_EQ(error("feetech:arm@9600", {}, 57600),
+            "--baud 57600: --robot feetech:arm@9600 has another rate; leave --baud out");
+}
+
 TEST(Settings, AreNamesWithValues) {
   const auto settings = parse_settings({"seconds=20", "note=a=b", "empty="});
   ASSERT_TRUE(settings);

@@ -45,14 +45,10 @@ nlohmann::ordered_json json_of(const hil::PendulumRecord& record, const std::str
 }  // namespace
 
 Result<bool> record_pendulum_logs(PendulumArguments arguments) {
-  auto port = KAZ_TRY(parse_port(arguments.port));
-  if (port.kind != host::PortKind::serial && port.kind != host::PortKind::rfc2217)
-    return fail(Fault::usage, "--port " + arguments.port +
-                                  ": a bus of servos is at a serial port, as /dev/ttyACM0 or "
-                                  "rfc2217:HOST:PORT");
   hil::PendulumOptions& recorder = arguments.recorder;
-  port.baud = static_cast<int>(arguments.baud != 0 ? arguments.baud
-                                                   : servo_bus::factory_baud(recorder.protocol));
+  const auto bus = KAZ_TRY(parse_one_bus(arguments.robot, arguments.protocol, arguments.baud));
+  recorder.protocol = *bus.protocol;
+  const host::PortAddress& port = bus.port;
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto folder = KAZ_TRY(OutputFolder::open(arguments.out, pendulum_output()));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "hil/servo/pendulum_recorder.h"
@@ -10,8 +11,9 @@
 namespace kaz::tools {
 
 struct PendulumArguments {
-  std::string port;
-  long baud = 0;  // 0: that of servos as they are sold
+  std::string robot;                            // as parse_bus() accepts it
+  std::optional<servo_bus::Protocol> protocol;  // where `robot` has none
+  long baud = 0;                                // 0: that of `robot`, or of servos as they are sold
   hil::PendulumOptions recorder;
   double amplitude_deg = 80;
   std::string out = "kaz-pendulum";

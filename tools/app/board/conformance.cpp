@@ -193,7 +193,7 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
         "the board on " + port.name() +
             " is set to share its line, where it refuses telemetry: the suite is for a board "
             "alone on its line, which `kaz recover " +
-            port.name() + " --address " + std::to_string(arguments.address) +
+            host::robot_option(port.name()) + " --address " + std::to_string(arguments.address) +
             " --shared-line off` makes it");
   auto report = hil::run_suite(meter, meter, nullptr, kPortSlack, arguments.run);
   auto left = kept->end();
@@ -224,13 +224,7 @@ hil::BusRunOptions bus_run(const ConformanceOptions& arguments) {
 
 Result<hil::RunReport> run_bus(ConformanceOptions& arguments, hil::ReportFacts& facts,
                                host::Interrupt& interrupt) {
-  auto port = KAZ_TRY(parse_port(arguments.port));
-  if (port.kind != host::PortKind::serial && port.kind != host::PortKind::rfc2217)
-    return fail(Fault::usage, "--port " + arguments.port +
-                                  ": a bus of servos is at a serial port, as /dev/ttyACM0 or "
-                                  "rfc2217:HOST:PORT");
-  port.baud = static_cast<int>(arguments.baud != 0 ? arguments.baud
-                                                   : servo_bus::factory_baud(*arguments.bus));
+  const auto port = KAZ_TRY(parse_one_bus(arguments.port, arguments.bus, arguments.baud)).port;
   auto link = KAZ_TRY(host::open_port(port, &interrupt));
   host::WallClock clock(&interrupt);
   facts.port = port.name();
@@ -305,10 +299,10 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   }
   if (arguments.bus && arguments.port.empty())
     return fail(Fault::usage,
-                "--port is missing: that of the bus's adapter, or of kaz sim --bus (kaz bus scan "
-                "finds servos)");
+                "--robot is missing: the servo's bus, as feetech:/dev/ttyACM0 (kaz bus scan finds "
+                "servos)");
   if (arguments.port.empty() != arguments.mcu.has_value()) {
-    return fail(Fault::usage, "say which board: either --port PATH or --virtual h8|native");
+    return fail(Fault::usage, "say which board: either --robot KIND:PATH or --virtual h8|native");
   }
   if (!arguments.image.empty() && arguments.mcu != sim::McuKind::h8)
     return fail(Fault::usage, "--image is for --virtual h8 alone");

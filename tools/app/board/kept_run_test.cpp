@@ -164,7 +164,7 @@ TEST_F(KeptRuns, At200RandomTimesTheBoardIsAsBeforeOrTheMessageNamesWhatIsNot) {
     const auto ran = run(port, interrupt, address, kFlashCases[random() % std::size(kFlashCases)]);
     if (how == Stop::unplug && !ran && !no_notes()) {
       // It was altered, and cannot be put back: the message has the command.
-      EXPECT_NE(ran.error().message.find("kaz recover test-port --from " + notes()),
+      EXPECT_NE(ran.error().message.find("kaz recover --robot serial:test-port --from " + notes()),
                 std::string::npos)
           << ran.error().message;
       const auto kept = sure(parse_kept(sure(read_whole_file(notes(), 1 << 20)), notes()));
@@ -233,7 +233,7 @@ TEST_F(KeptRuns, WithoutAStoredCalibrationBeforeThatIsANote) {
   kz_identify_reply with_image{};
   with_image.image_crc = 0x1234;
   EXPECT_EQ(host::how_calibration_goes(with_image, "/dev/ttyUSB0", 3),
-            "; `kaz flash erase --blocks 1,2 --port /dev/ttyUSB0 --address 3` erases them");
+            "; `kaz flash erase --blocks 1,2 --robot serial:/dev/ttyUSB0 --address 3` erases them");
 }
 
 TEST_F(KeptRuns, WithoutAPlaceForNotesNothingIsAltered) {
@@ -362,7 +362,7 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   EXPECT_TRUE(earlier_notes("test-port", folder_ + "/none").empty());
   auto sentences = earlier_notes("test-port", folder_);
   ASSERT_EQ(sentences.size(), 1u);
-  EXPECT_NE(sentences[0].find("`kaz recover test-port --from " + path + "` does it"),
+  EXPECT_NE(sentences[0].find("`kaz recover --robot serial:test-port --from " + path + "` does it"),
             std::string::npos)
       << sentences[0];
   // The newest first, whatever its number.

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/link/port_address.h"
 #include "host/link/port_link.h"
 #include "host/link/requester.h"
 #include "host/link/wall_clock.h"
@@ -42,8 +43,8 @@ Result<std::uint8_t> choose(std::vector<std::uint8_t> found, const std::string& 
                 "nothing answers at any of the 14 addresses on " + port +
                     ": check that the board is powered, the cable plugged in, and no other program "
                     "has the port open; after an interrupted update the board waits in its loader "
-                    "(`kaz flash info --port " +
-                    port +
+                    "(`kaz flash info " +
+                    host::robot_option(port) +
                     "` says so), or in boot mode, where it needs `kaz flash write` with --reset");
   if (options.found_at) {
     if (std::ranges::find(found, *options.found_at) != found.end()) return *options.found_at;

@@ -15,6 +15,7 @@
 #include "host/motion/pose_sequence.h"
 #include "shared/base/angle.hpp"
 #include "shared/base/counted.hpp"
+#include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/output_file.h"

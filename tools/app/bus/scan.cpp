@@ -125,18 +125,24 @@ std::vector<host::ScanRemark> of_bus(const std::vector<Found>& all) {
 }  // namespace
 
 Result<bool> run_bus_scan(const BusScanOptions& options) {
-  auto address = KAZ_TRY(parse_port(options.port));
-  if (address.kind != host::PortKind::serial && address.kind != host::PortKind::rfc2217)
-    return fail(Fault::usage, "--port " + options.port +
-                                  ": a bus of servos is at a serial port, as /dev/ttyACM0 or "
-                                  "rfc2217:HOST:PORT");
+  const auto bus = KAZ_TRY(parse_bus(options.robot));
+  auto address = bus.port;
+  if (bus.protocol && !options.protocol.empty())
+    return fail(Fault::usage, "--protocol " + options.protocol + ": --robot " + options.robot +
+                                  " has a protocol already; leave --protocol out");
+  if (address.baud != 0 && !options.bauds.empty())
+    return fail(Fault::usage,
+                "--baud: --robot " + options.robot + " has a rate already; leave one of them out");
+  const std::vector<long> bauds =
+      address.baud != 0 ? std::vector<long>{address.baud} : options.bauds;
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   host::WallClock clock(&interrupt);
   std::vector<std::pair<Protocol, long>> places;
   for (const Protocol protocol : {Protocol::feetech, Protocol::dynamixel}) {
+    if (bus.protocol && bus.protocol != protocol) continue;
     if (!options.protocol.empty() && options.protocol != servo_bus::name_of(protocol)) continue;
-    for (const long baud : options.bauds.empty() ? host::bus_rates(protocol) : options.bauds)
+    for (const long baud : bauds.empty() ? host::bus_rates(protocol) : bauds)
       places.emplace_back(protocol, baud);
   }
   std::vector<Found> all;
@@ -146,7 +152,7 @@ Result<bool> run_bus_scan(const BusScanOptions& options) {
     address.baud = static_cast<int>(baud);
     auto link = host::open_port(address, &interrupt);
     // Not all adapters have all rates.
-    if (!link && link.error().fault == Fault::usage && options.bauds.empty()) continue;
+    if (!link && link.error().fault == Fault::usage && bauds.empty()) continue;
     if (!link) return tl::unexpected(link.error());
     host::ScanOptions scan;
     scan.first_id = options.first_id;

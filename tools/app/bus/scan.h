@@ -10,8 +10,8 @@
 namespace kaz::tools {
 
 struct BusScanOptions {
-  std::string port;
-  std::string protocol;  // "feetech", "dynamixel"; empty: both
+  std::string robot;     // as parse_bus() accepts it; with a protocol, `protocol` is empty
+  std::string protocol;  // "feetech", "dynamixel"; empty: that of `robot`, or both
   std::vector<long> bauds;
   int first_id = 0, last_id = 252;
   int readings = 20;

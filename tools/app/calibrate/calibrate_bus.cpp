@@ -15,6 +15,7 @@
 #include "host/bus/joint_range.h"
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
+#include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/output_file.h"

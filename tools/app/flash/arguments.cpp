@@ -44,14 +44,14 @@ Result<void> check(const FlashArguments& arguments) {
   if (arguments.from + arguments.length > host::kFlashBytes)
     return fail(Fault::usage, "the flash ends at 0x01ffff; give --from and --length within it");
   if (arguments.port.empty() && !arguments.dry_run)
-    return fail(Fault::usage, "--port is missing: the board's serial port");
+    return fail(Fault::usage, "--robot is missing: give serial:PATH of the board's port");
   if (arguments.port.empty()) return {};
   const std::string port = KAZ_TRY(parse_port(arguments.port)).name();
   if (arguments.port != port && arguments.port != "serial:" + port)
-    return fail(Fault::usage, "--port " + arguments.port +
-                                  ": the loader is at 115,200 baud, boot mode at --boot-baud; give "
-                                  "--port " +
-                                  port);
+    return fail(Fault::usage,
+                "--robot " + arguments.port +
+                    ": the loader is at 115,200 baud, boot mode at --boot-baud; give " +
+                    host::robot_option(port));
   if (!arguments.writer.empty() && arguments.reset.empty())
     return fail(
         Fault::usage,

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/flash/diagnostic.h"
+#include "host/link/port_address.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output_file.h"
 #include "tools/app/flash/answer.h"
@@ -32,8 +33,8 @@ Result<void> check_running(FlashSession& session, Answer& answer,
   if (!excuse.empty())
     return fail(Fault::environment,
                 "the firmware was written and verified; whether it runs is undecided, because " +
-                    excuse + ": end other programs, then `kaz status --port " + session.port() +
-                    "`");
+                    excuse + ": end other programs, then `kaz status " +
+                    host::robot_option(session.port()) + "`");
   if (board && board->image_crc == identity.crc) {
     answer.runs(*board);
     return {};
@@ -45,7 +46,8 @@ Result<void> check_running(FlashSession& session, Answer& answer,
            "its answer to `identify`, with image CRC " + host::hex_word(identity.crc),
            board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
            {"the mode switch still stands at boot mode", "reset is not wired as --reset says"},
-           "set the switch, press reset, then `kaz status --port " + session.port() + "`"}));
+           "set the switch, press reset, then `kaz status " + host::robot_option(session.port()) +
+               "`"}));
 }
 
 Result<void> write_image(FlashSession& session, const FlashArguments& arguments, Answer& answer,
@@ -140,14 +142,15 @@ Result<void> run(FlashSession& session, Answer& answer) {
   if (!excuse.empty())
     return fail(Fault::environment,
                 "the board was started; whether it runs is undecided, because " + excuse +
-                    ": end other programs, then `kaz status --port " + session.port() + "`");
+                    ": end other programs, then `kaz status " + host::robot_option(session.port()) +
+                    "`");
   return fail(Fault::failed,
               host::text_of({"the board was started, and no firmware of Kaz answers",
                              "its answer to `identify`",
                              "no valid reply",
                              {"there is no whole application: the loader waits for one",
                               "what stands in the flash is another program"},
-                             "kaz flash info --port " + session.port()}));
+                             "kaz flash info " + host::robot_option(session.port())}));
 }
 
 Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer& answer,

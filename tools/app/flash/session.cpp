@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "host/flash/diagnostic.h"
+#include "host/link/port_address.h"
 #include "host/link/requester.h"
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
@@ -119,7 +120,7 @@ tl::unexpected<Error> FlashSession::nobody() const {
                              "no valid reply",
                              {"the board's flash is blank: that takes boot mode",
                               "the port is another one", "the board has no power"},
-                             "kaz flash write IMAGE --port " + link_->name() +
+                             "kaz flash write IMAGE " + host::robot_option(link_->name()) +
                                  " --reset dtr-rts (or ctl:PATH, or manual)"}));
 }
 
@@ -177,8 +178,8 @@ Error FlashSession::start_again(const Error& error) {
   return {error.fault,
           error.message +
               "; the board waits in its loader, which starts the application after 10 s; "
-              "`kaz flash run --port " +
-              port() + "` starts it at once"};
+              "`kaz flash run " +
+              host::robot_option(port()) + "` starts it at once"};
 }
 
 Error FlashSession::with_advice(const Error& error) const {

@@ -135,10 +135,11 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
     const std::string then = sentences.empty() ? "" : "after that: ";
     sentences.push_back(kept ? then + kept->verb + " on " + port +
                                    " was ended before it could put the board back: `kaz recover " +
-                                   port + " --from " + path +
+                                   host::robot_option(port) + " --from " + path +
                                    "` does it, and removing these notes forgets it"
                              : then + "notes of a run that could not put the board on " + port +
-                                   " back: " + kept.error().message + ": `kaz recover " + port +
+                                   " back: " + kept.error().message + ": `kaz recover " +
+                                   host::robot_option(port) +
                                    "` does what is possible without them, then remove them");
   }
   return sentences;
@@ -230,9 +231,9 @@ Result<void> KeptRun::write_notes() {
 }
 
 std::string KeptRun::command() const {
-  return path_.empty()
-             ? "kaz recover " + options_.port + " --address " + std::to_string(options_.address)
-             : "kaz recover " + options_.port + " --from " + path_;
+  return path_.empty() ? "kaz recover " + host::robot_option(options_.port) + " --address " +
+                             std::to_string(options_.address)
+                       : "kaz recover " + host::robot_option(options_.port) + " --from " + path_;
 }
 
 Result<void> KeptRun::put_back() {

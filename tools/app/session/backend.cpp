@@ -183,36 +183,25 @@ class RealBackend final : public SessionBackend {
 
 constexpr std::string_view kBoards = "boards:";
 
-// The protocol of servos that `text` begins with, as in feetech:PATH.
-std::optional<servo_bus::Protocol> bus_protocol(std::string_view text) {
-  for (const auto protocol : {servo_bus::Protocol::feetech, servo_bus::Protocol::dynamixel}) {
-    if (text.starts_with(std::string(servo_bus::name_of(protocol)) + ":")) return protocol;
-  }
-  return std::nullopt;
-}
-
 // The boards of --robot, which is not `sim`.
 Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
   const std::string& text = options.robot;
   if (host::names_port_kind(text))
     return std::vector{BoardOfFile{KAZ_TRY(host::parse_port_address("--robot", text)),
                                    options.address, host::kAllJoints, std::nullopt}};
-  if (const auto protocol = bus_protocol(text)) {
+  if (names_servo_bus(text)) {
     if (options.robot_file.empty())
       return fail(Fault::usage, "--robot " + text +
                                     " needs --robot-file FILE: the robot's URDF, with bus.json "
                                     "beside it");
-    const auto path = text.substr(servo_bus::name_of(*protocol).size() + 1);
-    auto port = KAZ_TRY(host::parse_port_address("--robot", "serial:" + path));
+    const auto bus = KAZ_TRY(parse_bus(text));
     if (options.address != KZ_ADDRESS_DEFAULT)
       return fail(Fault::usage, "--address is of a board: servos have ids, which bus.json has");
     if (options.reaction == host::Reaction::limp)
       return fail(Fault::usage,
                   "--when-lost limp: a bus of servos has no watchdog; they hold, whatever happens "
                   "to the host");
-    // Without one, that of bus.json.
-    if (text.find('@') == std::string::npos) port.baud = 0;
-    return std::vector{BoardOfFile{port, KZ_ADDRESS_DEFAULT, host::kAllJoints, protocol}};
+    return std::vector{BoardOfFile{bus.port, KZ_ADDRESS_DEFAULT, host::kAllJoints, bus.protocol}};
   }
   if (!text.starts_with(kBoards))
     return fail(Fault::usage, "--robot " + text +
@@ -285,10 +274,6 @@ Result<faults::Schedule> line_faults(const BackendOptions& options) {
 
 }  // namespace
 
-bool names_servo_bus(const std::string& robot) {
-  return bus_protocol(robot).has_value();
-}
-
 Result<ServoBusOfFile> servo_bus_of(const BackendOptions& options) {
   const auto boards = KAZ_TRY(parse_robot(options));
   const BoardOfFile& board = boards.front();
@@ -306,8 +291,8 @@ Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Inter
 
 Error silent_servo(const servo_bus::BusServo& servo, const std::string& port) {
   return {Fault::environment, host::named(servo) + " does not answer on " + port +
-                                  ": check power, cable, id and rate; `kaz bus scan --port " +
-                                  port + "` finds servos"};
+                                  ": check power, cable, id and rate; `kaz bus scan " +
+                                  host::bus_option(servo.model->protocol, port) + "` finds servos"};
 }
 
 Result<void> require_limp(host::BusDriver& driver, std::span<const host::BusJoint> joints,

@@ -21,10 +21,7 @@
 
 namespace kaz::tools {
 
-// Is it a value of --robot for a bus of servos, as feetech:PATH?
-bool names_servo_bus(const std::string& robot);
-
-// Such a bus by the robot's files, before its port is open. Errors (usage): the files, another protocol.
+// A servo bus by the robot's files, before its port is open. Errors (usage): the files, another protocol.
 struct ServoBusOfFile {
   servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
   host::PortAddress address;

@@ -20,6 +20,7 @@
 #include "host/link/wall_clock.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
+#include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/kept/kept_run.h"

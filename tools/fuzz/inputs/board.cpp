@@ -156,7 +156,7 @@ Complaint try_arguments(Bytes bytes) {
   text.resize(std::min(text.size(), text.find('\0')));
   if (text.find('\n') != std::string::npos) return std::nullopt;
   if (const auto port = tools::parse_port(text); !port) {
-    if (auto wrong = judge_error(port.error(), "--port")) return wrong;
+    if (auto wrong = judge_error(port.error(), "--robot")) return wrong;
   } else if (port->baud <= 0 || port->place.empty()) {
     return "a port that is none";
   } else if (const auto again = tools::parse_port(port->name());
