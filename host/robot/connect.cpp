@@ -11,6 +11,12 @@ namespace kaz::host {
 
 namespace {
 
+// Where servos may be at the port instead of a board: what to type for them.
+std::string for_servos(const std::string& port) {
+  if (port.starts_with("can:") || port.starts_with("tcp:")) return "";
+  return "; for a servo bus use `kaz bus status --robot feetech:" + port + "`";
+}
+
 // Place of the protocol version in identify_reply, behind the tick. The same in every version, so
 // that a program recognises a board of another one.
 constexpr std::size_t kVersionAt = 4;
@@ -22,14 +28,16 @@ Error no_board(const Exchanger& requester, const LinkStatistics& before, const s
     return {Fault::environment,
             port +
                 " sends back what is written to it, and no board answers: check "
-                "for a loop-back plug or a modem in echo mode"};
+                "for a loop-back plug or a modem in echo mode" +
+                for_servos(port)};
   }
   if (bytes_in == 0) {
     return {Fault::environment, "nothing answers on " + port +
                                     ": check that the robot is powered, the cable plugged in, no "
                                     "other program has the port "
                                     "open, and the baud rate is the board's (115200); after an "
-                                    "interrupted update the board waits in its loader (kaz flash)"};
+                                    "interrupted update the board waits in its loader (kaz flash)" +
+                                    for_servos(port)};
   }
   if (statistics.ignored > before.ignored) {
     return {Fault::environment,

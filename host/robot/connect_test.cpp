@@ -48,7 +48,8 @@ TEST(Connect, NothingAnswers) {
       connect_error(board),
       "nothing answers on test-port: check that the robot is powered, the cable plugged in, no "
       "other program has the port open, and the baud rate is the board's (115200); after an "
-      "interrupted update the board waits in its loader (kaz flash)");
+      "interrupted update the board waits in its loader (kaz flash); for a servo bus use `kaz bus "
+      "status --robot feetech:test-port`");
 }
 
 // `kaz flash run` on a busy machine: 61 ms of lateness excuse no silent board, and repeat nothing. A board
