@@ -164,6 +164,10 @@ INSTANTIATE_TEST_SUITE_P(
              "axis of joint `neck_pan` is zero"},
         Case{"swapped_limits", "<limit lower=\"-1.5707\" upper=\"1.5707\"",
              "<limit lower=\"1.5707\" upper=\"-1.5707\"", 0, "is not below the upper one"},
+        Case{"half_a_turn", "<limit lower=\"-1.5707\" upper=\"1.5707\"",
+             "<limit lower=\"-1.5707\" upper=\"3.14\"", 0,
+             "is 3.14 rad: its stop, 1 degree farther, must be within half a turn; give -3.1 to "
+             "3.1 rad"},
         Case{"prismatic", "<joint name=\"neck_pan\" type=\"revolute\">",
              "<joint name=\"neck_pan\" type=\"prismatic\">", 0, "type \"prismatic\""},
         Case{"moving_without_mass",

@@ -284,8 +284,14 @@ class Check {
     if (!(limit->DoubleAttribute("lower") < limit->DoubleAttribute("upper"))) {
       return file_.error(*limit, "lower limit of joint `" + name + "` is not below the upper one");
     }
-    if (limit->DoubleAttribute("lower") <= -3.1 || limit->DoubleAttribute("upper") >= 3.1) {
-      return file_.error(*limit, "limits of joint `" + name + "` reach beyond half a turn");
+    // The mechanical stop is one degree beyond the limit, and must be within half a turn.
+    constexpr double kLargestLimit = 3.1;
+    for (const char* side : {"lower", "upper"}) {
+      if (std::abs(limit->DoubleAttribute(side)) > kLargestLimit)
+        return file_.error(*limit, std::string(side) + " limit of joint `" + name + "` is " +
+                                       limit->Attribute(side) +
+                                       " rad: its stop, 1 degree farther, must be within half a "
+                                       "turn; give -3.1 to 3.1 rad");
     }
     if (const Element* axis = joint.FirstChildElement("axis")) {
       const auto xyz = parse_numbers(axis->Attribute("xyz"), 3);
