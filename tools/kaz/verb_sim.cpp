@@ -66,14 +66,15 @@ std::string not_of_a_calibration(const CLI::App& verb) {
   return "";
 }
 
-// What of the options given is nothing of a servo bus; empty if there is none.
+// The error for the first given option that --bus does not support; empty if all are supported.
 std::string not_of_a_bus(const CLI::App& verb) {
   static const std::set<std::string> kTaken = {"--bus",      "--serial", "--robot-file", "--world",
                                                "--dynamics", "--supply", "--suspended"};
   for (const CLI::Option* option : verb.get_options()) {
     const std::string name = option->get_name();
     if (option->count() > 0 && !kTaken.contains(name))
-      return name + ": a servo bus has no use for it; leave " + name + " or --bus out";
+      return name + ": not supported with --bus" + (name.starts_with("--view") ? " yet" : "") +
+             "; leave " + name + " or --bus out";
   }
   return "";
 }

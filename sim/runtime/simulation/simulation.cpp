@@ -62,6 +62,14 @@ Result<void> check_limits(const std::string& robot_path) {
                  max_rad = 1e-4 * kz_board_joints[j].upper;
     if (joint.lower >= min_rad - kLimitRounding && joint.upper <= max_rad + kLimitRounding)
       continue;
+    if (const auto bus = std::filesystem::path(robot_path).replace_filename("bus.json");
+        std::filesystem::exists(bus))
+      return fail(Fault::usage, robot_path +
+                                    " is a robot of bus servos (bus.json): start `kaz sim --bus "
+                                    "feetech --robot-file " +
+                                    robot_path +
+                                    " --serial PORT`, or give --robot feetech:PORT (dynamixel "
+                                    "for servos of ROBOTIS's)");
     return fail(Fault::usage,
                 robot_path + ": joint `" + joint.name + "`: limits of " +
                     range_text(joint.lower, joint.upper) + " rad are beyond " +
