@@ -59,11 +59,11 @@ Result<Outcome> run(Context& context) {
   char sentence[240];
   std::snprintf(
       sentence, sizeof sentence,
-      "%zu poses in %.1f s%s: %s was farthest from its way, by %.1f degrees after %.2f s, "
-      "and %s at the end, by %.1f degrees",
+      "%zu poses in %.1f s%s: largest error on the way: %.1f degrees (%s, after %.2f s); at the "
+      "end: %.1f degrees (%s)",
       sequence.poses.size(), motion.end_s(), outcome.success ? "" : " were not followed",
-      name(worst.farthest), worst.farthest_rad / kDegree, worst.farthest_s, name(worst.left),
-      worst.left_rad / kDegree);
+      worst.farthest_rad / kDegree, name(worst.farthest), worst.farthest_s,
+      worst.left_rad / kDegree, name(worst.left));
   outcome.sentence = sentence;
   if (!outcome.success) outcome.cause = "not reached";
   outcome.measurements = {{"largest_error_on_the_way_deg", worst.farthest_rad / kDegree},
