@@ -32,6 +32,7 @@ TEST(Registry, NamesAreUniqueAndFound) {
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().fault, Fault::usage);
   EXPECT_NE(none.error().message.find("search-ball, stand, track-ball"), std::string::npos);
+  EXPECT_EQ(none.error().message.find(".so"), std::string::npos) << "it loads no plug-ins";
 }
 
 TEST(Options, AreCheckedAgainstRangeAndChoices) {

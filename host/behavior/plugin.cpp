@@ -137,7 +137,10 @@ Result<Behavior> load_behavior(const std::string& path) {
 }
 
 Result<Behavior> named_behavior(const std::string& name) {
-  return names_plugin(name) ? load_behavior(name) : find_behavior(name);
+  if (names_plugin(name)) return load_behavior(name);
+  auto found = find_behavior(name);
+  if (!found) found.error().message += ", or the path of a plug-in (./NAME.so)";
+  return found;
 }
 
 }  // namespace kaz::behavior

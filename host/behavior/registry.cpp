@@ -21,8 +21,8 @@ Result<Behavior> find_behavior(std::string_view name) {
     if (behavior.name == name) return behavior;
     names += (names.empty() ? "" : ", ") + std::string(behavior.name);
   }
-  return fail(Fault::usage, "there is no behaviour `" + std::string(name) + "`: it is one of " +
-                                names + ", or the path of a plug-in (./NAME.so)");
+  return fail(Fault::usage,
+              "there is no behaviour `" + std::string(name) + "`: it is one of " + names);
 }
 
 }  // namespace kaz::behavior

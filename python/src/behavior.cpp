@@ -6,6 +6,7 @@
 
 #include <array>
 
+#include "host/behavior/plugin.h"
 #include "python/src/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/session/balance_setting.h"
@@ -46,6 +47,9 @@ std::map<std::string, std::string> settings_of(const py::dict& given) {
 }
 
 py::dict run_behavior(const std::string& name, const py::kwargs& given) {
+  if (behavior::names_plugin(name))
+    raise({Fault::usage, "run_behavior: " + name + ": plug-ins run as `kaz run " + name +
+                             "`; give the name of a behavior that kaz.behaviors() lists"});
   py::dict arguments(given);
   tools::SessionOptions session;
   const bool named = arguments.contains("world");

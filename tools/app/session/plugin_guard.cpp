@@ -349,7 +349,7 @@ Error thrown_error(const std::string& who) {
 }
 
 Result<behavior::Behavior> guarded_behavior(const std::string& name, const std::string& label) {
-  if (!behavior::names_plugin(name)) return behavior::find_behavior(name);
+  if (!behavior::names_plugin(name)) return behavior::named_behavior(name);
   const PluginGuard guard({.label = label, .path = name, .doing = "loaded", .fault = Fault::usage});
   try {
     return behavior::load_behavior(name);
