@@ -181,10 +181,9 @@ const char* word_of(const RunReport& report) {
 std::string score_text(const RunReport& report) {
   if (!report.score.found_s || !report.score.within_3deg) return "";
   const bool by_truth = report.score.measured_by == "truth";
-  const bool stated =
-      std::ranges::any_of(report.outcome.measurements, [](const auto& measurement) {
-        return measurement.first == "tracking_within_3deg";
-      });
+  const bool stated = std::ranges::any_of(report.outcome.measurements, [](const auto& measurement) {
+    return measurement.first == "tracking_within_3deg";
+  });
   if (stated && !by_truth) return "";
   char text[120];
   std::snprintf(text, sizeof text, "%s by %s %.1f %%",
@@ -302,7 +301,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
       if (snapshots.stopped()) {
         mark_interrupted(result);
         result["not_drawn"] = {{"other pictures", "interrupted while they were drawn"}};
-      } else if (std::ranges::find(names, "pan_tilt.png") == names.end())
+      } else if (report.looks && std::ranges::find(names, "pan_tilt.png") == names.end())
         result["not_drawn"] = {{"pan_tilt.png", "nothing of head and ball was measured"}};
     }
     KAZ_TRY(folder->write("vision.csv", report.vision_table));

@@ -37,13 +37,14 @@ struct RunReport {
   std::string vision_table = {};       // CSV, a line for each result
   bool interrupted = false;            // it is of the part before a signal
   std::optional<RunProfile> profile = {};
-  std::string recording_sha256 = {};  // empty: there is none
-  std::string camera_warning = {};    // SessionBackend::camera_warning()
+  std::string recording_sha256 = {};         // empty: there is none
+  std::string camera_warning = {};           // SessionBackend::camera_warning()
   std::optional<RunLateness> lateness = {};  // of a run at a port
   // The robot has not succeeded, and the machine was too late to blame it; outcome.sentence says so.
   bool machine_failed = false;
   const std::optional<figure::Image>* map = nullptr;  // the behaviour's, if it has one
   std::vector<faults::Fault> not_begun = {};          // SessionBackend::faults_not_begun()
+  bool looks = true;  // the behavior uses the eyes; if not, missing plots of the ball are no news
 };
 
 // What a run writes into its folder, and the file as which its recording grows there.

@@ -230,6 +230,11 @@ TEST_F(Report, DrawsNothingWhereThereIsNothingToDraw) {
   testing::internal::CaptureStdout();
   print_report(*json, report_, at("out"), false);
   EXPECT_NE(testing::internal::GetCapturedStdout().find("no pan_tilt.png: "), std::string::npos);
+  // A behavior that does not look has nothing to report about the ball.
+  report_.looks = false;
+  const auto blind = written(at("blind"));
+  ASSERT_TRUE(blind) << blind.error().message;
+  EXPECT_FALSE(blind->contains("not_drawn"));
 }
 
 TEST_F(Report, ThinsTheTrackingErrorToTenSamplesASecond) {

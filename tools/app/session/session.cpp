@@ -753,7 +753,8 @@ Result<bool> Session::report() {
                          lateness_,
                          machine_failed_,
                          &listener_->map(),
-                         not_begun_};
+                         not_begun_,
+                         behavior_.needs_camera};
   sim::Simulation* const simulation = backend_->simulation();
   const auto written = write_report(report, simulation, *snapshots_, folder(), recorded_);
   if (!written) {
