@@ -18,6 +18,7 @@
 #include "host/robot/connect.h"
 #include "shared/base/counted.hpp"
 #include "shared/base/enum_names.hpp"
+#include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/output_file.h"
@@ -52,7 +53,7 @@ class PortTarget {
  public:
   static Result<std::unique_ptr<PortTarget>> open(const FuzzOptions& options,
                                                   host::Interrupt& interrupt) {
-    const auto address = KAZ_TRY(host::parse_port_address("--target", options.target));
+    const auto address = KAZ_TRY(parse_port(options.target));
     auto link = KAZ_TRY(host::open_port(address, &interrupt));
     std::unique_ptr<PortTarget> port(new PortTarget(std::move(link), options, interrupt));
     auto kept = KAZ_TRY(KeptRun::begin(*port->link_, port->clock_, interrupt,
@@ -204,7 +205,7 @@ class Fuzzing {
     const std::string& path = arguments_.target;
     std::error_code none;
     if (std::filesystem::exists(path, none)) return {};
-    const auto address = KAZ_TRY(host::parse_port_address("--target", path));
+    const auto address = KAZ_TRY(parse_port(path));
     auto opened = host::open_port(address, &interrupt_);
     if (opened) return {};
     Error error = opened.error();
