@@ -19,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "shared/base/descriptor.hpp"
 #include "shared/base/result.hpp"
 
 namespace kaz {
@@ -61,32 +62,46 @@ inline Result<std::string> make_temporary_folder(const std::string& prefix) {
   return name;
 }
 
-// All bytes of the file at `path`, `max_bytes` of them at most: a file, a pipe (its writer is waited for), or
-// a device, of which /dev/zero has no end. `hint` ends the sentence of an error: which file is expected.
-// Errors (usage): not there, not readable, a folder, more bytes than that; (interrupted): a signal came while
-// a pipe was waited for.
-inline Result<std::string> read_whole_file(const std::string& path, std::size_t max_bytes,
-                                           const std::string& hint = "check the path") {
+// Opens a file for reading. Only a regular one: a pipe may block for ever, a device may have no end, and
+// opening some devices has effects. `hint` ends the sentence of an error: which file is expected.
+// Errors (usage): not there, not readable, no regular file.
+inline Result<Descriptor> open_input(const std::string& path,
+                                     const std::string& hint = "check the path") {
   const auto cannot = [&](const std::string& what) {
     return fail(Fault::usage, path + ": " + what + "; " + hint);
   };
-  const int fd = open(path.c_str(), O_RDONLY | O_NOCTTY | O_CLOEXEC);
-  const auto interrupted = [&] { return fail(Fault::interrupted, path + ": interrupted"); };
-  if (fd < 0 && errno == EINTR) return interrupted();
-  if (fd < 0) return cannot(std::string("cannot be read (") + std::strerror(errno) + ")");
-  struct Close {
-    int fd;
-    ~Close() { close(fd); }
-  } const closed{fd};
   struct stat about = {};
-  if (fstat(fd, &about) == 0 && S_ISDIR(about.st_mode)) return cannot("is a folder, not a file");
+  const auto unreadable = [&] {
+    return cannot(std::string("cannot be read (") + std::strerror(errno) + ")");
+  };
+  if (::stat(path.c_str(), &about) != 0) return unreadable();
+  Descriptor file;
+  if (S_ISREG(about.st_mode)) {
+    // Should another file take its place in between, it is not waited for either.
+    file = Descriptor(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+    if (!file || ::fstat(file.get(), &about) != 0) return unreadable();
+  }
+  if (S_ISREG(about.st_mode)) return file;
+  return cannot(S_ISDIR(about.st_mode)    ? "is a folder, not a file"
+                : S_ISFIFO(about.st_mode) ? "is a pipe, not a file: save its bytes in one"
+                : S_ISSOCK(about.st_mode) ? "is a socket, not a file"
+                                          : "is a device, not a file");
+}
+
+// All bytes of the file at `path`, at most `max_bytes`. Errors (usage): those of open_input(), more bytes.
+inline Result<std::string> read_whole_file(const std::string& path, std::size_t max_bytes,
+                                           const std::string& hint = "check the path") {
+  const auto file = KAZ_TRY(open_input(path, hint));
+  const auto cannot = [&](const std::string& what) {
+    return fail(Fault::usage, path + ": " + what + "; " + hint);
+  };
   const std::string too_large = max_bytes >= (1u << 20) ? std::to_string(max_bytes >> 20) + " MB"
                                                         : std::to_string(max_bytes >> 10) + " KB";
   std::string bytes;
   std::vector<char> block(1 << 16);
   for (;;) {
-    const ssize_t n = ::read(fd, block.data(), block.size());
-    if (n < 0 && errno == EINTR) return interrupted();
+    const ssize_t n = ::read(file.get(), block.data(), block.size());
+    if (n < 0 && errno == EINTR) continue;
     if (n < 0) return cannot(std::string("cannot be read (") + std::strerror(errno) + ")");
     if (n == 0) return bytes;
     bytes.append(block.data(), static_cast<std::size_t>(n));

@@ -3,7 +3,9 @@
 #include "shared/base/files.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 
 #include <fstream>
 #include <sstream>
@@ -89,8 +91,18 @@ TEST_F(Files, ThatAreNoneOrTooLargeAreRefused) {
       {*this / "large", "has more than 2 KB"},
       {folder_, "is a folder, not a file"},
       {*this / "none", "cannot be read (No such file or directory)"},
-      {"/dev/zero", "has more than 2 KB"},
+      {"/dev/zero", "is a device, not a file"},
+      {*this / "pipe", "is a pipe, not a file"},
+      {*this / "socket", "is a socket, not a file"},
+      {*this / "link", "is a pipe, not a file"},
   };
+  // Nobody writes into the pipe: opening it would block for ever.
+  ASSERT_EQ(mkfifo((*this / "pipe").c_str(), 0600), 0);
+  fs::create_symlink("pipe", *this / "link");
+  const Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  sockaddr_un address{AF_UNIX, {}};
+  (*this / "socket").copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   for (const auto& [path, reason] : refused) {
     const auto read = read_whole_file(path, 2048, "give a file of numbers");
     ASSERT_FALSE(read) << path;

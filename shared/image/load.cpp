@@ -1,11 +1,6 @@
 // Reading an image file of whatever format.
 // SPDX-License-Identifier: Apache-2.0
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
+#include "shared/base/files.hpp"
 #include "shared/image/image.h"
 
 namespace kaz::h8s {
@@ -13,7 +8,7 @@ namespace {
 
 // Against files that are no images of a chip that addresses 16 MB; text needs some three characters
 // a byte.
-constexpr std::streamoff kLargest = 128 * 1024 * 1024;
+constexpr std::size_t kLargest = 128 * 1024 * 1024;
 
 Format format_of(std::span<const std::uint8_t> bytes) {
   const auto starts = [&](std::size_t k, std::uint8_t value) {
@@ -41,27 +36,9 @@ Result<Image> raw(std::vector<std::uint8_t> bytes, const std::string& path,
 }  // namespace
 
 Result<Image> load_image(const std::string& path, const LoadOptions& options) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    return fail(path + ": is a folder; give the image file in it");
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return fail(path + ": " + std::strerror(errno) + "; give a firmware or program image to read");
-  file.seekg(0, std::ios::end);
-  const std::streamoff size = file.tellg();
-  file.clear();  // a pipe has no end to seek to
-  file.seekg(0);
-  file.clear();
-  if (size > kLargest)
-    return fail(path + ": " + std::to_string(size) + " bytes are too many for an image");
-  std::vector<std::uint8_t> bytes;
-  std::vector<char> piece(1 << 16);
-  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0) {
-    bytes.insert(bytes.end(), piece.begin(), piece.begin() + file.gcount());
-    if (bytes.size() > std::size_t{kLargest})
-      return fail(path + ": more than 128 MB are too many for an image");
-  }
-  if (file.bad()) return fail(path + ": cannot read the file");
+  const auto read =
+      KAZ_TRY(read_whole_file(path, kLargest, "give a firmware or program image to read"));
+  const std::vector<std::uint8_t> bytes(read.begin(), read.end());
   if (bytes.empty()) return fail(path + ": the file is empty");
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const Format format = options.format == Format::automatic ? format_of(bytes) : options.format;

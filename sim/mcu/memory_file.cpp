@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/memory_file.h"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 
 #include "shared/base/files.hpp"
@@ -13,15 +14,13 @@ namespace kaz::sim {
 Result<void> load_memory(Mcu& mcu, const std::string& path) {
   std::error_code unknown;
   if (!std::filesystem::exists(path, unknown)) return {};
-  std::array<char, Mcu::memory_size> bytes{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(bytes.data(), bytes.size());
-  if (!file || file.peek() != std::ifstream::traits_type::eof())
+  const auto bytes = KAZ_TRY(read_whole_file(path, 1 << 20, "give a memory of a board"));
+  std::array<std::uint8_t, Mcu::memory_size> memory{};
+  if (bytes.size() != memory.size())
     return fail(Fault::usage, path + " is no memory of a board, which has " +
                                   std::to_string(Mcu::memory_size) +
                                   " bytes; name another file, or remove it");
-  std::array<std::uint8_t, Mcu::memory_size> memory{};
-  for (std::size_t i = 0; i < memory.size(); ++i) memory[i] = static_cast<std::uint8_t>(bytes[i]);
+  std::ranges::copy(bytes, memory.begin());
   mcu.set_memory(memory);
   return {};
 }

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/image/picture_file.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <initializer_list>
 #include <string_view>
 #include <utility>
@@ -94,10 +95,9 @@ Result<Image> read_picture(const std::string& path) {
 }
 
 bool looks_like_picture(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
+  const auto file = open_input(path);
   char first[3] = {};
-  in.read(first, sizeof first);
-  if (!in) return false;
+  if (!file || ::read(file->get(), first, sizeof first) != sizeof first) return false;
   const auto begins = [&](std::string_view with) {
     return std::string_view(first, sizeof first).starts_with(with);
   };

@@ -5,9 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
+#include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
 
 namespace kaz::sim {
@@ -16,13 +15,7 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
   XmlFile file;
   file.path_ = path;
   file.document_ = std::make_unique<tinyxml2::XMLDocument>();
-  std::ifstream in(path, std::ios::binary);
-  std::error_code unknown;
-  if (!in || std::filesystem::is_directory(path, unknown))
-    return fail(Fault::usage, path + ": cannot be read; check the path");
-  char block[16384];
-  while (file.text_.size() <= kBytesMax && (in.read(block, sizeof block) || in.gcount() > 0))
-    file.text_.append(block, static_cast<std::size_t>(in.gcount()));
+  file.text_ = KAZ_TRY(read_whole_file(path, kBytesMax));
   KAZ_TRY(file.check_text());
   const tinyxml2::XMLError status = file.document_->Parse(file.text_.data(), file.text_.size());
   if (status == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
@@ -54,9 +47,6 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
 // The parsers of URDF and SDF read the same bytes afterwards, and one of them does not end at a NUL or
 // a broken sequence of UTF-8 (TinyXML 2.6.2, CVE-2021-42260).
 Result<void> XmlFile::check_text() const {
-  if (text_.size() > kBytesMax)
-    return fail(Fault::usage, path_ + ": has more than " + std::to_string(kBytesMax >> 20) +
-                                  " MB, which no such file needs; check the path");
   int line = 1;
   for (std::size_t i = 0; i < text_.size();) {
     const auto c = static_cast<unsigned char>(text_[i]);

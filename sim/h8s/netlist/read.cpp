@@ -3,9 +3,9 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
+#include "shared/base/files.hpp"
 #include "sim/h8s/netlist/parts.h"
 
 namespace kaz::h8s {
@@ -232,15 +232,8 @@ Result<void> read_netlist(Netlist& netlist, std::string_view text, const std::st
 }
 
 Result<void> load_netlist(Netlist& netlist, const std::string& path) {
-  constexpr std::size_t max_bytes = 1 << 20;  // devices have no end
-  std::ifstream file(path, std::ios::binary);
-  std::string text(max_bytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.empty())
-    return fail("cannot read the netlist " + path + ": is it there, and has it a line?");
-  if (text.size() > max_bytes)
-    return fail(path + ": has more than 1 MB, which no netlist needs; check the path");
+  const auto text = KAZ_TRY(read_whole_file(path, 1 << 20, "give a netlist"));
+  if (text.empty()) return fail(path + ": the file is empty; give a netlist");
   return read_netlist(netlist, text, path);
 }
 

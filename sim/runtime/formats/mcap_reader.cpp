@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/formats/mcap_reader.h"
 
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -9,9 +10,9 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <span>
 
+#include "shared/base/files.hpp"
 #include "sim/runtime/formats/little_endian.h"
 
 namespace kaz::sim {
@@ -274,25 +275,25 @@ Result<McapRecording> McapRecording::parse(Bytes bytes, const std::string& name)
 }
 
 Result<McapRecording> McapRecording::load(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return fail(Fault::usage, "cannot read the recording " + path + ": " + std::strerror(errno) +
-                                  "; check the path");
+  const auto file = KAZ_TRY(open_input(path, "give a recording"));
   std::error_code no_size;
   const auto size = std::filesystem::file_size(path, no_size);
   if (!no_size && size > max_bytes) return too_large(path);
   std::vector<std::uint8_t> bytes;
   if (!no_size) bytes.reserve(size);
-  // In blocks: a device has no size and may never end. Reading stops early if the file is not MCAP.
+  // In blocks: a file that is not MCAP is not read to its end.
   std::vector<std::uint8_t> block(1 << 20);
-  while (file.read(reinterpret_cast<char*>(block.data()),
-                   static_cast<std::streamsize>(block.size())) ||
-         file.gcount() > 0) {
-    bytes.insert(bytes.end(), block.begin(), block.begin() + file.gcount());
+  for (;;) {
+    const ssize_t n = ::read(file.get(), block.data(), block.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0)
+      return fail(Fault::usage, path + ": cannot be read (" + std::strerror(errno) +
+                                    "); give a recording");
+    if (n == 0) break;
+    bytes.insert(bytes.end(), block.begin(), block.begin() + n);
     if (!has_magic(bytes)) return no_mcap(path);
     if (bytes.size() > max_bytes) return too_large(path);
   }
-  if (file.bad()) return fail(Fault::usage, "cannot read the recording " + path + "; give a file");
   return parse(bytes, path);
 }
 

@@ -4,11 +4,10 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <type_traits>
 #include <utility>
 
+#include "shared/base/files.hpp"
 #include "sim/runtime/formats/sha256.h"
 #include "sim/runtime/simulation/recorder.h"
 #include "sim/runtime/simulation/simulation.h"
@@ -19,10 +18,10 @@ namespace {
 
 // SHA-256 of a file's content; empty if there is no file.
 std::string digest_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (path.empty() || !file) return "";
-  const std::vector<std::uint8_t> bytes(std::istreambuf_iterator<char>(file), {});
-  return sha256_hex(bytes);
+  constexpr std::size_t max_bytes = 256 << 20;
+  const auto bytes = read_whole_file(path, max_bytes);
+  if (!bytes) return "";
+  return sha256_hex(std::vector<std::uint8_t>(bytes->begin(), bytes->end()));
 }
 
 std::string digest_beside(const std::string& path, const std::string& name) {

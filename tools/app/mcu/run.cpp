@@ -13,6 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/files.hpp"
 #include "shared/image/image.h"
 #include "sim/h8s/chip/chip.h"
 #include "tools/app/base/interrupt_signals.h"
@@ -64,6 +65,7 @@ class Feeder {
  public:
   Result<void> open(const std::string& path) {
     if (path.empty()) return {};
+    if (path != "-") KAZ_TRY(open_input(path, "give a file with the bytes to receive, or -"));
     file_ = path == "-" ? stdin : std::fopen(path.c_str(), "rb");
     if (!file_)
       return fail(Fault::usage, "--input " + path + ": " + std::strerror(errno) +
