@@ -110,6 +110,16 @@ inline Result<std::string> read_whole_file(const std::string& path, std::size_t 
   }
 }
 
+// Renames `from`, whose bytes are on the disk, to `to`, and puts the folder's entry on the disk: without
+// that, the earlier file may be back after a power cut. False: errno says why.
+inline bool move_into_place(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) return false;
+  const auto parent = std::filesystem::path(to).parent_path();
+  const Descriptor folder(
+      ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return !folder || sync_file(folder.get());  // a folder without read permission cannot be opened
+}
+
 // Puts `bytes` at `path`. A file that was there stays until all of it is written; a symbolic link stays,
 // and the file that it points to is replaced.
 inline Result<void> write_whole_file(const std::string& path, std::string_view bytes) {
@@ -155,7 +165,7 @@ inline Result<void> write_whole_file(const std::string& path, std::string_view b
     return failure;
   }
   if (close(fd) != 0) return give_up("write");
-  if (!stream && std::rename(beside.c_str(), target.c_str()) != 0)
+  if (!stream && !move_into_place(beside, target))
     return give_up("put the file in its place");
   return {};
 }

@@ -5,10 +5,22 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 
 #include <fstream>
 #include <sstream>
+
+namespace {
+std::vector<ino_t> g_synchronized;  // in order
+}  // namespace
+
+// In place of the C library's.
+extern "C" int fsync(int fd) {
+  struct stat about {};
+  if (fstat(fd, &about) == 0) g_synchronized.push_back(about.st_ino);
+  return static_cast<int>(syscall(SYS_fsync, fd));
+}
 
 namespace kaz {
 namespace {
@@ -75,6 +87,17 @@ TEST_F(Files, SayWhereTheyCannotBe) {
   EXPECT_NE(written.error().message.find("no/folder: cannot write here"), std::string::npos)
       << written.error().message;
   EXPECT_FALSE(write_whole_file(folder_, "bytes"));
+}
+
+// A rename alone may be undone by a power cut: the folder has to be on the disk, too.
+TEST_F(Files, PutTheirFolderOnTheDisk) {
+  g_synchronized.clear();
+  ASSERT_TRUE(write_whole_file(*this / "a", "bytes"));
+  struct stat folder {};
+  ASSERT_EQ(stat(folder_.c_str(), &folder), 0);
+  ASSERT_EQ(g_synchronized.size(), 2u) << "the file, then its folder";
+  EXPECT_NE(g_synchronized[0], folder.st_ino);
+  EXPECT_EQ(g_synchronized[1], folder.st_ino);
 }
 
 TEST_F(Files, AreReadWhole) {

@@ -199,7 +199,7 @@ void remove_temporary_folder() {
 
 Result<void> put_in_place(const std::string& part, const std::string& path) {
   const int fd = ::open(part.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool done = fd >= 0 && sync_file(fd) && std::rename(part.c_str(), path.c_str()) == 0;
+  const bool done = fd >= 0 && sync_file(fd) && move_into_place(part, path);
   const int error = errno;
   if (fd >= 0) ::close(fd);
   if (done) return {};

@@ -213,7 +213,7 @@ Result<void> OutputFile::commit() {
   if (target_.empty()) return {};
   if (!sync_file(fd_))
     return tl::unexpected(explained(write_failure(path_, "write", errno).value()));
-  if (::rename(part_.c_str(), target_.c_str()) != 0)
+  if (!move_into_place(part_, target_))
     return write_failure(path_, "put the file in its place", errno);
   g_saved.push_back(path_);
   release();
