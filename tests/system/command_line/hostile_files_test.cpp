@@ -1,6 +1,7 @@
 // Planted files: whatever a file holds, `kaz` ends at once, with one sentence that names it.
 // SPDX-License-Identifier: Apache-2.0
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -260,11 +261,12 @@ TEST(HostileFiles, CalibrationsAndColoursAreRefused) {
 }
 
 // Paths at which `kaz sim` would put something: what belongs to others stays.
-// In the place of every file that a verb reads: a folder, and a device without end.
+// In the place of every file that a verb reads: a folder, a device without end, a pipe that nobody writes.
 TEST(HostileFiles, WhatIsNoFileIsRefused) {
   const TemporaryFolder folder;
   const string out = folder / "out";
-  for (const string& file : {string(folder / "."), string("/dev/zero")}) {
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const string& file : {string(folder / "."), string("/dev/zero"), string(folder / "pipe")}) {
     const std::vector<std::vector<string>> verbs = {
         {"run", "stand", "--mcu", "native", "--faults", file, "--out", out},
         {"run", "search-ball", "--mcu", "native", "--color", file, "--out", out},
@@ -276,6 +278,9 @@ TEST(HostileFiles, WhatIsNoFileIsRefused) {
         {"bench", "fit", file, "--out", out},
         {"replay", file},
         {"mcu", "run", file},
+        {"run", "stand", "--mcu", "native", "--robot-file", file, "--out", out},
+        {"run", "stand", "--robot", "boards:" + file, "--out", out},
+        {"evaluate", "stand", "--parallel-hosts", file, "--out", out},
     };
     for (const auto& verb : verbs) expect_sentence(run(kaz(verb), kAtMost), 2, file);
   }
