@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "shared/base/json_depth.hpp"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/one_line.hpp"
 
 namespace kaz::hil {
@@ -127,28 +127,9 @@ const MeasurementInfo* find_measurement(const std::string& name) {
 }
 
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name) {
-  if (json_too_deep(json)) return wrong(file_name, "it nests too deeply");
-  Json all;
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
-  std::string twice;
-  try {
-    all = Json::parse(json, [&](int, Json::parse_event_t event, Json& parsed) {
-      if (event == Json::parse_event_t::object_start) keys.emplace_back();
-      if (event == Json::parse_event_t::object_end) keys.pop_back();
-      if (event == Json::parse_event_t::key &&
-          !keys.back().insert(parsed.get<std::string>()).second)
-        twice = parsed.get<std::string>();
-      return true;
-    });
-  } catch (const Json::parse_error& error) {
-    const auto until =
-        json.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, json.size()));
-    return wrong(file_name, "line " + std::to_string(1 + std::count(json.begin(), until, '\n')) +
-                                " is no JSON");
-  } catch (const Json::exception&) {
-    return wrong(file_name, "a number in it is too large");
-  }
-  if (!twice.empty()) return wrong(file_name, "'" + twice + "' stands in it twice");
+  const auto read = parse_bounded_json(json);
+  if (!read) return wrong(file_name, read.error().message);
+  const Json& all = *read;
   const bool listed = all.is_array();
   if (!all.is_object() && !listed) {
     return wrong(file_name,

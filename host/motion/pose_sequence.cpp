@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "shared/base/json_depth.hpp"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/one_line.hpp"
 
 namespace kaz::motion {
@@ -33,7 +33,7 @@ Result<Pose> parse_pose(const Json& json, std::size_t index, const std::string& 
   if (!json.is_object()) return wrong(name, which(index) + " is no object");
   for (const auto& [key, value] : json.items()) {
     if (key != "time_s" && key != "angles_rad")
-      return wrong(name, which(index) + " has \"" + key + "\", which is not known here");
+      return wrong(name, which(index) + " has \"" + cut_text(key) + "\", which is not known here");
   }
   Pose pose;
   const auto time = json.find("time_s");
@@ -48,11 +48,11 @@ Result<Pose> parse_pose(const Json& json, std::size_t index, const std::string& 
     return wrong(name, which(index) + " has no object \"angles_rad\"");
   for (const auto& [joint, angle] : angles->items()) {
     if (!angle.is_number())
-      return wrong(name, which(index) + ": the angle of \"" + joint + "\" is no number");
+      return wrong(name, which(index) + ": the angle of \"" + cut_text(joint) + "\" is no number");
     const double rad = angle.get<double>();
     if (!(std::abs(rad) <= std::numbers::pi))
-      return wrong(name, which(index) + ": the angle of \"" + joint +
-                             "\" must lie between -pi and pi rad, and is " + angle.dump());
+      return wrong(name, which(index) + ": the angle of \"" + cut_text(joint) +
+                             "\" must lie between -pi and pi rad, and is " + json_sample(angle));
     pose.angles_rad.emplace_back(joint, rad);
   }
   return pose;
@@ -76,19 +76,12 @@ Value between(const Knot& a, const Knot& b, double time_s) {
 
 Result<PoseSequence> parse_poses(std::string_view text, const std::string& name) {
   if (text.size() > kMaxPosesBytes) return wrong(name, "it is larger than 1 MiB");
-  if (json_too_deep(text)) return wrong(name, "it is nested too deeply");
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    const std::string_view before = text.substr(0, error.byte);
-    return wrong(name, "it is no JSON object: line " +
-                           std::to_string(1 + std::ranges::count(before, '\n')) +
-                           " cannot be read as JSON");
-  }
+  const auto parsed = parse_bounded_json(text);
+  if (!parsed) return wrong(name, "it is no JSON object: " + parsed.error().message);
+  const Json& json = *parsed;
   if (!json.is_object()) return wrong(name, "it is no JSON object");
   for (const auto& [key, value] : json.items()) {
-    if (key != "format" && key != "poses") return wrong(name, "\"" + key + "\" is not known here");
+    if (key != "format" && key != "poses") return wrong(name, "\"" + cut_text(key) + "\" is not known here");
   }
   if (json.value("format", Json()) != kFormat)
     return wrong(name, std::string("\"format\" must be \"") + kFormat + "\"");

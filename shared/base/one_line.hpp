@@ -59,6 +59,14 @@ inline std::string one_line(std::string_view text) {
   return out;
 }
 
+// At most `max` bytes of a text from outside, as part of a sentence; "..." stands for the rest.
+inline std::string cut_text(std::string_view text, std::size_t max = 80) {
+  if (text.size() <= max) return std::string(text);
+  std::size_t end = max;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80) --end;
+  return std::string(text.substr(0, end)) + "...";
+}
+
 }  // namespace kaz
 
 #endif

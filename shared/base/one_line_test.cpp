@@ -27,6 +27,13 @@ TEST(OneLine, BytesThatAreNoUtf8AreNamed) {
   EXPECT_EQ(one_line("\xf0\x9f\x98\x80"), "\xf0\x9f\x98\x80");
 }
 
+TEST(CutText, EndsBetweenCharacters) {
+  EXPECT_EQ(cut_text("abc", 3), "abc");
+  EXPECT_EQ(cut_text("abcd", 3), "abc...");
+  EXPECT_EQ(cut_text("ab\xc2\xb5z", 3), "ab...");
+  EXPECT_EQ(cut_text("\xf0\x9f\x98\x80\x80", 4), "...") << "no whole character, and none of its bytes";
+}
+
 TEST(XmlText, HasNoCharacterThatXmlForbids) {
   EXPECT_EQ(xml_text("<a b='c' d=\"&\">"), "&lt;a b=&apos;c&apos; d=&quot;&amp;&quot;&gt;");
   EXPECT_EQ(xml_text("a\nb\tc"), "a\nb\tc");

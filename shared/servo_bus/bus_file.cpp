@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
-#include "shared/base/json_depth.hpp"
 #include "shared/base/one_line.hpp"
 #include "shared/dynamixel/packet.h"
 #include "shared/feetech/packet.h"
@@ -52,7 +52,7 @@ struct Reader {
   Result<void> known(const json& in, std::initializer_list<std::string_view> keys) const {
     for (const auto& [key, value] : in.items()) {
       if (std::ranges::find(keys, key) == keys.end())
-        return error("\"" + key + "\" is not known here");
+        return error("\"" + cut_text(key) + "\" is not known here");
     }
     return {};
   }
@@ -69,7 +69,7 @@ struct Reader {
       for (const Model& one : models()) {
         if (one.protocol == protocol) names += (names.empty() ? "" : ", ") + std::string(one.name);
       }
-      return error("the model \"" + model + "\" is not known; those that are: " + names);
+      return error("the model \"" + cut_text(model) + "\" is not known; those that are: " + names);
     }
     const double id = KAZ_TRY(number(in, "id", 0, max_id(protocol), NAN));
     if (id != std::floor(id)) return error("\"id\" is no whole number");
@@ -124,7 +124,9 @@ struct Reader {
 
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text) {
   const Reader reader{path};
-  const auto all = json_too_deep(text) ? json() : json::parse(text, nullptr, false);
+  const auto parsed = parse_bounded_json(text);
+  if (!parsed) return reader.error("is no JSON object: " + parsed.error().message);
+  const json& all = *parsed;
   if (!all.is_object()) return reader.error("is no JSON object");
   KAZ_TRY(
       reader.known(all, {"protocol", "baud", "supply_volts", "supply_ohm", "settings", "servos"}));
@@ -166,7 +168,7 @@ Result<BusFile> load_bus_file(const std::string& urdf_path) {
 
 // A line for each servo, as people write it.
 std::string with_zeros(const std::string& text, const std::map<std::string, double>& zeros) {
-  const auto all = nlohmann::ordered_json::parse(text);
+  const auto all = parse_bounded_json<nlohmann::ordered_json>(text).value();
   std::string lines;
   for (const auto& [key, value] : all.items()) {
     lines += (lines.empty() ? "{\n  " : ",\n  ") + json(key).dump() + ": ";

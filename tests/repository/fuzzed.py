@@ -14,7 +14,7 @@ ROOT = pathlib.Path(sys.argv[1])
 FOLDERS = ("shared", "sim", "host", "hil", "vision", "tools")
 READS = re.compile(
     r"\bifstream\b|\bf(?:open|read|getc|gets)\(|\brecv(?:from|msg)?\(|(?<!\w)::p?read\(|\bmmap\("
-    r"|\bstd::cin\b|\bgetline\(|\b[jJ]son::parse\(|\btinyxml2\b|\bFileStorage\b|\bfrom_chars\("
+    r"|\bstd::cin\b|\bgetline\(|\bparse_bounded_json\b|\btinyxml2\b|\bFileStorage\b|\bfrom_chars\("
     r"|\bparse_number<|\bstrto[a-z]+\(|\bsto[dfil]+\(|\bsscanf\(|\bsdf::Root\b|\bparseURDF"
     r"|\bjpeg_read_header\b|\bpng_create_read_struct\b|\bpng_image_begin_read"
     r"|\bStateReader from\b|\bLittleEndianFields\b|\blink_?\.read\("

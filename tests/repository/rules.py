@@ -235,6 +235,17 @@ def check_owners():
                 fault(name, f"uses {library}; call the functions of {owner}")
 
 
+def check_json():
+    """Texts from outside are parsed in one place, which limits their depth with the parser's own grammar."""
+    parser = re.compile(r"json::(?:parse|accept|sax_parse)\(|>> *json\b", re.I)
+    for path in files("*.h", "*.hpp", "*.cpp"):
+        name = path.relative_to(ROOT).as_posix()
+        if name.startswith("tests/") or TEST_FILE.search(name) or name == "shared/base/bounded_json.hpp":
+            continue
+        if parser.search(path.read_text()):
+            fault(name, "parses JSON itself; shared/base/bounded_json.hpp has the one function")
+
+
 def headings(text):
     """The anchors of a page, as GitHub makes them: lower case, without punctuation, numbered if repeated."""
     anchors = set(re.findall(r'<a (?:id|name)="([^"]+)"', text))
@@ -340,6 +351,7 @@ check_printed()
 check_sources()
 check_layers()
 check_owners()
+check_json()
 check_links()
 check_temporary_names()
 check_words()

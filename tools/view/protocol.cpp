@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "shared/base/json_depth.hpp"
+#include "shared/base/bounded_json.hpp"
 #include "sim/runtime/formats/little_endian.h"
 
 namespace kaz::watch {
@@ -41,9 +41,10 @@ Result<const json*> list_of(const json& object, const char* name) {
 }  // namespace
 
 Result<Request> parse_text(std::string_view text) {
-  if (text.size() > kLongestRequest || json_too_deep(text))
-    return fail(Fault::usage, "the request is too long or nests too deeply");
-  const json object = json::parse(text, nullptr, false);
+  if (text.size() > kLongestRequest) return fail(Fault::usage, "the request is too long");
+  const auto parsed = parse_bounded_json(text);
+  if (!parsed) return fail(Fault::usage, "the request is no JSON object: " + parsed.error().message);
+  const json& object = *parsed;
   if (!object.is_object()) return fail(Fault::usage, "the request is no JSON object");
   const auto op = object.find("op");
   if (op == object.end() || !op->is_string())
@@ -134,8 +135,8 @@ Result<Request> parse_binary(std::span<const std::uint8_t> bytes) {
     request.published = fields.number<std::uint32_t>();
     const auto rest = fields.rest();
     const std::string_view text(reinterpret_cast<const char*>(rest.data()), rest.size());
-    const json object = fields.good() && text.size() <= kLongestRequest && !json_too_deep(text)
-                            ? json::parse(text, nullptr, false)
+    const json object = fields.good() && text.size() <= kLongestRequest
+                            ? parse_bounded_json(text).value_or(nullptr)
                             : json();
     const auto line = object.is_object() ? object.find("do") : object.end();
     if (!object.is_object() || line == object.end() || !line->is_string() ||

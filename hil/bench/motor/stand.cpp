@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "host/robot/posture.h"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/number_text.hpp"
 
 namespace kaz::hil {
@@ -47,7 +48,7 @@ Result<double> CommandStand::number(const std::string& line, const char* key) {
   const double value = found->get<double>();
   if (!(std::abs(value) <= kMostReading))
     return fail(Fault::environment, "stand " + name_ + ": its reply to `" + line +
-                                        "` is no reading: `" + key + "` is " + found->dump());
+                                        "` is no reading: `" + key + "` is " + json_sample(*found));
   return value;
 }
 

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/bench/report.h"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/enum_names.hpp"
-#include "shared/base/json_depth.hpp"
 
 namespace kaz::hil {
 namespace {
@@ -206,10 +206,10 @@ std::string bench_json(const BenchReport& report) {
 Result<BenchReport> parse_bench_json(const std::string& json, const std::string& file_name) {
   std::string why = "it is no JSON";
   try {
-    if (json_too_deep(json)) throw Wrong("it nests too deeply");
-    const Json all = Json::parse(json);
+    const auto all = parse_bounded_json<Json>(json);
+    if (!all) throw Wrong(all.error().message);
     why = "it is not what kaz bench writes";
-    return to_report(all);
+    return to_report(*all);
   } catch (const Wrong& wrong) {
     why = wrong.what();
   } catch (const Json::exception&) {

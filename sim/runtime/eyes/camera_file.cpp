@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
-#include "shared/base/json_depth.hpp"
 #include "sim/runtime/eyes/eyes.h"
 
 namespace kaz::sim {
@@ -32,7 +32,7 @@ Result<void> read(const nlohmann::json& json, const std::string& path, const Ent
     return fail(Fault::usage, path + ": the number \"" + e.key + "\" is missing");
   const double value = found->get<double>();
   if (!(value >= e.low && value <= e.high))
-    return fail(Fault::usage, path + ": \"" + e.key + "\" is " + found->dump() +
+    return fail(Fault::usage, path + ": \"" + e.key + "\" is " + json_sample(*found) +
                                   " but must lie between " + nlohmann::json(e.low).dump() +
                                   " and " + nlohmann::json(e.high).dump());
   *e.to = value * e.unit;
@@ -62,8 +62,11 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
   constexpr std::size_t max_bytes = 1 << 20;
   const auto text = KAZ_TRY(
       read_whole_file(path, max_bytes, "give a camera file such as shared/robot/kaz/camera.json"));
-  const auto json =
-      json_too_deep(text) ? nlohmann::json() : nlohmann::json::parse(text, nullptr, false);
+  const auto parsed = parse_bounded_json(text);
+  if (!parsed)
+    return fail(Fault::usage, path + ": is no JSON object (" + parsed.error().message +
+                                  "); see shared/robot/kaz/camera.json");
+  const nlohmann::json& json = *parsed;
   if (!json.is_object())
     return fail(Fault::usage, path + ": is no JSON object; see shared/robot/kaz/camera.json");
   CameraFile camera;

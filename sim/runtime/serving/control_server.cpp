@@ -1,5 +1,6 @@
 // Commands of the control socket and their clients.
 // SPDX-License-Identifier: Apache-2.0
+#include "shared/base/bounded_json.hpp"
 #include "sim/runtime/serving/control_server.h"
 
 #include <sys/socket.h>
@@ -41,7 +42,7 @@ Result<ControlRequest> parse_control_request(std::string_view line) {
     const auto argument = line.find_first_not_of(" \t", space);
     return ControlRequest{std::string(line.substr(0, space)), std::string(line.substr(argument))};
   }
-  const Json request = Json::parse(line, nullptr, false);
+  const Json request = parse_bounded_json<Json>(line).value_or(nullptr);
   if (!request.is_object()) return fail("the request is no JSON object");
   const auto text = [&request](const char* key) {
     const auto entry = request.find(key);

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/robot/control_socket.h"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/time.hpp"
 
 namespace kaz::tools {
@@ -36,7 +37,7 @@ host::LatenessMeter::TimeLost time_lost_behind(const std::string& port,
     std::optional<host::CleanUp> clean_up;
     if (interrupt.ends_waiting()) clean_up.emplace(interrupt, kInterruptedPatience);
     const auto reply = KAZ_TRY(host::query_control_socket(path, "status", &interrupt));
-    const auto status = nlohmann::json::parse(reply, nullptr, false);
+    const auto status = parse_bounded_json(reply).value_or(nullptr);
     if (!status.is_object() || !status.contains("lost_s") || !status["lost_s"].is_number())
       return Time::zero();  // a program that does not measure it
     const double lost_s = status["lost_s"].get<double>();
@@ -48,7 +49,7 @@ std::string simulated_mcu(const std::string& port, const host::Interrupt& interr
   const std::string path = control_socket_beside(port);
   if (path.empty()) return "";
   const auto reply = host::query_control_socket(path, "status", &interrupt);
-  const auto status = nlohmann::json::parse(reply.value_or(""), nullptr, false);
+  const auto status = parse_bounded_json(reply.value_or("")).value_or(nullptr);
   if (!status.is_object() || !status.contains("mcu") || !status["mcu"].is_string()) return "";
   return status["mcu"].get<std::string>();
 }

@@ -8,6 +8,7 @@
 #include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/control_socket.h"
+#include "shared/base/bounded_json.hpp"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/prompt.h"
@@ -81,7 +82,7 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
     const auto query = [path,
                         &interrupt](const std::string& line) -> Result<nlohmann::ordered_json> {
       const auto reply = KAZ_TRY(host::query_control_socket(path, "stand " + line, &interrupt));
-      return nlohmann::ordered_json::parse(reply, nullptr, false);
+      return parse_bounded_json<nlohmann::ordered_json>(reply).value_or(nullptr);
     };
     // Whether it is a stand: said before anything moves.
     KAZ_TRY(query("disc"));

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "shared/base/json_depth.hpp"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/number_text.hpp"
 #include "shared/protocol/frame.h"
 #include "shared/protocol/message_info.h"
@@ -202,9 +202,8 @@ class Decoder {
 
 // Nothing where it is no JSON object.
 nlohmann::json object_of(const std::string& text) {
-  if (json_too_deep(text)) return {};
-  auto value = nlohmann::json::parse(text, nullptr, false);
-  return value.is_object() ? value : nlohmann::json();
+  auto value = parse_bounded_json(text);
+  return value && value->is_object() ? *std::move(value) : nlohmann::json();
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/link/serial_port.h"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/counted.hpp"
 #include "shared/base/number_text.hpp"
 #include "tools/app/base/output.h"
@@ -171,7 +172,7 @@ void examine_can(const MachineFiles& files, Findings& findings) {
     const auto flags =
         parse_number<unsigned>(files.line(folder + "/flags").value_or("0x0").substr(2), 16);
     const bool up = (flags.value_or(0) & 1) != 0;  // IFF_UP
-    const auto details = nlohmann::json::parse(files.interface_details(name), nullptr, false);
+    const auto details = parse_bounded_json(files.interface_details(name)).value_or(nullptr);
     const nlohmann::json info = details.is_array() && !details.empty()
                                     ? details[0].value("linkinfo", nlohmann::json::object())
                                     : nlohmann::json::object();

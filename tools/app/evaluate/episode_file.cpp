@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <span>
 
-#include "shared/base/json_depth.hpp"
+#include "shared/base/bounded_json.hpp"
 
 namespace kaz::tools {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Result<Json> parse_object(const std::string& text, const std::string& name) {
-  Json json = json_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
+  Json json = parse_bounded_json<Json>(text).value_or(nullptr);
   if (!json.is_object())
     return fail(Fault::usage, name + ": is damaged; remove it and run the campaign again");
   return json;

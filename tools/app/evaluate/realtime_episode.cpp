@@ -13,6 +13,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/paths.h"
@@ -88,7 +89,7 @@ class Control {
     std::string line;
     for (char c = 0; c != '\n'; line += c)
       if (::recv(socket_, &c, 1, 0) != 1) return std::nullopt;
-    Json reply = Json::parse(line, nullptr, false);
+    Json reply = parse_bounded_json<Json>(line).value_or(nullptr);
     if (!reply.is_object()) return std::nullopt;
     return reply;
   }
@@ -241,7 +242,7 @@ void remove_files(const std::string& folder) {
 Json result_of(const std::string& log) {
   const auto begin = log.rfind("\n{\n");
   const auto at = begin != std::string::npos ? begin + 1 : log.starts_with("{\n") ? 0 : log.size();
-  Json result = Json::parse(log.substr(at), nullptr, false);
+  Json result = parse_bounded_json<Json>(log.substr(at)).value_or(nullptr);
   return result.is_object() ? result : Json::object();
 }
 

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
-#include "shared/base/json_depth.hpp"
 
 namespace kaz::tools {
 namespace {
@@ -134,7 +134,7 @@ Result<KeptFile> parse_kept(const std::string& text, const std::string& name) {
   const auto wrong = [&](const std::string& what) {
     return fail(Fault::usage, name + ": " + what + "; " + kHint);
   };
-  const Json json = json_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
+  const Json json = parse_bounded_json<Json>(text).value_or(nullptr);
   if (!json.is_object() || !json.contains("kaz_kept_board"))
     return wrong("holds no notes of a board, or is damaged");
   if (json["kaz_kept_board"] != kVersion) return wrong("is of another version of this program");

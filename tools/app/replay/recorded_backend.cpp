@@ -1,15 +1,15 @@
 // How a run was put together, as its recording states it.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/replay/recorded_backend.h"
 #include "sim/runtime/formats/little_endian.h"
+#include "tools/app/replay/recorded_backend.h"
 
 #include <algorithm>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/enum_names.hpp"
-#include "shared/base/json_depth.hpp"
 #include "shared/board/board.h"
 #include "sim/runtime/formats/little_endian.h"
 #include "tools/app/vision/color_file.h"
@@ -21,8 +21,7 @@ using Json = nlohmann::json;
 
 // Nothing where the text is no JSON object.
 Json object_of(const std::string& text) {
-  if (json_too_deep(text)) return {};
-  return Json::parse(text, nullptr, false);
+  return parse_bounded_json(text).value_or(nullptr);
 }
 
 // The error is the rest of a sentence.
@@ -34,7 +33,7 @@ Result<void> choose(const std::string& name, const std::array<T, N>& values, T& 
   }
   std::string names;
   for (const std::string& valid : enum_names(values)) names += (names.empty() ? "" : ", ") + valid;
-  return fail(Fault::usage, "is `" + name + "`, none of " + names);
+  return fail(Fault::usage, "is `" + cut_text(name) + "`, none of " + names);
 }
 
 }  // namespace

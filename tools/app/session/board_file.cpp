@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/robot/robot.h"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
-#include "shared/base/json_depth.hpp"
 #include "shared/base/one_line.hpp"
 
 namespace kaz::tools {
@@ -28,7 +28,7 @@ Result<BoardOfFile> parse_one(const std::string& where, const Json& json) {
     return wrong(where, std::string("its port is missing") + kForm);
   for (const auto& [key, value] : json.items())
     if (key != "port" && key != "address" && key != "joints")
-      return wrong(where, "`" + key + "` is none of port, address, joints");
+      return wrong(where, "`" + cut_text(key) + "` is none of port, address, joints");
   board.port = KAZ_TRY(host::parse_port_address(where + ":", json["port"].get<std::string>()));
   const Json address = json.value("address", Json(1));
   if (!address.is_number_integer() || address < 1 || address > KZ_ADDRESS_LAST)
@@ -39,7 +39,7 @@ Result<BoardOfFile> parse_one(const std::string& where, const Json& json) {
   for (const Json& one : json["joints"]) {
     const auto joint = one.is_string() ? host::joint_index(one.get<std::string>()) : std::nullopt;
     if (!joint)
-      return wrong(where, "Kaz has no joint " + one.dump() +
+      return wrong(where, "Kaz has no joint " + json_sample(one) +
                               ": give names as neck_pan, which docs/reference/robot.md lists");
     board.joints |= std::uint32_t{1} << *joint;
   }
@@ -67,16 +67,9 @@ Result<void> check_lines(const std::string& name, const std::vector<BoardOfFile>
 }  // namespace
 
 Result<std::vector<BoardOfFile>> parse_boards(const std::string& name, std::string_view text) {
-  Json json(Json::value_t::discarded);
-  if (!json_too_deep(text)) {
-    try {
-      json = Json::parse(text, nullptr, true, true);
-    } catch (const Json::parse_error& error) {
-      const auto end = text.substr(0, std::min(text.size(), error.byte));
-      return wrong(name, "line " + std::to_string(1 + std::ranges::count(end, '\n')) +
-                             " is no JSON" + kForm);
-    }
-  }
+  const auto parsed = parse_bounded_json(text, JsonComments::ignored);
+  if (!parsed) return wrong(name, parsed.error().message + kForm);
+  const Json& json = *parsed;
   if (!json.is_object() || !json.contains("boards") || !json["boards"].is_array() ||
       json["boards"].empty())
     return wrong(name, std::string("no file of boards") + kForm);

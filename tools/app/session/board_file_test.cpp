@@ -77,7 +77,25 @@ TEST(BoardFile, EachMistakeHasItsSentence) {
       error_of(file({board("x", "1", names(0, 9)), board("serial:x", "2", names(9, 18))})),
       "kaz.boards: two boards are at x: give each a port of its own, or put them on a CAN bus "
       "with `kaz can-bridge`");
-  EXPECT_EQ(error_of(std::string(100, '[')).find("kaz.boards: no file of boards"), 0u);
+}
+
+// A comment hides nothing of what follows, and a value that is no name is not printed whole.
+TEST(BoardFile, DeepAndLongValuesAreRefusedInAShortSentence) {
+  const std::string deep(30'000, '['), closed = deep + std::string(30'000, ']');
+  for (const std::string& start : {std::string(), std::string("//\"\n")}) {
+    EXPECT_EQ(error_of(start + deep).find("kaz.boards: it nests deeper than 64 levels; give {"), 0u);
+    EXPECT_EQ(error_of(start + file({board("x", "", closed)}))
+                  .find("kaz.boards: it nests deeper than 64 levels; give {"),
+              0u);
+  }
+  const std::string many(50'000, '1'), text = "\"" + many + "\"";
+  for (const std::string& one :
+       {board("x", "", "[" + text + "]"), board("x", "", "[" + many + "]"), board(many, "", "[]"),
+        board("can:" + many, "", "[]"), "{" + text + ": 1, \"port\": \"x\"}"}) {
+    const std::string error = error_of(file({one}));
+    EXPECT_FALSE(error.empty());
+    EXPECT_LT(error.size(), 400u) << error.substr(0, 400);
+  }
 }
 
 TEST(BoardFile, AFileThatIsNotThereIsASentence) {

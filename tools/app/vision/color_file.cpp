@@ -5,8 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
-#include "shared/base/json_depth.hpp"
 
 namespace kaz::tools {
 namespace {
@@ -47,8 +47,7 @@ Result<vision::ColorRange> read_color(const std::string& path) {
 
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name) {
   const auto bad = [&](const std::string& what) { return fail(Fault::usage, name + ": " + what); };
-  const auto json =
-      json_too_deep(content) ? nlohmann::json() : nlohmann::json::parse(content, nullptr, false);
+  const auto json = parse_bounded_json(content).value_or(nullptr);
   if (!json.is_object()) return bad("is no JSON object of colour thresholds");
   vision::ColorRange range;
   bool any = false;

@@ -62,6 +62,8 @@ Complaint judge_error(const Error& error, const std::string& source, Fault fault
   const std::string& text = error.message;
   if (text.find(source) == std::string::npos) return "the error does not name its source: " + text;
   if (text.find('\n') != std::string::npos) return "the error has several lines: " + text;
+  if (text.size() > 2000 + source.size())
+    return "the error has " + std::to_string(text.size()) + " bytes: " + text.substr(0, 200);
   if (error.fault != fault) return "the error blames the wrong one: " + text;
   return std::nullopt;
 }

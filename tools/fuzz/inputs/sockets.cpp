@@ -16,6 +16,7 @@
 #include "hil/bench/motor/stand.h"
 #include "host/camera/published_camera.h"
 #include "host/robot/control_socket.h"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/camera_stream.hpp"
 #include "sim/runtime/serving/control_server.h"
 #include "sim/runtime/serving/followed_clock.h"
@@ -129,7 +130,7 @@ Complaint judge_replies(const std::string& replies, std::size_t max_lines) {
   for (std::size_t at = 0; at < replies.size(); ++lines) {
     const std::size_t end = replies.find('\n', at);
     if (end == std::string::npos) return "a reply without an end";
-    const Json reply = Json::parse(replies.substr(at, end - at), nullptr, false);
+    const Json reply = parse_bounded_json<Json>(replies.substr(at, end - at)).value_or(nullptr);
     if (!reply.is_object() || !reply.contains("ok") || !reply["ok"].is_boolean())
       return "a reply that is none: " + replies.substr(at, end - at);
     if (!reply["ok"].get<bool>() && (!reply.contains("error") || !reply["error"].is_string() ||
@@ -255,7 +256,10 @@ Complaint try_control_reply(Bytes bytes) {
     Time now_{}, longest_{};
   } clock;
   hil::CommandStand stand(
-      "case", [&](const std::string&) -> Result<Json> { return Json::parse(text, nullptr, false); },
+      "case",
+      [&](const std::string&) -> Result<Json> {
+        return parse_bounded_json<Json>(text).value_or(nullptr);
+      },
       clock);
   for (const Result<double>& number : {stand.disc_kgm2(), stand.scale_nm(0), stand.turn(0, 1.0)}) {
     if (number ? !std::isfinite(*number) : number.error().message.empty())
