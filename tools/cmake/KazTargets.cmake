@@ -53,7 +53,7 @@ endif()
 set(KAZ_SANITIZED_COPIES OFF)
 # Without what the address sanitizer sees itself (null) and what takes long to compile (vptr); `./tools/dev sanitize`
 # has both.
-set(KAZ_SANITIZERS -fsanitize=address,undefined -fno-sanitize=null,vptr)
+set(KAZ_SANITIZERS -fsanitize=address,undefined,float-cast-overflow -fno-sanitize=null,vptr)
 set(KAZ_SANITIZED_OPTIONS -O1 -g1 -UNDEBUG ${KAZ_SANITIZERS} -fno-omit-frame-pointer -fno-sanitize-recover=all)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND KAZ_SANITIZED_OPTIONS $<$<COMPILE_LANGUAGE:CXX>:-Wno-maybe-uninitialized>)

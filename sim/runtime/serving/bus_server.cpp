@@ -132,12 +132,14 @@ void BusServer::Parts::host_to_bus() {
   // A host that has closed the port may have left bytes.
   const std::size_t count = pty->read(buffer);
   if (count == 0) return;
+  statistics.bytes_from_host += count;
   if (const long now = pty->rate(); now != rate) {
     rate = now;
-    bus.set_host_baud(rate);
-    say("host talks at " + std::to_string(rate) + " baud");
+    if (rate > 0) bus.set_host_baud(rate);
+    say(rate > 0 ? "host talks at " + std::to_string(rate) + " baud"
+                 : "host has hung up (0 baud): its bytes do not reach the bus");
   }
-  statistics.bytes_from_host += count;
+  if (rate <= 0) return;
   bus.write(std::span(buffer).first(count));
 }
 

@@ -128,6 +128,26 @@ TEST(BusServer, HearsRatesWithoutAName) {
   }
 }
 
+// POSIX: a rate of 0 hangs up. A host that is slow to the extreme is another thing: its bits are real.
+TEST(BusServer, BytesAtNoRateDoNotReachTheBus) {
+  Served served(bus_of({1}));
+  const Descriptor port = open_port(served.port, 1000000);
+  EXPECT_TRUE(send(port, request(1, Instruction::ping)));
+  EXPECT_EQ(receive(port, 6), answer_of(1));
+  EXPECT_TRUE(set_rate(port.get(), 0));
+  EXPECT_TRUE(send(port, request(1, Instruction::ping)));
+  EXPECT_TRUE(receive(port, 1).empty());
+  EXPECT_TRUE(set_rate(port.get(), 1000000));
+  EXPECT_TRUE(send(port, request(1, Instruction::ping)));
+  EXPECT_EQ(receive(port, 6), answer_of(1)) << "the bus goes on at the next rate";
+  for (const unsigned baud : {1u, 4294967295u}) {
+    EXPECT_TRUE(set_rate(port.get(), baud));
+    EXPECT_TRUE(send(port, {0xff}));
+    EXPECT_TRUE(receive(port, 1).empty()) << baud;
+  }
+  EXPECT_EQ(served.end().bytes_from_host, 3 * 6 + 2u);
+}
+
 // What clients do to a port besides: flush, drain, exclusive use, count what is there.
 TEST(BusServer, PortTakesWhatClientsDoToPorts) {
   Served served(bus_of({1}));

@@ -94,9 +94,11 @@ TEST(Pty, SpeedIsTheHostsAndStartsRight) {
     ASSERT_EQ(tcsetattr(host.get(), TCSANOW, &settings), 0);
     EXPECT_EQ(pty->baud(), baud);
   }
-  cfsetspeed(&settings, B110);  // no rate of ours
-  ASSERT_EQ(tcsetattr(host.get(), TCSANOW, &settings), 0);
-  EXPECT_EQ(pty->baud(), 0);
+  for (const speed_t none : {B110, B0}) {  // no rate of ours; hung up
+    cfsetspeed(&settings, none);
+    ASSERT_EQ(tcsetattr(host.get(), TCSANOW, &settings), 0);
+    EXPECT_EQ(pty->baud(), 0);
+  }
 }
 
 TEST(Pty, BytesOfAHostThatIsGoneAreStillThere) {
