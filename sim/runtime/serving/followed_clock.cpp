@@ -45,13 +45,19 @@ Result<std::unique_ptr<FollowedClock>> FollowedClock::open(const std::string& pa
 Result<bool> FollowedClock::poll(Time patience) {
   const timespec wait{static_cast<time_t>(patience.count() / 1'000'000'000),
                       static_cast<long>(patience.count() % 1'000'000'000)};
-  pollfd watched{client_ ? client_.get() : listener_->fd(), POLLIN, 0};
-  if (ppoll(&watched, 1, &wait, nullptr) <= 0) return false;
-  if (!client_) {
-    client_ = listener_->accept();
-    stream_.restart();
+  // A waiting client is looked at only when it would be accepted: its connection stays readable.
+  const bool replaceable = !client_ || Clock::now() - heard_ >= kMaxSilence;
+  std::array<pollfd, 2> watched{{{client_.get(), POLLIN, 0}, {listener_->fd(), POLLIN, 0}}};
+  if (ppoll(watched.data(), replaceable ? 2 : 1, &wait, nullptr) <= 0) return false;
+  if (watched[0].revents == 0) {
+    if (Descriptor next = listener_->accept()) {
+      client_ = std::move(next);
+      heard_ = Clock::now();
+      stream_.restart();
+    }
     return false;
   }
+  heard_ = Clock::now();
   const bool first = !stream_.latest();
   std::array<std::uint8_t, 8> bytes{};
   const ssize_t got =

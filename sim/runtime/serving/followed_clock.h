@@ -7,11 +7,14 @@
 //
 // A Unix stream socket; the one client sends its CLOCK_MONOTONIC in ns, 8 bytes little-endian, about once per
 // millisecond. The time stands still between two messages, before the first and while nobody is connected.
+// Another client waits until the first one disconnects or has sent nothing for kMaxSilence, and then replaces
+// it.
 // One message is read at a time, when the world has come to the one before: a client whose socket holds few
 // bytes waits for the world.
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -53,11 +56,17 @@ class FollowedClock {
   // Zero before the first message.
   Time now() const { return now_; }
 
+  // By this machine's clock. A guest's clock may stand still for longer: it is only replaced by a client.
+  static constexpr std::chrono::seconds kMaxSilence{1};
+
  private:
   explicit FollowedClock(std::unique_ptr<UnixListener> listener) : listener_(std::move(listener)) {}
 
+  using Clock = std::chrono::steady_clock;
+
   std::unique_ptr<UnixListener> listener_;
   Descriptor client_;
+  Clock::time_point heard_{};  // when the client connected, or its newest bytes came
   ClockStream stream_;
   Time now_{};
 };

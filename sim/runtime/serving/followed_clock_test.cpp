@@ -72,5 +72,39 @@ TEST(FollowedClock, StandsStillWithoutMessagesAndFollowsTheNextClient) {
   EXPECT_EQ(clock.now(), seconds(2));
 }
 
+// The world stands still while a client is silent: it must not be able to keep another one out.
+TEST(FollowedClock, AnotherClientReplacesASilentOneAndNoneThatSends) {
+  using Clock = std::chrono::steady_clock;
+  const TestFolder folder;
+  auto opened = FollowedClock::open(folder.file("clock"));
+  ASSERT_TRUE(opened) << opened.error().message;
+  FollowedClock& clock = **opened;
+  const Descriptor first = connect_to(folder.file("clock"));
+  EXPECT_FALSE(clock.poll(seconds(5)).value()) << "connected, and nothing more";
+  const Descriptor second = connect_to(folder.file("clock"));
+  ASSERT_EQ(::send(second.get(), bytes_of(seconds(7)).data(), 8, 0), 8);
+  const auto poll_until = [&clock](Clock::time_point end, Time time, auto between) {
+    while (Clock::now() < end && clock.now() != time) {
+      ASSERT_TRUE(clock.poll(milliseconds(20)));
+      between();
+    }
+  };
+  const auto connected = Clock::now();
+  poll_until(connected + seconds(20), seconds(7), [] {});
+  EXPECT_EQ(clock.now(), seconds(7)) << "the second client has not been accepted";
+  EXPECT_GE(Clock::now() - connected, FollowedClock::kMaxSilence - milliseconds(100));
+  char byte = 0;
+  EXPECT_EQ(::recv(first.get(), &byte, 1, 0), 0) << "the first one is disconnected";
+
+  const Descriptor third = connect_to(folder.file("clock"));
+  ASSERT_EQ(::send(third.get(), bytes_of(seconds(1)).data(), 8, 0), 8);
+  Time sent = seconds(7);
+  poll_until(Clock::now() + 2 * FollowedClock::kMaxSilence, seconds(1), [&] {
+    sent += milliseconds(1);
+    ::send(second.get(), bytes_of(sent).data(), 8, 0);
+  });
+  EXPECT_GT(clock.now(), seconds(7)) << "a client that sends was replaced";
+}
+
 }  // namespace
 }  // namespace kaz::sim
