@@ -8,6 +8,7 @@
 #include <string>
 
 #include "shared/base/files.hpp"
+#include "shared/base/shell_word.hpp"
 #include "tools/benchmark/body/names.h"
 
 namespace kaz::bench {
@@ -43,8 +44,9 @@ Result<void> count(const Settings& settings, Results& results) {
   const auto made = KAZ_TRY(make_temporary_folder("kaz-bench-count-"));
   const fs::path folder = made;
   const std::string command =
-      "valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file='" +
-      (folder / "dump").string() + "' '" + program.string() + "' --count >/dev/null 2>&1";
+      "valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file=" +
+      shell_word((folder / "dump").string()) + " " + shell_word(program.string()) +
+      " --count >/dev/null 2>&1";
   const int status = std::system(command.c_str());
   for (const auto& dump : fs::directory_iterator(folder, error)) take_dump(dump.path(), results);
   fs::remove_all(folder, error);

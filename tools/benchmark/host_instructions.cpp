@@ -1,5 +1,6 @@
 // Counting host instructions: perf_event_open where it is permitted, else callgrind on this program.
 // SPDX-License-Identifier: Apache-2.0
+#include "shared/base/shell_word.hpp"
 #include "tools/benchmark/benchmark.h"
 
 #include <linux/perf_event.h>
@@ -63,8 +64,8 @@ std::optional<double> by_callgrind(const std::string& load, const std::string& e
   const std::string self = std::filesystem::read_symlink("/proc/self/exe", error).string();
   if (error) return std::nullopt;
   const std::string command =
-      "valgrind --tool=callgrind --smc-check=all --callgrind-out-file=/dev/null '" + self +
-      "' --run " + load + " --amount " + std::to_string(amount) + " --engine " + engine +
+      "valgrind --tool=callgrind --smc-check=all --callgrind-out-file=/dev/null " +
+      shell_word(self) + " --run " + load + " --amount " + std::to_string(amount) + " --engine " + engine +
       " 2>&1 >/dev/null";
   std::FILE* output = ::popen(command.c_str(), "r");
   if (!output) return std::nullopt;

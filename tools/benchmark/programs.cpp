@@ -12,7 +12,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
+#include "shared/base/shell_word.hpp"
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/body/names.h"
 
@@ -94,10 +96,6 @@ fs::path beside_this(const std::string& program) {
   return fs::read_symlink("/proc/self/exe", error).parent_path() / program;
 }
 
-std::string quoted(const std::string& text) {
-  return std::string("'").append(text).append("'");
-}
-
 // What a command writes to standard output, as JSON.
 Result<nlohmann::json> json_of(const std::string& command) {
   std::FILE* output = ::popen(command.c_str(), "r");
@@ -108,8 +106,8 @@ Result<nlohmann::json> json_of(const std::string& command) {
   const int status = ::pclose(output);
   // The spread of a counter that is 0 throughout is 0/0; Google Benchmark writes it as it is.
   text = std::regex_replace(text, std::regex(": -?(NaN|Infinity)\\b"), ": null");
-  auto value = nlohmann::json::parse(text, nullptr, false);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || value.is_discarded())
+  auto value = parse_bounded_json(text);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !value)
     return fail(Fault::failed, "this failed or gave no JSON: " + command);
   return value;
 }
@@ -123,9 +121,9 @@ Result<void> measure(const Program& program, const Settings& settings, Results& 
   }
   std::string filter;
   for (const auto& name : program.gives) filter += (filter.empty() ? "" : "|") + name;
-  std::string command = quoted(path.string());
+  std::string command = shell_word(path.string());
   command += " --benchmark_format=json --benchmark_filter=" +
-             quoted("^(" + filter + ")(" + kAllThreads + ")?$");
+             shell_word("^(" + filter + ")(" + kAllThreads + ")?$");
   command += " --benchmark_repetitions=" + std::to_string(settings.repeats);
   if (settings.quick) command += " --benchmark_min_time=0.01";
   const auto report = KAZ_TRY(json_of(command + " 2>/dev/null"));
@@ -159,7 +157,7 @@ Result<void> wire(const Settings&, Results& results) {
     results.remark("wire_benchmark is not built: wire.* is left out");
     return {};
   }
-  const auto report = KAZ_TRY(json_of(quoted(program.string())));
+  const auto report = KAZ_TRY(json_of(shell_word(program.string())));
   const auto number = [&](const char* load, const char* name) {
     return report.value(load, nlohmann::json::object()).value(name, 0.0);
   };
@@ -176,7 +174,7 @@ Result<void> flashing(const Settings&, Results& results) {
     results.remark("flash_efficiency is not built: flash.efficiency is left out");
     return {};
   }
-  const auto report = KAZ_TRY(json_of(quoted(program.string())));
+  const auto report = KAZ_TRY(json_of(shell_word(program.string())));
   results.put("flash.efficiency", 100 * report.value("efficiency", 0.0));
   return {};
 }
@@ -189,7 +187,7 @@ Result<void> planning(const Settings& settings, Results& results) {
     return {};
   }
   const auto report =
-      KAZ_TRY(json_of(quoted(program.string()) + " --json " + (settings.quick ? "10" : "200")));
+      KAZ_TRY(json_of(shell_word(program.string()) + " --json " + (settings.quick ? "10" : "200")));
   for (const std::string planner : {"grid", "ompl"}) {
     if (!report.contains(planner)) {
       results.remark("plan_benchmark was built without libompl-dev: plan.*." + planner +
@@ -214,7 +212,7 @@ Result<void> loop(const Settings& settings, Results& results) {
   const auto made = KAZ_TRY(make_temporary_folder("kaz-bench-loop-"));
   const fs::path out = made;
   const std::string command =
-      quoted(kaz.string()) + " demo --json --out " + quoted(out.string()) + " 2>/dev/null";
+      shell_word(kaz.string()) + " demo --json --out " + shell_word(out.string()) + " 2>/dev/null";
   std::vector<double> speeds;
   Result<void> done;
   for (int k = 0; k < (settings.quick ? 1 : 3) && done; ++k) {
@@ -240,9 +238,9 @@ Result<void> one_catch(const std::string& gives, const std::string& options, Res
   }
   const auto made = KAZ_TRY(make_temporary_folder("kaz-bench-catch-"));
   const fs::path out = made;
-  const auto report = json_of(quoted(kaz.string()) +
+  const auto report = json_of(shell_word(kaz.string()) +
                               " run catch-ball --world catch --eyes real --imu --profile --json" +
-                              options + " --out " + quoted(out.string()) + " 2>/dev/null");
+                              options + " --out " + shell_word(out.string()) + " 2>/dev/null");
   std::error_code ignored;
   fs::remove_all(out, ignored);
   if (!report) return tl::unexpected(report.error());

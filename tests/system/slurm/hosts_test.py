@@ -56,26 +56,30 @@ def run(folder):
     environment.pop("SHELL", None)  # as where a service or a container begins it
     hosts = folder / "hosts"
     hosts.write_text("1/:\n1/near\n1/lost\n")
-    words = [*COMMAND, "--parallel-hosts", str(hosts), "--parallel-tasks", "6", "--out", str(folder / "many")]
+    # A name in which shells and parallel find words, a command, a variable and replacement strings.
+    many = folder / "many 'hosts\";touch PLANTED;true {} {#} {= $_ = 1 =} $HOME\\ \n%"
+    words = [*COMMAND, "--parallel-hosts", str(hosts), "--parallel-tasks", "6", "--out", str(many)]
 
     # Ctrl-C ends what runs; parts that are there stay, and the same command runs the rest.
     begun = subprocess.Popen([KAZ, *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                              text=True)
     until = time.monotonic() + 60
-    while not list(folder.glob("many/parts/[0-9]")) and time.monotonic() < until and begun.poll() is None:
+    while not list(many.glob("parts/[0-9]")) and time.monotonic() < until and begun.poll() is None:
         time.sleep(0.02)
     begun.send_signal(signal.SIGINT)
     _, said = begun.communicate(timeout=60)
     check(begun.returncode == 130 and "goes on" in said, f"interrupted: {begun.returncode}, {said}")
-    kept = {path: path.stat().st_mtime_ns for path in folder.glob("many/parts/[0-9]/result.json")}
+    kept = {path: path.stat().st_mtime_ns for path in many.glob("parts/[0-9]/result.json")}
     whole = kaz(environment, *words)
     check(whole.returncode == 0, f"on hosts: {whole.returncode}: {whole.stdout} {whole.stderr}")
-    same_result(folder / "alone", folder / "many")
+    same_result(folder / "alone", many)
+    check(not list(pathlib.Path(".").glob("PLANTED*")) and not list(folder.glob("PLANTED*")),
+          "a part of the folder's name was run as a command")
     called = (folder / "called").read_text().split()
     check("near" in called and "lost" in called, f"hosts called: {called}")
     for path, when in kept.items():
         check(path.stat().st_mtime_ns == when, f"{path} was made again")
-    parts = sorted(path.name for path in (folder / "many/parts").iterdir())
+    parts = sorted(path.name for path in (many / "parts").iterdir())
     check(parts == [str(i) for i in range(1, 7)], f"parts are {parts}")
 
     again = kaz(environment, *words)

@@ -56,7 +56,9 @@ def run(slurm, folder):
     begun_at = time.monotonic()
 
     # Ctrl-C ends the waiting and not the tasks; the same command waits again.
-    words = [*COMMAND, "--slurm", str(TASKS), "--out", str(folder / "array")]
+    # In the name of an output file, %j is a symbol of Slurm's.
+    array = folder / "array 100%j"
+    words = [*COMMAND, "--slurm", str(TASKS), "--out", str(array)]
     waiting = begun(slurm, words)
     first = waiting.stdout.readline()
     check("job " in first, f"the job has no number: {first} {waiting.stderr.read() if not first else str()}")
@@ -81,15 +83,15 @@ def run(slurm, folder):
     out, said = waiting.communicate(timeout=20000 if LONG else 400)
     check(waiting.returncode == 0, f"on Slurm: {waiting.returncode}: {out} {said}")
     print(f"alone {alone_s:.1f} s, on two nodes {time.monotonic() - begun_at:.1f} s", flush=True)
-    same_result(folder / "alone", folder / "array")
-    parts = sorted(path.name for path in (folder / "array/parts").iterdir() if "." not in path.name)
+    same_result(folder / "alone", array)
+    parts = sorted(path.name for path in (array / "parts").iterdir() if "." not in path.name)
     check(parts == sorted(str(i) for i in range(1, TASKS + 1)), f"parts are {parts}")
+    check(list((array / "slurm").glob("*_1.out")), f"no output of task 1 in {array}/slurm")
 
     # All is there: the same command only merges. Another one is refused.
     again = kaz(slurm.environment, *words)
     check(again.returncode == 0 and "job " not in again.stdout, f"again: {again.stdout} {again.stderr}")
-    other = kaz(slurm.environment, *COMMAND, "--seed", "9", "--slurm", str(TASKS), "--out",
-                str(folder / "array"))
+    other = kaz(slurm.environment, *COMMAND, "--seed", "9", "--slurm", str(TASKS), "--out", str(array))
     check(other.returncode == 2 and "another evaluation" in other.stderr, f"other options: {other.stderr}")
 
     # What sbatch refuses, and tasks that end without a result.

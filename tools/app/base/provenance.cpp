@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/shell_word.hpp"
 #include "tools/app/base/version.h"
 
 namespace kaz::tools {
@@ -46,15 +47,6 @@ std::string cpu_model(const utsname& system) {
 }
 
 }  // namespace
-
-std::string shell_word(const std::string& word) {
-  constexpr std::string_view plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
-  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
 
 void set_command_line(int argc, const char* const* argv) {
   words().assign(argv + (argc > 0 ? 1 : 0), argv + argc);

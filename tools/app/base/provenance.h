@@ -16,8 +16,6 @@ namespace kaz::tools {
 void set_command_line(int argc, const char* const* argv);
 // Its words, without the program.
 const std::vector<std::string>& command_words();
-// As a shell reads it back: quoted if it has to be.
-std::string shell_word(const std::string& word);
 
 // The date is that of the call.
 hil::Provenance provenance();

@@ -18,6 +18,7 @@
 #include <set>
 
 #include "host/behavior/plugin.h"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
 #include "tools/app/base/interrupt_signals.h"
@@ -332,8 +333,8 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   for (const auto& [key, value] : campaign.items()) {
     if (there.contains(key) && there[key] == value) continue;
     return fail(Fault::usage, "'" + folder.folder() + "' holds another evaluation (its " + key +
-                                  " is " + (there.contains(key) ? there[key].dump() : "missing") +
-                                  ", here " + value.dump() + "): choose another --out");
+                                  " is " + (there.contains(key) ? json_sample(there[key]) : "missing") +
+                                  ", here " + json_sample(value) + "): choose another --out");
   }
   return fail(Fault::usage,
               "'" + folder.folder() + "' holds another evaluation: choose another --out");
@@ -449,7 +450,7 @@ Result<bool> run_campaign(const CampaignOptions& options) {
                                   std::to_string(options.shards) + " has none of the " +
                                   std::to_string(options.episodes) +
                                   " episodes; give more --episodes or fewer parts");
-  const auto folder = KAZ_TRY(OutputFolder::open(options.out, campaign_output()));
+  const auto folder = KAZ_TRY(open_campaign(options.out));
   const Json campaign = campaign_json(options);
   KAZ_TRY(folder.explained(claim(folder, campaign)));
   auto episodes = KAZ_TRY(read_episodes(folder.folder()));
@@ -481,11 +482,16 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   return tl::unexpected(lost_error(runner.lost(), missing.size()));
 }
 
-Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
-                             bool json) {
+namespace {
+
+struct Merge {
   Json campaign;
-  Episodes all;
+  Episodes episodes;
   std::vector<Part> parts;
+};
+
+Result<Merge> read_parts(const std::vector<std::string>& folders) {
+  Merge merge;
   std::set<fs::path> read;
   for (const std::string& folder : folders) {
     std::error_code none;
@@ -495,14 +501,14 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
       return fail(Fault::usage,
                   "'" + folder + "' is no folder of kaz evaluate: it has no campaign.json");
     const auto other = KAZ_TRY(read_json(folder + "/campaign.json", parse_campaign));
-    if (campaign.is_null()) campaign = other;
-    if (campaign != other)
+    if (merge.campaign.is_null()) merge.campaign = other;
+    if (merge.campaign != other)
       return fail(Fault::usage, "'" + folder + "' and '" + folders.front() +
                                     "' are of different campaigns: parts differ by --shard alone");
     auto episodes = KAZ_TRY(read_episodes(folder));
-    parts.push_back(KAZ_TRY(read_part(folder, episodes)));
+    merge.parts.push_back(KAZ_TRY(read_part(folder, episodes)));
     for (auto& [number, episode] : episodes) {
-      const auto [at, added] = all.emplace(number, episode);
+      const auto [at, added] = merge.episodes.emplace(number, episode);
       Json one = at->second, two = episode;
       one.erase("rtf");
       two.erase("rtf");
@@ -512,27 +518,50 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
                                        "' than in a folder before it: were the programs the same?");
     }
   }
-  if (all.empty()) return fail(Fault::usage, "the folders hold no episode");
-  KAZ_TRY(check_one_plan(parts));
+  if (merge.episodes.empty()) return fail(Fault::usage, "the folders hold no episode");
+  KAZ_TRY(check_one_plan(merge.parts));
+  return merge;
+}
+
+Result<bool> write_merge(const Merge& merge, const std::vector<std::string>& folders,
+                         const OutputFolder& folder, bool json) {
+  KAZ_TRY(folder.explained(claim(folder, merge.campaign)));
+  KAZ_TRY(refuse_others(folder, merge.episodes));
+  KAZ_TRY(remove_summary(folder));
+  for (const auto& [number, episode] : merge.episodes) {
+    KAZ_TRY(folder.explained(write_json(folder.path(episode_file(number)), episode)));
+  }
+  for (const std::string& from : folders)
+    KAZ_TRY(folder.explained(copy_files(from + "/failures", folder.path("failures"))));
+  const Shortage shortage = find_shortage(merge.parts);
+  const auto any = KAZ_TRY(folder.explained(summarize(merge.campaign, merge.episodes, shortage.lost,
+                                                      folder, json, shortage.extent)));
+  if (!shortage.sentence.empty()) return fail(Fault::environment, shortage.sentence);
+  return any;
+}
+
+}  // namespace
+
+Result<OutputFolder> open_campaign(const std::string& out) {
+  return OutputFolder::open(out, campaign_output());
+}
+
+Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
+                             bool json) {
+  const auto merge = KAZ_TRY(read_parts(folders));
   for (const std::string& from : folders) {
     if (std::error_code none; fs::equivalent(from, out, none))
       return fail(Fault::usage,
                   "--out: '" + out + "' is one of the folders to merge; give another one");
   }
-  const auto folder = KAZ_TRY(OutputFolder::open(out, campaign_output()));
-  KAZ_TRY(folder.explained(claim(folder, campaign)));
-  KAZ_TRY(refuse_others(folder, all));
-  KAZ_TRY(remove_summary(folder));
-  for (const auto& [number, episode] : all) {
-    KAZ_TRY(folder.explained(write_json(folder.path(episode_file(number)), episode)));
-  }
-  for (const std::string& from : folders)
-    KAZ_TRY(folder.explained(copy_files(from + "/failures", folder.path("failures"))));
-  const Shortage shortage = find_shortage(parts);
-  const auto any = KAZ_TRY(
-      folder.explained(summarize(campaign, all, shortage.lost, folder, json, shortage.extent)));
-  if (!shortage.sentence.empty()) return fail(Fault::environment, shortage.sentence);
-  return any;
+  const auto folder = KAZ_TRY(open_campaign(out));
+  return write_merge(merge, folders, folder, json);
+}
+
+Result<bool> merge_campaigns(const std::vector<std::string>& folders, const OutputFolder& out,
+                             bool json) {
+  const auto merge = KAZ_TRY(read_parts(folders));
+  return write_merge(merge, folders, out, json);
 }
 
 }  // namespace kaz::tools

@@ -13,6 +13,7 @@
 
 #include "host/behavior/behavior.h"
 #include "shared/base/result.hpp"
+#include "tools/app/base/output_folder.h"
 #include "tools/app/evaluate/scenario.h"
 #include "tools/app/session/session.h"
 
@@ -53,5 +54,11 @@ Result<bool> run_campaign(const CampaignOptions& options);
 // summarized, marked as interrupted).
 Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
                              bool json);
+// The same into a folder of open_campaign(), which is not one of `folders`.
+Result<bool> merge_campaigns(const std::vector<std::string>& folders, const OutputFolder& out,
+                             bool json);
+
+// The results folder of an evaluation, locked. Errors: as of OutputFolder::open().
+Result<OutputFolder> open_campaign(const std::string& out);
 
 }  // namespace kaz::tools

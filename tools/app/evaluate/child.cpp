@@ -18,7 +18,7 @@ Result<Child> Child::begin(const std::vector<std::string>& arguments, const std:
 }
 
 Result<Child> Child::begin(const std::string& program, const std::vector<std::string>& arguments,
-                           const std::string& log) {
+                           const std::string& log, Lifetime lifetime) {
   const auto wrong = [&](const std::string& what) {
     return fail(Fault::environment, what + ": " + std::strerror(errno));
   };
@@ -33,7 +33,7 @@ Result<Child> Child::begin(const std::string& program, const std::vector<std::st
   if (pid == 0) {
     // Only what a child may do between fork and exec.
     ::setpgid(0, 0);  // Ctrl-C is the parent's
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (lifetime == Lifetime::of_parent) ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(127);
     for (const int number : {SIGINT, SIGTERM}) ::signal(number, SIG_DFL);
     const int nothing = ::open("/dev/null", O_RDONLY);
@@ -45,11 +45,11 @@ Result<Child> Child::begin(const std::string& program, const std::vector<std::st
   }
   ::close(out);
   if (pid < 0) return wrong("no process for " + (own ? "kaz " + arguments.front() : program));
-  return Child(pid);
+  return Child(pid, lifetime);
 }
 
 Child::~Child() {
-  if (pid_ < 0 || ended()) return;
+  if (pid_ < 0 || lifetime_ == Lifetime::own || ended()) return;
   ::kill(pid_, SIGKILL);
   ::waitpid(pid_, nullptr, 0);
 }

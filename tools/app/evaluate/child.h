@@ -14,15 +14,19 @@
 
 namespace kaz::tools {
 
-// Ends when its object goes, and when the process that began it is gone, however that ended.
+// In a process group of its own: a Ctrl-C in the terminal does not reach it.
 class Child {
  public:
+  // of_parent: it ends when its object goes, and when the process that began it is gone, however that ended.
+  // own: it ends by itself, also without that process.
+  enum class Lifetime { of_parent, own };
   // This very program with other arguments; what it prints goes into the file `log`.
   static Result<Child> begin(const std::vector<std::string>& arguments, const std::string& log);
   // A program of the PATH; its status is 127 where there is none.
   static Result<Child> begin(const std::string& program, const std::vector<std::string>& arguments,
-                             const std::string& log);
-  Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, -1)), status_(other.status_) {}
+                             const std::string& log, Lifetime lifetime = Lifetime::of_parent);
+  Child(Child&& other) noexcept
+      : pid_(std::exchange(other.pid_, -1)), lifetime_(other.lifetime_), status_(other.status_) {}
   Child& operator=(Child&&) = delete;
   ~Child();
 
@@ -32,8 +36,9 @@ class Child {
   void signal(int number);
 
  private:
-  explicit Child(pid_t pid) : pid_(pid) {}
+  Child(pid_t pid, Lifetime lifetime) : pid_(pid), lifetime_(lifetime) {}
   pid_t pid_;
+  Lifetime lifetime_;
   std::optional<int> status_;
 };
 

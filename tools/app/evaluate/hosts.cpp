@@ -10,6 +10,7 @@
 
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
+#include "shared/base/shell_word.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/evaluate/child.h"
@@ -39,6 +40,13 @@ std::string hosts_script(const std::string& program, const std::vector<std::stri
   return task_script({"", "$1", "$(hostname).$$"}, program, words, folder, tasks);
 }
 
+std::string hosts_commands(const std::string& script, const std::vector<int>& tasks) {
+  std::string commands;
+  for (const int task : tasks)
+    commands += "sh " + shell_word(script) + " " + std::to_string(task) + '\0';
+  return commands;
+}
+
 Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& hosts) {
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
@@ -52,6 +60,7 @@ Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& ho
                         ? hosts.tasks
                         : static_cast<int>(std::min<std::uint64_t>(kTasks, options.episodes));
   const std::string own = out + "/parallel";
+  const auto folder = KAZ_TRY(open_campaign(out));
   KAZ_TRY(write_task_script(out, "parallel", "task.sh",
                             hosts_script(program, task_words(hosts.words), out, tasks)));
 
@@ -60,15 +69,13 @@ Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& ho
   Progress progress("kaz evaluate", options.json);
   if (!missing.empty()) {
     remove_unfinished(out, tasks);
-    std::string numbers;
-    for (const int task : missing) numbers += std::to_string(task) + "\n";
-    KAZ_TRY(write_whole_file(own + "/tasks", numbers));
+    KAZ_TRY(write_whole_file(own + "/tasks", hosts_commands(own + "/task.sh", missing)));
     // Of each host's processors a task takes --jobs.
     const std::string share = std::to_string(std::max(1, 100 / options.jobs)) + "%";
     auto parallel = KAZ_TRY(Child::begin(
         "parallel",
         {"--will-cite", "--sshloginfile", file, "--jobs", share, "--retries", "3", "--joblog",
-         own + "/log", "sh", own + "/task.sh", "{}", "::::", own + "/tasks"},
+         own + "/log", "--null", "::::", own + "/tasks"},
         own + "/out"));
     while (!parallel.ended()) {
       if (!waiting.sleep_until(waiting.now() + kLook)) {
@@ -90,7 +97,7 @@ Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& ho
   if (!missing.empty())
     return fail(Fault::environment, task_list(missing) + " ended without a result: see " + own +
                                         "/out; the same command runs them again");
-  return merge_tasks(out, tasks, options.json);
+  return merge_tasks(folder, tasks, options.json);
 }
 
 }  // namespace kaz::tools

@@ -28,4 +28,8 @@ Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& ho
 std::string hosts_script(const std::string& program, const std::vector<std::string>& words,
                          const std::string& folder, int tasks);
 
+// Commands that run the script for these tasks, each followed by a NUL. As input of GNU parallel a command is
+// passed on as it is. In parallel's arguments, `{}` in the script's path would be replaced.
+std::string hosts_commands(const std::string& script, const std::vector<int>& tasks);
+
 }  // namespace kaz::tools

@@ -2,20 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/evaluate/slurm.h"
 
-#include <sys/wait.h>
-
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <sstream>
 
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
-#include "tools/app/base/provenance.h"
+#include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/tasks.h"
 
 namespace kaz::tools {
@@ -28,21 +26,31 @@ constexpr std::chrono::seconds kLook{2};
 // at once, but a controller that starts anew shows none for a moment.
 constexpr int kLooks = 3;
 
+constexpr std::chrono::seconds kAnswer{1}, kMostWait{600};  // for an answer of Slurm
+constexpr int kNoProgram = 127;  // Child's, as a shell's
+
 struct Ran {
   int status = 0;
   std::string output;  // of both streams
 };
 
-// By the shell.
-Ran run(const std::string& command) {
-  FILE* const pipe = popen((command + " 2>&1").c_str(), "r");
-  Ran ran;
-  if (pipe == nullptr) return {127, "no process could be started"};
-  std::array<char, 4096> some{};
-  while (const std::size_t count = std::fread(some.data(), 1, some.size(), pipe))
-    ran.output.append(some.data(), count);
-  const int status = pclose(pipe);
-  ran.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+// Runs a program of Slurm, which writes its output into the file `log` itself. Ctrl-C goes to kaz alone, and
+// `interrupt` ends the waiting; null: a program of Lifetime::own must not be cut off.
+Result<Ran> run(const std::string& program, const std::vector<std::string>& arguments,
+                const std::string& log, const host::Interrupt* interrupt) {
+  auto child = KAZ_TRY(Child::begin(
+      program, arguments, log, interrupt ? Child::Lifetime::of_parent : Child::Lifetime::own));
+  std::optional<int> status;
+  for (std::chrono::seconds waited{0}; !(status = child.wait(kAnswer)); waited += kAnswer) {
+    if (interrupt && interrupt->requested())
+      return fail(Fault::interrupted, "interrupted before " + program + " has answered");
+    if (waited >= kMostWait)
+      return fail(Fault::environment, program + ": no answer for " +
+                                          std::to_string(waited.count()) +
+                                          " s; check that Slurm is up");
+  }
+  const auto output = KAZ_TRY(read_whole_file(log, 1 << 20));
+  Ran ran{*status, output};
   while (ran.output.ends_with('\n')) ran.output.pop_back();
   return ran;
 }
@@ -51,40 +59,57 @@ std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
-// The number of the job that an earlier call has submitted; empty: none.
+// The number of a job in what `sbatch --parsable` printed: a line NUMBER or NUMBER;CLUSTER, perhaps among
+// warnings. Empty if there is none.
+std::string job_in(const std::string& output) {
+  std::istringstream lines(output);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string number = line.substr(0, line.find(';'));
+    if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos)
+      return number;
+  }
+  return "";
+}
+
+// sbatch writes this file itself: the job's number is there even if kaz is killed during the submission.
+std::string job_file(const std::string& out) {
+  return out + "/slurm/job";
+}
+
+// The job that an earlier call has submitted. Empty if there is none.
 std::string job_of(const std::string& out) {
-  const auto text = read_whole_file(out + "/slurm/job", 100);
-  if (!text || text->find_first_not_of("0123456789\n") != std::string::npos) return "";
-  return first_line(*text);
+  return job_in(read_whole_file(job_file(out), 1 << 20).value_or(""));
 }
 
 // Whether the job has tasks that wait or run. Errors: Slurm does not answer.
-Result<bool> is_under_way(const std::string& job) {
+Result<bool> is_under_way(const std::string& out, const std::string& job,
+                          const host::Interrupt& interrupt) {
   if (job.empty()) return false;
-  const Ran ran = run("squeue --noheader --jobs " + job + " --format %T");
+  const auto ran = KAZ_TRY(run("squeue", {"--noheader", "--jobs", job, "--format", "%T"},
+                               out + "/slurm/squeue.out", &interrupt));
   if (ran.status == 0) return !ran.output.empty();
-  // So it says of a job that it has forgotten.
+  // Slurm's message for a job that it has forgotten.
   if (ran.output.find("Invalid job id") != std::string::npos) return false;
   return fail(Fault::environment, "squeue: " + first_line(ran.output));
 }
 
 Result<std::string> submit(const std::string& out, const SlurmOptions& slurm,
                            const std::vector<int>& tasks) {
-  std::string command = "sbatch --parsable --requeue --array=" + array_text(tasks) +
-                        " --output=" + shell_word(out + "/slurm/%A_%a.out") + " --job-name=kaz";
-  for (const std::string& option : slurm.submit) command += " " + shell_word(option);
-  const Ran ran = run(command + " " + shell_word(out + "/slurm/job.sh"));
-  if (ran.status == 127)
+  std::vector<std::string> arguments{
+      "--parsable", "--requeue", "--array=" + array_text(tasks),
+      "--output=" + slurm_pattern(out + "/slurm/") + "%A_%a.out", "--job-name=kaz"};
+  arguments.insert(arguments.end(), slurm.submit.begin(), slurm.submit.end());
+  arguments.push_back(out + "/slurm/job.sh");
+  const auto ran = KAZ_TRY(run("sbatch", arguments, job_file(out), nullptr));
+  if (ran.status == kNoProgram)
     return fail(Fault::environment,
                 "--slurm needs the command sbatch, on a machine that submits to a cluster "
                 "(Debian: slurm-client)");
-  std::string job = first_line(ran.output);
-  job = job.substr(0, job.find(';'));  // behind it may stand the cluster's name
-  if (ran.status != 0 || job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
+  std::string job = job_in(ran.output);
+  if (ran.status != 0 || job.empty())
     return fail(Fault::environment, "sbatch refused the job: " + first_line(ran.output) +
                                         " (options for it: --sbatch; its script: " + out +
                                         "/slurm/job.sh)");
-  KAZ_TRY(write_whole_file(out + "/slurm/job", job + "\n"));
   return job;
 }
 
@@ -97,19 +122,31 @@ std::string slurm_script(const std::string& program, const std::vector<std::stri
   return task_script(by, program, words, folder, tasks);
 }
 
+// Slurm's documentation: %% is a percent sign, and a backslash switches off all symbols.
+std::string slurm_pattern(const std::string& path) {
+  std::string pattern;
+  for (const char c : path) pattern += c == '%' ? std::string("%%") : std::string(1, c);
+  return pattern;
+}
+
 Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& slurm) {
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   std::error_code wrong;
   const std::string out = fs::absolute(options.out, wrong).lexically_normal().string();
+  if (out.find('\\') != std::string::npos)
+    return fail(Fault::usage, "--out: '" + out +
+                                  "' has a backslash, with which Slurm names no output file: "
+                                  "choose another folder");
   const std::string program = fs::read_symlink("/proc/self/exe", wrong).string();
+  const auto folder = KAZ_TRY(open_campaign(out));
   const std::string script =
       slurm_script(program, task_words(slurm.words), out, slurm.tasks, options.jobs);
   KAZ_TRY(write_task_script(out, "slurm", "job.sh", script));
 
   std::string job = job_of(out);
   std::vector<int> missing = without_part(out, slurm.tasks);
-  if (!missing.empty() && !KAZ_TRY(is_under_way(job))) {
+  if (!missing.empty() && !KAZ_TRY(is_under_way(out, job, interrupt))) {
     remove_unfinished(out, slurm.tasks);
     job = KAZ_TRY(submit(out, slurm, missing));
     if (!options.json)
@@ -133,7 +170,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
                                           " goes on: the same command waits for it, `scancel " +
                                           job + "` ends it");
     }
-    const auto under_way = is_under_way(job);
+    const auto under_way = is_under_way(out, job, interrupt);
     missing = without_part(out, slurm.tasks);
     if (missing.empty()) break;
     gone = under_way && !*under_way ? gone + 1 : 0;
@@ -154,7 +191,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
                                         ".out; the same command submits them again");
   }
   progress.done();
-  return merge_tasks(out, slurm.tasks, options.json);
+  return merge_tasks(folder, slurm.tasks, options.json);
 }
 
 }  // namespace kaz::tools

@@ -30,4 +30,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
 std::string slurm_script(const std::string& program, const std::vector<std::string>& words,
                          const std::string& folder, int tasks, int jobs);
 
+// A path without backslash as part of Slurm's name of an output file, in which `%` begins a symbol.
+std::string slurm_pattern(const std::string& path);
+
 }  // namespace kaz::tools

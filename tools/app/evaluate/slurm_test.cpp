@@ -31,6 +31,18 @@ TEST(Slurm, AnArrayNamesItsTasksByRanges) {
   EXPECT_EQ(array_text({1, 3, 5, 6}), "1,3,5-6");
 }
 
+TEST(Slurm, AnOutputFilesNameHasNoSymbolOfTheFoldersName) {
+  EXPECT_EQ(slurm_pattern("/runs/100%j/%%/"), "/runs/100%%j/%%%%/");
+}
+
+// Neither shell nor parallel may find anything in the folder's name. In a file it ends with a NUL.
+TEST(Hosts, ACommandIsOneShellWordForTheScript) {
+  EXPECT_EQ(hosts_commands("/a b;touch X;'{}/task.sh", {1, 12}),
+            std::string("sh '/a b;touch X;'\\''{}/task.sh' 1\0"
+                        "sh '/a b;touch X;'\\''{}/task.sh' 12\0",
+                        71));
+}
+
 // A folder with a program in place of kaz, and the script that runs it.
 class SlurmScript : public testing::Test {
  protected:
@@ -99,6 +111,22 @@ TEST_F(SlurmScript, OfTwoThatRunAtTheSameTimeOneLeavesAPart) {
   EXPECT_EQ(read("runs"), "x\nx\n");
   EXPECT_EQ(folders(), 1u);
   EXPECT_TRUE(fs::exists(folder_ + "/parts/1/result.json"));
+}
+
+// Only folders that a task of this evaluation makes are removed, whatever else is in DIR/parts.
+TEST_F(SlurmScript, OfTheUnfinishedOnlyWorkFoldersAreRemoved) {
+  write("kaz program", "#!/bin/sh\nfor out; do :; done\nmkdir -p \"$out\"\nexit 3\n");
+  fs::permissions(folder_ + "/kaz program", fs::perms::owner_all);
+  EXPECT_NE(task(2), 0);
+  EXPECT_EQ(folders(), 1u);
+  const Words others{"readme.txt", "my.notes", "1",        "1.backup",    "1.2024",   "01.work.5",
+                     "4.work.5",   "0.work.5", ".work.5",  "-1.work.5.6", "1.work.",  "+2.work.7",
+                     "1x.work.5",  "1.workx",  "12.work.1"};
+  for (const auto& name : others) fs::create_directories(folder_ + "/parts/" + name);
+  write("parts/3.work.5", "a file, no folder");
+  fs::create_directory_symlink(folder_ + "/parts/1", folder_ + "/parts/3.work.6");
+  remove_unfinished(folder_, 3);
+  EXPECT_EQ(folders(), others.size() + 2);
 }
 
 TEST_F(SlurmScript, NoEpisodeThatSucceededIsAResultAndATroubleIsNone) {

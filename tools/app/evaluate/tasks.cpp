@@ -2,17 +2,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/evaluate/tasks.h"
 
-#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <set>
+#include <utility>
 
 #include "shared/base/files.hpp"
-#include "tools/app/base/provenance.h"
+#include "shared/base/shell_word.hpp"
 #include "tools/app/evaluate/campaign.h"
 
 namespace kaz::tools {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// A task works in DIR/parts/N.work.UNIQUE.
+constexpr const char* kWork = ".work.";
+
+bool is_work_folder(const std::string& name, int tasks) {
+  const std::size_t at = name.find(kWork);
+  if (at == std::string::npos || name.size() == at + std::strlen(kWork)) return false;
+  const std::string task = name.substr(0, at), last = std::to_string(tasks);
+  return !task.empty() && task[0] != '0' &&
+         task.find_first_not_of("0123456789") == std::string::npos &&
+         std::pair(task.size(), task) <= std::pair(last.size(), last);
+}
+
+}  // namespace
 
 std::vector<std::string> task_words(const std::vector<std::string>& words) {
   static const std::set<std::string, std::less<>> kWithValue{
@@ -40,8 +57,8 @@ std::string task_script(const TaskScript& by, const std::string& program,
          by.head + "task=" + by.number + "\npart=" + shell_word(folder + "/parts") +
          "/$task\n"
          "if [ -e \"$part/result.json\" ]; then exit 0; fi\n"
-         "work=$part." +
-         by.unique + "\n" + command + " --shard \"$task/" + std::to_string(tasks) +
+         "work=$part" +
+         kWork + by.unique + "\n" + command + " --shard \"$task/" + std::to_string(tasks) +
          "\" --out \"$work\"\n"
          "status=$?\n"
          "# 1: not one episode succeeded, which is a result, too.\n"
@@ -79,16 +96,18 @@ std::vector<int> without_part(const std::string& out, int tasks) {
 
 void remove_unfinished(const std::string& out, int tasks) {
   std::error_code none;
+  std::vector<fs::path> unfinished;
   for (const auto& entry : fs::directory_iterator(out + "/parts", none)) {
-    const std::string name = entry.path().filename().string();
-    if (name.find('.') != std::string::npos && std::atoi(name.c_str()) <= tasks)
-      fs::remove_all(entry.path(), none);
+    if (entry.symlink_status(none).type() == fs::file_type::directory &&
+        is_work_folder(entry.path().filename().string(), tasks))
+      unfinished.push_back(entry.path());
   }
+  for (const fs::path& folder : unfinished) fs::remove_all(folder, none);
 }
 
-Result<bool> merge_tasks(const std::string& out, int tasks, bool json) {
+Result<bool> merge_tasks(const OutputFolder& out, int tasks, bool json) {
   std::vector<std::string> parts;
-  for (int task = 1; task <= tasks; ++task) parts.push_back(part_folder(out, task));
+  for (int task = 1; task <= tasks; ++task) parts.push_back(part_folder(out.folder(), task));
   return merge_campaigns(parts, out, json);
 }
 

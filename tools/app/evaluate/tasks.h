@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "tools/app/base/output_folder.h"
 
 namespace kaz::tools {
 
@@ -33,9 +34,10 @@ Result<void> write_task_script(const std::string& out, const std::string& name,
 
 std::string part_folder(const std::string& out, int task);
 std::vector<int> without_part(const std::string& out, int tasks);
-// Removes what is left of tasks that were killed. One that still runs has a folder, too: only when none does.
+// Removes the work folders that killed tasks left, DIR/parts/N.work.UNIQUE, and nothing else. A running task
+// has such a folder too: call it only while DIR is locked (open_campaign) and no task runs.
 void remove_unfinished(const std::string& out, int tasks);
-Result<bool> merge_tasks(const std::string& out, int tasks, bool json);
+Result<bool> merge_tasks(const OutputFolder& out, int tasks, bool json);
 
 // "1-3,7" of 1, 2, 3, 7.
 std::string array_text(const std::vector<int>& tasks);
