@@ -213,17 +213,5 @@ TEST(Snapshot, RefusesEachOtherOption) {
   EXPECT_TRUE(make(same)->restore(blob));
 }
 
-TEST(Snapshot, GoesThroughAFile) {
-  const TestFolder folder;
-  const Bytes blob = Snapshot::pack({{"a", "1"}}, Bytes{1, 2, 3});
-  ASSERT_TRUE(Snapshot::write(folder.file("s"), blob));
-  const auto read = Snapshot::read(folder.file("s"));
-  ASSERT_TRUE(read);
-  const auto state = Snapshot::unpack(*read, {{"a", "1"}});
-  ASSERT_TRUE(state) << state.error().message;
-  EXPECT_EQ(Bytes(state->begin(), state->end()), (Bytes{1, 2, 3}));
-  EXPECT_FALSE(Snapshot::read(folder.file("none")));
-}
-
 }  // namespace
 }  // namespace kaz::sim

@@ -3,13 +3,8 @@
 #include "sim/runtime/simulation/snapshot.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "shared/base/archive.hpp"
-#include "shared/base/files.hpp"
 #include "sim/runtime/formats/sha256.h"
 
 namespace kaz::sim {
@@ -73,22 +68,6 @@ Result<std::span<const std::uint8_t>> Snapshot::unpack(std::span<const std::uint
                       shown(value) + "; use the same options");
   }
   return body.last(from.left());
-}
-
-Result<void> Snapshot::write(const std::string& path, std::span<const std::uint8_t> blob) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(blob.data()), static_cast<std::streamsize>(blob.size()));
-  file.close();
-  if (!file)
-    return fail(Fault::environment, "cannot write the saved state " + path + ": " +
-                                        std::strerror(errno) + "; choose another folder");
-  return {};
-}
-
-Result<std::vector<std::uint8_t>> Snapshot::read(const std::string& path) {
-  constexpr std::size_t max_bytes = 256 << 20;
-  const auto bytes = KAZ_TRY(read_whole_file(path, max_bytes, "give a saved state"));
-  return std::vector<std::uint8_t>(bytes.begin(), bytes.end());
 }
 
 }  // namespace kaz::sim

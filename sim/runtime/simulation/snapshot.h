@@ -25,10 +25,6 @@ class Snapshot {
   // version, options that differ from `facts` (named).
   static Result<std::span<const std::uint8_t>> unpack(std::span<const std::uint8_t> blob,
                                                       const Facts& facts);
-
-  // Errors name the file.
-  static Result<void> write(const std::string& path, std::span<const std::uint8_t> blob);
-  static Result<std::vector<std::uint8_t>> read(const std::string& path);
 };
 
 }  // namespace kaz::sim
