@@ -6,16 +6,23 @@
 // StateWriter appends the members, StateReader fills them. Numbers are little-endian, in the size of
 // their type; containers begin with their length. A reader never reads beyond its bytes: it fails, and
 // sets what is missing to zero.
+//
+// Bytes may be damaged or hostile, and a check sum is no signature. So what is read is in range, or refused:
+// enumerations by last_value(), floating-point numbers and times by the limits below, lengths by the bytes
+// that are there. Whatever else a class uses as an index, a length, a shift or a divisor it checks in
+// transfer(), by require(). After a refusal members may have any value: their owner puts them back.
 #ifndef KAZ_SHARED_BASE_ARCHIVE_HPP
 #define KAZ_SHARED_BASE_ARCHIVE_HPP
 
 #include <array>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,6 +59,25 @@ template <class R, class P>
 inline constexpr bool is_duration<std::chrono::duration<R, P>> = true;
 }  // namespace archive_detail
 
+// No state has larger magnitudes: products of such numbers are finite, and differences of times fit 64 bits.
+inline constexpr double kMaxArchived = 1e15;
+inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;  // 9 years in ns, 495 in states
+
+// Times and counters. The two others stand for "never".
+constexpr bool is_archivable(std::int64_t number) {
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  return number == kMax || number == kMax / 2 ||
+         (number >= -kMaxArchivedTime && number <= kMaxArchivedTime);
+}
+
+// The last enumerator of an enumeration whose first one is 0, found by its argument:
+//   enum class Regime { held, forward, backward };
+//   constexpr Regime last_value(Regime) { return Regime::backward; }   // in a class: friend constexpr
+template <class E>
+concept BoundedEnum = requires(E e) {
+  { last_value(e) } -> std::same_as<E>;
+};
+
 // Common to writer and reader. Derived defines number(), plain() and `reading`.
 template <class Derived>
 class StateArchive {
@@ -67,6 +93,11 @@ class StateArchive {
   void refuse(std::string why) {
     if (good()) error_ = std::move(why);
   }
+  // A writer checks as well: a state that could not be read back is not written.
+  bool require(bool fits, const char* what) {
+    if (!fits) refuse_range(what);
+    return good();
+  }
 
  protected:
   template <class T>
@@ -76,9 +107,11 @@ class StateArchive {
     if constexpr (requires { value.transfer(self); }) {
       value.transfer(self);
     } else if constexpr (std::is_enum_v<T>) {
+      static_assert(BoundedEnum<T>, "this enumeration has no last_value()");
       auto number = static_cast<std::underlying_type_t<T>>(value);
       one(number);
-      value = static_cast<T>(number);
+      const auto last = static_cast<std::underlying_type_t<T>>(last_value(value));
+      if (require(number >= 0 && number <= last, "enumeration")) value = static_cast<T>(number);
     } else if constexpr (std::same_as<T, bool>) {
       std::uint8_t number = value ? 1 : 0;
       self.number(number);
@@ -87,10 +120,12 @@ class StateArchive {
       auto number = static_cast<std::make_unsigned_t<T>>(value);
       self.number(number);
       value = static_cast<T>(number);
+      if constexpr (std::is_signed_v<T> && sizeof(T) == 8) require(is_archivable(value), "number");
     } else if constexpr (std::same_as<T, double>) {
       auto number = std::bit_cast<std::uint64_t>(value);
       self.number(number);
       value = std::bit_cast<double>(number);
+      require(std::abs(value) <= kMaxArchived, "number");
     } else if constexpr (is_duration<T>) {
       auto count = value.count();
       one(count);
@@ -117,13 +152,22 @@ class StateArchive {
       if constexpr (Derived::reading) {
         if (!self.holds(size)) return;
         value.clear();
-        value.resize(static_cast<std::size_t>(size));
+        // One by one: `size` elements take more memory than bytes, and may not be there.
+        for (; size > 0 && good(); --size) {
+          value.push_back({});
+          one(value.back());
+        }
+      } else {
+        for (auto& item : value) one(item);
       }
-      for (auto& item : value) one(item);
     }
   }
 
  private:
+  // Not inline: it is rare, and called for each number.
+  [[gnu::noinline]] void refuse_range(const char* what) {
+    if (good()) error_.append("its ").append(what).append(" is out of range");
+  }
   std::string error_;
 };
 

@@ -49,6 +49,13 @@ const Kind& kind_of(Name name) {
   return table[static_cast<std::size_t>(name)];
 }
 
+bool Fault::is_possible() const {
+  const Kind& kind = kind_of(name);
+  const bool has_joint = joint >= 0 && joint < KZ_JOINTS;
+  return has_joint == (kind.target == Target::joint) && joint >= -1 && value >= kind.low &&
+         value <= kind.high;
+}
+
 std::optional<std::string_view> Schedule::only_simulated() const {
   for (const Fault& fault : faults_) {
     if (kind_of(fault.name).where == Where::simulation) return kind_of(fault.name).name;

@@ -29,9 +29,20 @@ enum class Name {
 #include "shared/faults/faults.def"
 };
 
+constexpr Name last_value(Name) {
+  constexpr int count = 0
+#define KZ_FAULT(name, target, parameter, unit, low, high, initial, where, text) +1
+#include "shared/faults/faults.def"
+      ;
+  return static_cast<Name>(count - 1);
+}
+
 enum class Target { line, joint, board };
 enum class Where { simulation, everywhere };
 enum class Way { both, to_board, to_host };  // direction of a link fault
+constexpr Way last_value(Way) {
+  return Way::to_host;
+}
 
 struct Kind {
   Name id;
@@ -57,10 +68,13 @@ struct Fault {
   double value = 0;     // in the unit of its kind
   bool operator==(const Fault&) const = default;
 
+  // Whether joint and value are in the range of its kind.
+  bool is_possible() const;
   bool active(Time t) const { return t >= at && (length == kForEver || t - at < length); }
   template <class A>
   void transfer(A& a) {
     a(name, at, length, joint, way, value);
+    a.require(is_possible(), "fault");
   }
 };
 

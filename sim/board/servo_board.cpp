@@ -23,6 +23,8 @@ constexpr Wiring wiring[KZ_JOINTS] = {
 #undef KZ_JOINT
 };
 
+constexpr States kMaxInterval = States{1} << 40;  // between two calls of take_drives(): 16 hours
+
 // The joint whose potentiometer is at an input of a multiplexer; -1: none.
 constexpr std::array<int, KZ_ANALOG> joints_by_input() {
   std::array<int, KZ_ANALOG> table{};
@@ -114,6 +116,16 @@ void ServoBoard::transfer(A& a) {
     supply_change_, motor_current_, heated_to_, heat_, pins_, integrated_from_, integrated_to_,
     enabled_states_, duty_states_);
   if (imu_) a(*imu_);
+  a.require(now_ >= 0 && heated_to_ >= 0 && heated_to_ <= now_ && integrated_from_ <= integrated_to_ &&
+                now_ - integrated_from_ <= kMaxInterval && integrated_to_ - now_ <= kMaxInterval &&
+                enabled_states_ >= 0 && enabled_states_ <= kMaxInterval &&
+                std::ranges::all_of(duty_states_,
+                                    [](std::int64_t sum) {
+                                      return sum >= -256 * kMaxInterval && sum <= 256 * kMaxInterval;
+                                    }) &&
+                off_time_ >= 0 && off_time_ <= now_ &&
+                (!power_ || std::abs(mcu_->now() + off_time_ - now_) <= KZ_STATES_PER_TICK),
+            "time of the board");
 }
 
 void ServoBoard::save(StateWriter& to) {
@@ -194,7 +206,7 @@ double ServoBoard::analog(int channel, const PinLevels& levels, States at) const
     const auto tick = static_cast<std::uint64_t>(at / KZ_STATES_PER_TICK);
     ratio += sigma / KZ_POT_CODES * keyed_normal(options_.seed, tick, input);
   }
-  return std::clamp(ratio, 0.0, 1.0);
+  return ratio > 0 ? std::min(ratio, 1.0) : 0.0;  // also where it is no number
 }
 
 void ServoBoard::pins_changed(States at, const PinLevels& levels) {

@@ -16,6 +16,7 @@ namespace {
 constexpr PinLevels pulled{};
 
 constexpr std::uint32_t memory_at = 0x400;  // EB1
+constexpr States kMaxTime = States{1} << 50;  // of a saved state: two years
 
 std::uint8_t level_of(h8s::PortOutput out, std::uint8_t pull) {
   return static_cast<std::uint8_t>((out.level & out.driven) | (pull & ~out.driven));
@@ -143,6 +144,13 @@ void H8Mcu::restore(StateReader& from) {
   wiring_error_.reset();
   from(base_, transmitted_, pins_, hung_, hung_at_);
   chip_.read_state(from);
+  from.require(base_ >= 0 && base_ <= kMaxTime && hung_at_ >= 0 && hung_at_ <= kMaxTime, "time");
+  if (from.good()) return;
+  base_ = 0;
+  hung_ = false;
+  transmitted_.clear();
+  chip_.power_on();
+  read_all_pins();
 }
 
 namespace {

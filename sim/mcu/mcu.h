@@ -5,6 +5,7 @@
 // runs the same C compiled for the PC.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -34,6 +35,8 @@ struct PinLevels {
   template <class A>
   void transfer(A& a) {
     a(pw, tmo, p3, p4, p5, p6);
+    const auto fits = [](std::uint16_t counts) { return counts <= 256; };
+    a.require(std::ranges::all_of(pw, fits) && std::ranges::all_of(tmo, fits), "pin");
   }
 };
 
@@ -45,6 +48,7 @@ struct SerialByte {
   template <class A>
   void transfer(A& a) {
     a(value, at, framing_error, bit_states);
+    a.require(bit_states > 0, "bit time");
   }
 };
 
@@ -113,7 +117,8 @@ class Mcu {
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 
   // The chip's whole state; listeners and the analog source are kept. The archive fails if the engine does
-  // not support it.
+  // not support it, or if the bytes are those of no state; the native board is then as before, the other one
+  // has been powered on, with undefined flash.
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 

@@ -49,6 +49,7 @@ constexpr std::size_t receive_max =
     48;  // bytes waiting beyond it: the oldest may be lost (firmware/serial.c)
 constexpr int scan_settings = 7;  // a supply's input, then 0..5
 constexpr States never = std::numeric_limits<States>::max() / 2;
+constexpr States max_time = States{1} << 50;  // of a saved state: two years
 
 class NativeMcu final : public Mcu {
  public:
@@ -109,7 +110,12 @@ class NativeMcu final : public Mcu {
   }
 
   void save(StateWriter& to) override { transfer(to); }
-  void restore(StateReader& from) override { transfer(from); }
+  // As it was if `from` is refused.
+  void restore(StateReader& from) override {
+    const NativeMcu before = *this;
+    transfer(from);
+    if (!from.good()) *this = before;
+  }
 
   std::vector<SerialByte> take_transmitted() override {
     std::vector<SerialByte> left;
@@ -130,10 +136,22 @@ class NativeMcu final : public Mcu {
     a.plain(servo_);
     a.plain(input_);
     a.plain(output_);
+    // The first tick makes a servo.
+    a.require((!started_ || is_possible(servo_)) && is_possible(output_) && action_ <= KZ_ACTION_LOADER &&
+                  (supply_input_ | 1) == KZ_ANALOG_REFERENCE && scans_left_ >= 0 &&
+                  scans_left_ <= 2 && setting_ >= 0 &&
+                  setting_ < scan_settings + (scans_left_ == 0 ? 1 : 0),
+              "servo");
+    // What is due has been done, so that nothing has to be caught up with.
+    const auto is_due_later = [this](States at) { return at > now_ - KZ_STATES_PER_TICK; };
+    a.require(now_ >= 0 && now_ <= max_time && is_due_later(tick_at_) && is_due_later(act_at_) &&
+                  is_due_later(sample_time()) && requested_at_ >= 0 && requested_at_ <= now_,
+              "time");
   }
 
   // State between two ticks.
   enum class Phase : std::uint8_t { requested, restarting, writing, reading_back };
+  friend constexpr Phase last_value(Phase) { return Phase::reading_back; }
 
   // Reset or power-on; the start begins after `wait`.
   void start(u8 cause, States wait) {

@@ -14,6 +14,7 @@
 #include "shared/servo/servo.h"
 #include "shared/servo/store.h"
 #include "sim/mcu/mcu.h"
+#include "sim/mcu/native_state.h"
 
 namespace kaz::sim {
 
@@ -51,6 +52,9 @@ class NativeMemory {
     a(bytes_, pulses_, deaf_from_, over_at_, read_back_, wanted_, pulses_done_);
     a.plain(calibration_);
     a.plain(address_);
+    a.require(is_possible(calibration_, KZ_CALIBRATION_BLOCKS, KZ_CALIBRATION_PARTS) &&
+                  is_possible(address_, KZ_ADDRESS_BLOCKS, KZ_ADDRESS_PARTS),
+              "log in flash");
   }
 
  private:
@@ -62,6 +66,9 @@ class NativeMemory {
     template <class A>
     void transfer(A& a) {
       a(start, end, block, line, data);
+      a.require(start < end && block >= 0 && block < KZ_CALIBRATION_BLOCKS + KZ_ADDRESS_BLOCKS &&
+                    line >= -1 && line < KZ_STORE_LINES,
+                "write to flash");
     }
   };
 

@@ -89,6 +89,7 @@ class MotorStand final : public World {
     template <class A>
     void transfer(A& a) {
       a(clamped, guided, pressing, press_nm, goal_rad, guide_rad, pressed, next, count, pressed_at);
+      a.require(next < kScaleSteps && count <= kScaleSteps, "scale");
     }
   };
   void step_shaft(std::size_t joint, const MotorDrive& drive, double supply_volts);
@@ -96,6 +97,7 @@ class MotorStand final : public World {
   template <class A>
   void transfer(A& a) {
     a(steps_, current_, shafts_);
+    a.require(shafts_.size() == motors_.size(), "number of shafts");
     for (JointMotor& motor : motors_) a(motor);
     for (JointState& s : states_) a(s.angle, s.velocity, s.torque, s.current, s.winding_celsius);
   }

@@ -69,6 +69,7 @@ class JointMotor {
 
   // The state carried from step to step.
   enum class Regime { held, forward, backward };
+  friend constexpr Regime last_value(Regime) { return Regime::backward; }
   struct State {
     Regime regime = Regime::held;
     bool stopped = true;  // just stopped: the angle at which it is held is not set yet

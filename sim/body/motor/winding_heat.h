@@ -10,6 +10,7 @@
 // degrees Celsius.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -47,6 +48,8 @@ class WindingHeat {
   template <class A>
   void transfer(A& a) {
     a(winding_, case_);
+    // Below, the resistance of copper would come near zero.
+    a.require(std::min(winding_, case_) > -150 && std::max(winding_, case_) < 1e5, "temperature");
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/body/ode/ode_world.h"
+#include "sim/body/world/saved_pose.h"
 
 namespace kaz::sim {
 namespace {
@@ -26,6 +27,16 @@ struct BodyState {
   template <class A>
   void transfer(A& a) {
     a(at, q, r, linear, angular, awake);
+    const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
+    // Rows of four; the matrix follows from the quaternion.
+    using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+    const Eigen::Matrix3d matrix = Eigen::Map<const Rows>(r.data()).leftCols<3>();
+    a.require(is_saved_place(Eigen::Map<const Eigen::Vector3d>(at.data())) &&
+                  is_saved_motion(Eigen::Map<const Eigen::Vector3d>(linear.data())) &&
+                  is_saved_motion(Eigen::Map<const Eigen::Vector3d>(angular.data())) &&
+                  is_saved_turn(turn) &&
+                  (matrix - turn.toRotationMatrix()).cwiseAbs().maxCoeff() < 1e-6,
+              "pose of a body");
   }
 };
 

@@ -4,6 +4,7 @@
 
 #include "sim/body/description/rigid_link.h"
 #include "sim/body/world/body_sleep.h"
+#include "sim/body/world/saved_pose.h"
 
 namespace kaz::sim {
 
@@ -36,6 +37,9 @@ class FreeBody {
     for (int k = 0; k < 3; ++k) a(com[k], velocity[k], momentum_[k]);
     for (int k = 0; k < 4; ++k) a(turn_.coeffs()[k]);
     a(awake, left_s);
+    a.require(is_saved_place(com) && is_saved_motion(velocity) && is_saved_motion(momentum_) &&
+                  is_saved_turn(turn_),
+              "pose of a body");
     if constexpr (A::reading) place();
   }
 

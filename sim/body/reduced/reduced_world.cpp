@@ -319,7 +319,12 @@ void ReducedWorld::transfer(A& a) {
   for (double& velocity : velocity_before_) a(velocity);
   for (FreeBody& body : objects_) a(body);
   a(memory_, shear_);
+  const auto moves = [](double velocity) { return std::abs(velocity) < 1e7; };
+  a.require(is_saved_place(tree_.root_at) && is_saved_turn(tree_.root_turn) &&
+                std::ranges::all_of(tree_.angle, moves) && std::ranges::all_of(tree_.velocity, moves),
+            "pose of the robot");
   if constexpr (A::reading) {
+    if (!a.good()) return;
     tree_.place();
     tree_.velocities();
   }

@@ -96,7 +96,8 @@ class StagedWorld : public World {
     a(steps_, current_, hand_pushes_, diagnostics_.unconverged_steps, diagnostics_.max_residual,
       diagnostics_.first_s, diagnostics_.last_s, diagnostics_.drift);
     for (const HandPush& push : hand_pushes_) {
-      if (push.link >= robot_links_) return a.refuse("it pushes what is not there");
+      if (push.link >= robot_links_ || !bodies()[push.link].moves || (hung_ && push.link == 0))
+        return a.refuse("it pushes what is not there");
     }
     for (JointMotor& motor : motors_) a(motor);
     for (JointState& joint : joint_states_) {

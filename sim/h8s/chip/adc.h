@@ -49,6 +49,7 @@ class Adc {
   template <class A>
   void transfer(A& a) {
     a(adcsr_, adcr_, kbcomp_, temp_, adf_, data_, channel_, sampled_, held_, next_, end_);
+    a.require(channel_ < 8, "converter's channel");
   }
 
  private:

@@ -76,6 +76,14 @@ void BootRom::enter(Machine& m, States at) {
   (void)at;
 }
 
+bool BootRom::is_possible() const {
+  const bool loads = step_ != Step::load ||
+                     (stored_ < expected_ && expected_ <= kBlock + kRam + kRamSize - kFirstRam);
+  const unsigned blocks = FlashControl::blocks + (pulse_from_ == kNever ? 1 : 0);
+  return loads && block_ < blocks && wake_ >= 0 && sending_ >= -1 && sending_ <= 0xff &&
+         answers_ >= 0 && answers_ <= 2;
+}
+
 void BootRom::leave(Machine& m, States at) {
   if (step_ == Step::erase && pulse_from_ != kNever && at > pulse_from_) {
     const double done =

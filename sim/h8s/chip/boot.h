@@ -35,6 +35,7 @@ class BootRom {
   template <class A>
   void transfer(A& a) {
     a(step_, wake_, low_since_, sending_, answers_, expected_, stored_, block_, pulse_from_);
+    a.require(is_possible(), "boot mode");
   }
 
  private:
@@ -51,6 +52,8 @@ class BootRom {
     answer,
     halted,
   };
+  friend constexpr Step last_value(Step) { return Step::halted; }
+  bool is_possible() const;  // indices fit their step
   void measured(Machine& m, States low, States at);
   void poll(Machine& m, States at);
   void take(Machine& m, std::uint8_t byte, States at);

@@ -36,6 +36,7 @@ struct Stop {
     asleep_forever,          // SLEEP with nothing enabled that could wake it
     requested,  // Chip::request_stop, after the instruction or exception entry observed
   };
+  friend constexpr Reason last_value(Reason) { return Reason::requested; }
   Reason reason = Reason::reached;
   // Empty for `reached`; else several lines: error, symbol, registers, back-trace, last instructions.
   std::string report;
@@ -76,6 +77,7 @@ struct ReceivedByte {
   template <class A>
   void transfer(A& a) {
     a(value, at, framing_error, parity_error, multiprocessor, bit_states);
+    a.require(bit_states >= 0, "bit time");
   }
 };
 
@@ -87,6 +89,9 @@ struct TransmittedByte {
 };
 
 enum class ResetCause { power_on, pin, watchdog };
+constexpr ResetCause last_value(ResetCause) {
+  return ResetCause::watchdog;
+}
 
 // Use of a register that the manual forbids or leaves undefined. Execution continues.
 struct Misuse {
@@ -148,7 +153,7 @@ class Chip {
   std::shared_ptr<const Chip> save() const;
   void restore(const Chip& saved);
   // The same as bytes, for files. Readable only by the same build, into a chip with the same options.
-  // After a reader error the chip must be powered on.
+  // After a reader error the chip has been powered on, with undefined flash.
   void write_state(StateWriter& to) const;
   void read_state(StateReader& from);
 

@@ -56,6 +56,7 @@ class FlashControl {
   void transfer(A& a) {
     a(flmcr1_, flmcr2_, ebr1_, ebr2_, line_, latched_, data_, dummy_, pulse_start_, swe_at_,
       setup_at_, verify_at_, dummy_at_, pulses_, statistics);
+    a.require(line_ < kFlashSize && line_ % 32 == 0, "line of flash");
   }
 
  private:

@@ -44,6 +44,7 @@ class Frt {
   void transfer(A& a) {
     a(count_, tick_, flags_, tier_, tcr_, tocr_, temp_, clear_on_a_, use_af_, ocr_, icr_, ocrar_,
       ocraf_, ocrdm_, masked_, mask_end_, level_);
+    a.require(tick_ >= 0, "timer");
   }
 
  private:

@@ -93,6 +93,15 @@ class Interrupts {
   void transfer(A& a) {
     a(since_, raw_, diverted_, pending_, raised_, icr_, isr_, iscrh_, iscrl_, ier_, abrkcr_, bar_,
       irq_level_, nmi_level_);
+    for (unsigned vector = 0; vector < 128; ++vector) {
+      const auto in = [vector](const std::array<std::uint64_t, 2>& bits) {
+        return (bits[vector / 64] >> (vector % 64) & 1) != 0;
+      };
+      const bool is_requested = vector < vec::count && requested(vector);
+      a.require(in(raw_) == is_requested && (in(raw_) || !in(pending_)) &&
+                    (vector < vec::count || !in(diverted_)),
+                "interrupt");
+    }
   }
 
  private:

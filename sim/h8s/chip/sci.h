@@ -34,6 +34,7 @@ struct SerialFrame {
   template <class A>
   void transfer(A& a) {
     a(bits, count);
+    a.require(count >= 0 && count <= 16, "frame");
   }
 };
 
@@ -91,10 +92,15 @@ class Sci {
     a(smr_, brr_, scr_, tdr_, rdr_, scmr_, flags_, tend_, mpbt_, mpb_, clock_base_, sending_, tsr_,
       frame_, before_, start_, bit_, end_, ticks_, incoming_, rxd_, rxd_driven_, receiving_,
       received_, rsr_, edge_, sample_, sample_ticks_, arrived_, arrives_, burst_);
+    a.require(bit_ >= 0 && (sending_ != Sending::frame || frame_.count > 0), "bit to send");
+    // A frame has at most 12 bits, and each at most 16 clocks.
+    a.require(received_ >= 0 && received_ <= 12 && sample_ticks_ >= 0 && sample_ticks_ <= 16,
+              "received bits");
   }
 
  private:
   enum class Sending : std::uint8_t { nothing, preamble, waiting, frame };
+  friend constexpr Sending last_value(Sending) { return Sending::frame; }
 
   bool synchronous() const { return (smr_ & 0x80) != 0; }
   bool outside_clock() const { return (scr_ & 2) != 0; }

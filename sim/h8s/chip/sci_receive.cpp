@@ -89,7 +89,7 @@ void Sci::sample(Machine& m, States at) {
   ++received_;
   if (sample_ != kNever) sample_ = at + bit_states();
   // Only the first stop bit is checked.
-  if (received_ == frame_bits() - stop_bits() + 1)
+  if (received_ >= frame_bits() - stop_bits() + 1)
     judge(m, outside_clock() ? at : edge_ + frame_bits() * bit_states());
 }
 
@@ -104,7 +104,7 @@ void Sci::sample_clocked(Machine& m, unsigned, States at) {
   if (!receiving_) begin_clocked(at);
   rsr_ = static_cast<std::uint16_t>(rsr_ | (rxd_ ? 1u : 0u) << received_);
   sample_ = outside_clock() ? kNever : at + bit_states();
-  if (++received_ == 8) judge(m, outside_clock() ? at : at + bit_states() / 2);
+  if (++received_ >= 8) judge(m, outside_clock() ? at : at + bit_states() / 2);
 }
 
 // All bits are received; the byte becomes available at `end`.

@@ -12,6 +12,7 @@ namespace kaz::h8s {
 namespace {
 
 constexpr std::int64_t kNowhere = -2, kOutside = -1;
+constexpr States kMaxNow = States{1} << 50;  // two years
 
 std::int64_t place_of(const Cpu& cpu, const Insn* p) {
   return p == nullptr ? kNowhere : p == &cpu.outside ? kOutside : p - cpu.code;
@@ -25,6 +26,12 @@ void Machine::transfer_cpu(A& a) {
     cpu.control, cpu.exr, cpu.request, cpu.normal, cpu.two_level, cpu.stc_copies, cpu.rte_holds_off,
     cpu.predecrement_stores_decremented, cpu.hold_off, cpu.asleep, cpu.moving, cpu.fault,
     cpu.fault_address, cpu.fault_pc, cpu.jumps);
+  a.require(cpu.mask == (cpu.normal ? 0xffffU : 0xffffffU) &&
+                cpu.flash_size == (cpu.normal ? 0xe000U : kFlashSize) &&
+                (cpu.ram_size == 0 || cpu.ram_size == kRamSize) && cpu.request < vec::count,
+            "CPU");
+  a.require(cpu.now >= 0 && cpu.now <= kMaxNow && cpu.stall >= 0 && cpu.stall <= kMaxNow, "time");
+  if (!a.good()) return;
   // The current instruction and the last jumps.
   std::array<std::int64_t, 1 + 2 * kTrail> places{};
   std::uint32_t outside = 0;
@@ -67,9 +74,14 @@ void Machine::transfer(A& a) {
   }
   a(block_);
   transfer_cpu(a);
+  if (!a.good()) return;
   a(irq, ports, frt, tmr, tmr_xy, pwm, pwmx, sci, adc, wdt, flash_control, boot, dtc, system, epoch,
     sub_epoch, standby_, watch_, wakes_at_, slow_from_, slow_by_, cause, watchdog_reset, misuses,
     dead, first_after_reset_);
+  a.require(slow_by_ >= 1 && slow_by_ <= 32 &&
+                (slow_from_ == kNever || (slow_from_ >= 0 && slow_from_ <= kMaxNow)),
+            "divided clock");
+  a.require(epoch >= 0 && epoch <= kMaxNow && sub_epoch >= 0 && sub_epoch <= kMaxNow, "prescaler");
 }
 
 void Machine::write_state(StateWriter& to) {
@@ -78,6 +90,15 @@ void Machine::write_state(StateWriter& to) {
 
 void Machine::read_state(StateReader& from) {
   transfer(from);
+  if (!from.good()) {
+    boot = {};
+    flash_control = {};
+    cpu.ip = cpu.code;
+    cpu.trail = {};
+    cpu.now = 0;
+    attach();
+    return power_on(0xa5);
+  }
   hook_done_ = kNoAddress;
   attach();
   forget_all_code();

@@ -52,6 +52,7 @@ struct Timer8 {
   template <class A>
   void transfer(A& a) {
     a(count, tcr, tcora, tcorb, tcsr_low, flags, tick, level);
+    a.require(tick >= 0, "timer");
   }
 };
 

@@ -29,6 +29,7 @@ class Wdt {
   template <class A>
   void transfer(A& a) {
     a(tcsr_, ovf_, count_, tick_);
+    a.require(tick_ >= 0, "watchdog");
   }
 
  private:

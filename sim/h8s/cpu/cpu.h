@@ -28,6 +28,9 @@ struct Insn {
 static_assert(sizeof(void*) != 8 || sizeof(Insn) == 16);
 
 enum class Fault : std::uint8_t { none, undefined, fetch, unmapped, stack, misuse, odd_pc };
+constexpr Fault last_value(Fault) {
+  return Fault::odd_pc;
+}
 
 // The chip's address layout (hardware manual, memory map). RAM consists of two windows in the top 8 KiB
 // block. The flat machine has one window of RAM from 0 and nothing else; the CPU uses the members of Cpu.
@@ -66,6 +69,7 @@ struct Flags {
   template <class A>
   void transfer(A& a) {
     a(n, z, v, h, c);
+    a.require(c <= 1, "carry");
   }
 };
 

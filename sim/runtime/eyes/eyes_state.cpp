@@ -7,6 +7,8 @@
 namespace kaz::sim {
 namespace {
 
+constexpr std::uint64_t kMaxSequence = std::uint64_t{1} << 40;  // 69 years at 500 Hz
+
 template <class T>
 std::shared_future<T> ready(T value) {
   std::promise<T> promise;
@@ -17,6 +19,12 @@ std::shared_future<T> ready(T value) {
 template <class A>
 void transfer_image(A& a, vision::Image& image) {
   a(image.width, image.height, image.rgb);
+}
+
+bool is_of(const vision::CameraModel& camera, const vision::Image& image) {
+  return image.width == camera.width && image.height == camera.height &&
+         image.rgb.size() == 3 * static_cast<std::size_t>(image.width) *
+                                 static_cast<std::size_t>(image.height);
 }
 
 template <class A>
@@ -47,6 +55,7 @@ void Eyes::transfer(StateWriter& a) {
 
 void Eyes::transfer(StateReader& a) {
   a(sequence_, left_out_);
+  a.require(sequence_ <= kMaxSequence, "number of a picture");
   std::uint64_t arriving = 0, digests = 0;
   under_way_.clear();
   arriving_.clear();
@@ -59,6 +68,7 @@ void Eyes::transfer(StateReader& a) {
     a(at, pair.info.sequence, pair.info.exposure);
     transfer_image(a, images->left);
     transfer_image(a, images->right);
+    if (!a.require(is_of(model_, images->left) && is_of(model_, images->right), "picture")) return;
     pair.info.camera = model_;
     pair.images = ready<std::shared_ptr<const vision::StereoImages>>(std::move(images));
     arriving_.emplace_back(at, std::move(pair));

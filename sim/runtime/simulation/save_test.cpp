@@ -180,6 +180,44 @@ TEST(Snapshot, SaysWhyItDoesNotFit) {
             std::string::npos);
 }
 
+// A check sum is no signature: whoever changes a byte can compute it anew.
+TEST(Snapshot, WhateverByteIsChangedItIsRefusedOrRuns) {
+  for (const char* dynamics : {"reduced", "quick20"}) {
+    auto options = real_options(McuKind::native);
+    options.dynamics = dynamics;
+    options.imu = true;
+    options.sensor_params = load_sensor_file(KAZ_TREE "/shared/robot/kaz/sensors.xml").value();
+    const auto simulation = make(options);
+    ASSERT_NE(simulation, nullptr);
+    run(*simulation, 320);  // amid faults
+    ASSERT_TRUE(simulation->world().push("trunk", {0.1, 0, 0}));
+    const auto saved = simulation->save();
+    ASSERT_TRUE(saved) << saved.error().message;
+    const Bytes& valid = *saved;
+    const auto facts = facts_of(options, simulation->world());
+    const auto payload = Snapshot::unpack(valid, facts);
+    ASSERT_TRUE(payload) << payload.error().message;
+    const Bytes parts(payload->begin(), payload->end());
+    std::size_t refused = 0, ran = 0;
+    for (std::size_t at = 0; at < parts.size(); at += 5) {
+      Bytes damaged = parts;
+      damaged[at] = static_cast<std::uint8_t>(at % 3 == 0 ? 0xff : at % 3 == 1 ? 0x7f : parts[at] ^ 1);
+      const bool taken = simulation->restore(Snapshot::pack(facts, damaged)).has_value();
+      ++(taken ? ran : refused);
+      if (!taken && refused % 50 == 1) {
+        const auto now = simulation->save();
+        ASSERT_TRUE(now) << at << ": " << now.error().message;
+        EXPECT_TRUE(*now == valid) << at << ": a refused state has left a trace";
+      }
+      for (int k = 0; taken && k < 3; ++k) (void)simulation->step();  // bodies may break down
+      ASSERT_TRUE(simulation->restore(valid)) << at;
+    }
+    EXPECT_GT(refused, parts.size() / 100);
+    EXPECT_GT(ran, parts.size() / 100);
+    run(*simulation, 20);
+  }
+}
+
 // Each option that decides about the run, changed alone.
 TEST(Snapshot, RefusesEachOtherOption) {
   const auto options = real_options(McuKind::native);

@@ -50,6 +50,7 @@ class SerialLine {
   template <class A>
   void transfer(A& a) {
     a(fault_to_board_, fault_to_host_, to_board_, to_host_, wire_free_, host_bit_);
+    a.require(host_bit_ > 0 && host_bit_ <= KZ_CLOCK_HZ, "bit time");
   }
 
  private:

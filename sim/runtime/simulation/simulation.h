@@ -148,8 +148,9 @@ class Simulation {
   // generators, time; not the recording, which continues. Waits for pictures being rendered. Errors: the
   // simulation has failed; a part cannot be saved (test doubles).
   Result<std::vector<std::uint8_t>> save();
-  // Continues exactly like the saved simulation. This one must have the same options and build. Errors: those
-  // of Snapshot (then the state is unchanged); inconsistent bytes (then only another restore() is valid).
+  // Continues exactly like the saved simulation. This one must have the same options and build. The bytes may
+  // be damaged or hostile: indices, lengths and ranges are checked. Errors: those of Snapshot; bytes of no
+  // state. The simulation is then as before.
   Result<void> restore(std::span<const std::uint8_t> blob);
   // A state from which many episodes of one process begin.
   struct Start {
@@ -180,6 +181,7 @@ class Simulation {
   void make_eyes();
   template <class A>
   void transfer(A& a);
+  void read_state(StateReader& from);
   void record(States start, std::span<const SerialByte> to_board,
               std::span<const SerialByte> from_board);
 

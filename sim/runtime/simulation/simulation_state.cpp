@@ -110,6 +110,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
 template <class A>
 void Simulation::transfer(A& a) {
   a(now_, faults_, hands_, line_, eyes_open_);
+  a.require(now_ >= 0 && std::abs(board_.now() - now_) <= KZ_STATES_PER_TICK, "time");
   bool has_eyes = eyes_ != nullptr;
   a(has_eyes);
   if constexpr (A::reading) {
@@ -132,20 +133,34 @@ Result<std::vector<std::uint8_t>> Simulation::save() {
   return Snapshot::pack(facts_of(options_, *world_), to.bytes());
 }
 
+// Parts that follow a refused one are not read: they would be set to zero.
+void Simulation::read_state(StateReader& from) {
+  world_->restore(from);
+  if (from.good()) board_.restore(from);
+  if (from.good()) transfer(from);
+  if (from.good() && from.left() != 0) from.refuse("it is longer than it should be");
+}
+
 Result<void> Simulation::restore(std::span<const std::uint8_t> blob) {
   const auto state = KAZ_TRY(Snapshot::unpack(blob, facts_of(options_, *world_)));
+  StateWriter before;
+  world_->save(before);
+  board_.save(before);
+  transfer(before);
   StateReader from(state);
-  world_->restore(from);
-  board_.restore(from);
-  transfer(from);
-  if (from.good() && from.left() != 0) from.refuse("it is longer than it should be");
-  if (!from.good()) {
-    error_ = Error{Fault::usage,
-                   "this saved state cannot be restored: " + from.error() + "; save it again"};
-    return tl::unexpected(*error_);
+  read_state(from);
+  if (from.good()) {
+    error_.reset();
+    return {};
   }
-  error_.reset();
-  return {};
+  const Error refusal{Fault::usage,
+                      "this saved state cannot be restored: " + from.error() + "; save it again"};
+  // A state that is refused may have been read in part. The present one is put back; if it cannot be, nothing
+  // runs until a whole one is restored.
+  StateReader back(before.bytes());
+  read_state(back);
+  if (!before.good() || !back.good()) error_ = refusal;
+  return tl::unexpected(refusal);
 }
 
 Result<Simulation::Start> Simulation::keep() {

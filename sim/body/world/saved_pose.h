@@ -1,0 +1,23 @@
+// Limits of poses and velocities in a saved state: beyond them solver or collision detection may not end.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace kaz::sim {
+
+// m, far more than a body falls in a day that has left the floor.
+inline bool is_saved_place(const Eigen::Vector3d& at) {
+  return at.cwiseAbs().maxCoeff() < 1e11;
+}
+// m/s or rad/s
+inline bool is_saved_motion(const Eigen::Vector3d& velocity) {
+  return velocity.cwiseAbs().maxCoeff() < 1e7;
+}
+inline bool is_saved_turn(const Eigen::Quaterniond& turn) {
+  return std::abs(turn.squaredNorm() - 1) < 1e-6;
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,61 @@
+// For tests: saved states of a microcontroller with bytes changed, restored and run.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "sim/mcu/host_testing.h"
+
+namespace kaz::sim {
+
+inline std::vector<std::uint8_t> saved_state(Mcu& mcu) {
+  StateWriter to;
+  mcu.save(to);
+  EXPECT_TRUE(to.good()) << to.error();
+  return to.bytes();
+}
+
+// Restores and runs a while, with a request. Returns the refusal, empty if the state was accepted.
+inline std::string restore_and_run(Mcu& mcu, const std::vector<std::uint8_t>& state, States states) {
+  StateReader from(state);
+  mcu.restore(from);
+  if (from.good()) send(mcu, frame_of(KZ_TYPE_joints, 9, {0, 0, 0, 7}));
+  (void)mcu.run_until(mcu.now() + states);  // a chip may stop with a report
+  (void)mcu.take_transmitted();
+  (void)mcu.memory();
+  return from.error();
+}
+
+// Each `stride`th byte of a state from `begin` to before `end` is replaced, one at a time. The state is
+// refused, or the microcontroller runs on it; sanitizers judge how. Afterwards a valid state continues as it
+// did before. Of the emulated chip memory and pins are compared: translated code notes jumps more rarely.
+inline void sweep_state(Mcu& mcu, const std::vector<std::uint8_t>& valid, std::size_t begin,
+                        std::size_t end, std::size_t stride, States states) {
+  ASSERT_LE(end, valid.size());
+  ASSERT_EQ(restore_and_run(mcu, valid, states), "");
+  const bool exact = mcu.emulator_engine().empty();
+  const auto outcome = [&] {
+    return std::tuple(mcu.now(), mcu.pins(), mcu.memory(),
+                      exact ? saved_state(mcu) : std::vector<std::uint8_t>());
+  };
+  const auto expected = outcome();
+  std::size_t refused = 0;
+  for (std::size_t at = begin; at < end; at += stride) {
+    auto damaged = valid;
+    const auto next = static_cast<std::uint8_t>(valid[at] + 1);
+    const std::array<std::uint8_t, 4> values{0xff, 0x80, next, 0x10};
+    damaged[at] = values[at / stride % values.size()];
+    if (!restore_and_run(mcu, damaged, states).empty()) ++refused;
+  }
+  EXPECT_GT(refused, (end - begin) / stride / 100) << "nothing is checked";
+  EXPECT_LT(refused, (end - begin) / stride);
+  ASSERT_EQ(restore_and_run(mcu, valid, states), "");
+  EXPECT_TRUE(outcome() == expected);
+}
+
+}  // namespace kaz::sim
