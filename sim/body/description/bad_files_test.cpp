@@ -210,6 +210,54 @@ TEST(BadRobotFile, SharesAJointNameWithKaz) {
     EXPECT_NE(robot.error().message.find(part), std::string::npos) << robot.error().message;
 }
 
+// A robot file that somebody sends must not make the program read files elsewhere.
+TEST(BadRobotFile, NamesAMeshOutsideOfItsPackage) {
+  namespace fs = std::filesystem;
+  const test::Folder folder;
+  const fs::path root = fs::path(folder.write("root", "")).parent_path();
+  const fs::path urdf = root / "package/urdf", secret = root / "elsewhere/secret.stl";
+  fs::create_directories(urdf);
+  fs::create_directories(secret.parent_path());
+  const std::string mesh = "solid a\nfacet normal 0 0 1\nendfacet\nendsolid a\n";
+  folder.write("elsewhere/secret.stl", mesh);
+  folder.write("package/base.stl", mesh);
+  fs::create_symlink(secret, urdf / "link.stl");
+  fs::create_directory_symlink(secret.parent_path(), urdf / "folder");
+  fs::create_symlink("../base.stl", urdf / "inner.stl");
+  const auto load = [&](const std::string& name) {
+    const std::string named = "<mesh filename=\"" + name + "\"/>";
+    const Case with_mesh{"", "<box size=\"0.05 0.084 0.02\"/>", named.c_str(), 0, ""};
+    return load_robot(folder.write("package/urdf/robot.urdf",
+                                   changed(test::read_text(test::kRobot), with_mesh).first));
+  };
+  const std::vector<std::string> always{"link.stl", "folder/secret.stl", secret.string(),
+                                        "../../elsewhere/secret.stl"};
+  std::vector<std::string> outside = always;
+  outside.insert(outside.end(), {"../base.stl", "inner.stl"});
+  for (const std::string& name : outside) {
+    const auto robot = load(name);
+    ASSERT_FALSE(robot) << name;
+    EXPECT_NE(robot.error().message.find("outside of the robot's folder"), std::string::npos)
+        << robot.error().message;
+  }
+  // With a package.xml the folder above is the robot's package.
+  folder.write("package/package.xml", "<package/>");
+  EXPECT_TRUE(load("../base.stl"));
+  EXPECT_TRUE(load("inner.stl"));
+  for (const std::string& name : always) EXPECT_FALSE(load(name)) << name;
+  // The user names another folder.
+  setenv("KAZ_MESH_PATH", ("/nowhere:" + secret.parent_path().string()).c_str(), 1);
+  const auto robot = load("folder/secret.stl");
+  unsetenv("KAZ_MESH_PATH");
+  ASSERT_TRUE(robot) << robot.error().message;
+  std::vector<std::string> paths;
+  for (const RobotLink& link : robot->links) {
+    for (const Visual& visual : link.rigid.visuals) paths.push_back(visual.shape.mesh_path);
+  }
+  EXPECT_EQ(std::ranges::count(paths, fs::canonical(secret).string()), 1)
+      << "what is read later is not the file that was checked";
+}
+
 TEST(BadRobotFile, DoesNotExist) {
   const auto robot = load_robot("no/such.urdf");
   ASSERT_FALSE(robot);

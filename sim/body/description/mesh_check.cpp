@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
@@ -31,7 +32,48 @@ std::optional<std::string> stl_error(const std::string& bytes) {
   return "is no STL file, or is cut off";
 }
 
+namespace fs = std::filesystem;
+
+// Both free of links and "..".
+bool is_inside(const fs::path& path, const fs::path& folder) {
+  const fs::path relative = path.lexically_relative(folder);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+fs::path package_of(const fs::path& folder) {
+  std::error_code ignored;
+  for (fs::path at = folder; at.has_relative_path(); at = at.parent_path()) {
+    if (fs::is_regular_file(at / "package.xml", ignored)) return at;
+  }
+  return folder;
+}
+
+bool is_in_named_folder(const fs::path& path) {
+  const char* named = std::getenv("KAZ_MESH_PATH");
+  std::string_view rest = named == nullptr ? "" : named;
+  while (!rest.empty()) {
+    const auto end = rest.find(':');
+    std::error_code error;
+    const fs::path folder = fs::canonical(rest.substr(0, end), error);
+    if (!error && is_inside(path, folder)) return true;
+    rest = end == rest.npos ? "" : rest.substr(end + 1);
+  }
+  return false;
+}
+
 }  // namespace
+
+Result<std::string> mesh_path(const std::string& robot_path, const std::string& name) {
+  std::error_code error;
+  const fs::path folder = fs::canonical(fs::absolute(robot_path).parent_path(), error);
+  const fs::path path = fs::canonical(folder / name, error);
+  if (error) return (folder / name).string();
+  const fs::path package = package_of(folder);
+  if (is_inside(path, package) || is_in_named_folder(path)) return path.string();
+  return fail(Fault::usage, "is the file " + path.string() + ", outside of the robot's folder " +
+                                package.string() +
+                                ": copy it there, or name its folder in KAZ_MESH_PATH");
+}
 
 constexpr std::size_t kMaxMeshBytes = 256 << 20;
 

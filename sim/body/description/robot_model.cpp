@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <exception>
-#include <filesystem>
 
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include "sim/body/description/mesh_check.h"
 #include "sim/body/description/urdf_check.h"
 
 namespace kaz::sim {
@@ -35,7 +35,7 @@ Eigen::Isometry3d pose_of(const urdf::Pose& pose) {
   return out;
 }
 
-Shape shape_of(const urdf::Geometry& geometry, const std::filesystem::path& folder) {
+Shape shape_of(const urdf::Geometry& geometry, const std::string& robot_path) {
   Shape shape;
   switch (geometry.type) {
     case urdf::Geometry::BOX:
@@ -56,7 +56,8 @@ Shape shape_of(const urdf::Geometry& geometry, const std::filesystem::path& fold
       const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
       shape.kind = Shape::Kind::mesh;
       shape.size = vector_of(mesh.scale);
-      shape.mesh_path = std::filesystem::absolute(folder / mesh.filename).lexically_normal();
+      shape.mesh_path =
+          mesh_path(robot_path, mesh.filename).value_or("");  // check_urdf() accepted it
       break;
     }
   }
@@ -69,8 +70,7 @@ class Reader {
       : model_(model),
         joints_(std::move(facts.revolute)),
         friction_(std::move(facts.friction)),
-        path_(std::move(path)),
-        folder_(std::filesystem::path(path_).parent_path()) {}
+        path_(std::move(path)) {}
 
   Result<RobotModel> read() {
     robot_.name = model_.getName();
@@ -133,7 +133,7 @@ class Reader {
     for (const auto& collision : link.collision_array) {
       CollisionShape shape;
       shape.in_link = pose_of(collision->origin);
-      shape.shape = shape_of(*collision->geometry, folder_);
+      shape.shape = shape_of(*collision->geometry, path_);
       shape.surface = kRobotSurface;
       if (const auto mu = friction_.find(link.name); mu != friction_.end())
         shape.surface.mu = mu->second;
@@ -149,7 +149,7 @@ class Reader {
           visual->name.empty() ? std::to_string(rigid.visuals.size()) : visual->name;
       look.name = link.name + "/" + own;
       look.in_frame = pose_of(visual->origin);
-      look.shape = shape_of(*visual->geometry, folder_);
+      look.shape = shape_of(*visual->geometry, path_);
       if (visual->material) {
         const urdf::Color& color = visual->material->color;
         look.color = {color.r, color.g, color.b};
@@ -164,7 +164,6 @@ class Reader {
       joints_;  // names of the revolute joints, in the order of RobotModel::joints
   std::map<std::string, double> friction_;  // by link
   std::string path_;
-  std::filesystem::path folder_;
   RobotModel robot_;
 };
 

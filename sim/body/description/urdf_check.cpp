@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <set>
 #include <vector>
@@ -183,9 +182,9 @@ class Check {
 
   Result<void> mesh(const Element& e) {
     const auto name = KAZ_TRY(file_.attribute(e, "filename"));
-    const auto path = std::filesystem::path(file_.path()).parent_path() / name;
-    if (const auto error = mesh_error(path.string()))
-      return file_.error(e, "mesh `" + name + "` " + *error);
+    const auto path = mesh_path(file_.path(), name);
+    const auto error = path ? mesh_error(*path) : path.error().message;
+    if (error) return file_.error(e, "mesh `" + name + "` " + *error);
     return {};
   }
 
