@@ -20,6 +20,7 @@ Result<watch::ViewOptions> view_of(const WatchArguments& arguments, const std::s
   watch::ViewOptions view;
   view.where = arguments.where;
   view.wait = arguments.wait;
+  view.open = arguments.open;
   view.pace = arguments.pace;
   view.robot_path = robot_file.empty() ? KAZ_TRY(data_file("robot/kaz/kaz.urdf")) : robot_file;
   if (const auto page = view_page()) {
@@ -53,8 +54,7 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
         arguments.where = where;
       },
       "show it in a browser, or in Foxglove, at this address and port (default: "
-      "127.0.0.1:8765); at an address that is not this machine's own, who looks needs the token "
-      "that is printed");
+      "127.0.0.1:8765); viewers need the address with its token, as it is printed");
   view->check(CLI::Validator(
       [](std::string& text) {
         return watch::parse_where(text) ? std::string()
@@ -65,6 +65,10 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
   view->expected(0, 1)->type_name("[ADDRESS:]PORT")->trigger_on_parse();
   verb.add_flag("--view-wait", arguments.wait,
                 "begin when the first viewer has subscribed to a channel")
+      ->needs(view);
+  verb.add_flag("--view-open", arguments.open,
+                "programs may look without the token: cameras, wire, everything; web pages of "
+                "others may not, and nobody may act")
       ->needs(view);
   if (!paced) return;
   verb.add_option("--pace", arguments.pace,

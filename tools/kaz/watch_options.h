@@ -17,7 +17,7 @@
 namespace kaz::tools {
 
 struct WatchArguments {
-  bool view = false, wait = false;
+  bool view = false, wait = false, open = false;
   std::string where;  // ADDRESS:PORT; empty: the usual one
   double pace = 0;    // 0: as fast as it goes
 };

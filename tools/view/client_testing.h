@@ -93,7 +93,7 @@ class Client {
 };
 
 inline std::string get(const std::string& path) {
-  return "GET " + path + " HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n";
+  return "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n";
 }
 
 // The whole answer to `request`, as text, up to the connection's end.

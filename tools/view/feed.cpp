@@ -76,7 +76,7 @@ Result<Feed> Feed::create(Server& server, const std::string& robot_path,
   if (options.recorded_robot) return feed;
   const std::string urdf = KAZ_TRY(read_whole_file(robot_path, 16 << 20));
   LittleEndian(feed.data_).text(urdf);
-  server.publish(feed.channels_.description, 0, feed.data_, true);
+  server.publish(feed.channels_.description, 0, feed.data_, {.kept = true});
   return feed;
 }
 
@@ -120,6 +120,11 @@ bool Feed::due(std::uint64_t time_ns) {
   if (next_ns_ && time_ns < *next_ns_) return false;
   next_ns_ = time_ns - time_ns % period_ns_ + period_ns_;
   return true;
+}
+
+Feed::Use Feed::use_of(std::string_view topic) {
+  if (topic.starts_with(kWire) || topic == "/tf") return Use::always;
+  return topic == "/truth/joints" || topic == "/board/pins" ? Use::for_viewers : Use::never;
 }
 
 void Feed::message(std::string_view topic, std::uint64_t time_ns,

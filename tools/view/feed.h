@@ -35,10 +35,14 @@ class Feed {
   static Result<Feed> create(Server& server, const std::string& robot_path,
                              const FeedOptions& options = {});
 
-  // A message of a recorded channel.
+  // Which recorded channels message() reads. `for_viewers`: only to make channels of them, so that they may be
+  // left out while there is no viewer. The wire counts from the beginning.
+  enum class Use { never, for_viewers, always };
+  static Use use_of(std::string_view topic);
+  // A message of a recorded channel. Always on the same thread.
   void message(std::string_view topic, std::uint64_t time_ns, std::span<const std::uint8_t> data);
   // A pair of the host's: calibration and, with `pixels`, as JPEG in the channels of recorded pictures.
-  // Waits until the pair is drawn. May run beside calls of the other functions.
+  // Waits until the pair is drawn. May run beside calls of the other functions, on one thread.
   void pictures(const vision::StereoPair& pair, bool pixels);
   bool wants_pictures() const;
   // A channel of pictures made for viewers, 8 a second at most. From any thread, as the next three.
@@ -48,7 +52,7 @@ class Feed {
   void picture(std::uint32_t channel, const vision::FrameInfo& info, const vision::Image& image);
   // Marks the ball on the left eye's picture, or that there is none.
   void ball(const vision::FrameInfo& info, const vision::BallObservation& ball);
-  // Of a player that goes back, or of the next run: what was derived counts no more.
+  // The player goes back: forgets what it derived. On the thread of message().
   void restart();
 
  private:
@@ -71,8 +75,8 @@ class Feed {
             std::string_view frame);
 
   struct Channels {
-    std::uint32_t tf, joint_states, description, board, left, right, left_info,
-        right_info, annotations;
+    std::uint32_t tf, joint_states, description, board, left, right, left_info, right_info,
+        annotations;
   };
   Server& server_;
   sim::RobotModel model_;

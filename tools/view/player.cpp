@@ -143,7 +143,7 @@ class Player {
     const Played& played = channels_[message.channel];
     if (played.channel)
       server_.publish(*played.channel, message.time_ns, message.data,
-                      lasts(played.topic, message.data));
+                      {.kept = lasts(played.topic, message.data)});
     feed_.message(played.topic, message.time_ns, message.data);
   }
 

@@ -182,9 +182,15 @@ std::string_view chosen_subprotocol(std::string_view offered) {
   return {};
 }
 
+bool understands(std::string_view subprotocol, std::uint8_t opcode) {
+  return opcode != kPlaybackState || subprotocol == kSdkProtocol;
+}
+
 std::string server_info(const std::string& name, const std::string& session,
-                        const std::vector<std::string>& capabilities, std::uint64_t start_ns,
-                        std::uint64_t end_ns) {
+                        std::string_view subprotocol, std::vector<std::string> capabilities,
+                        std::uint64_t start_ns, std::uint64_t end_ns) {
+  const bool sdk = subprotocol == kSdkProtocol;
+  if (!sdk) std::erase(capabilities, "playbackControl");
   nlohmann::ordered_json info{
       {"op", "serverInfo"},           {"name", name},
       {"capabilities", capabilities}, {"supportedEncodings", json::array({"json"})},
@@ -192,7 +198,7 @@ std::string server_info(const std::string& name, const std::string& session,
   const auto time = [](std::uint64_t ns) {
     return json{{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}};
   };
-  if (end_ns > 0) {
+  if (sdk && end_ns > 0) {
     info["dataStartTime"] = time(start_ns);
     info["dataEndTime"] = time(end_ns);
   }
@@ -220,16 +226,15 @@ std::string parameter_values(const std::map<std::string, std::string>& values,
   return reply.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-std::string status_error(const std::string& sentence) {
-  return nlohmann::ordered_json{{"op", "status"}, {"level", 2}, {"message", sentence}}.dump(
-      -1, ' ', false, json::error_handler_t::replace);
+std::string status(StatusLevel level, const std::string& sentence) {
+  return nlohmann::ordered_json{
+      {"op", "status"}, {"level", static_cast<int>(level)}, {"message", sentence}}
+      .dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-Bytes message_frame(std::uint32_t subscription, std::uint64_t time_ns,
-                    std::span<const std::uint8_t> data) {
+Bytes message_head(std::uint32_t subscription, std::uint64_t time_ns) {
   Bytes frame;
-  frame.reserve(13 + data.size());
-  LittleEndian(frame).number(kMessage).number(subscription).number(time_ns).bytes(data);
+  LittleEndian(frame).number(kMessage).number(subscription).number(time_ns);
   return frame;
 }
 
@@ -239,12 +244,13 @@ Bytes time_frame(std::uint64_t time_ns) {
   return frame;
 }
 
-Bytes asset_frame(std::uint32_t request, const Result<Bytes>& asset) {
+Bytes asset_head(std::uint32_t request, const std::string& error) {
   Bytes frame;
-  LittleEndian to(frame);
-  to.number(kAsset).number(request).number(static_cast<std::uint8_t>(asset ? 0 : 1));
-  to.text(asset ? std::string() : asset.error().message);
-  if (asset) to.bytes(*asset);
+  LittleEndian(frame)
+      .number(kAsset)
+      .number(request)
+      .number(static_cast<std::uint8_t>(error.empty() ? 0 : 1))
+      .text(error);
   return frame;
 }
 

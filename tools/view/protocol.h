@@ -19,8 +19,9 @@ namespace kaz::watch {
 
 using Bytes = std::vector<std::uint8_t>;
 
+inline constexpr std::string_view kSdkProtocol = "foxglove.sdk.v1";
 // Those that are accepted, the preferred one first.
-inline constexpr std::array<std::string_view, 2> kSubprotocols = {"foxglove.sdk.v1",
+inline constexpr std::array<std::string_view, 2> kSubprotocols = {kSdkProtocol,
                                                                   "foxglove.websocket.v1"};
 // The longest message that a viewer may send.
 inline constexpr std::size_t kLongestRequest = 64 << 10;
@@ -92,17 +93,25 @@ Result<Request> parse_binary(std::span<const std::uint8_t> bytes);
 // The first of kSubprotocols that is in the list of a handshake, "a, b"; empty if there is none.
 std::string_view chosen_subprotocol(std::string_view offered);
 
+// Whether the protocol of that name has this opcode among the frames that a server sends. Only the SDK's
+// has the state of a player.
+bool understands(std::string_view subprotocol, std::uint8_t opcode);
+
+// `capabilities` in the words of the SDK's protocol; those that the other one lacks are left out for it, as
+// are the times of a recording.
 std::string server_info(const std::string& name, const std::string& session,
-                        const std::vector<std::string>& capabilities, std::uint64_t start_ns,
-                        std::uint64_t end_ns);
+                        std::string_view subprotocol, std::vector<std::string> capabilities,
+                        std::uint64_t start_ns, std::uint64_t end_ns);
 std::string advertisement(std::span<const Channel> channels);
 std::string parameter_values(const std::map<std::string, std::string>& values,
                              const std::string& request);
-std::string status_error(const std::string& sentence);
-Bytes message_frame(std::uint32_t subscription, std::uint64_t time_ns,
-                    std::span<const std::uint8_t> data);
+enum class StatusLevel : std::uint8_t { info = 0, warning = 1, error = 2 };
+std::string status(StatusLevel level, const std::string& sentence);
+// The beginning of a message's frame: its data follow.
+Bytes message_head(std::uint32_t subscription, std::uint64_t time_ns);
 Bytes time_frame(std::uint64_t time_ns);
-Bytes asset_frame(std::uint32_t request, const Result<Bytes>& asset);
+// The beginning of a frame that answers fetchAsset: without an error the file's bytes follow.
+Bytes asset_head(std::uint32_t request, const std::string& error);
 Bytes playback_frame(const PlaybackState& state);
 
 }  // namespace kaz::watch

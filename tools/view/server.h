@@ -1,8 +1,13 @@
 // HTTP and WebSocket on one port: the page, the robot's files, and the channels of a run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// One thread does all input and output. publish() never waits for a viewer: what one does not take is kept up
-// to a bound, and then left out for it.
+// Threads. The threads of a run publish. publish() copies a message into a bounded queue and returns; it never
+// waits for a viewer, nor for the server. The server's own thread does all the rest: it alone has the
+// connections, the viewers with their subscriptions, and the log of the newest messages. Every viewer reads
+// that log at its own pace. A slow viewer misses messages and delays nobody.
+//
+// Memory. A message is stored once, whatever the number of viewers. The queue and the log are bounded; a
+// viewer has at most some answers to its own requests, and is not read from until it takes them.
 #pragma once
 
 #include <cstdint>
@@ -13,30 +18,22 @@
 #include <string>
 
 #include "shared/base/result.hpp"
+#include "tools/view/entry.h"
 #include "tools/view/protocol.h"
 
 namespace kaz::watch {
-
-struct ServedFile {
-  std::string type;  // "text/html"
-  Bytes bytes;
-};
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 8765;  // 0: any
   std::string name = "kaz";
-  // Whoever states it in the address (?token=) may control. Empty: nobody.
-  std::string token;
-  bool token_to_look = false;               // without it nothing but the page
-  std::map<std::string, ServedFile> page;   // by path: "/index.html"
-  std::map<std::string, ServedFile> robot;  // "/robot/kaz.urdf"; asset package://robot/kaz.urdf
+  Access access;
   std::map<std::string, std::string> parameters;  // that viewers may read
   bool hands = false;                             // viewers may publish on kHandTopic
   std::uint64_t start_ns = 0, end_ns = 0;         // of a recording that is played; 0: there is none
   std::size_t most_connections = 64;
-  // What waits at most for one viewer, of channels that are recorded and of the others.
-  std::size_t most_waiting = 8 << 20, most_waiting_derived = 512 << 10;
+  std::size_t most_queued = 4 << 20;  // bytes between publish() and the server's thread
+  std::size_t most_logged = 8 << 20;  // bytes of the log
 };
 
 class Server {
@@ -49,29 +46,46 @@ class Server {
 
   std::uint16_t port() const;
 
-  // From any thread. A topic that is there keeps its number. `derived`: not of a recording.
+  // All functions below may be called from any thread.
+
+  // Returns the channel's number; a topic that is there keeps its own. Messages of `derived` channels, which
+  // no recording has, are left out for a viewer that is half a second behind.
   std::uint32_t add_channel(Channel channel, bool derived = false);
-  // Whether somebody has subscribed to it.
+  // Whether a viewer has subscribed to it.
   bool wanted(std::uint32_t channel) const;
-  // `kept`: whoever subscribes later gets the newest one at once.
+  struct Publication {
+    bool kept = false;      // viewers that subscribe later get the newest one at once
+    bool observed = false;  // the handler of on_message() gets it
+  };
+  // Returns at once if the message is neither wanted, kept nor observed. If the queue is full, the message is left out.
   void publish(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data,
-               bool kept = false);
+               Publication how);
+  void publish(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data) {
+    publish(channel, time_ns, data, {});
+  }
+  // The run's time. A viewer gets the newest one when it has everything else.
   void publish_time(std::uint64_t time_ns);
   void publish_playback(const PlaybackState& state);
-  // Called on the server's thread, for viewers with the token; not once this has been called again. It must
-  // not call the server.
-  void on_playback(std::function<void(const Playback&)> heard);
-  // What viewers with the token publish on kHandTopic, called as above; its error goes back to the viewer.
-  // ServerOptions::hands.
-  void on_hand(std::function<Result<void>(const std::string& line)> heard);
   // A sentence for all viewers.
   void publish_error(const std::string& sentence);
 
+  // Handlers. They are called on the server's thread. When one of these functions returns, the handler before
+  // is not called any more; a handler must not call them.
+  // A viewer with the token controls the player.
+  void on_playback(std::function<void(const Playback&)> handler);
+  // A viewer with the token published a line on kHandTopic (ServerOptions::hands). An error is sent to it.
+  void on_hand(std::function<Result<void>(const std::string& line)> handler);
+  // An observed message came.
+  void on_message(std::function<void(std::string_view topic, std::uint64_t time_ns,
+                                     std::span<const std::uint8_t> data)>
+                      handler);
+
   std::size_t viewers() const;        // open WebSocket connections
-  std::size_t subscriptions() const;  // of all
-  std::uint64_t left_out() const;     // messages, for viewers that were slow
-  std::uint64_t cpu_ns() const;       // of the server's thread
-  // Waits until viewers have what was published, or `seconds` are over.
+  std::size_t subscriptions() const;  // of all viewers
+  // Messages that did not fit into the queue, and those that a slow viewer missed, counted for each viewer.
+  std::uint64_t left_out() const;
+  std::uint64_t cpu_ns() const;  // of the server's thread
+  // Waits until viewers have everything that was published, at most `seconds`.
   void drain(double seconds) const;
 
   struct Impl;
@@ -83,5 +97,8 @@ class Server {
 
 // 32 hexadecimal digits.
 std::string make_token();
+
+// Priority of threads that work for viewers: they get what the run leaves of the processor.
+inline constexpr int kViewNice = 10;
 
 }  // namespace kaz::watch

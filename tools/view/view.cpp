@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/view/view.h"
 
-#include <cstdio>
+#include <sys/resource.h>
+
 #include <filesystem>
 #include <future>
 #include <thread>
@@ -22,8 +23,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = 64 << 20;
 constexpr const char* kWithoutPage =
-    ".\nFoxglove and Lichtblick can open this address as it is: ws://, and what is behind http:// "
-    "above.\n";
+    ".\nFoxglove and Lichtblick can open the address that kaz printed, with its token: paste it "
+    "with ws:// in place of "
+    "http://.\n";
 
 const char* type_of(const fs::path& path) {
   const std::string end = path.extension().string();
@@ -55,19 +57,20 @@ Result<std::map<std::string, ServedFile>> page_files(const fs::path& folder) {
   return files;
 }
 
-// The robot's file and the meshes that it names. Nothing else of their folder is anybody's business.
-Result<std::map<std::string, ServedFile>> robot_files(const fs::path& urdf) {
+// The robot's file and those of its meshes that are in its folder. Nothing else of that folder is served.
+Result<std::map<std::string, ServedFile>> robot_files(const fs::path& urdf,
+                                                      const sim::RobotModel& model) {
   std::map<std::string, ServedFile> files;
   files["/robot.urdf"] = files["/robot/" + urdf.filename().generic_string()] =
       KAZ_TRY(served(urdf));
-  const fs::path folder = fs::absolute(urdf).parent_path().lexically_normal();
-  const sim::RobotModel model = KAZ_TRY(sim::load_robot(urdf.string()));
+  std::error_code error;
+  const fs::path folder = fs::canonical(fs::absolute(urdf).parent_path(), error);
   for (const sim::RobotLink& link : model.links) {
     for (const sim::Visual& visual : link.rigid.visuals) {
       if (visual.shape.kind != sim::Shape::Kind::mesh) continue;
+      // Both paths are free of links, so that ".." is the only way out.
       const fs::path inside = fs::path(visual.shape.mesh_path).lexically_relative(folder);
-      // A browser cannot ask for what is outside.
-      if (inside.empty() || *inside.begin() == "..") continue;
+      if (error || inside.empty() || *inside.begin() == "..") continue;
       files["/robot/" + inside.generic_string()] = KAZ_TRY(served(visual.shape.mesh_path));
     }
   }
@@ -98,40 +101,39 @@ Result<Where> parse_where(const std::string& text) {
       where.address = where.address.substr(1, where.address.size() - 2);
   }
   boost::system::error_code error;
-  const auto address = boost::asio::ip::make_address(where.address, error);
+  (void)boost::asio::ip::make_address(where.address, error);
   if (!port || error)
     return fail(Fault::usage, "--view " + text +
                                   ": give a port, or address and port in numbers, as 8765, "
                                   "127.0.0.1:8765 or 0.0.0.0:8765");
   where.port = *port;
-  where.loopback = address.is_loopback();
   return where;
 }
 
 Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uint64_t start_ns,
                                             std::uint64_t end_ns, std::string& url) {
   const Where where = KAZ_TRY(parse_where(options.where));
+  const sim::RobotModel robot = KAZ_TRY(sim::load_robot(options.robot_path));
   ServerOptions server;
   server.address = where.address;
   server.port = where.port;
-  server.token = options.token.empty() ? make_token() : options.token;
-  server.token_to_look = !where.loopback;
   server.parameters = {{"robot", options.robot_path},
                        {"source", end_ns > 0 ? "recording" : options.source}};
   server.hands = options.hands;
-  if (options.hands) {
-    const std::string text = hands_json(KAZ_TRY(sim::load_robot(options.robot_path)));
-    server.page["/hands.json"] = {"application/json", Bytes(text.begin(), text.end())};
-  }
   server.start_ns = start_ns;
   server.end_ns = end_ns;
-  if (!options.page_folder.empty()) server.page.merge(KAZ_TRY(page_files(options.page_folder)));
-  if (!server.page.contains("/index.html")) {
-    const std::string text = options.no_page + kWithoutPage;
-    server.page["/index.html"] = {"text/plain; charset=utf-8", Bytes(text.begin(), text.end())};
-  }
-  server.robot = KAZ_TRY(robot_files(options.robot_path));
-  const std::string token = server.token;
+  Access& access = server.access;
+  access.token = options.token.empty() ? make_token() : options.token;
+  access.open = options.open;
+  const auto file = [](const char* type, std::string_view text) {
+    return ServedFile{type, Bytes(text.begin(), text.end())};
+  };
+  if (!options.page_folder.empty()) access.page = KAZ_TRY(page_files(options.page_folder));
+  access.page.try_emplace("/index.html",
+                          file("text/plain; charset=utf-8", options.no_page + kWithoutPage));
+  access.robot = KAZ_TRY(robot_files(options.robot_path, robot));
+  if (options.hands) access.robot["/hands.json"] = file("application/json", hands_json(robot));
+  const std::string token = access.token;
   auto opened = KAZ_TRY(Server::open(std::move(server)));
   const bool v6 = where.address.find(':') != std::string::npos;
   url = "http://" + (v6 ? "[" + where.address + "]" : where.address) + ":" +
@@ -160,6 +162,10 @@ View::View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::
   if (options_.hands && !options_.own_time)
     pace_channel_ = server_->add_channel({0, "/run/pace", "json", "", "", ""}, true);
   server_->on_hand([this](const std::string& line) { return hear(line); });
+  server_->on_message(
+      [this](std::string_view topic, std::uint64_t time_ns, std::span<const std::uint8_t> data) {
+        feed_.message(topic, time_ns, data);
+      });
 }
 
 View::~View() {
@@ -171,6 +177,7 @@ View::~View() {
   changed_.notify_all();
   coder_.join();
   server_->drain(2);
+  server_->on_message({});
 }
 
 void View::picture(const vision::StereoPair& pair) {
@@ -191,6 +198,7 @@ void View::code(std::function<void()> picture) {
 }
 
 void View::code_pictures() {
+  setpriority(PRIO_PROCESS, 0, kViewNice);  // Linux: of this thread alone
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return ended_ || !pictures_.empty(); });
@@ -207,25 +215,21 @@ void View::code_pictures() {
   }
 }
 
-void View::next_run() {
-  feed_.restart();
-  pace_start_.reset();
-  tapped_.clear();
-}
-
 void View::channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
                    const std::string& schema_name, const std::string& schema_encoding,
                    const std::string& schema) {
   tapped_[number] = {
-      server_->add_channel({0, topic, encoding, schema_name, schema_encoding, schema}), topic};
+      server_->add_channel({0, topic, encoding, schema_name, schema_encoding, schema}), topic,
+      Feed::use_of(topic)};
 }
 
 void View::message(std::uint16_t channel, std::uint64_t time_ns,
                    std::span<const std::uint8_t> data) {
   wait();
   const Tapped& tapped = tapped_[channel];
-  server_->publish(tapped.channel, time_ns, data, lasts(tapped.topic, data));
-  feed_.message(tapped.topic, time_ns, data);
+  const bool observed = tapped.use == Feed::Use::always ||
+                        (tapped.use == Feed::Use::for_viewers && server_->viewers() > 0);
+  server_->publish(tapped.channel, time_ns, data, {lasts(tapped.topic, data), observed});
 }
 
 void View::stepped(Time time) {
@@ -339,7 +343,8 @@ void View::state_pace(Time time, bool paused, double pace) {
   stated_pace_ = now;
   const std::string text = nlohmann::ordered_json{{"paused", paused}, {"pace", pace}}.dump();
   server_->publish(*pace_channel_, static_cast<std::uint64_t>(time.count()),
-                   {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, true);
+                   {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()},
+                   {.kept = true});
 }
 
 // Stops where a viewer wants it, and else goes no faster than the pace.

@@ -1,5 +1,9 @@
 // `--view`: a run, live, for viewers.
 // SPDX-License-Identifier: Apache-2.0
+//
+// Threads. The run's thread calls the functions of RecordingTap and HandSource: message() only puts the message
+// into the server's bounded queue. The server's thread makes the channels of Feed from it and serves
+// viewers. A thread of the view codes pictures. Both have a lower priority than the run (nice 10).
 #pragma once
 
 #include <chrono>
@@ -23,6 +27,7 @@ namespace kaz::watch {
 struct ViewOptions {
   std::string where;      // ADDRESS:PORT or PORT; empty: 127.0.0.1:8765
   std::string token;      // 32 hexadecimal digits; empty: a new one
+  bool open = false;      // programs on this machine may look without it: Access::open
   bool wait = false;      // the run begins with the first viewer
   bool hands = false;     // viewers with the token may do things by hand
   bool requests = false;  // and ask the behaviour for something (behavior::Requests)
@@ -41,7 +46,6 @@ struct ViewOptions {
 struct Where {
   std::string address = "127.0.0.1";
   std::uint16_t port = 8765;
-  bool loopback = true;
 };
 Result<Where> parse_where(const std::string& text);
 
@@ -78,8 +82,6 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   }
   // Until a viewer has subscribed, if the options say so: a run that cannot wait in its first message.
   void wait();
-  // Another run follows, with another world and a time that begins anew.
-  void next_run();
 
   void channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
                const std::string& schema_name, const std::string& schema_encoding,
@@ -112,6 +114,7 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   struct Tapped {
     std::uint32_t channel = 0;
     std::string topic;
+    Feed::Use use = Feed::Use::never;
   };
   std::map<std::uint16_t, Tapped> tapped_;
   bool waited_ = false;

@@ -3,7 +3,7 @@
 // node clients.mjs KAZ FOLDER. They offer the older name of the protocol alone.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
-import { client, killAll, messages, start } from "./testing.mjs";
+import { client, killAll, messages, start, viewOf } from "./testing.mjs";
 
 const [kaz, folder] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
@@ -11,8 +11,7 @@ mkdirSync(folder, { recursive: true });
 try {
   const run = start(kaz, ["run", "search-ball", "--mcu", "native", "--out", `${folder}/run`, "--pace", "1", "--view-wait",
     "--view", "127.0.0.1:0"]);
-  const [, port] = await run.says(/watch it at http:\/\/127\.0\.0\.1:(\d+)/);
-  const url = `ws://127.0.0.1:${port}`;
+  const url = await viewOf(run);
   const recorder = client("mcap-record", url, "-o", `${folder}/theirs.mcap`, "-n");
   await recorder.says(/subscribing to/);
   const simple = client("simple-client", url);

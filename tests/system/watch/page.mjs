@@ -173,22 +173,25 @@ try {
   await page.waitForFunction(() => document.getElementById("connection").textContent.startsWith("not connected"));
   const again = run(port);
   await again.url;
-  // Its token is new: the page looks on, and says why it does no more.
-  await page.waitForFunction(() => document.getElementById("connection").textContent === "live"
-    && document.getElementById("locked").textContent.includes("another run's token"), null, { timeout: 20000 });
-  assert(await page.isVisible("#locked") && await page.isHidden("#hands"), "an old token still controls");
+  // Its token is new: the page says which address to open.
+  const connection = (page, text) => page.waitForFunction(
+    (part) => document.getElementById("connection").textContent.includes(part), text, { timeout: 20000 });
+  await connection(page, "this address has another run's token");
   await page.goto(await again.url);
-  await page.waitForFunction(() => document.getElementById("connection").textContent === "live", null, { timeout: 10000 });
-  await page.close();
-  const tokenless = await open((await again.url).replace(/\?.*/, ""));  // without the token: looking is free
+  await connection(page, "live");
+  await page.goto((await again.url).replace(/\?.*/, ""));
+  await connection(page, "this address has no token");
+  assert(await page.isHidden("#hands"), "without the token there is something to do by hand");
   await again.stop();
-  await tokenless.page.waitForFunction(() => document.getElementById("connection").textContent.startsWith("not connected"));
-  const third = run(port);
-  await tokenless.page.waitForFunction(() => document.getElementById("connection").textContent === "live", null,
-    { timeout: 15000 });
-  await third.url;
-  await third.stop();
-  await tokenless.page.close();
+  // With --view-open one may look without the token, and connects again by oneself.
+  const open_run = run(port, "--view-open");
+  await connection(page, "live");
+  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 120000 });
+  await page.waitForFunction(() => document.getElementById("locked").textContent.includes("with its token to control"));
+  assert(await page.isVisible("#locked") && await page.isHidden("#hands"), "without the token one may act");
+  await open_run.url;
+  await open_run.stop();
+  await page.close();
 
   lap("restart");
   // Played: pause, jump, keys.

@@ -21,7 +21,8 @@ const NECK_PAN = 0, R_SH_PITCH = 6;  // shared/board/joints.def
 
 try {
   const edited = `${folder}/edited`;
-  const run = start(kaz, ["run", "pose", "--mcu", "native", "--out", edited, "--pace", "1", "--view", "127.0.0.1:0"]);
+  const run = start(kaz, ["run", "pose", "--mcu", "native", "--out", edited, "--pace", "1", "--view", "127.0.0.1:0",
+    "--view-open"]);
   const [, url] = await run.says(/watch it at (\S+)/);
 
   // Without the token there is nothing to be set.

@@ -30,6 +30,10 @@ export function start(program, words, cwd) {
 // A client of the protocol's own examples.
 export const client = (...words) => start(process.execPath, [examples, ...words]);
 
+// The address of the protocol that a program prints: with its token.
+export const viewOf = async (program) =>
+  `ws${(await program.says(/watch it at http(:\/\/[\d.]+:\d+\/\?token=\w+)/))[1]}`;
+
 export function killAll() {
   for (const child of running) child.kill("SIGKILL");
 }

@@ -4,7 +4,7 @@
 // node verbs.mjs KAZ FOLDER
 import assert from "node:assert/strict";
 import { mkdirSync, rmSync } from "node:fs";
-import { client, killAll, messages, start } from "./testing.mjs";
+import { client, killAll, messages, start, viewOf } from "./testing.mjs";
 
 const [kaz, folder] = process.argv.slice(2);
 rmSync(folder, { recursive: true, force: true });
@@ -12,9 +12,8 @@ mkdirSync(folder, { recursive: true });
 
 // By topic the messages that a client of the protocol got in `seconds`.
 async function seen(program, name, seconds) {
-  const [, port] = await program.says(/watch it at http:\/\/127\.0\.0\.1:(\d+)/);
   const path = `${folder}/${name}.mcap`;
-  const recorder = client("mcap-record", `ws://127.0.0.1:${port}`, "-o", path, "-n");
+  const recorder = client("mcap-record", await viewOf(program), "-o", path, "-n");
   await recorder.says(/subscribing to/);
   await new Promise((resolve) => setTimeout(resolve, 1000 * seconds));
   await recorder.stop();

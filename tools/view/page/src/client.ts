@@ -19,7 +19,8 @@ export class Client {
   private delay = 250;
   private watched: string | undefined;
 
-  // The server that is there now has another token: one may look at most.
+  // The server that is there now refuses this address, which has no token or that of another run. Started with
+  // --view-open, it lets one look without.
   refused = false;
   private suspected = false;
 
@@ -63,7 +64,7 @@ export class Client {
     };
     socket.onclose = async () => {
       if (opened) this.refused = false;
-      else if (this.token !== null) await this.suspect();
+      else await this.suspect();
       this.onState(false);
       setTimeout(() => this.open(), this.delay);
       this.delay = Math.min(2 * this.delay, 4000);
@@ -75,7 +76,7 @@ export class Client {
   }
 
   // A browser does not tell why a socket was not opened: a server that answers before and after an attempt
-  // with the token has refused it.
+  // has refused it.
   private async suspect(): Promise<void> {
     const there = await fetch("/", { cache: "no-store" }).then(() => true, () => false);
     this.refused = there && (this.refused || this.suspected);

@@ -38,7 +38,7 @@ export class Hands {
     this.paused = false;
     this.showPaused();
     if (!allowed || this.faults.length > 0) return;
-    void fetch("hands.json").then((answer) => answer.json()).then((offer: Offer) => {
+    void fetch(`hands.json${location.search}`).then((answer) => answer.json()).then((offer: Offer) => {
       this.faults = offer.faults;
       fill("fault-name", offer.faults.map(({ name }) => name));
       fill("fault-joint", offer.joints);

@@ -43,8 +43,9 @@ let robot: Pose | undefined;
 let pictures = 0;
 
 client.onState = (open) => {
+  const refused = token === null ? "this address has no token" : "this address has another run's token";
   output("connection", open ? "live" : client.refused
-    ? "not connected: this address has another run's token; open the one that the program printed" : "not connected: trying again");
+    ? `not connected: ${refused}; open the one that the program printed` : "not connected: trying again");
   element("player").hidden = true;
 };
 client.onInfo = (info) => {

@@ -48,7 +48,7 @@ export class Poses {
     this.measured = undefined;
     this.show();
     if (!allowed || Object.keys(this.limits).length > 0) return;
-    void fetch("hands.json").then((answer) => answer.json()).then((offer: { limits: Record<string, [number, number]> }) => {
+    void fetch(`hands.json${location.search}`).then((answer) => answer.json()).then((offer: { limits: Record<string, [number, number]> }) => {
       this.limits = offer.limits;
       this.show();
     });

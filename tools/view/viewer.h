@@ -1,0 +1,91 @@
+// A WebSocket connection of the server.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "tools/view/server_impl.h"
+
+namespace kaz::watch {
+
+// Lives on the server's thread. It sends one frame at a time and chooses the next one only then, so that
+// nothing but answers to its own requests waits for it.
+class Viewer : public std::enable_shared_from_this<Viewer> {
+ public:
+  // `answer`: the decision that let it in (answer_to()).
+  Viewer(Server::Impl& server, boost::asio::ip::tcp::socket socket,
+         std::shared_ptr<Counted> counted, const Answer& answer);
+  ~Viewer() { leave(); }
+  void begin(const boost::beast::http::request<boost::beast::http::empty_body>& request);
+
+  // Sends what it has not got yet, unless a frame is on its way already.
+  void write();
+  bool writing() const { return writing_; }
+  // The log's oldest message goes: a viewer that has not read it misses it.
+  void miss(std::uint64_t position, const Server::Impl::Logged& logged);
+
+ private:
+  using Error = boost::system::error_code;
+  struct Subscribed {
+    std::uint32_t id = 0;
+    std::uint64_t from = 0;  // the number of the first message that is sent from the log
+  };
+  // `rest` points into memory that `owner`, or the server's options, keep.
+  struct Frame {
+    bool text = false;
+    Bytes head;
+    SharedMessage owner;
+    std::span<const std::uint8_t> rest;
+  };
+
+  void greet();
+  void leave();
+  void close();
+  void end();
+  void read();
+  void obey();
+  void subscribe(const std::vector<Subscription>& all);
+  void unsubscribe(const std::vector<std::uint32_t>& ids);
+  void fetch(const Request& request);
+  void send_parameters(const Request& request);
+  void playback(const Playback& wanted);
+  void hand(const Request& request);
+  void answer(const std::string& text);
+  void reject(const std::string& sentence);
+
+  std::optional<Frame> next();
+  std::optional<Frame> next_kept();
+  std::optional<Frame> next_logged();
+  Frame message_of(const Subscribed& subscribed, const SharedMessage& message) const;
+  bool reads(const Message& message) const;
+  bool wants(const Server::Impl::Logged& logged) const;
+
+  Server::Impl& server_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  std::shared_ptr<Counted> counted_;
+  const bool control_;
+  const std::string_view subprotocol_;
+  boost::asio::steady_timer greeting_{server_.io};
+  boost::beast::flat_buffer buffer_;
+  int wrong_requests_ = 0;
+  std::set<std::uint32_t> own_channels_;               // kHandTopic, as the viewer numbers them
+  std::map<std::uint32_t, Subscribed> subscriptions_;  // by channel
+
+  bool here_ = false, reading_ = false, writing_ = false;
+  Frame frame_;                  // on its way
+  std::deque<Frame> answers_;    // to its requests
+  std::size_t announced_ = 0;    // channels
+  std::set<std::uint32_t> new_;  // channels whose kept message it has not got
+  std::uint64_t position_ = 0;   // in the log
+  std::uint64_t sent_time_ns_ = Server::Impl::kNoTime;
+};
+
+}  // namespace kaz::watch
