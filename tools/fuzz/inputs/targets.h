@@ -52,6 +52,7 @@ Complaint try_bus_answers(Bytes bytes);  // of hostile servos, at the host
 Complaint try_poses(Bytes bytes);        // files of poses
 
 // Viewers of a run (viewers.cpp).
+Complaint try_entry(Bytes bytes);   // the HTTP request that asks for a file, or to be a viewer
 Complaint try_viewer(Bytes bytes);  // requests; messages of a recording that is played
 
 inline constexpr Target kInputTargets[] = {{"robot", try_robot},
@@ -88,6 +89,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"bus_file", try_bus_file},
                                            {"bus_answers", try_bus_answers},
                                            {"poses", try_poses},
+                                           {"entry", try_entry},
                                            {"viewer", try_viewer}};
 
 }  // namespace kaz::fuzz

@@ -1,14 +1,19 @@
 // What viewers of a run send, and messages of a recording that is played for them.
 // SPDX-License-Identifier: Apache-2.0
+#include <strings.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "hil/fuzz/choices.h"
 #include "host/behavior/pose_request.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
+#include "tools/view/entry.h"
 #include "tools/view/feed.h"
 #include "tools/view/protocol.h"
 #include "tools/view/view.h"
@@ -16,8 +21,9 @@
 namespace kaz::fuzz {
 namespace {
 
-constexpr std::string_view kTopics[] = {"/truth/joints", "/truth/ball", "/wire/to_board",
-                                        "/wire/to_host", "/board/pins", "/behavior"};
+constexpr std::string_view kTopics[] = {
+    "/truth/joints", "/truth/ball", "/wire/to_board", "/wire/to_host", "/board/pins",
+    "/behavior",     "/tf"};
 
 Complaint judge(const Result<watch::Request>& request) {
   if (!request) {
@@ -58,6 +64,48 @@ Complaint play(std::string_view topic, Bytes bytes) {
 }
 
 }  // namespace
+
+// The first byte: a WebSocket, and --view-open. Then lines: method, target, Host, Origin, subprotocols.
+Complaint try_entry(Bytes bytes) {
+  static const watch::Access kAccess = [] {
+    watch::Access access;
+    access.token = "0123456789abcdef";
+    access.names = {"robot"};
+    access.page["/index.html"] = {"text/html", {'p'}};
+    access.robot["/robot/kaz.urdf"] = {"application/xml", {'u'}};
+    return access;
+  }();
+  if (bytes.empty()) return std::nullopt;
+  watch::Access access = kAccess;
+  access.open = (bytes[0] & 2) != 0;
+  const std::string text = text_of(bytes.subspan(1));
+  std::array<std::string_view, 5> lines;
+  std::string_view rest = text;
+  for (auto& line : lines) {
+    line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(rest.size(), line.size() + 1));
+  }
+  const auto& [method, target, host, origin, subprotocols] = lines;
+  const watch::Answer answer =
+      watch::answer_to({method, target, host, origin, subprotocols, (bytes[0] & 1) != 0}, access);
+  if (answer.status >= 400) {
+    if (answer.sentence.find('\n') + 1 != answer.sentence.size() || answer.sentence.size() < 5)
+      return "a refusal is not one line: " + std::string(answer.sentence);
+    return std::nullopt;
+  }
+  const std::string name(host.substr(0, host.rfind(':')));
+  if (name.find_first_not_of("0123456789abcdefABCDEF.:[]") != name.npos &&
+      strcasecmp(name.c_str(), "localhost") != 0 && strcasecmp(name.c_str(), "robot") != 0)
+    return "a foreign Host was let in: " + name;
+  const bool token = target.find("token=" + access.token) != target.npos;
+  const bool foreign = origin.starts_with("http") && !origin.ends_with(host);
+  if (answer.control && !token) return "control without the token";
+  if (answer.status == 101 && answer.subprotocol.empty()) return "a viewer without a protocol";
+  if (answer.status != 101 && answer.file == nullptr) return "an answer without a file";
+  const bool page = answer.file == &access.page.at("/index.html");
+  if (!page && !token && (!access.open || foreign)) return "somebody may look without the token";
+  return std::nullopt;
+}
 
 Complaint try_viewer(Bytes bytes) {
   if (bytes.empty()) return std::nullopt;
