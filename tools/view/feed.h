@@ -35,8 +35,8 @@ class Feed {
   static Result<Feed> create(Server& server, const std::string& robot_path,
                              const FeedOptions& options = {});
 
-  // Which recorded channels message() reads. `for_viewers`: only to make channels of them, so that they may be
-  // left out while there is no viewer. The wire counts from the beginning.
+  // Which recorded channels message() reads. Those `for_viewers` may be left out while there is no viewer.
+  // The wire is always read: its frames are counted from the beginning.
   enum class Use { never, for_viewers, always };
   static Use use_of(std::string_view topic);
   // A message of a recorded channel. Always on the same thread.

@@ -1,10 +1,10 @@
 // HTTP and WebSocket on one port: the page, the robot's files, and the channels of a run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Threads. The threads of a run publish. publish() copies a message into a bounded queue and returns; it never
-// waits for a viewer, nor for the server. The server's own thread does all the rest: it alone has the
-// connections, the viewers with their subscriptions, and the log of the newest messages. Every viewer reads
-// that log at its own pace. A slow viewer misses messages and delays nobody.
+// Threads. The threads of a run publish. publish() copies a message into a bounded queue and returns; it
+// waits neither for a viewer nor for the server. The server's own thread does all the rest: it alone has
+// the connections, the viewers with their subscriptions, and the log of the newest messages. Every viewer
+// reads that log at its own pace. A slow viewer misses messages and delays nobody.
 //
 // Memory. A message is stored once, whatever the number of viewers. The queue and the log are bounded; a
 // viewer has at most some answers to its own requests, and is not read from until it takes them.
@@ -57,7 +57,8 @@ class Server {
     bool kept = false;      // viewers that subscribe later get the newest one at once
     bool observed = false;  // the handler of on_message() gets it
   };
-  // Returns at once if the message is neither wanted, kept nor observed. If the queue is full, the message is left out.
+  // Returns at once if the message is neither wanted, kept nor observed. If the queue is full, the message is
+  // left out.
   void publish(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data,
                Publication how);
   void publish(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data) {

@@ -1,8 +1,8 @@
 // `--view`: a run, live, for viewers.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Threads. The run's thread calls the functions of RecordingTap and HandSource: message() only puts the message
-// into the server's bounded queue. The server's thread makes the channels of Feed from it and serves
+// Threads. The run's thread calls the functions of RecordingTap and HandSource: message() only puts the
+// message into the server's bounded queue. The server's thread makes the channels of Feed from it and serves
 // viewers. A thread of the view codes pictures. Both have a lower priority than the run (nice 10).
 #pragma once
 
