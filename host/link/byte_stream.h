@@ -27,6 +27,7 @@ class ByteStream {
   void detach() { attach(Descriptor()); }
   int descriptor() const { return descriptor_.get(); }
   bool has_unsent() const { return !pending_.empty(); }
+  void drop_unsent() { pending_.clear(); }
   bool is_open() const { return static_cast<bool>(descriptor_); }
   Error closed() const { return Error{Fault::environment, closed_}; }
 

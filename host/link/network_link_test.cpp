@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <pty.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <termios.h>
 #include <unistd.h>
@@ -257,6 +258,109 @@ TEST(Rfc2217Link, APeerThatDoesNotSpeakItIsASentence) {
       << link.error().message;
 }
 
+// A server of RFC 2217 that agrees to everything at once, sends the replies that set_up() waits for, and then
+// `flood` so many times.
+class FloodingServer {
+ public:
+  explicit FloodingServer(Bytes flood, bool agrees = true, int times = 1'000'000'000) {
+    listener_ = listen_tcp("127.0.0.1", 0).value();
+    thread_ = std::thread([this, flood = std::move(flood), agrees, times] {
+      std::string peer;
+      Descriptor client;
+      while (!ended_ && !client) {
+        client = accept_tcp(listener_.get(), peer);
+        std::this_thread::sleep_for(1ms);
+      }
+      fcntl(client.get(), F_SETFL, 0);  // each send() is whole
+      Bytes wire;
+      if (agrees) {
+        telnet::put_option(telnet::kDo, telnet::kComPort, wire);
+        telnet::put_com_port(telnet::ComPort(telnet::kBaudRate + telnet::kReply),
+                             telnet::big_endian(115200), wire);
+        telnet::put_com_port(telnet::ComPort(telnet::kPurge + telnet::kReply), {{3}}, wire);
+      }
+      (void)::send(client.get(), wire.data(), wire.size(), MSG_NOSIGNAL);
+      for (int i = 0; i < times && !ended_; ++i)
+        (void)::send(client.get(), flood.data(), flood.size(), MSG_NOSIGNAL);
+      while (!ended_) std::this_thread::sleep_for(1ms);
+    });
+  }
+  ~FloodingServer() {
+    ended_ = true;
+    thread_.join();
+  }
+  PortAddress address() const { return {PortKind::rfc2217, "127.0.0.1", port_of(listener_.get())}; }
+
+ private:
+  Descriptor listener_;
+  std::atomic<bool> ended_ = false;
+  std::thread thread_;
+};
+
+TEST(Rfc2217Link, APeerThatFloodsTheLinkIsAnErrorAndNoMemory) {
+  FloodingServer server(Bytes(10000, 'x'));
+  auto link = Rfc2217Link::open(server.address());
+  ASSERT_TRUE(link) << link.error().message;
+  // No answer comes to this one, only data.
+  const auto set = (*link)->set_baud(57600);
+  ASSERT_FALSE(set);
+  EXPECT_EQ(set.error().fault, Fault::environment);
+  EXPECT_EQ(set.error().message,
+            (*link)->name() +
+                " sent more than 1048576 bytes while a command was being answered, which no serial "
+                "port does: check what serves that port");
+}
+
+TEST(Rfc2217Link, AFloodBeforeTheAgreementEndsAtTheDeadline) {
+  FloodingServer server(Bytes(10000, 'x'), false);
+  const Time begin = WallClock().now();
+  const auto link = Rfc2217Link::open(server.address());
+  ASSERT_FALSE(link);
+  EXPECT_NE(link.error().message.find("does not speak RFC 2217"), std::string::npos)
+      << link.error().message;
+  EXPECT_LT(WallClock().now() - begin, 5s);
+}
+
+// Line states, for example, which are no data. A server that sends them faster than they are read must not
+// keep the reader: what is left shows that it did not go on to the end.
+TEST(Rfc2217Link, CommandsWithoutEndDoNotKeepTheReader) {
+  Bytes notices;
+  for (int i = 0; i < 1000; ++i)
+    telnet::put_com_port(telnet::ComPort(telnet::kNotifyLineState + telnet::kReply), {{0}},
+                         notices);
+  FloodingServer server(notices, true, 10);
+  auto link = Rfc2217Link::open(server.address());
+  ASSERT_TRUE(link) << link.error().message;
+  const auto waiting = [&link] {
+    int bytes = 0;
+    EXPECT_EQ(ioctl((*link)->descriptor(), FIONREAD, &bytes), 0);
+    return bytes;
+  };
+  for (int i = 0; i < 500 && waiting() < 20000; ++i) std::this_thread::sleep_for(10ms);
+  std::array<std::uint8_t, 8> some;
+  EXPECT_EQ((*link)->read(some, WallClock().now()).value(), 0u);
+  EXPECT_GT(waiting(), 10000);
+}
+
+// All commands in pieces of `piece` bytes; the data before each, and after the last, to `data`.
+std::vector<telnet::Command> take_all(telnet::Reader& reader, const Bytes& wire, std::size_t piece,
+                                      std::vector<Bytes>* data) {
+  std::vector<telnet::Command> commands;
+  for (std::size_t at = 0; at < wire.size(); at += piece) {
+    std::span<const std::uint8_t> left = std::span(wire).subspan(at);
+    left = left.first(std::min(piece, left.size()));
+    while (!left.empty()) {
+      auto command = reader.take(left);
+      const auto some = reader.take_data();
+      data->back().insert(data->back().end(), some.begin(), some.end());
+      if (!command) continue;
+      commands.push_back(*std::move(command));
+      data->emplace_back();
+    }
+  }
+  return commands;
+}
+
 TEST(Telnet, DataWithIacAndCommandsInPiecesOfAnySize) {
   using namespace telnet;
   Bytes wire;
@@ -266,12 +370,9 @@ TEST(Telnet, DataWithIacAndCommandsInPiecesOfAnySize) {
   put_data({{255, 1}}, wire);
   for (const std::size_t piece : {std::size_t{1}, std::size_t{3}, wire.size()}) {
     Reader reader;
-    for (std::size_t at = 0; at < wire.size(); at += piece)
-      reader.take(std::span(wire).subspan(at, std::min(piece, wire.size() - at)));
-    Bytes expected = all_bytes();
-    expected.insert(expected.end(), {255, 1});
-    EXPECT_EQ(reader.take_data(), expected);
-    const auto commands = reader.take_commands();
+    std::vector<Bytes> data(1);
+    const auto commands = take_all(reader, wire, piece, &data);
+    EXPECT_EQ(data, (std::vector<Bytes>{all_bytes(), {}, {255, 1}})) << "each before its command";
     ASSERT_EQ(commands.size(), 2u);
     EXPECT_EQ(commands[0].verb, kSb);
     EXPECT_EQ(commands[0].what, kBaudRate);
@@ -290,10 +391,10 @@ TEST(Telnet, LongBrokenAndForeignSubNegotiationsAreDroppedAndCounted) {
   wire.insert(wire.end(),
               {kIac, kSb, kComPort, kIac, kDo, kEcho});  // broken off by another command
   wire.push_back('y');
-  reader.take(wire);
+  std::vector<Bytes> data(1);
+  const auto commands = take_all(reader, wire, wire.size(), &data);
   EXPECT_EQ(reader.dropped(), 3u);
-  EXPECT_EQ(reader.take_data(), Bytes{'y'});
-  const auto commands = reader.take_commands();
+  EXPECT_EQ(data.back(), Bytes{'y'});
   ASSERT_EQ(commands.size(), 1u);
   EXPECT_EQ(commands[0].verb, kDo);
 }
@@ -309,10 +410,11 @@ TEST(Telnet, NegotiationOfTwoEndsEnds) {
   int rounds = 0;
   for (; rounds < 10 && !(to_a.empty() && to_b.empty()); ++rounds) {
     telnet::Reader at_a, at_b;
-    at_a.take(std::exchange(to_a, {}));
-    at_b.take(std::exchange(to_b, {}));
-    for (const auto& command : at_a.take_commands()) a.take(command, to_b);
-    for (const auto& command : at_b.take_commands()) b.take(command, to_a);
+    std::vector<Bytes> none(1);
+    const auto for_a = take_all(at_a, std::exchange(to_a, {}), 1000, &none);
+    const auto for_b = take_all(at_b, std::exchange(to_b, {}), 1000, &none);
+    for (const auto& command : for_a) a.take(command, to_b);
+    for (const auto& command : for_b) b.take(command, to_a);
   }
   EXPECT_LE(rounds, 4);
   EXPECT_TRUE(a.com_port());

@@ -20,8 +20,13 @@ class PortLink : public Link, public ModemLines {
   // Readable, as poll() understands it, when `read` has something to do; -1 while the link is gone. It may be
   // another one after reopen().
   virtual int descriptor() const = 0;
-  // Whether bytes wait that the other end has not taken yet: `read` sends them, too.
+  // Whether `read` has something to do that descriptor() does not show: bytes that the other end has not
+  // taken yet, which `read` sends, too, or bytes that have come already.
   virtual bool has_unsent() const { return false; }
+  // Whether all bytes that were written have left the port, as far as the system can report that.
+  virtual bool drained() const { return !has_unsent(); }
+  // Discards bytes that were received and not read, or were written and have not left, where the link can.
+  virtual void purge(bool /*received*/, bool /*unsent*/) {}
   // What the link has counted besides bytes, as a sentence: "3 error frames, bus-off once"; empty if nothing.
   virtual std::string counts() const { return ""; }
   // Of a bus of servos, those that have not confirmed that they are off, a sentence with what to do; else

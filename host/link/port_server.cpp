@@ -21,12 +21,19 @@ namespace {
 using namespace telnet;
 
 constexpr int kMaxBaud = 4'000'000;
+constexpr Time kAcceptPause = std::chrono::milliseconds(100);
+constexpr Time kDrainCheck = std::chrono::milliseconds(1), kDrainWithin = std::chrono::seconds(5);
 
 void watch(int events, int descriptor) {
   epoll_event event{};
   event.events = EPOLLIN;
   event.data.fd = descriptor;
   epoll_ctl(events, EPOLL_CTL_ADD, descriptor, &event);
+}
+
+// Bytes that came before it must have left at the old rate, before the reset.
+bool waits_for_drain(const Command& command) {
+  return command.verb == kSb && (command.what == kBaudRate || command.what == kControl);
 }
 
 }  // namespace
@@ -56,30 +63,46 @@ Result<void> PortServer::set_dtr_rts(bool, bool) {
 }
 
 void PortServer::accept_clients() {
+  const Time now = WallClock().now();
+  if (now < accept_from_) return;
+  if (!listening_) watch(events_.get(), listener_.get());
+  listening_ = true;
   std::string peer;
   while (Descriptor client = accept_tcp(listener_.get(), peer)) {
-    if (has_client()) {
-      options_.report(peer + " was refused: " + peer_ + " has the port");
-      continue;  // closes it
+    if (!has_client()) {
+      begin_client(std::move(client), peer);
+    } else {
+      options_.report(peer + " was refused: " + peer_ + " has the port");  // and is closed
     }
-    peer_ = peer;
-    reader_ = {};
-    negotiation_ = {};
-    data_.clear();
-    watch(events_.get(), client.get());
-    stream_.attach(std::move(client));
-    options_.report(peer_ + " has the port");
-    if (options_.protocol == Protocol::raw) continue;
-    std::vector<std::uint8_t> wire;
-    negotiation_.begin(wire);
-    if (!stream_.write(wire)) drop_client("left");
   }
+  if (errno == EAGAIN) return;
+  // Out of descriptors, for example: the listener stays readable although nothing can be done about it.
+  epoll_ctl(events_.get(), EPOLL_CTL_DEL, listener_.get(), nullptr);
+  listening_ = false;
+  accept_from_ = now + kAcceptPause;
 }
 
-void PortServer::drop_client(const std::string& why) {
+void PortServer::begin_client(Descriptor client, const std::string& peer) {
+  peer_ = peer;
+  guard_ = {};
+  reader_ = {};
+  negotiation_ = {};
+  warned_ = false;
+  watch(events_.get(), client.get());
+  stream_.attach(std::move(client));
+  options_.report(peer_ + " has the port");
+  if (options_.protocol == Protocol::raw) return;
+  std::vector<std::uint8_t> wire;
+  negotiation_.begin(wire);
+  if (!stream_.write(wire)) drop_client("left");
+}
+
+void PortServer::drop_client(std::string_view why) {
   stream_.detach();
+  wire_.clear();
   data_.clear();
-  options_.report(peer_ + " " + why);
+  command_.reset();
+  options_.report(peer_ + " " + std::string(why));
 }
 
 // A client whose connection stands gets every byte that the board says from then on, even where
@@ -100,49 +123,83 @@ Result<void> PortServer::write(std::span<const std::uint8_t> bytes) {
 Result<std::size_t> PortServer::read(std::span<std::uint8_t> bytes, Time deadline) {
   const WallClock clock;
   while (true) {
+    accept_clients();
+    if (has_client() && wire_.empty() && !command_) KAZ_TRY(receive());
+    parse();
     if (!data_.empty()) {
       const std::size_t count = std::min(bytes.size(), data_.size());
       std::copy_n(data_.begin(), count, bytes.begin());
       data_.erase(data_.begin(), data_.begin() + static_cast<std::ptrdiff_t>(count));
       return count;
     }
-    accept_clients();
-    if (has_client()) {
-      std::array<std::uint8_t, 4096> wire;
-      const auto count = stream_.read(wire, clock.now());
-      if (!count && count.error().fault == Fault::interrupted) return tl::unexpected(count.error());
-      if (!count) {
-        drop_client("left");
-      } else if (*count > 0) {
-        KAZ_TRY(take(std::span(wire).first(*count)));
-        continue;
-      }
-    }
-    const short ready =
-        KAZ_TRY(wait_for(events_.get(), POLLIN, deadline, options_.interrupt, name()));
-    if (ready == 0) return 0;
+    const Time now = clock.now();
+    Time until = deadline;
+    if (command_) until = std::min(until, now + kDrainCheck);
+    if (!listening_) until = std::min(until, accept_from_);
+    KAZ_TRY(wait_for(descriptor(), POLLIN, until, options_.interrupt, name()));
+    if (now >= deadline) return 0;
   }
 }
 
-Result<void> PortServer::take(std::span<const std::uint8_t> wire) {
-  if (options_.protocol == Protocol::raw) {
-    data_.insert(data_.end(), wire.begin(), wire.end());
-    return {};
+Result<void> PortServer::receive() {
+  std::array<std::uint8_t, 4096> some;
+  const auto count = stream_.read(some, WallClock().now());
+  if (!count && count.error().fault == Fault::interrupted) return tl::unexpected(count.error());
+  if (!count) {
+    drop_client("left");
+  } else if (const auto admitted = guard_.admit(std::span(some).first(*count))) {
+    wire_.assign(admitted->begin(), admitted->end());
+  } else {
+    drop_client(kBrowserRefused);
   }
-  reader_.take(wire);
-  std::vector<std::uint8_t> answer;
-  for (const Command& command : reader_.take_commands()) {
-    negotiation_.take(command, answer);
-    if (command.verb == kSb) obey(command, answer);
-  }
-  const auto data = reader_.take_data();
-  data_.insert(data_.end(), data.begin(), data.end());
-  if (!answer.empty() && !stream_.write(answer)) drop_client("left");
   return {};
 }
 
+// Up to the next data, or to a command that waits.
+void PortServer::parse() {
+  std::span<const std::uint8_t> left = wire_;
+  while (data_.empty()) {
+    if (command_) {
+      if (waits_for_drain(*command_) && !board_.drained()) {
+        if (WallClock().now() < drain_by_) break;
+        return drop_client("was disconnected: the board's port did not send its bytes within 5 s");
+      }
+      obey(*std::exchange(command_, {}));
+      if (!has_client()) return;
+    }
+    if (left.empty()) break;
+    if (options_.protocol == Protocol::raw) {
+      data_.assign(left.begin(), left.end());
+      left = {};
+    } else {
+      command_ = reader_.take(left);
+      drain_by_ = WallClock().now() + kDrainWithin;
+      take_data();
+    }
+  }
+  wire_.erase(wire_.begin(), wire_.end() - static_cast<std::ptrdiff_t>(left.size()));
+}
+
+void PortServer::take_data() {
+  auto data = reader_.take_data();
+  if (negotiation_.com_port()) {
+    data_ = std::move(data);
+  } else if (!data.empty() && !std::exchange(warned_, true)) {
+    options_.report(peer_ +
+                    " sent bytes before it agreed to RFC 2217 (telnet option 44), which were not "
+                    "passed on: connect by rfc2217:, or serve the port with --raw");
+  }
+}
+
+void PortServer::obey(const Command& command) {
+  std::vector<std::uint8_t> answer;
+  negotiation_.take(command, answer);
+  if (command.verb == kSb && negotiation_.com_port()) set_port(command, answer);
+  if (!answer.empty() && !stream_.write(answer)) drop_client("left, or takes no bytes");
+}
+
 // What cannot be set is answered with what is. The board's line is 8N1 without handshake, always.
-void PortServer::obey(const Command& command, std::vector<std::uint8_t>& wire) {
+void PortServer::set_port(const Command& command, std::vector<std::uint8_t>& wire) {
   const auto answer = [&](std::span<const std::uint8_t> data) {
     put_com_port(static_cast<std::uint8_t>(command.what + kReply), data, wire);
   };
@@ -173,7 +230,7 @@ void PortServer::obey(const Command& command, std::vector<std::uint8_t>& wire) {
       answer({{0}});
       break;
     case kPurge:
-      if (value & 1) data_.clear();
+      board_.purge((value & kPurgeReceived) != 0, (value & kPurgeUnsent) != 0);
       answer({{value}});
       break;
     default:  // notices, suspend and resume: a frame is short, and nothing is held back
@@ -188,8 +245,6 @@ std::uint8_t PortServer::control(std::uint8_t value) {
     if (board_.set_dtr_rts(dtr, rts)) {
       dtr_ = dtr;
       rts_ = rts;
-    } else {
-      return kNoFlowControl;  // a port without the lines: nothing that was asked for
     }
   }
   switch (value) {

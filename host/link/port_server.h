@@ -4,17 +4,27 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/link/byte_stream.h"
 #include "host/link/port_link.h"
 #include "host/link/telnet.h"
+#include "shared/base/browser_guard.hpp"
 
 namespace kaz::host {
 
 // A link whose far end is whichever client is connected. Without one, what is written is dropped and
 // nothing is read. A second client is disconnected at once. It never fails for good: a client that leaves
-// is waited for.
+// is waited for. Without a descriptor for a client that waits, the server tries again every 100 ms.
+//
+// A client that begins like a web browser is disconnected (browser_guard.hpp). By RFC 2217 nothing reaches
+// `board` before the client has agreed to telnet option 44: bytes before that are dropped, commands ignored.
+//
+// The order of a client's bytes and commands is kept. A command is obeyed by the first read() after the one
+// that returned the last byte before it, so the caller writes what read() returned to `board` before it
+// calls read() again, as LineBridge does. Rate and modem lines change once board.drained(); a client whose
+// bytes the port does not send within 5 s is disconnected.
 class PortServer final : public PortLink {
  public:
   enum class Protocol { raw, rfc2217 };
@@ -35,18 +45,24 @@ class PortServer final : public PortLink {
   bool has_client() const { return stream_.is_open(); }
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
-  // Readable also when a client comes.
-  int descriptor() const override { return events_.get(); }
-  bool has_unsent() const override { return stream_.has_unsent(); }
+  // Readable also when a client comes. -1 while a command waits until the board's port is drained.
+  int descriptor() const override { return command_ ? -1 : events_.get(); }
+  bool has_unsent() const override {
+    return stream_.has_unsent() || !data_.empty() || !wire_.empty() || command_;
+  }
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
 
  private:
   PortServer(PortLink& board, const Options& options);
   void accept_clients();
-  void drop_client(const std::string& why);
-  Result<void> take(std::span<const std::uint8_t> wire);
-  void obey(const telnet::Command& command, std::vector<std::uint8_t>& wire);
+  void begin_client(Descriptor client, const std::string& peer);
+  void drop_client(std::string_view why);
+  Result<void> receive();
+  void parse();
+  void take_data();
+  void obey(const telnet::Command& command);
+  void set_port(const telnet::Command& command, std::vector<std::uint8_t>& wire);
   std::uint8_t control(std::uint8_t value);
 
   PortLink& board_;
@@ -54,13 +70,21 @@ class PortServer final : public PortLink {
   std::string name_;
   std::uint16_t port_ = 0;
   Descriptor listener_, events_;
+  bool listening_ = true;  // events_ watches listener_
+  Time accept_from_{};     // not before this
   ByteStream stream_;
   std::string peer_;
+  BrowserGuard guard_;
   telnet::Reader reader_;
   telnet::Options negotiation_;
-  std::vector<std::uint8_t> data_;  // of the client, not read yet
+  bool warned_ = false;                     // of bytes before option 44 was agreed to
+  std::vector<std::uint8_t> wire_;          // of the client, not parsed yet
+  std::vector<std::uint8_t> data_;          // parsed, not read yet
+  std::optional<telnet::Command> command_;  // came after data_
+  Time drain_by_{};                         // the board's port must be drained by then
   int baud_ = KZ_BAUD;
-  bool dtr_ = false, rts_ = false;
+  // The system switches both on when it opens a port; one without the lines reports them as on always.
+  bool dtr_ = true, rts_ = true;
 };
 
 }  // namespace kaz::host

@@ -19,6 +19,8 @@ using namespace telnet;
 constexpr Time kFirst = std::chrono::seconds(3), kAgain = std::chrono::milliseconds(500);
 constexpr Time kReplyWithin = std::chrono::seconds(1);
 constexpr std::size_t kMaxReplies = 64;
+// Data that come while a command is answered: more than a port at 4 Mbaud receives within kReplyWithin.
+constexpr std::size_t kMaxKept = 1 << 20;
 
 }  // namespace
 
@@ -59,6 +61,7 @@ Result<void> Rfc2217Link::begin(Time patience) {
                       " for bytes alone, or serve it with `kaz serve-port` or ser2net (its option "
                       "is telnet(rfc2217))");
     KAZ_TRY(pump(deadline));
+    data_.clear();  // of a port whose settings are another client's
   }
   return set_up();
 }
@@ -132,21 +135,21 @@ Result<std::optional<std::uint32_t>> Rfc2217Link::value_of(ComPort command,
 Result<bool> Rfc2217Link::pump(Time deadline) {
   std::array<std::uint8_t, 1024> wire;
   const std::size_t count = KAZ_TRY(stream_.read(wire, deadline));
-  reader_.take(std::span(wire).first(count));
-  KAZ_TRY(take_commands());
+  std::span<const std::uint8_t> left = std::span(wire).first(count);
+  std::vector<std::uint8_t> answer;
+  while (auto command = reader_.take(left)) {
+    options_.take(*command, answer);
+    if (command->verb == kSb && replies_.size() < kMaxReplies)
+      replies_.push_back(std::move(*command));
+  }
   const auto data = reader_.take_data();
   data_.insert(data_.end(), data.begin(), data.end());
+  if (data_.size() > kMaxKept)
+    return fail(Fault::environment, name() + " sent more than " + std::to_string(kMaxKept) +
+                                        " bytes while a command was being answered, which no "
+                                        "serial port does: check what serves that port");
+  if (!answer.empty()) KAZ_TRY(stream_.write(answer));
   return count > 0;
-}
-
-Result<void> Rfc2217Link::take_commands() {
-  std::vector<std::uint8_t> wire;
-  for (Command& command : reader_.take_commands()) {
-    options_.take(command, wire);
-    if (command.verb == kSb && replies_.size() < kMaxReplies)
-      replies_.push_back(std::move(command));
-  }
-  return wire.empty() ? Result<void>() : stream_.write(wire);
 }
 
 Result<void> Rfc2217Link::write(std::span<const std::uint8_t> bytes) {
@@ -158,7 +161,9 @@ Result<void> Rfc2217Link::write(std::span<const std::uint8_t> bytes) {
 Result<std::size_t> Rfc2217Link::read(std::span<std::uint8_t> bytes, Time deadline) {
   replies_.clear();  // notices of line and modem states
   while (data_.empty()) {
-    if (!KAZ_TRY(pump(deadline))) return 0;
+    // A server that sends commands without end must not keep the caller.
+    const bool more = KAZ_TRY(pump(deadline));
+    if (data_.empty() && (!more || WallClock().now() >= deadline)) return 0;
   }
   const std::size_t count = std::min(bytes.size(), data_.size());
   const auto end = data_.begin() + static_cast<std::ptrdiff_t>(count);

@@ -30,6 +30,8 @@ class Rfc2217Link final : public PortLink {
   // Returns when the server has set it.
   Result<void> set_baud(int baud) override;
   // DTR first, then RTS; both leave in one piece. Error (environment): the server's port has no such lines.
+  // RFC 2217 has no reply for that. `kaz serve-port` reports such lines as always on, so the error comes with
+  // the first line that is to be off.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
   int descriptor() const override { return stream_.descriptor(); }
@@ -43,9 +45,9 @@ class Rfc2217Link final : public PortLink {
   Rfc2217Link(PortAddress address, const Interrupt* interrupt);
   Result<void> begin(Time patience);
   Result<void> set_up();
-  // Reads what is there until `deadline` or until something came.
+  // Reads what is there until `deadline` or until something came. Error (environment): data_ would exceed
+  // its limit, because the other end floods the link.
   Result<bool> pump(Time deadline);
-  Result<void> take_commands();
   // The value in the server's reply to `command`; nothing if none comes within a second.
   Result<std::optional<std::uint32_t>> value_of(telnet::ComPort command,
                                                 std::span<const std::uint8_t> data);
@@ -55,7 +57,7 @@ class Rfc2217Link final : public PortLink {
   ByteStream stream_;
   telnet::Reader reader_;
   telnet::Options options_;
-  std::deque<std::uint8_t> data_;  // received while a command was answered
+  std::deque<std::uint8_t> data_;  // received while a command was answered; at most 1 MiB
   std::deque<telnet::Command> replies_;
   std::uint64_t dropped_ = 0;
 };

@@ -9,8 +9,6 @@ namespace kaz::host::telnet {
 
 namespace {
 
-constexpr std::size_t kMaxCommands =
-    64;  // not taken yet; a peer that sends more is not listened to
 constexpr std::uint8_t kWanted[] = {kBinary, kSuppressGoAhead, kComPort};
 
 bool wanted(std::uint8_t option) {
@@ -19,11 +17,16 @@ bool wanted(std::uint8_t option) {
 
 }  // namespace
 
-void Reader::take(std::span<const std::uint8_t> wire) {
-  for (const std::uint8_t byte : wire) take_byte(byte);
+std::optional<Command> Reader::take(std::span<const std::uint8_t>& wire) {
+  while (!wire.empty()) {
+    const std::uint8_t byte = wire.front();
+    wire = wire.subspan(1);
+    if (auto command = take_byte(byte)) return command;
+  }
+  return std::nullopt;
 }
 
-void Reader::take_byte(std::uint8_t byte) {
+std::optional<Command> Reader::take_byte(std::uint8_t byte) {
   switch (state_) {
     case State::data:
       if (byte == kIac) {
@@ -47,8 +50,7 @@ void Reader::take_byte(std::uint8_t byte) {
       break;
     case State::option:
       state_ = State::data;
-      if (commands_.size() < kMaxCommands) commands_.push_back({verb_, byte, {}});
-      break;
+      return Command{verb_, byte, {}};
     case State::sub:
       if (byte == kIac) {
         state_ = State::sub_iac;
@@ -67,32 +69,29 @@ void Reader::take_byte(std::uint8_t byte) {
           too_long_ = true;
         }
       } else if (byte == kSe) {
-        end_sub();
         state_ = State::data;
+        return end_sub();
       } else {
         // Broken off; what comes is another command.
         ++dropped_;
         state_ = State::iac;
-        take_byte(byte);
+        return take_byte(byte);
       }
       break;
   }
+  return std::nullopt;
 }
 
-void Reader::end_sub() {
-  if (too_long_ || sub_.size() < 2 || sub_[0] != kComPort || commands_.size() >= kMaxCommands) {
+std::optional<Command> Reader::end_sub() {
+  if (too_long_ || sub_.size() < 2 || sub_[0] != kComPort) {
     ++dropped_;
-    return;
+    return std::nullopt;
   }
-  commands_.push_back({kSb, sub_[1], {sub_.begin() + 2, sub_.end()}});
+  return Command{kSb, sub_[1], {sub_.begin() + 2, sub_.end()}};
 }
 
 std::vector<std::uint8_t> Reader::take_data() {
   return std::exchange(data_, {});
-}
-
-std::vector<Command> Reader::take_commands() {
-  return std::exchange(commands_, {});
 }
 
 void put_data(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& wire) {

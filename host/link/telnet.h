@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,43 +29,48 @@ enum ComPort : std::uint8_t {
   kResume = 9,
   kLineStateMask = 10,
   kModemStateMask = 11,
-  kPurge = 12,  // 1 received, 2 unsent, 3 both
+  kPurge = 12,  // below
   kReply = 100,
 };
 // Values of kControl.
 inline constexpr std::uint8_t kNoFlowControl = 1, kQueryDtr = 7, kDtrOn = 8, kDtrOff = 9,
                               kQueryRts = 10, kRtsOn = 11, kRtsOff = 12;
 
+// Bits of kPurge's value: what the server has received from its port, and what it has not sent to it yet.
+inline constexpr std::uint8_t kPurgeReceived = 1, kPurgeUnsent = 2;
+
 struct Command {
   std::uint8_t verb = 0;           // kWill, kWont, kDo, kDont, or kSb for one of COM-PORT-OPTION
   std::uint8_t what = 0;           // the option; for kSb the command, ComPort
   std::vector<std::uint8_t> data;  // of kSb
+  bool operator==(const Command&) const = default;
 };
 
-// Takes bytes in pieces of any size. Its memory is bounded whatever comes.
+// Takes bytes in pieces of any size, and keeps the order of data and commands. Its memory is bounded by the
+// largest piece.
 class Reader {
  public:
   static constexpr std::size_t kMaxData =
       64;  // of one command; longer ones are dropped and counted
 
-  void take(std::span<const std::uint8_t> wire);
-  // What has come since the last call, in order.
+  // Takes bytes from the front of `wire` up to the end of the next command, and returns that; nothing if
+  // they end before. `wire` becomes what was not taken.
+  std::optional<Command> take(std::span<const std::uint8_t>& wire);
+  // The data since the last call: all of them came before the command that take() returned last.
   std::vector<std::uint8_t> take_data();
-  std::vector<Command> take_commands();
   // Sub-negotiations that were too long, of another option, or broken off.
   std::uint64_t dropped() const { return dropped_; }
 
  private:
   enum class State { data, iac, option, sub, sub_iac };
-  void take_byte(std::uint8_t byte);
-  void end_sub();
+  std::optional<Command> take_byte(std::uint8_t byte);
+  std::optional<Command> end_sub();
 
   State state_ = State::data;
   std::uint8_t verb_ = 0;
   std::vector<std::uint8_t> sub_;  // option, command, data
   bool too_long_ = false;
   std::vector<std::uint8_t> data_;
-  std::vector<Command> commands_;
   std::uint64_t dropped_ = 0;
 };
 

@@ -73,6 +73,20 @@ Result<void> TtyLink::set_dtr_rts(bool dtr, bool rts) {
   return fail(Fault::environment, path_ + " has no lines DTR and RTS: " + std::strerror(errno));
 }
 
+bool TtyLink::drained() const {
+  if (stream_.has_unsent()) return false;
+  int queued = 0;
+  if (ioctl(stream_.descriptor(), TIOCOUTQ, &queued) == 0 && queued > 0) return false;
+  // Bytes in the FIFO of the UART or adapter are not in that number. They leave within milliseconds.
+  return tcdrain(stream_.descriptor()) == 0 || errno != EINTR;
+}
+
+void TtyLink::purge(bool received, bool unsent) {
+  if (unsent) stream_.drop_unsent();
+  if (received || unsent)
+    tcflush(stream_.descriptor(), !unsent ? TCIFLUSH : !received ? TCOFLUSH : TCIOFLUSH);
+}
+
 Result<void> TtyLink::write(std::span<const std::uint8_t> bytes) {
   return stream_.write(bytes);
 }

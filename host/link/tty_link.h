@@ -29,6 +29,8 @@ class TtyLink final : public PortLink {
   LowLatency low_latency() const override { return low_latency_; }
   int descriptor() const override { return stream_.descriptor(); }
   bool has_unsent() const override { return stream_.has_unsent(); }
+  bool drained() const override;
+  void purge(bool received, bool unsent) override;
   // Fails when the port is gone, or when it has taken no byte of the last 64 KB.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   // A port that goes away during use (unplugged, or the simulator at its other end ended) is an

@@ -121,6 +121,27 @@ TEST(TtyLink, KeepsWhatThePortDoesNotTakeAtOnce) {
   EXPECT_NE(refused.error().message.find("takes no bytes"), std::string::npos);
 }
 
+TEST(TtyLink, ReportsWhenItIsDrainedAndDiscardsWhatIsNamed) {
+  FarEnd board;
+  auto link = TtyLink::open(board.path());
+  ASSERT_TRUE(link);
+  EXPECT_TRUE((*link)->drained());
+  ASSERT_TRUE((*link)->write(std::vector<std::uint8_t>(20000, 1)));  // more than the terminal holds
+  EXPECT_FALSE((*link)->drained());
+  board.send(std::array<std::uint8_t, 2>{7, 8});
+  std::this_thread::sleep_for(20ms);
+  (*link)->purge(false, true);
+  EXPECT_TRUE((*link)->drained());
+  std::uint8_t buffer[8];
+  const auto kept = (*link)->read(buffer, WallClock().now() + 5s);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(*kept, 2u) << "what was received stays";
+  board.send(std::array<std::uint8_t, 2>{7, 8});
+  std::this_thread::sleep_for(20ms);
+  (*link)->purge(true, false);
+  EXPECT_EQ((*link)->read(buffer, WallClock().now() + 20ms).value(), 0u);
+}
+
 TEST(TtyLink, SaysThatThePortWasClosed) {
   FarEnd board;
   auto link = TtyLink::open(board.path());

@@ -1,6 +1,7 @@
 // What comes over a bus or a network: CAN messages and error frames, telnet with RFC 2217, files of boards.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "hil/fuzz/choices.h"
@@ -42,6 +43,30 @@ bool read_all(host::CanLink& link, Wire& all) {
     if (*count == 0) return true;
     all.insert(all.end(), some, some + *count);
   }
+}
+
+// Data, each with the command that came after it; an empty one after the last.
+using TelnetStream = std::vector<std::pair<Wire, host::telnet::Command>>;
+
+TelnetStream take_all(host::telnet::Reader& reader, Bytes wire) {
+  TelnetStream all;
+  while (auto command = reader.take(wire)) all.emplace_back(reader.take_data(), *command);
+  all.emplace_back(reader.take_data(), host::telnet::Command{});
+  return all;
+}
+
+TelnetStream take_in_pieces(host::telnet::Reader& reader, Bytes wire) {
+  TelnetStream all(1);
+  for (std::size_t i = 0; i < wire.size(); ++i) {
+    Bytes piece = wire.subspan(i, 1);
+    const auto command = reader.take(piece);
+    const Wire data = reader.take_data();
+    all.back().first.insert(all.back().first.end(), data.begin(), data.end());
+    if (!command) continue;
+    all.back().second = *command;
+    all.emplace_back();
+  }
+  return all;
 }
 
 }  // namespace
@@ -103,34 +128,30 @@ Complaint try_can(Bytes bytes) {
 Complaint try_telnet(Bytes bytes) {
   using namespace host::telnet;
   Reader whole, pieces;
-  whole.take(bytes);
-  for (const std::uint8_t byte : bytes) pieces.take({&byte, 1});
-  const auto data = whole.take_data();
-  const auto commands = whole.take_commands();
-  if (data != pieces.take_data() || whole.dropped() != pieces.dropped())
+  const TelnetStream all = take_all(whole, bytes), one_by_one = take_in_pieces(pieces, bytes);
+  if (all != one_by_one || whole.dropped() != pieces.dropped())
     return "pieces are read as other bytes";
-  if (data.size() > bytes.size()) return "more bytes than came";
   Options options;
   Wire answer;
-  for (const Command& command : commands) {
+  std::size_t count = 0;
+  for (const auto& [data, command] : all) {
+    count += data.size();
     if (command.data.size() > Reader::kMaxData) return "a command longer than its bound";
     options.take(command, answer);
     (void)read_big_endian(command.data);
   }
-  if (answer.size() > 3 * commands.size()) return "more answers than commands";
+  if (count > bytes.size()) return "more bytes than came";
+  if (answer.size() > 3 * all.size()) return "more answers than commands";
   // Whatever was begun ends, and the next command is understood.
-  whole.take(Wire{kIac, kSe, kIac, kSe});
-  (void)whole.take_data();
-  (void)whole.take_commands();
+  (void)take_all(whole, Wire{kIac, kSe, kIac, kSe});
   Wire wire;
   put_com_port(kBaudRate, big_endian(57600), wire);
   put_data(bytes, wire);
-  whole.take(wire);
-  const auto next = whole.take_commands();
-  if (next.size() != 1 || next[0].what != kBaudRate || read_big_endian(next[0].data) != 57600)
-    return "a command after it is not understood";
-  if (!std::ranges::equal(whole.take_data(), bytes))
-    return "bytes do not come back as they were put";
+  const auto next = take_all(whole, wire);
+  const bool understood = next.size() == 2 && next[0].second.what == kBaudRate &&
+                          read_big_endian(next[0].second.data) == 57600;
+  if (!understood) return "a command after it is not understood";
+  if (!std::ranges::equal(next[1].first, bytes)) return "bytes do not come back as they were put";
   return std::nullopt;
 }
 

@@ -1,0 +1,290 @@
+// What clients of `kaz serve-port` can do to a port, and in which order: a recorded port behind the server.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/link/port_server.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/link/wall_clock.h"
+#include "shared/base/no_descriptors_testing.hpp"
+
+namespace kaz::host {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace telnet;
+using Bytes = std::vector<std::uint8_t>;
+using Log = std::vector<std::string>;
+
+// Writes down what reaches the board, in order.
+struct RecordedPort final : PortLink {
+  std::string name() const override { return "the port"; }
+  LowLatency low_latency() const override { return LowLatency::set; }
+  int descriptor() const override { return -1; }
+  Result<std::size_t> read(std::span<std::uint8_t>, Time) override { return 0; }
+  Result<void> write(std::span<const std::uint8_t> bytes) override {
+    log.emplace_back(bytes.begin(), bytes.end());
+    return {};
+  }
+  Result<void> set_baud(int baud) override {
+    log.push_back("baud " + std::to_string(baud));
+    return {};
+  }
+  Result<void> set_dtr_rts(bool dtr, bool rts) override {
+    if (!has_lines) return fail(Fault::environment, "no lines");
+    log.push_back("dtr " + std::to_string(dtr) + " rts " + std::to_string(rts));
+    return {};
+  }
+  bool drained() const override { return --undrained < 0; }
+  void purge(bool received, bool unsent) override {
+    log.push_back("purge" + std::string(received ? " received" : "") + (unsent ? " unsent" : ""));
+  }
+
+  mutable int undrained = 0;  // so often it is not drained yet
+  bool has_lines = true;
+  Log log;
+};
+
+Bytes bytes_of(const std::string& text) {
+  return {text.begin(), text.end()};
+}
+Bytes com_port(ComPort command, const Bytes& data) {
+  Bytes wire;
+  put_com_port(command, data, wire);
+  return wire;
+}
+Bytes option(std::uint8_t verb, std::uint8_t what) {
+  return {kIac, verb, what};
+}
+Bytes operator+(Bytes all, const Bytes& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+const Bytes kAgreement = option(kWill, kComPort);
+
+struct ServedPort : testing::Test {
+  void open(PortServer::Protocol protocol) {
+    server =
+        PortServer::open(port, {.protocol = protocol,
+                                .interrupt = &interrupt,
+                                .report = [this](const std::string& line) { said += line + "\n"; }})
+            .value();
+  }
+  Descriptor connect() const {
+    Descriptor client(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    connect(client);
+    return client;
+  }
+  void connect(const Descriptor& client) const {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(server->port());
+    ASSERT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  }
+  void send(const Descriptor& client, const Bytes& bytes) {
+    ASSERT_EQ(::send(client.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  // As LineBridge does, until `more` is false or nothing has happened for a while.
+  void serve(Time quiet = 50ms) {
+    std::array<std::uint8_t, 4096> bytes;
+    while (true) {
+      const auto count = server->read(bytes, WallClock().now() + quiet);
+      ASSERT_TRUE(count) << count.error().message;
+      if (*count == 0) return;
+      ASSERT_TRUE(port.write(std::span(bytes).first(*count)));
+    }
+  }
+  // Replies to commands of RFC 2217 that have come to the client.
+  std::vector<Command> replies(const Descriptor& client) {
+    std::array<std::uint8_t, 4096> bytes;
+    const ssize_t n = ::recv(client.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    std::span<const std::uint8_t> left =
+        std::span(bytes).first(n > 0 ? static_cast<std::size_t>(n) : 0);
+    std::vector<Command> all;
+    Reader reader;
+    while (auto command = reader.take(left)) {
+      if (command->verb == kSb) all.push_back(*command);
+    }
+    return all;
+  }
+  // Whether the server has closed the connection.
+  static bool closed(const Descriptor& client) {
+    std::array<std::uint8_t, 4096> bytes;
+    ssize_t n = 1;
+    while (n > 0) n = ::recv(client.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    return n == 0 || errno != EAGAIN;
+  }
+
+  Interrupt interrupt;
+  RecordedPort port;
+  std::string said;
+  std::unique_ptr<PortServer> server;
+};
+
+TEST_F(ServedPort, BytesAndCommandsOfOneSegmentKeepTheirOrder) {
+  open(PortServer::Protocol::rfc2217);
+  const Descriptor client = connect();
+  send(client, kAgreement + bytes_of("BEFORE") + com_port(kBaudRate, big_endian(9600)) +
+                   bytes_of("AFTER") + com_port(kControl, {kDtrOff}) + bytes_of("RESET") +
+                   com_port(kPurge, {kPurgeUnsent}) + bytes_of("END"));
+  serve();
+  EXPECT_EQ(port.log,
+            (Log{"BEFORE", "baud 9600", "AFTER", "dtr 0 rts 1", "RESET", "purge unsent", "END"}));
+  const auto answers = replies(client);
+  ASSERT_EQ(answers.size(), 3u);
+  EXPECT_EQ(read_big_endian(answers[0].data), 9600u);
+  EXPECT_EQ(answers[1].data, Bytes{kDtrOff});
+  EXPECT_EQ(answers[2].data, Bytes{kPurgeUnsent});
+}
+
+TEST_F(ServedPort, TheRateChangesWhenThePortHasSentWhatCameBefore) {
+  open(PortServer::Protocol::rfc2217);
+  const Descriptor client = connect();
+  port.undrained = 20;
+  send(client,
+       kAgreement + bytes_of("BEFORE") + com_port(kBaudRate, big_endian(9600)) + bytes_of("AFTER"));
+  std::array<std::uint8_t, 4096> bytes;
+  for (int i = 0; i < 10; ++i) {
+    const auto count = server->read(bytes, WallClock().now());
+    ASSERT_TRUE(count);
+    if (*count > 0) {
+      ASSERT_TRUE(port.write(std::span(bytes).first(*count)));
+    }
+  }
+  EXPECT_EQ(port.log, Log{"BEFORE"}) << "with " << port.undrained << " checks to go";
+  EXPECT_EQ(server->descriptor(), -1) << "or a bridge would spin";
+  EXPECT_TRUE(server->has_unsent());
+  serve();
+  EXPECT_EQ(port.log, (Log{"BEFORE", "baud 9600", "AFTER"}));
+}
+
+TEST_F(ServedPort, AClientWhoseBytesThePortDoesNotSendIsDisconnected) {
+  open(PortServer::Protocol::rfc2217);
+  const Descriptor client = connect();
+  port.undrained = 1'000'000;
+  send(client, kAgreement + bytes_of("BEFORE") + com_port(kBaudRate, big_endian(9600)));
+  serve(5500ms);
+  EXPECT_EQ(port.log, Log{"BEFORE"});
+  EXPECT_FALSE(server->has_client());
+  EXPECT_NE(said.find("did not send its bytes within 5 s"), std::string::npos) << said;
+}
+
+TEST_F(ServedPort, NothingReachesThePortBeforeOption44) {
+  open(PortServer::Protocol::rfc2217);
+  const Descriptor client = connect();
+  send(client, bytes_of("EARLY") + com_port(kBaudRate, big_endian(9600)) +
+                   com_port(kControl, {kDtrOff}) + com_port(kControl, {kRtsOff}) +
+                   com_port(kPurge, {3}) + option(kWont, kComPort) + option(kWill, kBinary) +
+                   bytes_of("EARLY"));
+  serve();
+  EXPECT_EQ(port.log, Log{});
+  EXPECT_TRUE(replies(client).empty());
+  EXPECT_NE(
+      said.find(
+          " sent bytes before it agreed to RFC 2217 (telnet option 44), which were not passed on"),
+      std::string::npos)
+      << said;
+  send(client, kAgreement + bytes_of("NOW"));
+  serve();
+  EXPECT_EQ(port.log, Log{"NOW"});
+}
+
+// RFC 2217, PURGE-DATA: the buffers are the server's.
+TEST_F(ServedPort, PurgesTheBuffersThatAreNamed) {
+  open(PortServer::Protocol::rfc2217);
+  const Descriptor client = connect();
+  send(client, kAgreement + com_port(kPurge, {1}) + com_port(kPurge, {2}) + com_port(kPurge, {3}));
+  serve();
+  EXPECT_EQ(port.log, (Log{"purge received", "purge unsent", "purge received unsent"}));
+}
+
+// Clients such as pyserial's switch both on when they open a port, and take no other answer.
+TEST_F(ServedPort, LinesThatThePortLacksAreAlwaysOn) {
+  open(PortServer::Protocol::rfc2217);
+  port.has_lines = false;
+  const Descriptor client = connect();
+  send(client, kAgreement + com_port(kControl, {kDtrOn}) + com_port(kControl, {kRtsOn}) +
+                   com_port(kControl, {kDtrOff}) + com_port(kControl, {kQueryRts}));
+  serve();
+  Bytes values;
+  for (const Command& reply : replies(client)) values = values + reply.data;
+  EXPECT_EQ(values, (Bytes{kDtrOn, kRtsOn, kDtrOn, kRtsOn}));
+}
+
+// What a browser sends for fetch(URL, {method: "POST", mode: "no-cors", body}), whatever page it shows.
+TEST_F(ServedPort, AWebPagesRequestIsDroppedWhole) {
+  const std::string head = "POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 20\r\n\r\n";
+  const Bytes body = kAgreement + com_port(kBaudRate, big_endian(9600)) + Bytes{0, 1, 8, 0, 0, 2};
+  for (const auto protocol : {PortServer::Protocol::raw, PortServer::Protocol::rfc2217}) {
+    for (const std::size_t first : {head.size(), std::size_t{2}, std::size_t{5}}) {
+      open(protocol);
+      said.clear();
+      const Descriptor page = connect();
+      send(page, bytes_of(head.substr(0, first)));
+      serve();
+      if (first < 5) {
+        EXPECT_TRUE(server->has_client()) << "it may still send something else";
+      }
+      (void)::send(page.get(), head.data() + first, head.size() - first, MSG_NOSIGNAL);
+      (void)::send(page.get(), body.data(), body.size(), MSG_NOSIGNAL);
+      serve();
+      EXPECT_EQ(port.log, Log{});
+      EXPECT_FALSE(server->has_client());
+      EXPECT_TRUE(closed(page));
+      EXPECT_NE(said.find("was disconnected: it began with HTTP"), std::string::npos) << said;
+    }
+  }
+  // The next client is served as ever.
+  const Descriptor client = connect();
+  send(client, kAgreement + bytes_of("GET "));
+  serve();
+  EXPECT_EQ(port.log, Log{"GET "});
+}
+
+Time thread_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return std::chrono::seconds(now.tv_sec) + Time(now.tv_nsec);
+}
+
+TEST_F(ServedPort, WithoutADescriptorItWaitsAndThenServesTheClient) {
+  open(PortServer::Protocol::raw);
+  const Descriptor client(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  // Without the pause read() never returns.
+  std::atomic<bool> served = false;
+  std::thread watchdog([&] {
+    for (int i = 0; i < 500 && !served; ++i) std::this_thread::sleep_for(10ms);
+    interrupt.request();
+  });
+  {
+    const NoDescriptors none;
+    connect(client);
+    std::array<std::uint8_t, 8> bytes;
+    const Time begin = WallClock().now(), used = thread_time();
+    const auto count = server->read(bytes, begin + 450ms);
+    EXPECT_TRUE(count) << count.error().message;
+    EXPECT_GE(WallClock().now() - begin, 450ms);
+    EXPECT_LT(thread_time() - used, 100ms) << "it spins";
+    EXPECT_FALSE(server->has_client());
+  }
+  send(client, bytes_of("abc"));
+  serve(500ms);
+  EXPECT_EQ(port.log, Log{"abc"});
+  served = true;
+  watchdog.join();
+}
+
+}  // namespace
+}  // namespace kaz::host
