@@ -11,11 +11,16 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <climits>
 #include <cstring>
 #include <utility>
+
+#include "shared/base/browser_guard.hpp"
+#include "shared/base/descriptor.hpp"
 
 namespace kaz::h8s {
 namespace {
@@ -24,37 +29,61 @@ std::string reason() {
   return std::strerror(errno);
 }
 
-bool write_all(int fd, const std::string& text) {
-  for (std::size_t at = 0; at < text.size();) {
-    // A closed connection must be an error, not a signal; send works on sockets only.
-    ssize_t n = ::send(fd, text.data() + at, text.size() - at, MSG_NOSIGNAL);
-    if (n < 0 && errno == ENOTSOCK) n = ::write(fd, text.data() + at, text.size() - at);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    at += static_cast<std::size_t>(n);
-  }
+// Writes what `fd` takes without waiting, at least one byte where poll() has reported room. False: closed.
+bool write_some(int fd, std::string& text) {
+  // A closed connection must be an error, not a signal; send works on sockets only.
+  ssize_t n = ::send(fd, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  // A pipe with room takes PIPE_BUF bytes. It stays blocking: others may have the same end of it.
+  if (n < 0 && errno == ENOTSOCK)
+    n = ::write(fd, text.data(), std::min(text.size(), std::size_t{PIPE_BUF}));
+  if (n < 0) return errno == EINTR || errno == EAGAIN;
+  text.erase(0, static_cast<std::size_t>(n));
   return true;
 }
 
-// Until the server has finished, the peer closes or `stop` is readable.
-Result<void> converse(GdbServer& server, int in, int out, States slice, int stop) {
+enum class Ended { gdb, silent, browser, stopped };
+
+// Until the server has finished, the peer closes or `stop` is readable. A peer that does not read is not read
+// from either, so that its replies take no more memory than one buffer of requests makes.
+Result<Ended> converse(GdbServer& server, int in, int out, States slice, int stop) {
   std::array<std::uint8_t, 4096> buffer{};
-  while (!server.finished()) {
-    pollfd waiting[2] = {{in, POLLIN, 0}, {stop, POLLIN, 0}};
-    const int ready = ::poll(waiting, 2, server.running() ? 0 : -1);
+  BrowserGuard guard;
+  std::string unsent;
+  const auto ended = [&guard] { return guard.admitted() ? Ended::gdb : Ended::silent; };
+  while (!server.finished() || !unsent.empty()) {
+    pollfd waiting[] = {{unsent.empty() ? in : -1, POLLIN, 0},
+                        {unsent.empty() ? -1 : out, POLLOUT, 0},
+                        {stop, POLLIN, 0}};
+    const auto& [readable, writable, stopped] = waiting;
+    const int ready = ::poll(waiting, std::size(waiting), server.running() ? 0 : -1);
     if (ready < 0 && errno != EINTR) return fail("GDB's connection: " + reason());
-    if (ready > 0 && waiting[1].revents != 0) return {};
-    if (ready > 0) {
+    if (ready > 0 && stopped.revents != 0) return Ended::stopped;
+    if (ready > 0 && writable.revents != 0 && !write_some(out, unsent)) return ended();
+    if (ready > 0 && readable.revents != 0) {
       const ssize_t n = ::read(in, buffer.data(), buffer.size());
       if (n < 0 && errno == EINTR) continue;
-      if (n < 0) return fail("GDB's connection: " + reason());
-      if (n == 0) return {};
-      server.feed(std::span(buffer.data(), static_cast<std::size_t>(n)));
+      if (n < 0 && errno != ECONNRESET) return fail("GDB's connection: " + reason());
+      if (n <= 0) return ended();
+      const auto bytes = guard.admit(std::span(buffer.data(), static_cast<std::size_t>(n)));
+      if (!bytes) return Ended::browser;
+      server.feed(*bytes);
     }
     if (server.running()) server.run(slice);
-    if (!write_all(out, server.take_output())) return {};
+    unsent += server.take_output();
   }
-  return {};
+  return Ended::gdb;
+}
+
+// The next client; empty: `stop` is readable.
+Result<Descriptor> accept_client(int listener, int stop) {
+  while (true) {
+    pollfd waiting[] = {{listener, POLLIN, 0}, {stop, POLLIN, 0}};
+    if (::poll(waiting, std::size(waiting), -1) < 0 && errno == EINTR) continue;
+    if (waiting[1].revents != 0) return Descriptor();
+    Descriptor connection(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));
+    if (connection) return connection;
+    if (errno != EINTR && errno != ECONNABORTED) return fail("waiting for GDB: " + reason());
+  }
 }
 
 }  // namespace
@@ -122,21 +151,20 @@ std::string GdbPort::hint() const {
   return "target remote " + (path_.empty() ? "localhost:" + std::to_string(port_) : path_);
 }
 
-Result<void> GdbPort::serve(GdbServer& server, States slice, int stop) {
-  if (standard_) return converse(server, STDIN_FILENO, STDOUT_FILENO, slice, stop);
-  int connection = -1;
-  do {
-    pollfd waiting[2] = {{listener_, POLLIN, 0}, {stop, POLLIN, 0}};
-    if (::poll(waiting, 2, -1) < 0 && errno == EINTR) continue;
-    if (waiting[1].revents != 0) return {};
-    connection = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
-  } while (connection < 0 && errno == EINTR);
-  if (connection < 0) return fail("waiting for GDB: " + reason());
-  const int on = 1;
-  ::setsockopt(connection, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  auto result = converse(server, connection, connection, slice, stop);
-  ::close(connection);
-  return result;
+Result<void> GdbPort::serve(GdbServer& server, States slice, int stop, const Report& report) {
+  if (standard_) {
+    KAZ_TRY(converse(server, STDIN_FILENO, STDOUT_FILENO, slice, stop));
+    return {};
+  }
+  while (true) {
+    const Descriptor connection = KAZ_TRY(accept_client(listener_, stop));
+    if (!connection) return {};
+    const int on = 1;
+    ::setsockopt(connection.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    const Ended ended = KAZ_TRY(converse(server, connection.get(), connection.get(), slice, stop));
+    if (ended == Ended::gdb || ended == Ended::stopped) return {};
+    if (ended == Ended::browser && report) report(std::string("a client ").append(kBrowserRefused));
+  }
 }
 
 }  // namespace kaz::h8s

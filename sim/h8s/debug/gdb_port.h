@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "shared/base/result.hpp"
@@ -24,10 +25,16 @@ class GdbPort {
   // The command to enter in GDB: "target remote localhost:1234".
   std::string hint() const;
 
+  // One line for the user, without newline: a client was disconnected.
+  using Report = std::function<void(const std::string&)>;
+
   // Waits for one GDB and serves it until it kills, detaches or closes the connection. Runs the
   // chip in slices of `slice` states and checks for Ctrl-C between them. Returns too when the descriptor
-  // `stop` becomes readable (-1: none). Errors: the connection fails.
-  Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1);
+  // `stop` becomes readable (-1: none), also while GDB does not read its replies. A client that begins like
+  // a web browser (browser_guard.hpp) or leaves without a byte is none: the next one is waited for. Errors:
+  // the connection fails, or the process has no descriptor left.
+  Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1,
+                     const Report& report = {});
 
  private:
   GdbPort() = default;

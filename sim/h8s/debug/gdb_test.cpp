@@ -1,10 +1,13 @@
 // A scripted remote-protocol session, in process and over a socket, and hostile bytes.
 // SPDX-License-Identifier: Apache-2.0
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <future>
+#include <mutex>
 #include <random>
 #include <thread>
 
@@ -296,6 +299,103 @@ TEST(Gdb, OverASocket) {
   EXPECT_TRUE(served.has_value());
   gdb.join();
   EXPECT_TRUE(server.finished());
+}
+
+// A GdbPort in a thread, and clients of it.
+class ServedChip {
+ public:
+  ServedChip() {
+    EXPECT_EQ(::pipe2(stop_, O_CLOEXEC), 0);
+    thread_ = std::thread([this] {
+      served_ = port_.serve(server_, 1000, stop_[0], [this](const std::string& line) {
+        const std::lock_guard lock(mutex_);
+        said_ += line;
+      });
+      done_.set_value();
+    });
+  }
+  ~ServedChip() {
+    stop();
+    thread_.join();
+    for (const int fd : stop_) ::close(fd);
+  }
+  int connect() const {
+    const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(static_cast<std::uint16_t>(port_.port()));
+    EXPECT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    const timeval limit{10, 0};
+    ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    return fd;
+  }
+  void stop() { EXPECT_EQ(::write(stop_[1], "x", 1), 1); }
+  bool ends_within(std::chrono::seconds limit) {
+    return ended_.wait_for(limit) == std::future_status::ready;
+  }
+  std::string said() {
+    const std::lock_guard lock(mutex_);
+    return said_;
+  }
+
+ private:
+  int stop_[2] = {-1, -1};
+  Chip chip_ = small_chip();
+  GdbServer server_{chip_};
+  GdbPort port_ = GdbPort::open("0").value();
+  Result<void> served_;
+  std::promise<void> done_;
+  std::future<void> ended_ = done_.get_future();
+  std::mutex mutex_;
+  std::string said_;
+  std::thread thread_;
+};
+
+void send_text(int fd, const std::string& text) {
+  EXPECT_EQ(::send(fd, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
+}
+
+// What comes until there is `end`, or the other end closes.
+std::string receive_until(int fd, char end) {
+  std::string text;
+  for (char byte = 0; byte != end && ::recv(fd, &byte, 1, 0) == 1;) text += byte;
+  return text;
+}
+
+// A browser can be made to send this by any page.
+TEST(Gdb, AWebPageIsDisconnectedAndTheNextClientIsGdb) {
+  ServedChip chip;
+  const std::string post = "POST / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n" + gdb_frame("k");
+  for (const std::size_t first : {post.size(), std::size_t{3}}) {
+    const int page = chip.connect();
+    send_text(page, post.substr(0, first));
+    if (first < post.size()) send_text(page, post.substr(first));
+    EXPECT_EQ(receive_until(page, '#'), "");
+    ::close(page);
+  }
+  ::close(chip.connect());  // a page may open a connection and say nothing
+  const int gdb = chip.connect();
+  send_text(gdb, gdb_frame("?"));
+  EXPECT_EQ(receive_until(gdb, '#'), "+$S05#") << "the chip was killed";
+  ::close(gdb);
+  EXPECT_TRUE(chip.ends_within(std::chrono::seconds(10)));
+  EXPECT_TRUE(has(chip.said(), "a client was disconnected: it began with HTTP")) << chip.said();
+}
+
+TEST(Gdb, AClientThatDoesNotReadCannotKeepTheServer) {
+  ServedChip chip;
+  const int gdb = chip.connect();
+  const int small = 4096;
+  ::setsockopt(gdb, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+  // Until nothing more is taken: the server waits for its replies to be read.
+  const timeval limit{1, 0};
+  ::setsockopt(gdb, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+  const std::string request = gdb_frame("m0,1ff0");
+  while (::send(gdb, request.data(), request.size(), MSG_NOSIGNAL) > 0) continue;
+  chip.stop();
+  EXPECT_TRUE(chip.ends_within(std::chrono::seconds(10)));
+  ::close(gdb);
 }
 
 TEST(Gdb, PortsThatCannotBe) {

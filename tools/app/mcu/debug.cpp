@@ -143,7 +143,9 @@ Result<bool> serve_gdb(h8s::Chip& chip, const std::string& where, int stop) {
   if (!port) return fail(Fault::usage, "--gdb: " + port.error().message);
   std::fprintf(stderr, "waiting for GDB: %s\n", port->hint().c_str());
   h8s::GdbServer server(chip);
-  const auto served = port->serve(server, 1'000'000, stop);
+  const auto served = port->serve(server, 1'000'000, stop, [](const std::string& line) {
+    std::fprintf(stderr, "%s\n", line.c_str());
+  });
   if (!served) return fail(Fault::environment, served.error().message);
   return true;
 }
