@@ -82,6 +82,11 @@ void History::mend() {
 void History::snapshot() {
   end_ = chip_.now();
   snapshots_.push_back({chip_.now(), inputs_.size(), chip_.save()});
+  thin_snapshots();
+  forget_past();
+}
+
+void History::thin_snapshots() {
   if (snapshots_.size() <= std::max<std::size_t>(options_.snapshots, 3)) return;
   // Drops the snapshot whose removal widens a gap least, relative to its age.
   std::size_t drop = 1;
@@ -95,6 +100,18 @@ void History::snapshot() {
     }
   }
   snapshots_.erase(snapshots_.begin() + static_cast<std::ptrdiff_t>(drop));
+}
+
+// The record begins at the oldest snapshot, so it is cut at one.
+void History::forget_past() {
+  while (snapshots_.size() > 1 && inputs_.size() + samples_.size() > options_.records) {
+    snapshots_.erase(snapshots_.begin());
+    const Snapshot first = snapshots_.front();
+    inputs_.erase(inputs_.begin(), inputs_.begin() + static_cast<std::ptrdiff_t>(first.inputs));
+    for (Snapshot& s : snapshots_) s.inputs -= first.inputs;
+    cursor_ -= first.inputs;
+    std::erase_if(samples_, [&](const Sample& s) { return s.at < first.at; });
+  }
 }
 
 const History::Snapshot* History::last_before(States at) const {

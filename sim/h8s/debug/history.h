@@ -47,6 +47,8 @@ struct Halt {
 struct HistoryOptions {
   States spacing = 100'000;    // states between the newest snapshots
   std::size_t snapshots = 40;  // maximum number; older ones are further apart; 0.2 MB each
+  // Inputs and A/D samples, about 40 bytes each. With more, the oldest part of the history is forgotten.
+  std::size_t records = 2'000'000;
 };
 
 // Records a chip from its construction on. The chip must be run through this object, which takes
@@ -61,7 +63,7 @@ class History final : public InputLog {
   History(const History&) = delete;
   History& operator=(const History&) = delete;
 
-  // First and last state that can be visited.
+  // First and last state that can be visited. The first moves on in a session with many records.
   States begin() const;
   States end() const;
   // Whether the chip is before end(), so that running replays the record.
@@ -106,6 +108,8 @@ class History final : public InputLog {
   void restart();
   void mend();
   void snapshot();
+  void thin_snapshots();
+  void forget_past();
   void forget_future();
   const Snapshot* last_before(States at) const;
 

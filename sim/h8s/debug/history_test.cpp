@@ -60,6 +60,25 @@ TEST(History, BackwardsIsForwardsReversed) {
   EXPECT_FALSE(history.replaying() && history.end() != last.now);
 }
 
+TEST(History, ForgetsItsOldestPartBeyondTheLimitOfRecords) {
+  Chip chip = busy_chip();
+  History history(chip, {500, 8, 300});
+  for (int n = 0; chip.now() < 20'000; ++n) {
+    chip.set_input(Port::p6, n % 8, n % 3 == 0);
+    ASSERT_EQ(history.step().why, Halt::Why::reached);
+  }
+  const Place last = place(chip);
+  const States begin = history.begin();
+  EXPECT_GT(begin, 15'000u) << "an input every few states: 300 of them are less than 5,000 states";
+  ASSERT_LT(begin, last.now);
+  // What is kept is still exact.
+  ASSERT_TRUE(history.back_to(begin).has_value());
+  EXPECT_EQ(history.step_back().why, Halt::Why::begin);
+  ASSERT_EQ(history.run_until(last.now).why, Halt::Why::reached);
+  EXPECT_EQ(place(chip), last);
+  EXPECT_FALSE(history.back_to(begin - 1).has_value());
+}
+
 TEST(History, BreakpointsAndWatchesBackwards) {
   Chip chip = busy_chip();
   History history(chip, {1000, 12});
