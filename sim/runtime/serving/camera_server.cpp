@@ -78,12 +78,13 @@ void CameraServer::publish(vision::StereoPair pair, Time exposure) {
 
 void CameraServer::run() {
   while (true) {
+    const int wait_ms = listener_->max_wait_ms();  // before fd(), which may be -1 for so long
     std::vector<pollfd> polled{{wake_.get(), POLLIN, 0}, {listener_->fd(), POLLIN, 0}};
     for (const Reader& reader : readers_) {
       const auto wanted = static_cast<short>(POLLIN | (reader.sending ? POLLOUT : 0));
       polled.push_back({reader.socket.get(), wanted, 0});
     }
-    if (::poll(polled.data(), polled.size(), -1) < 0) continue;  // EINTR
+    if (::poll(polled.data(), polled.size(), wait_ms) < 0) continue;  // EINTR
 
     std::vector<short> events;
     for (std::size_t i = 2; i < polled.size(); ++i) events.push_back(polled[i].revents);

@@ -6,7 +6,9 @@
 #include <sys/socket.h>
 
 #include <bit>
+#include <chrono>
 
+#include "shared/base/no_descriptors_testing.hpp"
 #include "sim/runtime/serving/socket_testing.h"
 #include "sim/runtime/simulation/world_testing.h"
 
@@ -104,6 +106,26 @@ TEST(FollowedClock, AnotherClientReplacesASilentOneAndNoneThatSends) {
     ::send(second.get(), bytes_of(sent).data(), 8, 0);
   });
   EXPECT_GT(clock.now(), seconds(7)) << "a client that sends was replaced";
+}
+
+TEST(FollowedClock, WithoutADescriptorItWaitsAndThenTakesTheClient) {
+  const TestFolder folder;
+  auto clock = FollowedClock::open(folder.file("clock"));
+  ASSERT_TRUE(clock) << clock.error().message;
+  Descriptor machine = unconnected();
+  {
+    const NoDescriptors none;
+    machine = connect_to(folder.file("clock"), std::move(machine));
+    ASSERT_EQ(::send(machine.get(), bytes_of(seconds(9)).data(), 8, 0), 8);
+    int polls = 0;
+    for (const auto end = std::chrono::steady_clock::now() + milliseconds(300);
+         std::chrono::steady_clock::now() < end; ++polls)
+      EXPECT_FALSE((*clock)->poll(milliseconds(50)).value());
+    EXPECT_LT(polls, 20) << "it spins";
+  }
+  for (int i = 0; i < 100 && (*clock)->now() == Time(0); ++i)
+    (void)(*clock)->poll(milliseconds(50));
+  EXPECT_EQ((*clock)->now(), seconds(9));
 }
 
 }  // namespace

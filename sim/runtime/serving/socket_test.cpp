@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <time.h>
 
 #include <cstring>
 #include <fstream>
@@ -12,6 +13,7 @@
 
 #include "shared/base/camera_stream.hpp"
 #include "shared/base/json_testing.h"
+#include "shared/base/no_descriptors_testing.hpp"
 #include "sim/runtime/serving/camera_server.h"
 #include "sim/runtime/serving/control_server.h"
 #include "sim/runtime/serving/socket_testing.h"
@@ -183,6 +185,31 @@ TEST(CameraServer, ReaderThatHangsUpIsForgotten) {
   wait_for_readers(**server, 0);
   server->reset();
   EXPECT_FALSE(std::filesystem::exists(folder.file("c")));
+}
+
+// Of all threads of this process.
+Time processor_time() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return std::chrono::seconds(now.tv_sec) + Time(now.tv_nsec);
+}
+
+TEST(CameraServer, WithoutADescriptorItWaitsAndThenServesTheReader) {
+  const TestFolder folder;
+  auto server = CameraServer::open(folder.file("c"), model_of(32, 24), Time(0));
+  ASSERT_TRUE(server) << server.error().message;
+  Descriptor reader = unconnected();
+  {
+    const NoDescriptors none;
+    reader = connect_to(folder.file("c"), std::move(reader));
+    ASSERT_TRUE(reader);
+    const Time used = processor_time();
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    EXPECT_LT(processor_time() - used, std::chrono::milliseconds(100)) << "it spins";
+    EXPECT_EQ((*server)->readers(), 0);
+  }
+  CameraStreamHeader header{};
+  EXPECT_TRUE(receive(reader, &header, sizeof header));
 }
 
 struct Board {

@@ -12,9 +12,12 @@
 
 namespace kaz::sim {
 
+inline Descriptor unconnected() {
+  return Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+}
+
 // Empty where nobody listens.
-inline Descriptor connect_to(const std::string& path) {
-  Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+inline Descriptor connect_to(const std::string& path, Descriptor socket = unconnected()) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);

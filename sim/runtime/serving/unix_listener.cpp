@@ -12,6 +12,8 @@
 namespace kaz::sim {
 namespace {
 
+constexpr std::chrono::milliseconds kPause(100);
+
 Descriptor stream_socket() {
   return Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
@@ -66,7 +68,13 @@ UnixListener::~UnixListener() {
 }
 
 Descriptor UnixListener::accept() {
-  return Descriptor(::accept4(socket_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  Descriptor client(::accept4(socket_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (!client && errno != EAGAIN) paused_until_ = Clock::now() + kPause;
+  return client;
+}
+
+int UnixListener::max_wait_ms() const {
+  return paused() ? static_cast<int>(kPause.count()) : -1;
 }
 
 }  // namespace kaz::sim
