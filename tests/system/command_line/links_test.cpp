@@ -1,5 +1,8 @@
 // Links of `--robot` and `--port` but CAN: networks, foreign servers, lost peers, several boards.
 // SPDX-License-Identifier: Apache-2.0
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -10,7 +13,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "shared/base/descriptor.hpp"
 #include "shared/base/json_testing.h"
+#include "shared/protocol/frame.h"
+#include "shared/protocol/messages.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -23,6 +29,38 @@ using std::chrono::seconds;
 // Not that of another test at the same time.
 std::string some_port(int which) {
   return std::to_string(20000 + (getpid() * 7 + which) % 12000);
+}
+
+std::string frame(std::string body) {
+  std::string wire(KZ_FRAME_MAX, '\0');
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(body.data());
+  wire.resize(kz_frame_encode(bytes, static_cast<std::uint8_t>(body.size()),
+                              reinterpret_cast<std::uint8_t*>(wire.data())));
+  return wire;
+}
+
+// The latch is cleared, then all motors are switched on.
+std::string motors_on() {
+  return frame({1, KZ_TYPE_clear, 1}) + frame({1, KZ_TYPE_enable, 2, 0, 3, '\xff', '\xff'});
+}
+
+// What comes back until the other end is silent for a second or closes.
+std::string converse(const std::string& port, const std::string& sent) {
+  const Descriptor client(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_port = htons(static_cast<std::uint16_t>(std::stoi(port)));
+  EXPECT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  EXPECT_EQ(::send(client.get(), sent.data(), sent.size(), MSG_NOSIGNAL),
+            static_cast<ssize_t>(sent.size()));
+  const timeval second{1, 0};
+  ::setsockopt(client.get(), SOL_SOCKET, SO_RCVTIMEO, &second, sizeof second);
+  std::string all;
+  char some[256];
+  for (ssize_t n = 0; (n = ::recv(client.get(), some, sizeof some, 0)) > 0;)
+    all.append(some, static_cast<std::size_t>(n));
+  return all;
 }
 
 struct Links : ::testing::Test {
@@ -73,6 +111,62 @@ TEST_F(Links, ServePortReachesTheBoardByRfc2217AndRaw) {
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_NE(refused.err.find("tcp:" + at + " refused the connection"), std::string::npos)
       << refused.err;
+}
+
+// As a browser sends it for any page: fetch(URL, {method: "POST", mode: "no-cors", body: a Blob}).
+TEST_F(Links, AWebPageCannotMoveTheRobot) {
+  const std::string port = some_port(4), at = "127.0.0.1:" + port;
+  const std::string agreement = "\xff\xfb\x2c";  // IAC WILL COM-PORT
+  std::string doubled = motors_on();
+  for (auto place = doubled.find('\xff'); place != std::string::npos;
+       place = doubled.find('\xff', place + 2))
+    doubled.insert(place, 1, '\xff');
+  for (const bool raw : {true, false}) {
+    std::vector<std::string> arguments = {"serve-port", "--port", board, "--listen", at};
+    if (raw) arguments.push_back("--raw");
+    Process server(kaz(arguments));
+    ASSERT_TRUE(server.wait_for_output("ready: ", seconds(10))) << server.wait(seconds(0)).err;
+    const std::string body = raw ? motors_on() : agreement + doubled;
+    converse(port, "POST / HTTP/1.1\r\nHost: " + at +
+                       "\r\nContent-Length: " + std::to_string(body.size()) +
+                       "\r\nOrigin: https://evil.example\r\n\r\n" + body);
+    EXPECT_TRUE(server.wait_for_output("was disconnected: it began with HTTP", seconds(5)));
+    expect_end(server);
+  }
+  EXPECT_EQ(status(board)["motors"], "off");
+  EXPECT_FALSE(sim->wait_for_output("motors on", seconds(1)));
+  // The same bytes from a program that is no browser.
+  Process server(kaz({"serve-port", "--port", board, "--listen", at}));
+  ASSERT_TRUE(server.wait_for_output("ready: ", seconds(10))) << server.wait(seconds(0)).err;
+  EXPECT_NE(converse(port, agreement + doubled), "");
+  EXPECT_TRUE(sim->wait_for_output("motors on", seconds(5)));
+}
+
+TEST_F(Links, PyserialOpensThePortByRfc2217) {
+  const std::string at = "127.0.0.1:" + some_port(5);
+  Process server(kaz({"serve-port", "--port", board, "--listen", at}));
+  ASSERT_TRUE(server.wait_for_output("ready: ", seconds(10))) << server.wait(seconds(0)).err;
+  const char* const program = R"(
+import serial, sys
+port = serial.serial_for_url("rfc2217://" + sys.argv[1], baudrate=115200, timeout=5)
+port.write(bytes.fromhex(sys.argv[2]))
+print(port.read(1).hex(), port.read_until(b"\0").hex())
+port.reset_input_buffer()
+port.reset_output_buffer()
+port.baudrate = 57600
+port.close()
+)";
+  std::string request;
+  for (const unsigned char byte : frame({1, KZ_TYPE_heartbeat, 7})) {
+    char digits[3];
+    std::snprintf(digits, sizeof digits, "%02x", byte);
+    request += digits;
+  }
+  const Finished finished = run({KAZ_PYTHON, "-B", "-c", program, at, request});
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_EQ(finished.out.substr(0, 3), "00 ") << "no frame comes back";
+  EXPECT_GT(finished.out.size(), 15u) << finished.out;
+  EXPECT_EQ(finished.out.substr(finished.out.size() - 3), "00\n") << finished.out;
 }
 
 TEST_F(Links, Ser2netIsAServerOfRfc2217) {
