@@ -26,7 +26,7 @@ import tty
 ADDRESS = 1
 IDENTIFY, ENABLE, TARGETS, GAINS, STATE, HEARTBEAT, CLEAR, SETTINGS, REFUSED = (
     0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x08, 0x14, 0xFF)
-PROTOCOL_VERSION = 2
+PROTOCOL_VERSIONS = (2, 3)
 REACTION_HOLD = 2
 REASONS = {1: "unknown type", 2: "wrong length", 3: "value out of range",
            4: "target outside the joint's soft limits", 5: "joint is off",
@@ -196,20 +196,28 @@ class Board:
                 raise NoBoard(f"'{self.path}' is gone: {error.strerror}") from error
         return not frame
 
-    def request(self, kind, fields=b"", patience_s=0.5):
-        """The fields of the reply. A request without one is sent again, as the same request."""
-        body = b""
-        while not body or splits(body):
+    def new_sequence(self, kind, fields):
+        while True:
             self.sequence = self.sequence + 1 & 0xFF
-            body = bytes([ADDRESS, kind, self.sequence]) + fields
-        frame = frame_of(body)
+            if not splits(bytes([ADDRESS, kind, self.sequence]) + fields):
+                return self.sequence
+
+    def request(self, kind, fields=b"", patience_s=0.5):
+        """The fields of the reply. A request without one is sent again, as the same request.
+
+        One that switches all off takes a new number each time: a board of protocol 2 executes no repetition.
+        """
+        off = kind == ENABLE and not any(fields)
+        sequences = []
         give_up = time.monotonic() + patience_s
         while time.monotonic() < give_up:
-            if not self.write(frame, give_up):
+            if off or not sequences:
+                sequences.append(self.new_sequence(kind, fields))
+            if not self.write(frame_of(bytes([ADDRESS, kind, sequences[-1]]) + fields), give_up):
                 break
             for body in self.bodies(time.monotonic() + 0.05):
                 address, reply, sequence = body[:3]
-                if address != ADDRESS or sequence != self.sequence:
+                if address != ADDRESS or sequence not in sequences:
                     continue
                 if reply == REFUSED:
                     _tick, _status, request, reason, detail = struct.unpack(">IHBBB", body[3:])
@@ -221,7 +229,7 @@ class Board:
     def identify(self):
         reply = self.request(IDENTIFY, patience_s=3)
         tick, version, joints, status = struct.unpack(">IBBH", reply[:8])
-        if version == PROTOCOL_VERSION and self.watchdog is None:
+        if version in PROTOCOL_VERSIONS and self.watchdog is None:
             self.watchdog = bytes(reply[19:21])  # limit and reaction, as off() puts them back
         return {"tick": tick, "version": version, "joints": joints, "status": status}
 
@@ -327,8 +335,8 @@ def demonstrate(options):
     who = board.identify()
     print(f"a board with {who['joints']} joints, protocol {who['version']}, last reset "
           f"{who['tick'] / 1000:.1f} s ago")
-    if who["version"] != PROTOCOL_VERSION:
-        raise NoBoard(f"the board speaks protocol {who['version']}, not {PROTOCOL_VERSION}")
+    if who["version"] not in PROTOCOL_VERSIONS:
+        raise NoBoard(f"the board speaks protocol {who['version']}, not one of {PROTOCOL_VERSIONS}")
     try:
         arrived = move(board, options.joint, options.angle, options.seconds)
         try:

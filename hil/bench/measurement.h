@@ -70,7 +70,7 @@ using Limits = std::map<std::string, std::pair<double, double>>;
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name);
 
 struct BenchReport {
-  std::string board;    // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
+  std::string board;    // "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
   std::optional<std::uint64_t> seed = {};  // of the emulated board and stand; none at a port

@@ -165,6 +165,17 @@ void add_raw(Chapter& to) {
     check(!driven(b), "RAW_DRIVE is set");
     b.expect_off();
   });
+  to.add(
+      "raw-zero-faulty", "Duty 0 ends it while its potentiometer is faulty.", "BENCH-4",
+      [](Board& b) {
+        unlock(b);
+        b.done("raw_drive", drive(0, 40, 1000));
+        b.bench().set_analog(0, 0);
+        b.wait(5);
+        check(!b.done("raw_drive", drive(0, 0, 1000)).flag(KZ_STATUS_RAW_DRIVE),
+              "RAW_DRIVE is set");
+      },
+      kMotion | kBench);
   to.add("raw-enable", "`enable` ends it.", "BENCH-4", [](Board& b) {
     unlock(b);
     b.done("raw_drive", drive(0, 40, 1000));

@@ -11,6 +11,28 @@ void append(Bytes& to, const Bytes& more) {
 
 constexpr long kSettingRamp = 77;
 
+// A request that is executed now, and whose same bytes come again later.
+class Repeated {
+ public:
+  Repeated(Board& board, const char* name, const Bytes& fields = {})
+      : board_(board),
+        name_(name),
+        sequence_(board.new_sequence()),
+        wire_(board.request_bytes(name, fields, sequence_)) {
+    again();
+  }
+  Reply again() const {
+    board_.write(wire_);
+    return board_.take(name_, sequence_);
+  }
+
+ private:
+  Board& board_;
+  std::string name_;
+  std::uint8_t sequence_;
+  Bytes wire_;
+};
+
 void add_answers(Chapter& to) {
   to.add(
       "tick-runs", "The tick in replies is the board's time in milliseconds.", "REQ-1",
@@ -83,42 +105,24 @@ void add_answers(Chapter& to) {
 void add_repetitions(Chapter& to) {
   to.add("repeated-answered", "A repetition is answered again, with a fresh tick.", "REQ-7",
          [](Board& b) {
-           const std::uint8_t sequence = b.new_sequence();
-           const Bytes wire = b.request_bytes("state", {}, sequence);
-           b.write(wire);
-           const Reply first = b.take("state", sequence);
+           const Repeated state(b, "state");
+           const Reply first = state.again();
            b.wait(20);
-           b.write(wire);
-           const Reply second = b.take("state", sequence);
+           const Reply second = state.again();
            within("ticks between the replies", second["tick"] - first["tick"], 15, 2000);
-           equal("repetitions", b.statistics()["repetitions"], 1);
+           equal("repetitions", b.statistics()["repetitions"], 2);
          });
-  to.add("repeated-not-done", "A repetition is not done again.", "REQ-7", [](Board& b) {
-    const std::uint8_t sequence = b.new_sequence();
-    const Bytes wire =
-        b.request_bytes("limits", Put().u32(1).u16(kSettingRamp).s16(-500).s16(500), sequence);
-    b.write(wire);
-    b.take("limits", sequence);
-    b.done("limits", Put().u32(1).u16(20).s16(-400).s16(400));
-    b.write(wire);
-    b.take("limits", sequence);
-    equal("ramp", b.done("settings", Put().u8(0))["ramp"], 20);
-  });
   for (int others = 0; others <= 3; ++others) {
     to.add(("repeated-after-" + std::to_string(others)).c_str(),
            "A repetition is known with this many other requests between.", "REQ-7",
            [others](Board& b) {
-             const std::uint8_t sequence = b.new_sequence();
-             const Bytes wire = b.request_bytes("stop", {}, sequence);
-             b.write(wire);
-             b.take("stop", sequence);
-             b.done("clear");
-             // `clear` was the first of them.
-             for (int n = 1; n < others; ++n) b.done("heartbeat", Put().u8(0).u8(0));
-             if (others == 0) return;
-             b.write(wire);
-             b.take("stop", sequence);
-             equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
+             const Repeated first(b, "limits", Put().u32(1).u16(kSettingRamp).s16(-500).s16(500));
+             for (int n = 0; n < others; ++n)
+               b.done("limits", Put().u32(1).u16(20 + n).s16(-400).s16(400));
+             first.again();
+             const long ramp = b.done("settings", Put().u8(0))["ramp"];
+             equal("ramp", ramp, others == 0 ? kSettingRamp : 19 + others);
+             equal("repetitions", b.statistics()["repetitions"], 1);
            });
   }
   to.add("repeated-refusal", "A refused request is refused again.", "REQ-7", [](Board& b) {
@@ -259,17 +263,106 @@ void add_queue(Chapter& to) {
            check(stopped, "stop waited until the board had answered another request");
            check(answered, "stop was not answered");
          });
-  to.add("stop-repeated", "A repeated `stop` is answered and latches nothing anew.", "REQ-11",
-         [](Board& b) {
-           const std::uint8_t stop = b.new_sequence();
-           const Bytes wire = b.request_bytes("stop", {}, stop);
-           b.write(wire);
-           b.take("stop", stop);
-           b.done("clear");
-           b.write(wire);
-           b.take("stop", stop);
-           equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
-         });
+  to.add("stop-repeated", "A repeated `stop` is latched again.", "REQ-12", [](Board& b) {
+    const Repeated stop(b, "stop");
+    b.done("clear");
+    equal("reason in the reply", stop.again().reason(), KZ_SHUTDOWN_STOP);
+    equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_STOP);
+    equal("repetitions", b.statistics()["repetitions"], 0);
+  });
+}
+
+// Each repetition here is known: at most three other requests are between.
+void add_switching_off(Chapter& to) {
+  for (int others = 2; others <= 3; ++others) {
+    to.add(("stop-repeated-after-" + std::to_string(others)).c_str(),
+           "A repeated `stop` stops, with this many other requests between.", "REQ-12",
+           [others](Board& b) {
+             const Repeated stop(b, "stop");
+             b.done("clear");
+             b.enable(0x3);
+             if (others == 3) b.done("heartbeat", Put().u8(0).u8(0));
+             const Reply reply = stop.again();
+             check(!reply.flag(KZ_STATUS_ENABLED), "the reply says that a motor is on");
+             equal("reason in the reply", reply.reason(), KZ_SHUTDOWN_STOP);
+             b.expect_off();
+           },
+           kMotion);
+  }
+  to.add(
+      "stop-repeated-all-boards", "A repeated `stop` to all boards stops.", "REQ-12",
+      [](Board& b) {
+        const Bytes wire = frame_of(KZ_ADDRESS_ALL, KZ_TYPE_stop, b.new_sequence(), {});
+        b.write(wire);
+        b.silence(15);
+        b.done("clear");
+        b.enable(0x3);
+        b.write(wire);
+        b.silence(15);
+        b.expect_off();
+        equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_STOP);
+      },
+      kMotion);
+  to.add(
+      "off-repeated", "A repeated `enable` with an empty mask switches all off.", "REQ-12",
+      [](Board& b) {
+        const Repeated off(b, "enable", Put().u32(0));
+        b.enable(0x3);
+        equal("joints that are on", off.again()["mask"], 0);
+        b.expect_off();
+      },
+      kMotion);
+  to.add(
+      "enable-repeated", "A repeated `enable` switches off what is outside its mask, nothing on.",
+      "REQ-12",
+      [](Board& b) {
+        const Repeated enable(b, "enable", Put().u32(0x5));
+        b.enable(0x3);
+        equal("joints that are on", enable.again()["mask"], 0x1);
+        b.enable(0x2);
+        equal("joints that are on", enable.again()["mask"], 0);
+        b.expect_off();
+      },
+      kMotion);
+  to.add(
+      "clear-repeated", "A repeated `clear` switches held joints off; the reason stays.", "REQ-12",
+      [](Board& b) {
+        b.watchdog(0, KZ_REACTION_HOLD);
+        const Repeated clear(b, "clear");
+        b.enable(0x1);
+        b.wait(120);
+        check(b.state().flag(KZ_STATUS_HOLDING), "HOLDING is not set");
+        const Reply reply = clear.again();
+        check(!reply.flag(KZ_STATUS_HOLDING), "the reply says HOLDING");
+        equal("reason in the reply", reply.reason(), KZ_SHUTDOWN_LINK_LOST);
+        b.expect_off();
+      },
+      kMotion);
+  to.add(
+      "lock-repeated", "A repeated `unlock` with 0 seconds ends a raw drive.", "REQ-12",
+      [](Board& b) {
+        const Repeated lock(b, "unlock", Put().u16(KZ_KEY).u8(0));
+        b.done("unlock", Put().u16(KZ_KEY).u8(5));
+        b.done("raw_drive", Put().u8(0).s16(40).u16(500));
+        check(!lock.again().flag(KZ_STATUS_RAW_DRIVE), "the reply says RAW_DRIVE");
+        b.expect_off();
+      },
+      kMotion);
+  for (const int joint : {0, 1}) {
+    to.add(
+        joint == 0 ? "raw-zero-repeated" : "raw-repeated",
+        joint == 0 ? "A repeated `raw_drive` with duty 0 ends a raw drive."
+                   : "A repeated `raw_drive` ends that of another motor, and does not begin.",
+        "REQ-12",
+        [joint](Board& b) {
+          b.done("unlock", Put().u16(KZ_KEY).u8(5));
+          const Repeated first(b, "raw_drive", Put().u8(joint).s16(40 * joint).u16(500));
+          b.done("raw_drive", Put().u8(0).s16(40).u16(500));
+          check(!first.again().flag(KZ_STATUS_RAW_DRIVE), "the reply says RAW_DRIVE");
+          b.expect_off();
+        },
+        kMotion);
+  }
 }
 
 }  // namespace
@@ -279,6 +372,7 @@ void add_request_cases(Cases& all) {
   add_answers(to);
   add_repetitions(to);
   add_queue(to);
+  add_switching_off(to);
 }
 
 }  // namespace kaz::hil

@@ -64,7 +64,7 @@ struct RunOptions {
 };
 
 struct RunReport {
-  std::string board;  // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
+  std::string board;  // "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
   std::vector<CaseResult> results;
   std::vector<const Case*>
       not_run;               // what the filter took beyond the results, of a run that broke off

@@ -34,6 +34,7 @@ void add_up(Number& to, Number more) {
 }
 
 void combine(kz_identify_reply& all, const kz_identify_reply& one) {
+  all.protocol_version = std::min(all.protocol_version, one.protocol_version);
   all.capabilities &= one.capabilities;
   if (one.watchdog_10ms != 0 && (all.watchdog_10ms == 0 || one.watchdog_10ms < all.watchdog_10ms))
     all.watchdog_10ms = one.watchdog_10ms;

@@ -76,16 +76,18 @@ Result<kz_identify_reply> identify_board(Exchanger& requester) {
   kz_identify_reply identity{};
   const bool whole =
       kz_unpack_identify_reply(&identity, reply.fields.bytes.data(), reply.fields.length);
-  if (reply.refused || version < 0 || (version == KZ_PROTOCOL_VERSION && !whole)) {
+  const bool spoken = version >= KZ_PROTOCOL_VERSION_OLDEST && version <= KZ_PROTOCOL_VERSION;
+  if (reply.refused || version < 0 || (spoken && !whole)) {
     return fail(Fault::environment,
                 "what answers on " + port +
                     " frames its bytes like a Kaz board but does not identify itself: " +
                     hex({reply.fields.bytes.data(), reply.fields.length}, 16));
   }
-  if (version != KZ_PROTOCOL_VERSION) {
+  if (!spoken) {
     return fail(Fault::environment,
                 "the board on " + port + " speaks protocol version " + std::to_string(version) +
-                    " and this program version " + std::to_string(KZ_PROTOCOL_VERSION) +
+                    " and this program versions " + std::to_string(KZ_PROTOCOL_VERSION_OLDEST) +
+                    " and " + std::to_string(KZ_PROTOCOL_VERSION) +
                     ": flash firmware of this release, or use the program of that one");
   }
   if (identity.joints != KZ_JOINTS) {
@@ -111,6 +113,14 @@ std::string board_text(const kz_identify_reply& identity) {
   return "Kaz servo board, protocol " + std::to_string(identity.protocol_version) + ", firmware " +
          firmware_version_text(identity.firmware_version) + ", build " +
          build_text(identity.build_id);
+}
+
+std::string firmware_fault(const kz_identify_reply& identity) {
+  constexpr int kStopsAlways = 3;  // protocol version
+  if (identity.protocol_version >= kStopsAlways) return "";
+  return "its firmware (protocol " + std::to_string(identity.protocol_version) +
+         ") can acknowledge a repeated stop request and leave the motors on; flash the firmware of "
+         "this release";
 }
 
 }  // namespace kaz::host

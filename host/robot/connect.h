@@ -8,7 +8,8 @@
 
 namespace kaz::host {
 
-// Succeeds if a Kaz board of this program's protocol version answers. Else one error sentence for each
+// Succeeds if a Kaz board answers whose protocol version is KZ_PROTOCOL_VERSION_OLDEST to
+// KZ_PROTOCOL_VERSION. Else one error sentence for each
 // case: no reply; a reply of something other than a Kaz board, with its first bytes; the line echoes; another
 // protocol version or number of joints.
 Result<kz_identify_reply> identify_board(Exchanger& requester);
@@ -21,7 +22,10 @@ inline constexpr Time kIdentifyBears = std::chrono::milliseconds(475);
 std::string firmware_version_text(std::uint16_t version);
 // "1a2b3c4d", of both too
 std::string build_text(std::uint32_t build_id);
-// "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
+// "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
 std::string board_text(const kz_identify_reply& identity);
+// The safety fault of a firmware that this program still talks to, with the remedy, for behind "the board:";
+// empty if none is known.
+std::string firmware_fault(const kz_identify_reply& identity);
 
 }  // namespace kaz::host

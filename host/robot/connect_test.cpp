@@ -137,8 +137,25 @@ TEST(Connect, AnotherProtocolVersion) {
   answer_with(board, [](kz_identify_reply& reply) { reply.protocol_version = 9; });
   EXPECT_EQ(
       connect_error(board),
-      "the board on test-port speaks protocol version 9 and this program version 2: flash firmware "
-      "of this release, or use the program of that one");
+      "the board on test-port speaks protocol version 9 and this program versions 2 and 3: flash "
+      "firmware of this release, or use the program of that one");
+}
+
+// Boards that were flashed before version 3 go on working; what their firmware gets wrong is named.
+TEST(Connect, TheVersionBefore) {
+  TestBoard board;
+  answer_with(board, [](kz_identify_reply& reply) { reply.protocol_version = 2; });
+  Requester requester(board, board, {});
+  const auto identity = identify_board(requester);
+  ASSERT_TRUE(identity) << identity.error().message;
+  EXPECT_EQ(
+      firmware_fault(*identity),
+      "its firmware (protocol 2) can acknowledge a repeated stop request and leave the motors "
+      "on; flash the firmware of this release");
+  board.to_host = nullptr;
+  const auto present = identify_board(requester);
+  ASSERT_TRUE(present) << present.error().message;
+  EXPECT_EQ(firmware_fault(*present), "");
 }
 
 // A later version may have a longer reply; its version is still where it was.
@@ -147,10 +164,10 @@ TEST(Connect, AnotherProtocolVersionWithAnotherReply) {
   board.mute = true;
   board.to_board = [&](TestBoard::Bytes request) {
     const std::uint8_t sequence = request[4];  // 00, stuffing, address, type, sequence
-    board.inject(framed({1, 0x81, sequence, 0, 0, 0, 7, 3, 99, 99}));
+    board.inject(framed({1, 0x81, sequence, 0, 0, 0, 7, 4, 99, 99}));
     return TestBoard::Bytes{};
   };
-  EXPECT_NE(connect_error(board).find("speaks protocol version 3"), std::string::npos);
+  EXPECT_NE(connect_error(board).find("speaks protocol version 4"), std::string::npos);
 }
 
 TEST(Connect, AnotherRobot) {

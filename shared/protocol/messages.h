@@ -11,7 +11,9 @@
 extern "C" {
 #endif
 
-#define KZ_PROTOCOL_VERSION 2
+#define KZ_PROTOCOL_VERSION 3
+// Hosts also accept this version: equal messages, but a repeated `stop` is answered without being executed.
+#define KZ_PROTOCOL_VERSION_OLDEST 2
 #define KZ_REPLY 0x80         // bit of the type: from board to host
 #define KZ_ADDRESS_DEFAULT 1  // a board whose id block is empty
 #define KZ_ADDRESS_LAST 14

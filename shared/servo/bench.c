@@ -30,7 +30,9 @@ kz_outcome kz_do_raw_drive(kz_servo* servo, const kz_raw_drive* request) {
   u8 reason = servo->shutdown;
   if (servo->unlocked_ms == 0) return KZ_REFUSE(KZ_REFUSED_LOCKED, KZ_NO_DETAIL);
   if (servo->enabled != 0) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
-  if (reason == KZ_SHUTDOWN_NONE) reason = kz_active_fault(servo, (u32)1 << request->joint);
+  if (reason == KZ_SHUTDOWN_NONE && request->duty != 0) {
+    reason = kz_active_fault(servo, (u32)1 << request->joint);
+  }
   if (reason != KZ_SHUTDOWN_NONE) return KZ_REFUSE(KZ_REFUSED_FAULT, reason);
   kz_joint_at(servo, servo->raw_joint)->duty = 0;  // the one that this drive replaces, at once
   servo->raw_joint = request->joint;

@@ -177,6 +177,15 @@ TEST_F(RawDrive, IsRefusedWhileAJointIsOnOrAFaultIsThere) {
   EXPECT_EQ(board.detail, 2);
 }
 
+TEST_F(RawDrive, DutyZeroEndsItWhileAFaultIsThere) {
+  ASSERT_EQ(board.raw_drive(neck_pan, 100, 1000), 0);
+  board.set_pot(neck_pan, 0);
+  board.ticks(5);
+  EXPECT_EQ(board.raw_drive(neck_pan, 100, 1000), KZ_REFUSED_FAULT);
+  EXPECT_EQ(board.raw_drive(neck_pan, 0, 1000), 0);
+  EXPECT_FALSE(board.drivers_on());
+}
+
 TEST_F(RawDrive, TargetsDoNotMoveIt) {
   ASSERT_EQ(board.raw_drive(neck_pan, 200, 1000), 0);
   EXPECT_EQ(board.target(neck_pan, 100, 10), KZ_REFUSED_DISABLED);

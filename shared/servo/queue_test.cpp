@@ -193,5 +193,96 @@ TEST(Repetition, OfARequestToAllIsNotDoneAgain) {
   EXPECT_EQ(board.servo.enabled, 1u);
 }
 
+// Sends the same bytes a second time, after `between`.
+template <class Between>
+void repeat(TestBoard& board, u8 type, const Bytes& fields, Between between,
+            u8 address = KZ_ADDRESS_DEFAULT) {
+  constexpr u8 number = 200;
+  board.send(type, number, fields, address);
+  board.ticks(10);
+  between();
+  board.replies.clear();
+  board.send(type, number, fields, address);
+  board.ticks(10);
+}
+
+TEST(Repetition, OfStopStops) {
+  for (const u8 address : {KZ_ADDRESS_DEFAULT, KZ_ADDRESS_ALL}) {
+    TestBoard board;
+    repeat(
+        board, KZ_TYPE_stop, {},
+        [&] {
+          ASSERT_EQ(board.clear(), 0);
+          ASSERT_EQ(board.enable(1), 0);
+        },
+        address);
+    EXPECT_FALSE(board.drivers_on());
+    EXPECT_EQ(board.servo.shutdown, KZ_SHUTDOWN_STOP);
+    EXPECT_EQ(board.replies.size(), address == KZ_ADDRESS_ALL ? 0u : 1u);
+    EXPECT_EQ(board.statistics().repetitions, 0);
+  }
+}
+
+TEST(Repetition, OfEnableSwitchesOffOnly) {
+  TestBoard board;
+  repeat(board, KZ_TYPE_enable, {0, 0, 0, 0b101}, [&] { ASSERT_EQ(board.enable(0b011), 0); });
+  EXPECT_EQ(board.servo.enabled, 0b001u);
+  ASSERT_EQ(board.replies.size(), 1u);
+  EXPECT_EQ((fields_of<kz_enable_reply, kz_unpack_enable_reply>(board.replies[0]).mask), 0b001u);
+  repeat(board, KZ_TYPE_enable, {0, 0, 0, 0}, [&] { ASSERT_EQ(board.enable(0b011), 0); });
+  EXPECT_FALSE(board.drivers_on());
+}
+
+// Its first transmission was refused, and the repetition says so: nothing of it is executed.
+TEST(Repetition, OfARefusedEnableSwitchesNothingOff) {
+  TestBoard board;
+  ASSERT_EQ(board.stop(), 0);
+  repeat(board, KZ_TYPE_enable, {0, 0, 0, 0b01}, [&] {
+    ASSERT_EQ(board.clear(), 0);
+    ASSERT_EQ(board.enable(0b10), 0);
+  });
+  ASSERT_EQ(board.replies.size(), 1u);
+  EXPECT_EQ(refusal(board.replies[0]).reason, KZ_REFUSED_FAULT);
+  EXPECT_EQ(board.servo.enabled, 0b10u);
+}
+
+TEST(Repetition, OfClearSwitchesOffWhatIsHeld) {
+  TestBoard board;
+  ASSERT_EQ(board.heartbeat(9, KZ_REACTION_HOLD), 0);
+  repeat(board, KZ_TYPE_clear, {}, [&] {
+    ASSERT_EQ(board.enable(1), 0);
+    board.ticks(100);
+    ASSERT_TRUE(board.servo.holding);
+  });
+  EXPECT_FALSE(board.servo.holding);
+  EXPECT_FALSE(board.drivers_on());
+  EXPECT_EQ(board.servo.shutdown, KZ_SHUTDOWN_LINK_LOST);
+}
+
+TEST(Repetition, OfALockOrARawDriveEndsTheRawDrive) {
+  const auto raw = [](u8 joint, s16 duty) {
+    return Bytes{joint, static_cast<u8>(duty >> 8), static_cast<u8>(duty), 0, 200};
+  };
+  const struct {
+    u8 type;
+    Bytes fields;
+    bool ends;
+  } all[] = {{KZ_TYPE_unlock, {KZ_KEY >> 8, KZ_KEY & 0xFF, 0}, true},
+             {KZ_TYPE_unlock, {KZ_KEY >> 8, KZ_KEY & 0xFF, 30}, false},
+             {KZ_TYPE_raw_drive, raw(0, 0), true},
+             {KZ_TYPE_raw_drive, raw(1, -40), true},
+             {KZ_TYPE_raw_drive, raw(0, -40), false}};
+  for (const auto& one : all) {
+    TestBoard board;
+    ASSERT_EQ(board.unlock(10), 0);
+    repeat(board, one.type, one.fields, [&] {
+      board.unlock(10);  // refused while the first one drives, and not needed
+      ASSERT_EQ(board.raw_drive(0, 50, 300), 0);
+    });
+    EXPECT_EQ(board.servo.raw_ms == 0, one.ends) << int(one.type) << " " << int(one.fields[2]);
+    EXPECT_EQ(board.drivers_on(), !one.ends);
+  }
+}
+
 }  // namespace
 }  // namespace kaz::test

@@ -2,13 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/requests.h"
 
+#include "shared/protocol/bytes.h"
 #include "shared/servo/commands.h"
 #include "shared/servo/handlers.h"
+#include "shared/servo/joints.h"
 #include "shared/servo/replies.h"
 #include "shared/servo/status.h"
 #include "shared/servo/telemetry_frames.h"
 
 #define WORK_LENGTH 13  // bytes of body
+
+#define NOT_INLINE __attribute__((noinline))
+
+// Places of fields.
+#define UNLOCK_SECONDS 2
+#define RAW_DRIVE_JOINT 0
+#define RAW_DRIVE_DUTY 1
 
 void kz_requests_init(kz_servo* servo) {
   kz_answer* answer = servo->remembered;
@@ -64,6 +73,30 @@ static const kz_answer* execute(kz_servo* servo, u8 type, u8 sequence) {
   return answer;
 }
 
+// The part of a repeated request that is executed again: what it switches off, never what it switches on. Not
+// inline: requests that are no repetition would pay for its registers.
+static NOT_INLINE void switch_off_again(kz_servo* servo, u8 type) {
+  const u8* fields = servo->receiver.body + KZ_HEADER_SIZE;
+  switch (type) {
+    case KZ_TYPE_enable:
+      kz_joints_enable(servo, servo->enabled & kz_get_u32(fields));
+      break;
+    case KZ_TYPE_clear:
+      if (servo->holding) kz_joints_enable(servo, 0);
+      break;
+    case KZ_TYPE_unlock:
+      if (fields[UNLOCK_SECONDS] == 0) servo->unlocked_ms = servo->raw_ms = 0;
+      break;
+    case KZ_TYPE_raw_drive:
+      if (fields[RAW_DRIVE_JOINT] != servo->raw_joint || kz_get_u16(fields + RAW_DRIVE_DUTY) == 0) {
+        servo->raw_ms = 0;
+      }
+      break;
+    default:
+      break;
+  }
+}
+
 // With a `stop` as the one too many before, the new one takes its place.
 static void enqueue(kz_servo* servo, const kz_answer* answer) {
   if (servo->replying + servo->queued == KZ_QUEUE) --servo->queued;
@@ -103,9 +136,11 @@ void kz_request_received(kz_servo* servo) {
       return;
     }
   }
-  answer = remembered(servo, type, sequence);
+  // `stop` is always executed, whatever is remembered of an earlier one.
+  answer = type == KZ_TYPE_stop ? 0 : remembered(servo, type, sequence);
   if (answer != 0) {
     kz_count(&servo->repetitions);
+    if (answer->reason == 0) switch_off_again(servo, type);
   } else {
     answer = execute(servo, type, sequence);
   }

@@ -60,7 +60,7 @@ TEST_P(PythonClient, MovesAJointReadsItBackAndHandlesARefusal) {
   const std::string gains = gains_of_joint_0(folder / "board");
   const Finished finished = run(client({folder / "board", "--joint", "0", "--angle", "0.3"}));
   EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
-  for (const char* text : {"18 joints, protocol 2", "joint 0 is on at", "joint 0 is at +0.",
+  for (const char* text : {"18 joints, protocol 3", "joint 0 is on at", "joint 0 is at +0.",
                            "outside the joint's soft limits, joint 0", "all joints are off"})
     EXPECT_NE(finished.out.find(text), std::string::npos) << text << "\n" << finished.out;
 
