@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/fuzz/conversation.h"
 
+#include "shared/protocol/bytes.h"
 #include "shared/protocol/message_info.h"
 
 namespace kaz::hil::fuzz {
@@ -45,9 +46,13 @@ void Conversation::request(std::span<const std::uint8_t> body) {
   }
   if (type == KZ_TYPE_telemetry) telemetry_ = true;
   if (type == KZ_TYPE_set_address) address_known_ = false;
+  if (type == KZ_TYPE_enable || type == KZ_TYPE_raw_drive) switched_on_ = counts_.requests;
   if (address == KZ_ADDRESS_ALL || (type & KZ_REPLY) != 0) return;
+  Transmission transmission{counts_.requests, 0};
+  if (type == KZ_TYPE_enable && body.size() == KZ_HEADER_SIZE + KZ_SIZE_enable)
+    transmission.mask = kz_get_u32(&body[KZ_HEADER_SIZE]);
   SentRequest& request_sent = sent_[key(address, type, body[2])];
-  ++request_sent.sent;
+  request_sent.unanswered.push_back(transmission);
   request_sent.answered = 0;
 }
 
@@ -91,6 +96,7 @@ void Conversation::frame(std::span<const std::uint8_t> body) {
     judge_status(type, static_cast<std::uint16_t>(body[9] << 8 | body[10]));
   } else {
     judge_status(type, status);
+    judge_switched_off(body, status);
   }
   if ((type & 0xC0) == 0xC0 && type != KZ_TYPE_refused) {
     ++counts_.telemetry;
@@ -114,13 +120,13 @@ void Conversation::reply(std::uint8_t address, std::uint8_t request, std::uint8_
                          const std::string& what) {
   const auto request_sent = sent_.find(key(address, request, sequence));
   const std::string number = " with number " + std::to_string(sequence);
-  if (request_sent == sent_.end() || request_sent->second.sent == 0) {
+  if (request_sent == sent_.end() || request_sent->second.unanswered.empty()) {
     if (!faulty_)
       wrong(what + number + " came " +
             (request_sent == sent_.end() ? "to no request" : "once more than it was requested"));
     return;
   }
-  --request_sent->second.sent;
+  request_sent->second.unanswered.pop_front();
   ++request_sent->second.answered;
 }
 
@@ -133,7 +139,21 @@ void Conversation::judge_status(std::uint8_t type, std::uint16_t status) {
           kz_shutdown_text(static_cast<u8>(status >> 8)) + "\"");
   if (holding && (status >> 8) != KZ_SHUTDOWN_LINK_LOST)
     wrong(name_of(type) + " says HOLDING without a lost link");
-  if (type == KZ_TYPE_stop_reply && on) wrong("motors are on in the reply to `stop`");
+}
+
+// What a request has switched off is off in its reply, unless a later request can have switched it on.
+void Conversation::judge_switched_off(std::span<const std::uint8_t> body, std::uint16_t status) {
+  const std::uint8_t type = body[1];
+  if (type != KZ_TYPE_stop_reply && type != KZ_TYPE_enable_reply) return;
+  const auto sent = sent_.find(key(body[0], static_cast<std::uint8_t>(type & ~KZ_REPLY), body[2]));
+  if (sent == sent_.end() || sent->second.unanswered.empty()) return;
+  const Transmission& oldest = sent->second.unanswered.front();
+  if (oldest.number < switched_on_) return;
+  if (type == KZ_TYPE_stop_reply && (status & (KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE)) != 0)
+    wrong("motors are on in the reply to `stop`");
+  if (type == KZ_TYPE_enable_reply && body.size() == KZ_HEADER_SIZE + KZ_SIZE_enable_reply &&
+      (kz_get_u32(&body[KZ_HEADER_SIZE + 6]) & ~oldest.mask) != 0)
+    wrong("joints outside its mask are on in the reply to `enable`");
 }
 
 }  // namespace kaz::hil::fuzz

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -47,8 +48,13 @@ class Conversation {
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:
+  struct Transmission {
+    long long number = 0;    // of the requests of this conversation, to whichever board
+    std::uint32_t mask = 0;  // of `enable`
+  };
   struct SentRequest {
-    int sent = 0, answered = 0;
+    std::deque<Transmission> unanswered;
+    int answered = 0;  // since it was last sent
   };
 
   void request(std::span<const std::uint8_t> body);
@@ -56,11 +62,13 @@ class Conversation {
   void reply(std::uint8_t address, std::uint8_t request, std::uint8_t sequence,
              const std::string& what);
   void judge_status(std::uint8_t type, std::uint16_t status);
+  void judge_switched_off(std::span<const std::uint8_t> body, std::uint16_t status);
   void wrong(const std::string& what);
 
   std::uint8_t address_;
   kz_receiver to_board_{}, to_host_{};
   std::map<std::uint32_t, SentRequest> sent_;  // by address, type, number
+  long long switched_on_ = 0;                  // the last request that can switch a motor on
   bool telemetry_ = false, address_known_ = true, faulty_ = false, deafening_ = false;
   int restarts_ = 0;
   ConversationCounts counts_;

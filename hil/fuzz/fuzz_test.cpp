@@ -37,6 +37,11 @@ std::vector<std::uint8_t> reply(std::uint8_t type, std::uint8_t sequence, std::u
       {0, 0, 0, 1, static_cast<std::uint8_t>(status >> 8), static_cast<std::uint8_t>(status)});
 }
 
+std::vector<std::uint8_t> enable_reply(std::uint8_t sequence, std::uint8_t mask) {
+  return frame(1, KZ_TYPE_enable_reply, sequence,
+               {0, 0, 0, 1, 0, KZ_STATUS_ENABLED, 0, 0, 0, mask});
+}
+
 TEST(Grammar, ReachesEveryRequestAndIsDeterminedByItsBytes) {
   std::set<int> types;
   std::set<Event::Kind> kinds;
@@ -69,6 +74,19 @@ TEST(Grammar, OmitsDisabledEvents) {
   }
   for (const kz_message_info* message : request_types(false))
     EXPECT_NE(message->code, KZ_TYPE_store_calibration);
+}
+
+// Also behind `clear` and `enable`, which take what the board remembers into another state.
+TEST(Grammar, RepeatsEarlierFrames) {
+  // A legal request: `stop`; then `clear` and `enable`; then the frame three before.
+  const Genome genome{3, 10, 5, 1, 12, 0, 240, 2};
+  std::vector<std::vector<std::uint8_t>> sent;
+  for (const Event& event : events_of(genome, {}))
+    if (event.kind == Event::Kind::send) sent.push_back(event.bytes);
+  ASSERT_EQ(sent.size(), 4u) << text_of(events_of(genome, {}));
+  EXPECT_EQ(sent[0][3], KZ_TYPE_stop);
+  EXPECT_EQ(sent[2][3], KZ_TYPE_enable);
+  EXPECT_EQ(sent[3], sent[0]);
 }
 
 TEST(Grammar, LegalRequestsAreInsideTheTablesBounds) {
@@ -121,7 +139,11 @@ TEST(Conversation, WhatTheBoardMustNotSend) {
       {"twice", frame(1, KZ_TYPE_stop, 7), twice},
       {"damaged", frame(1, KZ_TYPE_state, 7), damaged},
       {"motors on after stop", frame(1, KZ_TYPE_stop, 7),
-       reply(KZ_TYPE_stop_reply, 7, KZ_SHUTDOWN_STOP << 8 | KZ_STATUS_ENABLED)},
+       reply(KZ_TYPE_stop_reply, 7, KZ_STATUS_ENABLED)},
+      {"joints on after enable of none", frame(1, KZ_TYPE_enable, 7, {0, 0, 0, 0}),
+       enable_reply(7, 2)},
+      {"a joint on outside the mask", frame(1, KZ_TYPE_enable, 7, {0, 0, 0, 1}),
+       enable_reply(7, 3)},
       {"on in spite of a shutdown", frame(1, KZ_TYPE_state, 7),
        reply(KZ_TYPE_state_reply, 7, KZ_SHUTDOWN_POT << 8 | KZ_STATUS_ENABLED)},
       {"telemetry without a request", {}, reply(KZ_TYPE_telemetry_state, 0, 0)},
@@ -134,6 +156,19 @@ TEST(Conversation, WhatTheBoardMustNotSend) {
     judge.received(one.received);
     EXPECT_TRUE(judge.violation()) << one.what;
   }
+}
+
+TEST(Conversation, ALaterRequestMaySwitchOnBeforeTheReplyToStop) {
+  Conversation judge;
+  judge.sent(frame(1, KZ_TYPE_enable, 6, {0, 0, 0, 1}));
+  judge.sent(frame(1, KZ_TYPE_stop, 7));
+  judge.sent(frame(15, KZ_TYPE_clear, 8));
+  judge.sent(frame(15, KZ_TYPE_enable, 9, {0, 0, 0, 1}));
+  judge.received(reply(KZ_TYPE_stop_reply, 7, KZ_STATUS_ENABLED));
+  EXPECT_FALSE(judge.violation());
+  judge.sent(frame(1, KZ_TYPE_stop, 7));  // after them
+  judge.received(reply(KZ_TYPE_stop_reply, 7, KZ_STATUS_ENABLED));
+  EXPECT_TRUE(judge.violation());
 }
 
 // A servo that stands still with all joints on in the middle of their range.
@@ -199,6 +234,34 @@ TEST(TickJudge, FindsWhatMustNotBe) {
     servo.output.pw[0] = 1;
     servo.output.p3 |= 1;
   }));
+}
+
+// `wire` in ticks of at most 16 bytes, to a servo that has all joints on and changes nothing.
+std::optional<std::string> judged_bytes(const std::vector<std::uint8_t>& wire, unsigned refusals) {
+  Servo servo;
+  servo.state.address = KZ_ADDRESS_DEFAULT;
+  TickJudge judge;
+  judge.tick(servo.input, servo.state, servo.output);
+  servo.state.refusals = static_cast<u16>(refusals);
+  for (std::size_t at = 0; at < wire.size(); at += servo.input.rx_count) {
+    servo.input.rx_count = static_cast<u8>(std::min<std::size_t>(wire.size() - at, KZ_RX_PER_TICK));
+    std::copy_n(wire.begin() + static_cast<std::ptrdiff_t>(at), servo.input.rx_count,
+                servo.input.rx);
+    judge.tick(servo.input, servo.state, servo.output);
+  }
+  return judge.violation();
+}
+
+TEST(TickJudge, FindsMotorsThatARequestHasNotSwitchedOff) {
+  EXPECT_TRUE(judged_bytes(frame(1, KZ_TYPE_stop, 7), 0));
+  EXPECT_TRUE(judged_bytes(frame(15, KZ_TYPE_stop, 7), 0));
+  EXPECT_TRUE(judged_bytes(frame(15, KZ_TYPE_enable, 7, {0, 0, 0, 0}), 0));
+  EXPECT_FALSE(judged_bytes(frame(1, KZ_TYPE_enable, 7, {0, 0, 0, 0}), 1)) << "refused";
+  EXPECT_FALSE(judged_bytes(frame(1, KZ_TYPE_enable, 7, {0, 0, 0, 1}), 0));
+  EXPECT_FALSE(judged_bytes(frame(2, KZ_TYPE_stop, 7), 0));
+  auto damaged = frame(1, KZ_TYPE_stop, 7);
+  damaged[4] ^= 1;
+  EXPECT_FALSE(judged_bytes(damaged, 0));
 }
 
 // A "board" that goes wrong on two neighbouring bytes.

@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::size_t max_events = 400;
 constexpr double bytes_per_ms = 11.52;
+// What came later into the grammar has the choices from here on, so that older cases keep their meaning.
+constexpr unsigned later_choices = 240;
+constexpr unsigned repeated_frames = 8;  // the board remembers 4 requests
 
 class Maker {
  public:
@@ -28,7 +31,9 @@ class Maker {
 
  private:
   void next() {
-    switch (choices_.below(20)) {
+    const unsigned choice = choices_.byte();
+    if (choice >= later_choices) return repeat();
+    switch (choice % 20) {
       case 0:
       case 1:
         return wait(static_cast<int>(choices_.below(20)));
@@ -75,6 +80,15 @@ class Maker {
     ms_ += static_cast<double>(bytes.size()) / bytes_per_ms;
     events_.push_back({Event::Kind::send, bytes, 0, {}, "send " + text + ": " + hex_text(bytes)});
     last_ = bytes;
+    frames_.push_back(bytes);
+  }
+
+  // The same bytes as one of the last frames, whatever the board has done since.
+  void repeat() {
+    const std::size_t back = 1 + choices_.below(repeated_frames);
+    if (back > frames_.size()) return;
+    const std::vector<std::uint8_t> earlier = frames_[frames_.size() - back];
+    send(earlier, "the frame " + std::to_string(back) + " before");
   }
 
   std::uint8_t sequence() {
@@ -172,6 +186,7 @@ class Maker {
                        {},
                        "query " + made.text + ": " + hex_text(framed(made.body))});
     last_.clear();
+    frames_.push_back(events_.back().bytes);
   }
 
   // Targets to and fro, at the limits and between, while the link watchdog is kept content.
@@ -234,6 +249,7 @@ class Maker {
   double ms_ = 0;
   std::uint8_t sequence_ = 0;
   std::vector<std::uint8_t> last_;
+  std::vector<std::vector<std::uint8_t>> frames_;  // sent until now
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "shared/board/table.h"
+#include "shared/protocol/bytes.h"
 
 namespace kaz::hil::fuzz {
 namespace {
@@ -77,10 +78,41 @@ void TickJudge::tick(const kz_tick_input& input, const kz_servo& servo,
   ++ticks_;
   if (output.tx_count > KZ_TX_PER_TICK || output.tx_count > input.tx_room)
     wrong(servo, -1, "more bytes are sent than there is room for");
+  judge_requests(input, servo);
   judge_outputs(servo, output);
   for (int j = 0; j < KZ_JOINTS; ++j) judge_joint(servo, j);
   started_ = true;
   note_features(servo);
+}
+
+// All motors are off in the tick in which a `stop` ends, also one to all boards, or an `enable` of none that
+// is not refused. A later frame of the same tick may switch some on again.
+void TickJudge::judge_requests(const kz_tick_input& input, const kz_servo& servo) {
+  if (!started_) {
+    kz_receiver_init(&receiver_);
+    refusals_ = servo.refusals;
+  }
+  bool stopped = false, off = false;
+  if (input.rx_count == 0) {
+    kz_receiver_silent(&receiver_);
+  } else {
+    receiver_.silent_ms = 0;
+  }
+  for (int i = 0; i < std::min<int>(input.rx_count, KZ_RX_PER_TICK); ++i) {
+    if (kz_receive(&receiver_, input.rx[i], input.rx_flags[i]) != KZ_RECEIVE_FRAME) continue;
+    const u8 address = receiver_.body[KZ_BODY_ADDRESS], type = receiver_.body[KZ_BODY_TYPE];
+    if (address != servo.address && address != KZ_ADDRESS_ALL) continue;
+    const int fields = receiver_.length - KZ_HEADER_SIZE;
+    if (type == KZ_TYPE_enable || type == KZ_TYPE_raw_drive) stopped = off = false;
+    stopped |= type == KZ_TYPE_stop && fields == 0;
+    off |= type == KZ_TYPE_enable && fields == KZ_SIZE_enable &&
+           kz_get_u32(receiver_.body + KZ_HEADER_SIZE) == 0;
+  }
+  const bool on = servo.enabled != 0 || servo.raw_ms != 0;
+  if (on && stopped) wrong(servo, -1, "motors are on after `stop`");
+  if (on && off && servo.refusals == refusals_)
+    wrong(servo, -1, "motors are on after `enable` of none");
+  refusals_ = servo.refusals;
 }
 
 void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& output) {

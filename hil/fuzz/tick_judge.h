@@ -3,7 +3,7 @@
 //
 // Looks at the state of shared/servo and at what the tick gives to the pins; so it needs an engine
 // in this
-// process. It knows joints.def, but none of the servo's code.
+// process. It knows joints.def and the protocol's frames, but none of the servo's code.
 #pragma once
 
 #include <array>
@@ -41,6 +41,7 @@ class TickJudge {
     int ramp = 0;                          // highest that applied since the present ramp began
   };
 
+  void judge_requests(const kz_tick_input& input, const kz_servo& servo);
   void judge_outputs(const kz_servo& servo, const kz_tick_output& output);
   void judge_limit(const kz_servo& servo, int number, int drive);
   void judge_joint(const kz_servo& servo, int number);
@@ -48,6 +49,8 @@ class TickJudge {
   void wrong(const kz_servo& servo, int joint, const std::string& what);
 
   bool started_ = false;
+  kz_receiver receiver_{};  // of the bytes that the ticks got
+  unsigned refusals_ = 0;   // of the servo, before the tick
   std::array<Before, KZ_JOINTS> before_{};
   long long ticks_ = 0;
   std::set<std::uint32_t> features_;
