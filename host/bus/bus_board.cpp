@@ -7,6 +7,7 @@
 #include <set>
 
 #include "shared/base/angle.hpp"
+#include "shared/protocol/bytes.h"
 #include "shared/servo/tick.h"
 
 namespace kaz::host {
@@ -171,6 +172,10 @@ std::string BusBoard::still_on() const {
   for (const Joint& joint : joints_)
     torque.push_back(joint.power == Power::off ? BusDriver::Torque::off : joint.said);
   return host::still_on(servos(), torque);
+}
+
+std::uint32_t BusBoard::there() const {
+  return (std::uint32_t{1} << joints_.size()) - 1;
 }
 
 u16 BusBoard::status() const {
@@ -363,14 +368,21 @@ Result<std::optional<std::vector<std::uint8_t>>> BusBoard::serve() {
   const std::vector<std::uint8_t> body = std::move(waiting_.front());
   waiting_.erase(waiting_.begin());
   const u8 address = body[KZ_BODY_ADDRESS], type = body[KZ_BODY_TYPE];
-  if (address != KZ_ADDRESS_DEFAULT && address != 0) return std::vector<std::uint8_t>();
+  if (address != KZ_ADDRESS_DEFAULT && address != KZ_ADDRESS_ALL)
+    return std::vector<std::uint8_t>();
   ++frames_;
-  // The same once more: answered, not done again.
-  if (body == last_body_) return last_answer_;
+  std::vector<std::uint8_t> request(body.begin() + KZ_HEADER_SIZE, body.end());
+  // The same once more: answered, not executed again, but for what it switches off (clause REQ-12).
+  if (body == last_body_) {
+    if (type == KZ_TYPE_enable && request.size() == KZ_SIZE_enable) {
+      kz_put_u32(request.data(), kz_get_u32(request.data()) & (driven() | ~there()));
+    } else if (type != KZ_TYPE_stop && type != KZ_TYPE_reset) {
+      return last_answer_;
+    }
+  }
 
   Refusal refusal;
-  auto fields = KAZ_TRY(answer(type, body.data() + KZ_HEADER_SIZE,
-                               static_cast<u8>(body.size() - KZ_HEADER_SIZE), refusal));
+  auto fields = KAZ_TRY(answer(type, request.data(), static_cast<u8>(request.size()), refusal));
   u8 reply = static_cast<u8>(type | KZ_REPLY);
   if (refusal.reason != 0) {
     ++refusals_;
@@ -383,7 +395,8 @@ Result<std::optional<std::vector<std::uint8_t>>> BusBoard::serve() {
   std::array<std::uint8_t, KZ_FRAME_MAX> wire{};
   const u8 size = kz_frame_encode(answered.data(), static_cast<u8>(answered.size()), wire.data());
   last_body_ = body;
-  last_answer_.assign(wire.begin(), wire.begin() + size);
+  last_answer_.clear();
+  if (address != KZ_ADDRESS_ALL) last_answer_.assign(wire.begin(), wire.begin() + size);
   return last_answer_;
 }
 
@@ -435,8 +448,7 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
       }
       KAZ_TRY(switch_to(enable.mask));
       // Joints that are not there are as they were requested.
-      const std::uint32_t there = (std::uint32_t{1} << joints_.size()) - 1;
-      if (driven() != (enable.mask & there)) {
+      if (driven() != (enable.mask & there())) {
         // A servo whose protection has acted meanwhile does not go on.
         has_looked_ = false;
         KAZ_TRY(look());
@@ -447,7 +459,7 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
       }
       // A joint that was to be on counts as on if it holds; one that was to be off, until it says that it is.
       const std::uint32_t mask =
-          (driven() & enable.mask) | (on() & ~enable.mask) | (enable.mask & ~there);
+          (driven() & enable.mask) | (on() & ~enable.mask) | (enable.mask & ~there());
       return packed(kz_enable_reply{tick(), status(), mask}, kz_pack_enable_reply);
     }
     case KZ_TYPE_targets: {

@@ -90,6 +90,7 @@ class BusBoard {
   Result<void> recover();
   std::uint32_t on() const;      // joints that are not confirmed to be off
   std::uint32_t driven() const;  // joints that take targets
+  std::uint32_t there() const;   // joints that have a servo
   std::uint32_t tick() const;
   u16 status() const;
   std::vector<const servo_bus::BusServo*> servos() const;

@@ -464,19 +464,65 @@ TEST_F(ServoRobot, AnOverloadIsAShutdownThatNamesTheJoint) {
   EXPECT_TRUE(robot->clear());
 }
 
-TEST(BusBoard, ARequestThatIsRepeatedIsDoneOnce) {
+// A board over two servos that gets raw frames.
+struct Framed : testing::Test {
+  Framed() {
+    servos.add(1, 2048);
+    servos.add(2, 1000);
+    board.emplace(BusBoard::open(servos, servos, two_joints()).value());
+  }
+  std::vector<u8> request(u8 type, const std::vector<u8>& fields = {},
+                          u8 address = KZ_ADDRESS_DEFAULT) {
+    std::vector<u8> body{address, type, 7};
+    body.insert(body.end(), fields.begin(), fields.end());
+    std::array<u8, KZ_FRAME_MAX> wire{};
+    const u8 length = kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data());
+    board->take(std::span(wire).first(length));
+    return board->serve().value().value();
+  }
+  int torque(int id) { return servos.registers[id][40]; }
   Servos servos;
-  servos.add(1, 2048);
-  servos.add(2, 1000);
-  auto board = BusBoard::open(servos, servos, two_joints()).value();
-  const auto wire = frame_of(KZ_TYPE_enable, kz_enable{0b11}, kz_pack_enable);
-  board.take(wire);
-  const auto first = board.serve().value();
-  const int writes = servos.writes;
-  board.take(wire);
-  EXPECT_EQ(board.serve().value(), first);
+  std::optional<BusBoard> board;
+};
+
+TEST_F(Framed, ARequestThatIsRepeatedIsDoneOnce) {
+  const std::vector<u8> both{0, 0, 0, 0b11}, here{0, 0, 0, 0b11, 0, 100, 0, 50, 0, 50};
+  request(KZ_TYPE_enable, both);
+  int writes = servos.writes;
+  request(KZ_TYPE_enable, both);
   EXPECT_EQ(servos.writes, writes);
-  EXPECT_FALSE(board.serve().value());
+  const auto first = request(KZ_TYPE_targets, here);
+  writes = servos.writes;
+  EXPECT_EQ(request(KZ_TYPE_targets, here), first);
+  EXPECT_EQ(servos.writes, writes);
+  EXPECT_FALSE(board->serve().value());
+}
+
+// A servo that has its torque again, by another program or after a lost write: the same frame takes it away.
+TEST_F(Framed, WhatSwitchesOffDoesSoEachTime) {
+  const struct {
+    u8 type;
+    std::vector<u8> fields;
+    u8 address = KZ_ADDRESS_DEFAULT;
+  } all[] = {{KZ_TYPE_stop, {}},
+             {KZ_TYPE_stop, {}, KZ_ADDRESS_ALL},
+             {KZ_TYPE_enable, {0, 0, 0, 0}},
+             {KZ_TYPE_enable, {0, 0, 0, 0}, KZ_ADDRESS_ALL}};
+  for (const auto& one : all) {
+    for (int press = 0; press < 2; ++press) {
+      servos.registers[1][40] = servos.registers[2][40] = 1;
+      EXPECT_EQ(request(one.type, one.fields, one.address).empty(), one.address == KZ_ADDRESS_ALL);
+      EXPECT_EQ(torque(1) + torque(2), 0) << int(one.type) << ", press " << press;
+    }
+  }
+}
+
+TEST_F(Framed, ARepeatedEnableSwitchesNothingOn) {
+  servos.silent[2] = 1000;  // so that it is not switched on
+  request(KZ_TYPE_enable, {0, 0, 0, 0b11});
+  servos.silent[2] = 0;
+  request(KZ_TYPE_enable, {0, 0, 0, 0b11});
+  EXPECT_EQ(torque(2), 0);
 }
 
 TEST(BusBoard, WhatIsNotThereOrAnotherIsNamed) {
