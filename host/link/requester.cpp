@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/protocol/bytes.h"
 #include "shared/protocol/message_info.h"
 
 namespace kaz::host {
@@ -17,9 +18,39 @@ constexpr Time kBusyPatience = std::chrono::milliseconds(500);
 constexpr Time kUsualByte = std::chrono::nanoseconds(10'000'000'000 / KZ_BAUD);
 constexpr int kFrameOverhead = KZ_FRAME_MAX - KZ_BODY_MAX;
 constexpr std::uint8_t kSequenceLeap = 0x55;
+constexpr std::size_t kSequencesApart = 16;  // a board remembers 4 requests
 
 constexpr std::uint8_t reply_type(std::uint8_t request) {
   return request | KZ_REPLY;
+}
+
+// Whether a request can only take power from motors, so that executing it twice does no harm.
+bool only_switches_off(const Request& request) {
+  const auto zero = [&](std::size_t first, std::size_t count) {
+    return std::all_of(request.fields.bytes.begin() + first,
+                       request.fields.bytes.begin() + first + count,
+                       [](std::uint8_t byte) { return byte == 0; });
+  };
+  switch (request.type) {
+    case KZ_TYPE_stop:
+      return true;
+    case KZ_TYPE_enable:
+      return zero(0, 4);  // mask
+    case KZ_TYPE_unlock:
+      return zero(2, 1);  // seconds, behind the key
+    case KZ_TYPE_raw_drive:
+      return zero(1, 2);  // duty, behind the joint
+    default:
+      return false;
+  }
+}
+
+// Whether the reply to a request that switches all motors off says that one is on.
+bool motors_stay_on(const Request& request, std::span<const std::uint8_t> reply) {
+  constexpr std::size_t kStatusAt = 4;  // behind the tick
+  const bool all = request.type == KZ_TYPE_stop || request.type == KZ_TYPE_enable;
+  return all && only_switches_off(request) && reply.size() >= kStatusAt + 2 &&
+         (kz_get_u16(reply.data() + kStatusAt) & KZ_STATUS_ENABLED) != 0;
 }
 
 }  // namespace
@@ -27,7 +58,8 @@ constexpr std::uint8_t reply_type(std::uint8_t request) {
 struct Requester::Waiting {
   Ticket ticket = 0;
   Request request;
-  std::uint8_t sequence = 0;
+  std::vector<std::uint8_t>
+      sequences;  // of its transmissions; more than one if it only switches off
   bool at_once = false, done = false;
   bool busy = false;  // refused for want of room
   bool lost = false;  // what was sent behind it is answered
@@ -111,7 +143,6 @@ Result<bool> Requester::listen(Time deadline) {
 Result<void> Requester::send(const Request& request) {
   Waiting waiting;
   waiting.request = request;
-  waiting.sequence = next_sequence_++;
   ++statistics_.requests;
   std::vector<std::uint8_t> wire;
   append(waiting, wire);
@@ -136,7 +167,6 @@ Requester::Ticket Requester::enqueue(const Request& request, bool at_once) {
   Waiting waiting;
   waiting.ticket = next_ticket_++;
   waiting.request = request;
-  waiting.sequence = next_sequence_++;
   waiting.at_once = at_once;
   ++statistics_.requests;
   const Ticket ticket = waiting.ticket;
@@ -187,22 +217,39 @@ Result<void> Requester::give_up(Error error) {
   return tl::unexpected(std::move(error));
 }
 
+// Boards of protocol version 2 answer a request from memory whose number and contents are those of an earlier
+// one, and do not execute it. After start_anew() the next numbers may be those of requests just before.
+std::uint8_t Requester::fresh_sequence() {
+  while (std::ranges::find(recent_sequences_, next_sequence_) != recent_sequences_.end())
+    ++next_sequence_;
+  recent_sequences_.push_back(next_sequence_);
+  if (recent_sequences_.size() > kSequencesApart) recent_sequences_.pop_front();
+  return next_sequence_++;
+}
+
 // `wire` may hold earlier requests of the same batch.
 void Requester::append(Waiting& waiting, std::vector<std::uint8_t>& wire) {
   const Fields& fields = waiting.request.fields;
   std::array<std::uint8_t, KZ_BODY_MAX> body;
   body[0] = options_.address;
   body[1] = waiting.request.type;
-  body[2] = waiting.sequence;
   std::copy_n(fields.bytes.begin(), fields.length, body.begin() + KZ_HEADER_SIZE);
   const auto body_length = static_cast<std::uint8_t>(KZ_HEADER_SIZE + fields.length);
 
+  // A repetition keeps its number, unless it only switches off: then a board that remembers it must execute
+  // it again. One that was busy does not remember it.
+  const bool fresh = waiting.tries == 0 || (!waiting.busy && only_switches_off(waiting.request));
+  if (fresh) waiting.sequences.push_back(fresh_sequence());
   std::array<std::uint8_t, KZ_FRAME_MAX> frame;
-  std::uint8_t length = kz_frame_encode(body.data(), body_length, frame.data());
-  // Takes another number where one damaged byte could leave a valid frame (frame.h); a repetition keeps it.
-  for (int i = 0; i < 8 && waiting.tries == 0 && kz_frame_splits(frame.data(), length); ++i) {
-    body[2] = waiting.sequence = next_sequence_++;
-    length = kz_frame_encode(body.data(), body_length, frame.data());
+  const auto encode = [&] {
+    body[2] = waiting.sequences.back();
+    return kz_frame_encode(body.data(), body_length, frame.data());
+  };
+  std::uint8_t length = encode();
+  // Takes another number where one damaged byte could leave a valid frame (frame.h).
+  for (int i = 0; i < 8 && fresh && kz_frame_splits(frame.data(), length); ++i) {
+    waiting.sequences.back() = fresh_sequence();
+    length = encode();
   }
   wire.insert(wire.end(), frame.begin(), frame.begin() + length);
 
@@ -308,19 +355,26 @@ void Requester::take_frame(Time now) {
   const auto waiting = std::find_if(queue_.begin(), queue_.end(), [&](const Waiting& w) {
     const bool fits =
         refused ? refusal.request == w.request.type : type == reply_type(w.request.type);
-    return w.under_way() && body[2] == w.sequence && fits;
+    return w.under_way() && fits && std::ranges::find(w.sequences, body[2]) != w.sequences.end();
   });
   if (waiting == queue_.end()) {
     ++statistics_.ignored;
   } else if (refused && refusal.reason == KZ_REFUSED_BUSY) {
-    // Not done, and not remembered: the same number again, which an earlier transmission that was
-    // done makes a repetition.
+    // Not executed, and not remembered: the same number again, which makes it a repetition if an earlier
+    // transmission was executed.
     ++statistics_.busy;
     waiting->busy = true;
     waiting->deadline = now + kBusyPause;
   } else {
     repeat_what_was_lost(*waiting, now);
     if (kz_is_query(waiting->request.type) && answered_too_early(*waiting, now)) return;
+    // A board of protocol version 2 may have taken it for a repetition of another program's: once more.
+    if (!refused && waiting->sequences.size() == 1 && waiting->tries < tries() &&
+        motors_stay_on(waiting->request, fields)) {
+      waiting->lost = true;
+      waiting->deadline = now;
+      return;
+    }
     finish(*waiting, fields, refused, now);
   }
 }

@@ -8,6 +8,11 @@
 // if board address, type and sequence number fit; any other valid frame (late, duplicate, of
 // another board) is counted and discarded.
 //
+// A request that only switches motors off (`stop`, `enable` with mask 0, `unlock` with 0 seconds, `raw_drive`
+// with duty 0) takes a new number for each transmission: a board of protocol version 2 executes no repetition
+// (clause REQ-12). The reply to any of them counts. If the reply to `stop` or `enable` says that a motor is
+// on, the request is repeated once. No request takes a number of the last 16 requests.
+//
 // An old command never overtakes a newer one: a request that changes something leaves only when
 // every earlier one that does is answered. So a repeated request has at most one query behind it, and
 // the board, which remembers KZ_REQUESTS_REMEMBERED requests, recognises it. Nor does a query return a state
@@ -16,6 +21,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <list>
 #include <optional>
 #include <span>
@@ -66,6 +72,7 @@ class Requester final : public Exchanger {
   Result<void> pump(Time deadline);
   Result<void> repeat_overdue();
   Result<void> repeat(Waiting& waiting);
+  std::uint8_t fresh_sequence();
   void append(Waiting& waiting, std::vector<std::uint8_t>& wire);
   Result<void> write(std::span<const std::uint8_t> wire);
   Result<void> give_up(Error error);
@@ -82,6 +89,7 @@ class Requester final : public Exchanger {
   Time byte_time_;
   kz_receiver receiver_{};
   std::uint8_t next_sequence_;
+  std::deque<std::uint8_t> recent_sequences_;  // the last 16, oldest first
   Ticket next_ticket_ = 1;
   std::uint64_t transmissions_ = 0;
   std::list<Waiting> queue_;  // in the order in which they may leave

@@ -36,19 +36,39 @@ u16 ramp_in(const Reply& reply) {
   return settings.ramp;
 }
 
+using Bodies = std::vector<std::vector<std::uint8_t>>;
+
+Bodies bodies_of(const TestBoard::Bytes& bytes) {
+  Bodies bodies;
+  kz_receiver receiver;
+  kz_receiver_init(&receiver);
+  for (const std::uint8_t byte : bytes) {
+    if (kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME)
+      bodies.emplace_back(receiver.body, receiver.body + receiver.length);
+  }
+  return bodies;
+}
+
+TestBoard::Bytes framed(const std::vector<std::uint8_t>& body) {
+  TestBoard::Bytes wire(KZ_FRAME_MAX);
+  wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
+  return wire;
+}
+
 struct Requesting : ::testing::Test {
   TestBoard board;
   Requester requester{board, board, {}};
 
-  // Frames in a chunk of bytes: number of bodies.
+  // Frames in a chunk of bytes.
   static int frames(const TestBoard::Bytes& bytes) {
-    kz_receiver receiver;
-    kz_receiver_init(&receiver);
-    int count = 0;
-    for (const std::uint8_t byte : bytes) {
-      count += kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME;
-    }
-    return count;
+    return static_cast<int>(bodies_of(bytes).size());
+  }
+  void switch_on() {
+    const Request on[] = {request_of(KZ_TYPE_clear), request_of(KZ_TYPE_enable, {0, 0, 0, 1})};
+    ASSERT_TRUE(requester.exchange(on));
+    const Request look[] = {request_of(KZ_TYPE_state)};
+    ASSERT_TRUE(requester.exchange(look));
+    ASSERT_TRUE(board.motors_on());
   }
 };
 
@@ -163,11 +183,7 @@ TEST(Requester, LearnsOfASlowLine) {
 TEST_F(Requesting, StopOvertakesWhatWaits) {
   std::vector<std::uint8_t> types;
   board.to_board = [&](TestBoard::Bytes bytes) {
-    kz_receiver receiver;
-    kz_receiver_init(&receiver);
-    for (const std::uint8_t byte : bytes) {
-      if (kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME) types.push_back(receiver.body[1]);
-    }
+    for (const auto& body : bodies_of(bytes)) types.push_back(body[1]);
     return bytes;
   };
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(requester.post(request_of(KZ_TYPE_state)));
@@ -197,11 +213,7 @@ TEST_F(Requesting, PostedRequestsAreCollectedByTicket) {
 TEST_F(Requesting, SequenceNumbersLeapAtANewStart) {
   std::set<std::uint8_t> numbers;
   board.to_board = [&](TestBoard::Bytes bytes) {
-    kz_receiver receiver;
-    kz_receiver_init(&receiver);
-    for (const std::uint8_t byte : bytes) {
-      if (kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME) numbers.insert(receiver.body[2]);
-    }
+    for (const auto& body : bodies_of(bytes)) numbers.insert(body[2]);
     return bytes;
   };
   const Request state[] = {request_of(KZ_TYPE_state)};
@@ -210,6 +222,86 @@ TEST_F(Requesting, SequenceNumbersLeapAtANewStart) {
     for (int k = 0; k < 10; ++k) ASSERT_TRUE(requester.exchange(state));
   }
   EXPECT_EQ(numbers.size(), 30u);
+}
+
+// Three leaps in a row come back to the number just used.
+TEST_F(Requesting, NoRequestHasANumberOfTheLastSixteen) {
+  std::vector<std::uint8_t> numbers;
+  board.to_board = [&](TestBoard::Bytes bytes) {
+    for (const auto& body : bodies_of(bytes)) numbers.push_back(body[2]);
+    return bytes;
+  };
+  for (int i = 0; i < 200; ++i) {
+    for (int leaps = i % 4; leaps > 0; --leaps) requester.start_anew();
+    ASSERT_TRUE(requester.send(request_of(KZ_TYPE_stop)));
+  }
+  ASSERT_EQ(numbers.size(), 200u);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    for (std::size_t k = i - std::min<std::size_t>(i, 16); k < i; ++k)
+      EXPECT_NE(numbers[i], numbers[k]) << i << " and " << k;
+  }
+}
+
+TEST_F(Requesting, EachTransmissionThatOnlySwitchesOffHasItsOwnNumber) {
+  const struct {
+    Request request;
+    bool fresh;
+  } all[] = {{request_of(KZ_TYPE_stop), true},
+             {request_of(KZ_TYPE_enable, {0, 0, 0, 0}), true},
+             {request_of(KZ_TYPE_unlock, {KZ_KEY >> 8, KZ_KEY & 0xFF, 0}), true},
+             {request_of(KZ_TYPE_raw_drive, {5, 0, 0, 0, 9}), true},
+             {request_of(KZ_TYPE_enable, {0, 0, 0, 1}), false},
+             {request_of(KZ_TYPE_unlock, {KZ_KEY >> 8, KZ_KEY & 0xFF, 1}), false},
+             {request_of(KZ_TYPE_raw_drive, {0, 0, 1, 0, 9}), false}};
+  for (const auto& one : all) {
+    std::set<std::uint8_t> numbers;
+    int lost = 2;
+    board.to_board = [&](TestBoard::Bytes bytes) {
+      for (const auto& body : bodies_of(bytes)) numbers.insert(body[2]);
+      return lost-- > 0 ? TestBoard::Bytes{} : bytes;
+    };
+    ASSERT_TRUE(requester.exchange({&one.request, 1}));
+    EXPECT_EQ(numbers.size(), one.fresh ? 3u : 1u) << int(one.request.type);
+  }
+}
+
+TEST_F(Requesting, AReplyToAnyTransmissionOfStopCounts) {
+  TestBoard::Bytes first;
+  int sent = 0;
+  board.to_board = [&](TestBoard::Bytes bytes) {
+    if (++sent == 2) board.inject(first);
+    return bytes;
+  };
+  board.to_host = [&](TestBoard::Bytes bytes) {
+    if (first.empty()) first = bytes;
+    return TestBoard::Bytes{};
+  };
+  const auto reply = requester.exchange_at_once(request_of(KZ_TYPE_stop));
+  ASSERT_TRUE(reply) << reply.error().message;
+  EXPECT_EQ(sent, 2);
+  EXPECT_FALSE(reply->timed) << "it is not known to which transmission";
+}
+
+// Version 2 took a `stop` for a repetition of another program's: acknowledged, not executed.
+TEST_F(Requesting, AStopThatLeavesMotorsOnIsSentAgain) {
+  switch_on();
+  int stops = 0;
+  board.to_board = [&](TestBoard::Bytes bytes) {
+    auto body = bodies_of(bytes).front();
+    if (body[1] != KZ_TYPE_stop || ++stops > 1) return bytes;
+    body = {body[0], KZ_TYPE_heartbeat, body[2], 0, 0};
+    return framed(body);
+  };
+  board.to_host = [&](TestBoard::Bytes bytes) {
+    auto body = bodies_of(bytes).front();
+    if (body[1] == KZ_TYPE_heartbeat_reply) body[1] = KZ_TYPE_stop_reply;
+    return framed(body);
+  };
+  const auto reply = requester.exchange_at_once(request_of(KZ_TYPE_stop));
+  ASSERT_TRUE(reply) << reply.error().message;
+  EXPECT_EQ(stops, 2);
+  EXPECT_EQ(requester.statistics().timeouts, 0u);
+  EXPECT_FALSE(board.motors_on());
 }
 
 // About 20 of so many random ones would (frame.h).
