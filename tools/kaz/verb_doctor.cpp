@@ -1,8 +1,10 @@
 // `kaz doctor`: examines this machine's ports, CAN interfaces and cameras.
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
+#include <string>
 
 #include "tools/app/doctor/doctor.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -11,16 +13,21 @@ void add_doctor(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "doctor", "examine this machine's ports, CAN interfaces, cameras, drivers and cores");
   auto options = std::make_shared<DoctorOptions>();
+  auto* port =
+      verb->add_option(
+              "--port", options->port,
+              std::string("also identify the board there and check its firmware: ") + kPortText)
+          ->type_name("PORT");
+  add_address(*verb, options->address)->needs(port);
   verb->add_flag("--json", options->json, "print the findings as JSON");
   verb->footer(
       "Each finding is good, a note (it could be better) or wrong, with the command that mends it. "
-      "Serial "
-      "ports are not opened: some adapters would reset the board. Programs of other users that "
-      "hold "
-      "a device are found by root alone.\n"
+      "No serial port but that of --port is opened: some adapters would reset the board. Programs "
+      "of other users that hold a device are found by root alone.\n"
       "Exit status: 0 nothing is wrong, 1 something is.\n"
       "Examples:\n"
       "  kaz doctor\n"
+      "  kaz doctor --port /dev/ttyUSB0\n"
       "  kaz doctor --json");
   verb->callback([&action, options] { action = [options] { return run_doctor(*options); }; });
 }

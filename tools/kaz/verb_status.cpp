@@ -22,7 +22,7 @@ void add_status(CLI::App& program, Action& action) {
       "shutdown.\n"
       "In JSON, since_reset_s is the time since the board's last reset, of which last_reset is the "
       "cause; shutdown_at_s is on the same clock. build identifies the firmware's sources, as in "
-      "`kaz flash info`.\n"
+      "`kaz flash info`. firmware_fault is there for firmware that is known to be unsafe.\n"
       "Exit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz status --robot serial:/dev/ttyUSB0\n"

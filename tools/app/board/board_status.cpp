@@ -68,6 +68,8 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
                              counts.too_long + counts.line_errors + counts.overruns + counts.idle}};
   // What is not there is absent; the native engine has no image.
   if (board.image_crc != 0) json["crc"] = host::hex_word(board.image_crc);
+  if (const auto fault = host::firmware_fault(board); !fault.empty())
+    json["firmware_fault"] = fault;
   if (!test.failed_names.empty()) json["self_test_failed"] = test.failed_names;
   if (!health.shutdown.empty()) {
     json["shutdown"] = health.shutdown;
@@ -90,6 +92,8 @@ void print(const Json& now, const std::string& fault) {
   std::printf("supply %.1f V, lowest %.1f V; motor drivers %.0f degrees Celsius\n",
               now["supply_v"].get<double>(), now["supply_lowest_v"].get<double>(),
               now["drivers_celsius"].get<double>());
+  if (const auto wrong = now.value("firmware_fault", std::string()); !wrong.empty())
+    print_lines("the board: %s\n", wrong.c_str());
   const auto failed = now.value("self_test_failed", std::string());
   print_lines("self-test: %s; calibration: %s\n", failed.empty() ? "passed" : failed.c_str(),
               now["calibrated"].get<bool>()

@@ -1,4 +1,4 @@
-// Ports, CAN interfaces, cameras, drivers, toolchain, cores.
+// Ports, CAN interfaces, cameras, drivers, toolchain, cores, and the firmware of one board.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/doctor/doctor.h"
 
@@ -9,11 +9,18 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/link/port_link.h"
 #include "host/link/serial_port.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/connect.h"
+#include "host/robot/robot.h"
 #include "shared/base/bounded_json.hpp"
 #include "shared/base/counted.hpp"
 #include "shared/base/number_text.hpp"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
 #include "tools/app/base/provenance.h"
 
 namespace kaz::tools {
@@ -263,6 +270,16 @@ void examine_cores(const MachineFiles& files, Findings& findings) {
   }
 }
 
+Result<kz_identify_reply> identified(const host::PortAddress& port, std::uint8_t address) {
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  auto link = KAZ_TRY(host::open_port(port, &interrupt));
+  host::WallClock clock(&interrupt);
+  const auto robot = KAZ_TRY(host::Robot::connect(
+      *link, clock, {.address = address, .watchdog = Time::zero(), .reconnect = Time::zero()}));
+  return robot.identity();
+}
+
 const char* word(Level level) {
   return level == Level::good ? "good" : level == Level::note ? "note" : "wrong";
 }
@@ -280,8 +297,22 @@ std::vector<Finding> examine(const MachineFiles& files) {
   return findings;
 }
 
+Finding examine_board(const std::string& port, const Result<kz_identify_reply>& board) {
+  if (!board) return {Level::wrong, "board", port, board.error().message, ""};
+  const std::string what = host::board_text(*board), fault = host::firmware_fault(*board);
+  if (fault.empty()) return {Level::good, "board", port, what, ""};
+  return {Level::wrong, "board", port, what + ": " + fault,
+          "kaz flash write " + firmware_image("").value_or("kaz.mot") + " --port " + port};
+}
+
 Result<bool> run_doctor(const DoctorOptions& options) {
-  const Findings findings = examine(MachineFiles::of_this_machine());
+  Findings findings = examine(MachineFiles::of_this_machine());
+  if (!options.port.empty()) {
+    const auto port = KAZ_TRY(parse_port(options.port));
+    const auto board = identified(port, options.address);
+    if (!board && board.error().fault == Fault::interrupted) return tl::unexpected(board.error());
+    findings.push_back(examine_board(port.name(), board));
+  }
   const auto wrong = std::ranges::count(findings, Level::wrong, &Finding::level);
   if (options.json) {
     nlohmann::ordered_json json{{"wrong", wrong}, {"findings", nlohmann::ordered_json::array()}};

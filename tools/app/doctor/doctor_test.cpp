@@ -178,5 +178,21 @@ TEST_F(Doctor, FindsMissingDriversToolsAndCores) {
   }));
 }
 
+TEST(DoctorsBoard, FirmwareThatCanIgnoreAStopIsWrong) {
+  kz_identify_reply board{};
+  board.protocol_version = KZ_PROTOCOL_VERSION;
+  EXPECT_EQ(examine_board("/dev/ttyUSB0", board).level, Level::good);
+  board.protocol_version = 2;
+  const Finding found = examine_board("/dev/ttyUSB0", board);
+  EXPECT_EQ(found.level, Level::wrong);
+  EXPECT_NE(found.text.find("can acknowledge a repeated stop request and leave the motors on"),
+            std::string::npos)
+      << found.text;
+  EXPECT_EQ(found.remedy.substr(0, 16), "kaz flash write ");
+  const Finding silent = examine_board("/dev/ttyUSB0", fail(Fault::environment, "nothing answers"));
+  EXPECT_EQ(silent.level, Level::wrong);
+  EXPECT_EQ(silent.text, "nothing answers");
+}
+
 }  // namespace
 }  // namespace kaz::tools
