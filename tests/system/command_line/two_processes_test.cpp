@@ -1,6 +1,7 @@
 // The virtual robot in one process, the behaviour in another, a real pty between them, in real
 // time.
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <thread>
@@ -58,6 +59,34 @@ TEST_P(Engines, BehaviourRunsOverThePty) {
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder / "board"));
   EXPECT_FALSE(std::filesystem::exists(folder / "eyes"));
+}
+
+// An emergency button that always sends the same bytes, beside a host that enables. At most three requests
+// are between two presses, so a board that answers repetitions from memory would know each.
+TEST_P(Engines, TheSameStopFrameStopsEachTime) {
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, GetParam()));
+  ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
+  host::WallClock clock;
+  auto link = host::TtyLink::open(folder / "board");
+  ASSERT_TRUE(link) << link.error().message;
+  auto robot = host::Robot::connect(**link, clock, {.watchdog = seconds(1)});
+  ASSERT_TRUE(robot) << robot.error().message;
+  for (const u8 address : {KZ_ADDRESS_DEFAULT, KZ_ADDRESS_ALL}) {
+    const u8 body[] = {address, KZ_TYPE_stop, 0};
+    std::array<u8, KZ_FRAME_MAX> wire{};
+    const u8 length = kz_frame_encode(body, sizeof body, wire.data());
+    for (int press = 0; press < 3; ++press) {
+      ASSERT_TRUE(robot->enable(host::kAllJoints));
+      ASSERT_TRUE((*link)->write({wire.data(), length}));
+      const auto posture = robot->state();
+      ASSERT_TRUE(posture) << posture.error().message;
+      EXPECT_FALSE(posture->status & KZ_STATUS_ENABLED) << int(address) << ", press " << press;
+      EXPECT_EQ(posture->status >> 8, KZ_SHUTDOWN_STOP);
+    }
+  }
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, Engines, ::testing::Values("h8", "native"));
