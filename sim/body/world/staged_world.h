@@ -107,6 +107,7 @@ class StagedWorld : public World {
       for (int k = 0; k < 3; ++k) a((*v)[k]);
     for (LinkForce& force : link_forces_) a(force);
     if constexpr (A::reading) {
+      diagnostics_.failure.clear();  // a world that broke down is not saved
       joint_loads_.clear();
       read_motors();  // what of them is no part of the state
     }
