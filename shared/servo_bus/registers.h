@@ -67,7 +67,9 @@ struct Model {
   const Register* at(std::size_t address) const;
   // Of the `index`-th of a row, as from the factory.
   int initial(const Register& reg, int index = 0) const;
-  std::size_t end() const { return registers.empty() ? 0 : registers.back().end(); }
+  std::size_t end() const {
+    return registers.empty() ? 0 : static_cast<std::size_t>(registers.back().end());
+  }
   double steps_per_rad() const { return steps / span_rad; }
 };
 
