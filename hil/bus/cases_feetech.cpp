@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kPing = 1, kRead = 2, kWrite = 3, kRegWrite = 4, kAction = 5, kSyncRead = 0x82,
+constexpr int kPing = 1, kWrite = 3, kRegWrite = 4, kAction = 5, kSyncRead = 0x82,
               kSyncWrite = 0x83;
 constexpr auto kFeetech = ServoFamily::feetech;
 

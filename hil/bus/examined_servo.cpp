@@ -145,7 +145,9 @@ std::vector<std::string> ExaminedServo::put_back() {
   // Whether requests are answered comes first.
   const ServoRow* level = table_->find({"Status Return Level", "response status level"});
   std::vector<std::pair<const ServoRow*, long>> all(before_.begin(), before_.end());
-  std::ranges::stable_partition(all, [&](const auto& one) { return one.first == level; });
+  // clang 14 does not compile std::ranges::stable_partition of libstdc++ 12.
+  std::stable_partition(all.begin(), all.end(),
+                        [&](const auto& one) { return one.first == level; });
   for (const auto& [row, value] : all) {
     bool good = false;
     for (int tries = 0; tries < 3 && !good; ++tries) {
