@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "host/robot/posture.h"
 #include "shared/base/bounded_json.hpp"
@@ -32,6 +33,14 @@ double degrees(double rad) {
 }
 
 }  // namespace
+
+CommandStand::Query CommandStand::parsed(
+    std::function<Result<std::string>(const std::string& line)> query) {
+  return [query = std::move(query)](const std::string& line) -> Result<nlohmann::ordered_json> {
+    const std::string reply = KAZ_TRY(query(line));
+    return parse_bounded_json<nlohmann::ordered_json>(reply).value_or(nullptr);
+  };
+}
 
 Result<void> CommandStand::send(const std::string& line) {
   const auto reply = query_(line);

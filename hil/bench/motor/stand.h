@@ -46,6 +46,8 @@ class Stand {
 class CommandStand final : public Stand {
  public:
   using Query = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
+  // Parses the replies of `query`, as a control socket sends them. One that is not JSON has no readings.
+  static Query parsed(std::function<Result<std::string>(const std::string& line)> query);
   // pressing_s: how long a press is to last; the virtual scale wants 0.05 s.
   CommandStand(std::string name, Query query, host::Clock& clock, double pressing_s = 0.1)
       : name_(std::move(name)), query_(std::move(query)), clock_(clock), pressing_s_(pressing_s) {}

@@ -3,8 +3,6 @@
 #include "tools/app/bench/bench_target.h"
 #include "sim/runtime/simulation/recording_tap.h"
 
-#include <nlohmann/json.hpp>
-
 #include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/control_socket.h"
@@ -79,11 +77,9 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
         options.backend.disc_kgm2);
   } else if (options.stand.starts_with("ctl:")) {
     const std::string path = options.stand.substr(4);
-    const auto query = [path,
-                        &interrupt](const std::string& line) -> Result<nlohmann::ordered_json> {
-      const auto reply = KAZ_TRY(host::query_control_socket(path, "stand " + line, &interrupt));
-      return parse_bounded_json<nlohmann::ordered_json>(reply).value_or(nullptr);
-    };
+    const auto query = hil::CommandStand::parsed([path, &interrupt](const std::string& line) {
+      return host::query_control_socket(path, "stand " + line, &interrupt);
+    });
     // Whether it is a stand: said before anything moves.
     KAZ_TRY(query("disc"));
     stand = std::make_unique<hil::CommandStand>(options.stand, query, clock);

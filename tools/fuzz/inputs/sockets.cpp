@@ -21,6 +21,7 @@
 #include "sim/runtime/serving/control_server.h"
 #include "sim/runtime/serving/followed_clock.h"
 #include "sim/stand/stand_commands.h"
+#include "tools/app/base/time_lost.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 
@@ -236,7 +237,20 @@ Complaint try_control(Bytes bytes) {
 }
 
 Complaint try_control_reply(Bytes bytes) {
-  const std::string path = input_folder() + "/replies";
+  const std::string port = input_folder() + "/replies", path = port + ".ctl";
+  // What `kaz` learns about a simulator behind a port. Both end at the first reply.
+  host::Interrupt interrupt;
+  {
+    const Sender sender(path, bytes);
+    const auto lost = tools::time_lost_behind(port, interrupt)();
+    if (!lost) return judge_error(lost.error(), path, Fault::environment);
+    if (*lost < Time::zero()) return "a time below zero was lost";
+  }
+  {
+    const Sender sender(path, bytes);
+    const std::string mcu = tools::simulated_mcu(port, interrupt);
+    if (mcu.size() > bytes.size()) return "a name longer than the reply";
+  }
   std::string text;
   {
     const Sender sender(path, bytes);
@@ -257,9 +271,7 @@ Complaint try_control_reply(Bytes bytes) {
   } clock;
   hil::CommandStand stand(
       "case",
-      [&](const std::string&) -> Result<Json> {
-        return parse_bounded_json<Json>(text).value_or(nullptr);
-      },
+      hil::CommandStand::parsed([&](const std::string&) -> Result<std::string> { return text; }),
       clock);
   for (const Result<double>& number : {stand.disc_kgm2(), stand.scale_nm(0), stand.turn(0, 1.0)}) {
     if (number ? !std::isfinite(*number) : number.error().message.empty())
