@@ -1,18 +1,23 @@
 # Runs the fuzz targets of targets.txt, several at a time, and writes the table of docs/howto/fuzzing.md.
 # SPDX-License-Identifier: Apache-2.0
-"""usage: run.py [SECONDS] [--only NAME[,NAME...]] [--jobs N] [--build FOLDER] [--out FOLDER] [--table]
+"""usage: run.py [SECONDS | --each SECONDS] [--only NAME[,NAME...]] [--jobs N] [--build FOLDER] [--out FOLDER]
+              [--table | --status]
 
-SECONDS of N cores are divided equally between the targets, N of which run at a time. They are CPU time:
-beside other programs a target runs for longer, not for less. The corpus of a target grows in OUT/NAME
-from run to run, also when the run is interrupted. What a target finds stays in OUT/NAME-crash-* and the
-like, its log in OUT/NAME-found-*.log, and the others go on. An interrupted run reports what it found
-until then. --table runs no target: it measures how much of each parser the corpora
-and the seeds reach, and writes the table, with the executions of the runs that OUT/runs.jsonl lists.
+Runs N targets at a time. SECONDS of N cores are divided equally between the targets; --each is the time of
+each target. Both are CPU time: beside other programs a target runs for longer, not for less.
+
+OUT/runs.jsonl records CPU time and executions of each target every minute, with the target's version: a hash
+of its parsers and of its own source. A target that has had its time in its present version is not run again,
+so the same command continues an interrupted campaign; more SECONDS extend it. The corpus in OUT/NAME grows
+from run to run. A failing input stays in OUT/NAME-crash-* and the like, its log in OUT/NAME-found-*.log, and
+the other targets go on. --status lists the recorded time. --table measures how much of each parser the
+corpora and the seeds reach, and writes the targets' rows of the table in docs/howto/fuzzing.md.
 
 Exit status: 0 nothing found, 1 something found, also if interrupted, 2 wrong arguments, 3 a program is
 missing, 130 interrupted, nothing found."""
 
 import argparse
+import hashlib
 import json
 import math
 import os
@@ -24,8 +29,8 @@ import subprocess
 import sys
 import time
 
-# libFuzzer's, after SIGINT without a finding.
-INTERRUPTED = 72
+# Exit statuses without a finding: the end, after SIGINT, and SIGUSR1 before libFuzzer handles it.
+QUIET = (0, 72, -signal.SIGUSR1)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MANIFEST = ROOT / "tools/fuzz/targets.txt"
 PAGE = ROOT / "docs/howto/fuzzing.md"
@@ -34,6 +39,9 @@ MEMORY = "/dev/shm"
 ENVIRONMENT = dict(os.environ)
 if os.access(MEMORY, os.W_OK):
     ENVIRONMENT.setdefault("TMPDIR", MEMORY)
+PROGRESS_S = 60
+# libFuzzer's limit is wall time: this many times the CPU time, it only matters if run.py is killed.
+WALL_PER_CPU = 20
 BEGIN, END = "<!-- fuzz table: ./tools/dev fuzz --table -->", "<!-- end of the fuzz table -->"
 
 
@@ -44,8 +52,32 @@ def manifest():
         if words[:1] == ["target"]:
             targets[words[1]] = {"seeds": ROOT / words[2], "program": words[3], "arguments": words[4:]}
         elif words[:1] == ["reads"]:
-            reads[words[1]] = words[2:]
+            reads[words[1]] = line.partition(" (")[0].split()[2:]
     return targets, reads
+
+
+def version(name, target, reads):
+    """Hash of what a campaign of the target is evidence for: its parsers and its own source."""
+    folder = target["seeds"]
+    while folder.name != "seeds":
+        folder = folder.parent
+    own = sorted([*folder.parent.glob("*.cpp"), *folder.parent.glob("*.h")])
+    defined = [path for path in own if re.search(rf"^Complaint try_{name}\(", path.read_text(), re.M)]
+    parsers = [ROOT / file for file, used in reads.items() if name in used]
+    content = b"".join(hashlib.sha256(path.read_bytes()).digest() for path in [*(defined or own), *parsers])
+    return hashlib.sha256(content).hexdigest()[:8]
+
+
+def recorded(options, targets):
+    """What each target has had in its present version."""
+    sums = {name: {"cpu_s": 0.0, "executions": 0} for name in targets}
+    runs = options.out / "runs.jsonl"
+    for line in runs.read_text().splitlines() if runs.exists() else []:
+        run = json.loads(line)
+        if run["target"] in targets and run.get("version") == targets[run["target"]]["version"]:
+            for key in sums[run["target"]]:
+                sums[run["target"]][key] += run[key]
+    return sums
 
 
 def last(pattern, text, default=0):
@@ -63,6 +95,8 @@ class Run:
 
     def __init__(self, name, target, options, seconds):
         self.name, self.began, self.cpu_s = name, time.monotonic(), 0.0
+        self.version, self.budget_s, self.is_stopping = target["version"], seconds, False
+        self.recorded = {"cpu_s": 0.0, "executions": 0}
         self.program = [options.build / "bin" / target["program"], *target["arguments"]]
         self.out, self.before = options.out, set(options.out.glob(f"{name}-*"))
         corpus = options.out / name
@@ -70,9 +104,9 @@ class Run:
         self.log_path = options.out / f"{name}.log"
         self.log = self.log_path.open("wb")
         command = [*self.program,
-                   f"-max_total_time={math.ceil(seconds)}", "-timeout=20", "-rss_limit_mb=3000",
-                   "-print_final_stats=1", f"-artifact_prefix={options.out}/{name}-", corpus,
-                   target["seeds"]]
+                   f"-max_total_time={math.ceil(WALL_PER_CPU * seconds)}", "-timeout=20",
+                   "-rss_limit_mb=3000", "-print_final_stats=1",
+                   f"-artifact_prefix={options.out}/{name}-", corpus, target["seeds"]]
         # Its own group: Ctrl-C reaches it through stop() alone.
         self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self.log,
                                         stderr=subprocess.STDOUT, start_new_session=True, env=ENVIRONMENT)
@@ -82,15 +116,46 @@ class Run:
         before = children_cpu_s()
         if self.process.poll() is None:
             return False
-        self.cpu_s += children_cpu_s() - before
+        self.cpu_s = children_cpu_s() - before
         return True
+
+    def cpu_until_now(self):
+        """Of a process that runs."""
+        try:
+            fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            return self.cpu_s
+        return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")  # utime, stime, cutime, cstime
+
+    def stop_when_used(self):
+        """libFuzzer ends after the present case, with 0."""
+        if not self.is_stopping and self.cpu_until_now() >= self.budget_s:
+            self.is_stopping = True
+            self.process.send_signal(signal.SIGUSR1)
+
+    def record(self, cpu_s, executions, **more):
+        """The part since the last call, in runs.jsonl."""
+        now = {"cpu_s": round(cpu_s, 1), "executions": executions}
+        part = {key: round(max(0, now[key] - self.recorded[key]), 1) for key in now}
+        self.recorded = now
+        with (self.out / "runs.jsonl").open("a") as runs:
+            runs.write(json.dumps({"target": self.name, "version": self.version, **part, **more}) + "\n")
+
+    def executions_until_now(self):
+        text = self.log_text()
+        return (last(r"stat::number_of_executed_units:\s*(\d+)", text) or last(r"(?m)^#(\d+)\s", text))
+
+    def log_text(self):
+        with self.log_path.open("rb") as log:
+            log.seek(max(0, self.log_path.stat().st_size - 200_000))
+            return log.read().decode(errors="replace")
 
     def stop(self):
         if not self.has_ended():
             os.killpg(self.process.pid, signal.SIGINT)
             before = children_cpu_s()
             self.process.wait()
-            self.cpu_s += children_cpu_s() - before
+            self.cpu_s = children_cpu_s() - before
 
     def was_only_slow(self):
         """Whether all that was found are cases that took too long beside other programs, but not alone."""
@@ -115,27 +180,22 @@ class Run:
 
     def result(self):
         self.log.close()
-        size = self.log_path.stat().st_size
-        with self.log_path.open("rb") as log:
-            log.seek(max(0, size - 200_000))
-            text = log.read().decode(errors="replace")
-        executions = (last(r"stat::number_of_executed_units:\s*(\d+)", text) or
-                      last(r"(?m)^#(\d+)\s", text))
-        found = self.process.returncode not in (0, INTERRUPTED)
+        found = self.process.returncode not in QUIET
         return {"target": self.name, "seconds": round(time.monotonic() - self.began, 1),
-                "cpu_s": round(self.cpu_s, 1), "executions": executions, "edges": last(r" cov: (\d+)", text),
-                "found": found}
+                "cpu_s": round(self.cpu_s, 1), "executions": self.executions_until_now(),
+                "edges": last(r" cov: (\d+)", self.log_text()), "found": found}
 
 
 def fuzz(options, targets):
-    names = list(targets)
     # At least a second each, and no more than asked for in all.
-    share = max(1, options.seconds * options.jobs // len(names))
-    print(f"{len(names)} targets, {share} s of CPU time each, {options.jobs} at a time; corpora and logs in "
-          f"{options.out}", flush=True)
-    waiting, running, results, interrupted = names[:], [], [], []
-    left = dict.fromkeys(names, float(share))  # of each target's CPU time, s
-    ended = set()
+    share = options.each or max(1, options.seconds * options.jobs // len(targets))
+    done = recorded(options, targets)
+    left = {name: share - done[name]["cpu_s"] for name in targets}  # of each target's CPU time, s
+    waiting = [name for name in targets if left[name] >= 1]
+    print(f"{len(targets)} targets, {share} s of CPU time each, {options.jobs} at a time; "
+          f"{len(targets) - len(waiting)} have had it; corpora and logs in {options.out}", flush=True)
+    running, results, interrupted, ended = [], [], [], set(targets) - set(waiting)
+    shown = time.monotonic()
 
     def finish(run):
         running.remove(run)
@@ -145,17 +205,15 @@ def fuzz(options, targets):
             result["found"] = False
             print(f"{run.name}: a case took over 20 s beside other programs, alone it ends in time",
                   flush=True)
-        # libFuzzer counts the wall clock: what other programs took is made up for. Its start takes a second.
         goes_on = not result["found"] and not interrupted and left[run.name] >= 1 and result["cpu_s"] > 0
         if goes_on:
             running.append(Run(run.name, targets[run.name], options, left[run.name]))
         else:
             ended.add(run.name)
         results.append(result)
-        with (options.out / "runs.jsonl").open("a") as runs:
-            runs.write(json.dumps(result) + "\n")
+        run.record(**{key: result[key] for key in ("cpu_s", "executions", "edges", "found")})
         outcome = "FOUND SOMETHING" if result["found"] else "nothing found"
-        print(f"[{len(ended):2}/{len(names)}] {run.name:14} {result['seconds']:6.0f} s, "
+        print(f"[{len(ended):2}/{len(targets)}] {run.name:14} {result['seconds']:6.0f} s, "
               f"CPU {result['cpu_s']:5.0f} s {result['executions']:>11,} runs {result['edges']:>6} edges  "
               f"{outcome}{', goes on' if goes_on else ''}", flush=True)
         if result["found"]:
@@ -163,16 +221,28 @@ def fuzz(options, targets):
             tail = run.log_path.read_text(errors="replace").splitlines()[-12:]
             print("\n".join("    " + line[:160] for line in tail), flush=True)
 
+    def show(run):
+        cpu_s, executions = run.cpu_until_now(), run.executions_until_now()
+        run.record(cpu_s, executions)
+        print(f"[{len(ended):2}/{len(targets)}] {run.name:14} CPU {share - left[run.name] + cpu_s:5.0f} of "
+              f"{share} s {executions:>11,} runs", flush=True)
+
     # No exception: it would lose a run that has just ended and is being judged.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: interrupted.append(True))
     while not interrupted and (waiting or running):
         while not interrupted and waiting and len(running) < options.jobs:
             name = waiting.pop(0)
-            running.append(Run(name, targets[name], options, share))
+            running.append(Run(name, targets[name], options, left[name]))
         for run in running[:]:
             if run.has_ended():
                 finish(run)
+            else:
+                run.stop_when_used()
+        if time.monotonic() - shown >= PROGRESS_S:
+            shown = time.monotonic()
+            for run in running:
+                show(run)
         time.sleep(0.2)
     for run in running[:]:
         run.stop()
@@ -211,49 +281,57 @@ def coverage(options, name, target):
     return sums
 
 
-def shown(file, best):
-    """Of the target that reaches most."""
-    if best[1]:
-        return f"{best[0]}/{best[1]}, {100 * best[2] / best[3]:.0f} %"
-    return "emulated" if file.startswith("firmware/") else "inlined"
+def reached(file, sums):
+    if sums[1]:
+        return f"`{file}` {sums[0]}/{sums[1]}, {100 * sums[2] / sums[3]:.0f} %"
+    return f"`{file}` {'emulated' if file.startswith('firmware/') else 'inlined'}"
 
 
-def write_table(options, targets, reads):
-    executions = {}
-    runs = options.out / "runs.jsonl"
-    for line in runs.read_text().splitlines() if runs.exists() else []:
-        run = json.loads(line)
-        executions[run["target"]] = executions.get(run["target"], 0) + run["executions"]
-    reached = {}
-    for number, (name, target) in enumerate(targets.items(), 1):
-        print(f"[{number:2}/{len(targets)}] {name}", flush=True)
-        reached[name] = coverage(options, name, target)
-    lines = ["| targets | executions | parsers: functions, edges |", "|---|---|---|"]
-    rows = {}
-    for file, used in reads.items():
-        best = max((reached[name].get(file, (0, 0, 0, 0)) for name in used), key=lambda sums: sums[2])
-        rows.setdefault(tuple(used), []).append(f"`{file}` {shown(file, best)}")
-    for used, parsers in rows.items():
-        total = sum(executions.get(name, 0) for name in used)
-        lines.append(f"| {', '.join(f'`{name}`' for name in used)} | {total:,} | {'; '.join(parsers)} |")
+def write_table(options, targets, reads, all_targets):
     page = PAGE.read_text()
     before, rest = page.split(BEGIN)
-    PAGE.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + rest.split(END)[1])
-    print(f"{PAGE}: {len(reads)} parsers, {sum(executions.values()):,} executions")
+    table, after = rest.split(END)
+    rows = dict(re.findall(r"^(\| `(\w+)` \|.*)$", table, re.M))
+    rows = {name: row for row, name in rows.items()}
+    done = recorded(options, targets)
+    for number, (name, target) in enumerate(targets.items(), 1):
+        print(f"[{number:2}/{len(targets)}] {name}", flush=True)
+        sums = coverage(options, name, target)
+        parsers = "; ".join(reached(file, sums.get(file, (0, 0, 0, 0)))
+                            for file, used in reads.items() if name in used)
+        measured = target["version"] if done[name]["executions"] else "none"
+        rows[name] = (f"| `{name}` | {measured} | {done[name]['executions']:,} | "
+                      f"{done[name]['cpu_s'] / 60:.1f} | {parsers} |")
+    lines = ["| target | version | executions | CPU time, min | parsers: functions, edges |",
+             "|---|---|---|---|---|", *(rows[name] for name in all_targets if name in rows)]
+    PAGE.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after)
+    print(f"{PAGE}: rows of {', '.join(targets)}")
+    return 0
+
+
+def show_status(options, targets):
+    for name, sums in recorded(options, targets).items():
+        print(f"{name:14} {targets[name]['version']} CPU {sums['cpu_s']:7.0f} s "
+              f"{sums['executions']:>13,} runs")
     return 0
 
 
 def main():
     parser = argparse.ArgumentParser(prog="./tools/dev fuzz", description="Fuzzes the parsers.")
     parser.add_argument("seconds", nargs="?", type=int, default=600)
+    parser.add_argument("--each", type=int, metavar="SECONDS", help="CPU time of each target")
     parser.add_argument("--only", default="", metavar="NAME[,NAME]")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/fuzz")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/fuzz")
-    parser.add_argument("--table", action="store_true")
+    parser.add_argument("--table", action="store_true", help="write the targets' rows of the table")
+    parser.add_argument("--status", action="store_true", help="list the time that each target has had")
     parser.add_argument("--programs", action="store_true", help="print the programs to build, and end")
     options = parser.parse_args()
-    targets, reads = manifest()
+    all_targets, reads = manifest()
+    targets = all_targets
+    for name, target in targets.items():
+        target["version"] = version(name, target, reads)
     if options.only:
         wanted = options.only.split(",")
         for name in wanted:
@@ -263,17 +341,17 @@ def main():
     if options.programs:
         print("\n".join(dict.fromkeys(target["program"] for target in targets.values())))
         return 0
-    if options.seconds < 1 or options.jobs < 1:
-        parser.error("SECONDS and --jobs are 1 or more")
-    if options.table and options.only:
-        parser.error("--table is of all targets: leave --only out")
+    if options.seconds < 1 or options.jobs < 1 or options.each is not None and options.each < 1:
+        parser.error("SECONDS, --each and --jobs are 1 or more")
+    if options.status:
+        return show_status(options, targets)
     for target in targets.values():
         program = options.build / "bin" / target["program"]
         if not program.exists():
             print(f"{program} is missing: ./tools/dev fuzz builds it", file=sys.stderr)
             return 3
     options.out.mkdir(parents=True, exist_ok=True)
-    return write_table(options, targets, reads) if options.table else fuzz(options, targets)
+    return write_table(options, targets, reads, all_targets) if options.table else fuzz(options, targets)
 
 
 sys.exit(main())

@@ -1,6 +1,8 @@
 # Findings are reported and kept, also when the run is interrupted at the same time; time is CPU time.
 # SPDX-License-Identifier: Apache-2.0
+import json
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -33,6 +35,17 @@ prefix = next(word.split("=", 1)[1] for word in sys.argv if word.startswith("-ar
 with pathlib.Path(prefix + "starts").open("a") as starts:
     starts.write(next(word for word in sys.argv if word.startswith("-max_total_time=")) + "\\n")
 while time.process_time() < 0.6:
+    pass
+"""
+
+# Works until it is stopped as libFuzzer's programs are.
+BUSY = """#!{python}
+import pathlib, signal, sys
+prefix = next(word.split("=", 1)[1] for word in sys.argv if word.startswith("-artifact_prefix="))
+with pathlib.Path(prefix + "starts").open("a") as starts:
+    starts.write("x")
+signal.signal(signal.SIGUSR1, lambda *_: (print("stat::number_of_executed_units: 70"), sys.exit(0)))
+while True:
     pass
 """
 QUIET = "lambda *_: sys.exit(72)"
@@ -80,14 +93,33 @@ class Runs(unittest.TestCase):
         self.assertEqual(run.returncode, 130, text)
 
     def test_goes_on_until_its_cpu_time_is_used(self):
-        (self.build / "bin/h8s_fuzz_gdb").write_text(SLOWED.format(python=sys.executable))
-        run = subprocess.run([sys.executable, "-B", RUN, "2", "--only", "gdb", "--jobs", "1",
+        text = self.run_gdb(SLOWED, "2")
+        self.assertEqual(len((self.out / "gdb-starts").read_text().split()), 2)
+        self.assertRegex(text, r"(?m)^\[ 0/1\] gdb .*goes on$")
+        self.assertRegex(text, r"(?m)^\[ 1/1\] gdb .*nothing found$")
+
+    def test_has_its_time_once_in_each_version(self):
+        text = self.run_gdb(BUSY, "--each", "1")
+        self.assertRegex(text, r"(?m)^\[ 1/1\] gdb .* 70 runs .*nothing found$")
+        runs = self.out / "runs.jsonl"
+        self.assertGreaterEqual(sum(json.loads(run)["cpu_s"] for run in runs.read_text().splitlines()), 1)
+        self.assertIn("1 have had it", self.run_gdb(BUSY, "--each", "1"))
+        self.assertEqual((self.out / "gdb-starts").read_text(), "x")
+        self.assertRegex(self.run_gdb(BUSY, "--each", "1", "--status"), r"gdb +\w{8} CPU +[1-9].* 70 runs")
+        # More time: the rest of it.
+        self.assertRegex(self.run_gdb(BUSY, "--each", "3"), r"(?m)^\[ 1/1\] gdb .*CPU +[12] s .*g found$")
+        self.assertEqual((self.out / "gdb-starts").read_text(), "xx")
+        runs.write_text(re.sub(r'"version": "\w+"', '"version": "other"', runs.read_text()))
+        self.assertIn("0 have had it", self.run_gdb(BUSY, "--each", "1"))
+        self.assertEqual((self.out / "gdb-starts").read_text(), "xxx")
+
+    def run_gdb(self, program, *words):
+        (self.build / "bin/h8s_fuzz_gdb").write_text(program.format(python=sys.executable))
+        run = subprocess.run([sys.executable, "-B", RUN, *words, "--only", "gdb", "--jobs", "1",
                               "--build", self.build, "--out", self.out],
                              stdout=subprocess.PIPE, text=True, timeout=60)
         self.assertEqual(run.returncode, 0, run.stdout)
-        self.assertEqual((self.out / "gdb-starts").read_text().split(), ["-max_total_time=2"] * 2)
-        self.assertRegex(run.stdout, r"(?m)^\[ 0/1\] gdb .*goes on$")
-        self.assertRegex(run.stdout, r"(?m)^\[ 1/1\] gdb .*nothing found$")
+        return run.stdout
 
 
 if __name__ == "__main__":
