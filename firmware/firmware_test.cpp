@@ -233,9 +233,9 @@ TEST_F(Firmware, WalkingLoadFitsTheTick) {
               static_cast<int>(loops[loops.size() / 2]));
   EXPECT_EQ(missed, 0);
   EXPECT_LT(worst, ms * 75 / 100);
-  // The inertial inputs cost 60 states of each tick. Tick times are bimodal, up to 8,200 states and from 8,400
-  // on (those in which bytes come). On which side of the gap the median is depends on where in a tick the
-  // host's bytes come, and so on the size of the image, whose CRC delays the start.
+  // The inertial inputs cost 60 states of each tick. Tick times are bimodal: up to 8,200 states, and from
+  // 8,400 on if bytes come. On which side of the gap the median lies depends on where in a tick the host
+  // sends, and so on the size of the image, whose CRC delays the start.
   EXPECT_LT(median, ms * 47 / 100);
   for (const h8s::Misuse& misuse : chip().misuse()) ADD_FAILURE() << misuse.text;
 }
