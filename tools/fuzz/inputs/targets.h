@@ -40,10 +40,12 @@ Complaint try_clock(Bytes bytes);          // another machine's clock, at kaz si
 Complaint try_control(Bytes bytes);        // the control socket of kaz sim, a motor stand behind it
 Complaint try_control_reply(Bytes bytes);  // its replies, at the host
 
-// Buses and networks (links.cpp).
-Complaint try_can(Bytes bytes);     // ISO-TP messages and error frames
-Complaint try_telnet(Bytes bytes);  // RFC 2217, both ends
-Complaint try_boards(Bytes bytes);  // files of boards
+// Buses and networks (links.cpp, ports.cpp).
+Complaint try_can(Bytes bytes);         // ISO-TP messages and error frames
+Complaint try_telnet(Bytes bytes);      // RFC 2217, both ends
+Complaint try_boards(Bytes bytes);      // files of boards
+Complaint try_serve_port(Bytes bytes);  // a hostile client at kaz serve-port
+Complaint try_rfc2217(Bytes bytes);     // a hostile server of RFC 2217, at the host
 
 // Servo buses (servo_bus.cpp).
 Complaint try_servo_bus(Bytes bytes);    // a hostile host at a virtual servo
@@ -85,6 +87,8 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"can", try_can},
                                            {"telnet", try_telnet},
                                            {"boards", try_boards},
+                                           {"serve_port", try_serve_port},
+                                           {"rfc2217", try_rfc2217},
                                            {"servo_bus", try_servo_bus},
                                            {"bus_file", try_bus_file},
                                            {"bus_answers", try_bus_answers},
