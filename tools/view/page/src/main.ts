@@ -53,7 +53,7 @@ client.onInfo = (info) => {
   element("player").hidden = end === undefined;
   if (end !== undefined) output("connection", "recording");
   element("locked").hidden = trusted() || !(end !== undefined || info.capabilities.includes("clientPublish"));
-  output("locked", client.refused ? "another run's token: open the address that this one printed to control"
+  output("locked", token !== null && client.refused ? "another run's token: open the address that this one printed to control"
     : "open the address with its token to control");
   hands.offer(trusted() && info.capabilities.includes("clientPublish"));
   poses.offer(trusted() && info.capabilities.includes("clientPublish"));
