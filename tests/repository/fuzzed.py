@@ -38,8 +38,8 @@ HARMLESS_HEADERS = """
   limits limits.h list map memory mutex net/if.h net/if_arp.h netinet/in.h netinet/tcp.h new
   nlohmann/json.hpp nlohmann/json_fwd.hpp numbers numeric ode/ode.h openssl/evp.h openssl/sha.h optional
   ostream poll.h pthread.h queue random ranges set signal.h span sstream stddef.h stdexcept stdlib.h string
-  string_view sys/epoll.h sys/eventfd.h sys/file.h sys/ioctl.h sys/prctl.h sys/resource.h sys/socket.h sys/stat.h
-  sys/syscall.h sys/sysmacros.h sys/time.h sys/types.h sys/un.h sys/utsname.h sys/wait.h system_error
+  string_view sys/epoll.h sys/eventfd.h sys/file.h sys/ioctl.h sys/prctl.h sys/resource.h sys/socket.h
+  sys/stat.h sys/syscall.h sys/sysmacros.h sys/time.h sys/types.h sys/un.h sys/utsname.h sys/wait.h system_error
   termios.h thread time.h tl/expected.hpp tuple type_traits typeinfo unistd.h unordered_map unordered_set
   utility variant vector version xxhash.h CLI/* EGL/* Eigen/* GL/* asmjit/* ompl/* opencv2/calib3d.hpp
   opencv2/core.hpp opencv2/core/eigen.hpp opencv2/core/utility.hpp opencv2/imgproc.hpp

@@ -164,8 +164,8 @@ LAYERS = {
     "tests/system/command_line": {".": (), "plugins": ()},
 }
 # The emulator can be used alone: of other parts it includes only these.
-ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/browser_guard.hpp", "shared/base/descriptor.hpp", "shared/base/files.hpp",
-                    "shared/base/result.hpp", "shared/image/image.h")}
+ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/browser_guard.hpp", "shared/base/descriptor.hpp",
+                    "shared/base/files.hpp", "shared/base/result.hpp", "shared/image/image.h")}
 # A judge shares no code with behaviours: of host it includes only what they report through.
 JUDGE, JUDGE_MAY = "tools/app/evaluate/judge", tuple(
     f"host/behavior/{name}.h" for name in ("behavior", "options", "sink"))
