@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "host/link/wall_clock.h"
-#include "shared/base/no_descriptors_testing.hpp"
+#include "shared/base/no_descriptors_testing.h"
 
 namespace kaz::host {
 namespace {

@@ -8,7 +8,7 @@
 #include <bit>
 #include <chrono>
 
-#include "shared/base/no_descriptors_testing.hpp"
+#include "shared/base/no_descriptors_testing.h"
 #include "sim/runtime/serving/socket_testing.h"
 #include "sim/runtime/simulation/world_testing.h"
 

@@ -13,7 +13,7 @@
 
 #include "shared/base/camera_stream.hpp"
 #include "shared/base/json_testing.h"
-#include "shared/base/no_descriptors_testing.hpp"
+#include "shared/base/no_descriptors_testing.h"
 #include "sim/runtime/serving/camera_server.h"
 #include "sim/runtime/serving/control_server.h"
 #include "sim/runtime/serving/socket_testing.h"
