@@ -124,7 +124,7 @@ Result<std::size_t> PortServer::read(std::span<std::uint8_t> bytes, Time deadlin
   const WallClock clock;
   while (true) {
     accept_clients();
-    if (has_client() && wire_.empty() && !command_) KAZ_TRY(receive());
+    if (has_client() && data_.empty() && wire_.empty() && !command_) KAZ_TRY(receive());
     parse();
     if (!data_.empty()) {
       const std::size_t count = std::min(bytes.size(), data_.size());

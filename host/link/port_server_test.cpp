@@ -149,6 +149,21 @@ TEST_F(ServedPort, BytesAndCommandsOfOneSegmentKeepTheirOrder) {
   EXPECT_EQ(answers[2].data, Bytes{kPurgeUnsent});
 }
 
+TEST_F(ServedPort, AClientThatHasLeftIsReadToItsEnd) {
+  open(PortServer::Protocol::raw);
+  {
+    const Descriptor client = connect();
+    send(client, bytes_of("abcdef"));
+  }
+  std::array<std::uint8_t, 4> few;
+  std::string all;
+  for (std::size_t count = 1; count > 0;) {
+    count = server->read(few, WallClock().now() + 50ms).value();
+    all.append(few.begin(), few.begin() + count);
+  }
+  EXPECT_EQ(all, "abcdef");
+}
+
 TEST_F(ServedPort, TheRateChangesWhenThePortHasSentWhatCameBefore) {
   open(PortServer::Protocol::rfc2217);
   const Descriptor client = connect();
