@@ -354,8 +354,8 @@ TEST(LimitFile, EveryMistakeIsOneSentenceWithFileAndKey) {
       {R"({"backlash": {"low": "3"}})", "'low' of 'backlash' is neither"},
       {R"({"backlash": {"low": 3, "high": 2}})", "'low' of 'backlash' is above"},
       {R"({"backlash": {"low": 1e999}})", "too large"},
-      {R"({"backlash": {"high": 1}, "backlash": {"high": 100}})", "'backlash' stands in it twice"},
-      {R"({"backlash": {"high": 1, "high": 100}})", "'high' stands in it twice"},
+      {R"({"backlash": {"high": 1}, "backlash": {"high": 100}})", "\"backlash\" is there twice"},
+      {R"({"backlash": {"high": 1, "high": 100}})", "\"high\" is there twice"},
   };
   for (const auto& [json, part] : mistakes) {
     const auto limits = parse_limits(json, "my/limits.json");

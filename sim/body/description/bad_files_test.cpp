@@ -261,7 +261,8 @@ TEST(BadRobotFile, NamesAMeshOutsideOfItsPackage) {
 TEST(BadRobotFile, DoesNotExist) {
   const auto robot = load_robot("no/such.urdf");
   ASSERT_FALSE(robot);
-  EXPECT_EQ(robot.error().message, "no/such.urdf: cannot be read; check the path");
+  EXPECT_EQ(robot.error().message,
+            "no/such.urdf: cannot be read (No such file or directory); check the path");
 }
 
 class BadWorld : public testing::TestWithParam<Case> {};

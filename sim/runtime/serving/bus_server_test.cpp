@@ -142,7 +142,7 @@ TEST(BusServer, BytesAtNoRateDoNotReachTheBus) {
   EXPECT_EQ(receive(port, 6), answer_of(1)) << "the bus goes on at the next rate";
   for (const unsigned baud : {1u, 4294967295u}) {
     EXPECT_TRUE(set_rate(port.get(), baud));
-    EXPECT_TRUE(send(port, {0xff}));
+    EXPECT_TRUE(send(port, Bytes{0xff}));
     EXPECT_TRUE(receive(port, 1).empty()) << baud;
   }
   EXPECT_EQ(served.end().bytes_from_host, 3 * 6 + 2u);

@@ -199,12 +199,12 @@ TEST(Snapshot, WhateverByteIsChangedItIsRefusedOrRuns) {
     ASSERT_TRUE(payload) << payload.error().message;
     const Bytes parts(payload->begin(), payload->end());
     std::size_t refused = 0, ran = 0;
-    for (std::size_t at = 0; at < parts.size(); at += 5) {
+    for (std::size_t at = 0; at < parts.size(); at += 97) {
       Bytes damaged = parts;
       damaged[at] = static_cast<std::uint8_t>(at % 3 == 0 ? 0xff : at % 3 == 1 ? 0x7f : parts[at] ^ 1);
       const bool taken = simulation->restore(Snapshot::pack(facts, damaged)).has_value();
       ++(taken ? ran : refused);
-      if (!taken && refused % 50 == 1) {
+      if (!taken) {
         const auto now = simulation->save();
         ASSERT_TRUE(now) << at << ": " << now.error().message;
         EXPECT_TRUE(*now == valid) << at << ": a refused state has left a trace";
@@ -212,8 +212,8 @@ TEST(Snapshot, WhateverByteIsChangedItIsRefusedOrRuns) {
       for (int k = 0; taken && k < 3; ++k) (void)simulation->step();  // bodies may break down
       ASSERT_TRUE(simulation->restore(valid)) << at;
     }
-    EXPECT_GT(refused, parts.size() / 100);
-    EXPECT_GT(ran, parts.size() / 100);
+    EXPECT_GT(refused, 0u);
+    EXPECT_GT(ran, refused);
     run(*simulation, 20);
   }
 }
