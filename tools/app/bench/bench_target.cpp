@@ -3,6 +3,8 @@
 #include "tools/app/bench/bench_target.h"
 #include "sim/runtime/simulation/recording_tap.h"
 
+#include <nlohmann/json.hpp>
+
 #include "host/link/port_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/control_socket.h"
