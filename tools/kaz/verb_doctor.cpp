@@ -14,20 +14,18 @@ void add_doctor(CLI::App& program, Action& action) {
       "doctor", "examine this machine's ports, CAN interfaces, cameras, drivers and cores");
   auto options = std::make_shared<DoctorOptions>();
   auto* port =
-      verb->add_option(
-              "--port", options->port,
-              std::string("also identify the board there and check its firmware: ") + kPortText)
-          ->type_name("PORT");
+      add_port(*verb, options->port,
+               std::string("also identify the board there and check its firmware: ") + kPortText);
   add_address(*verb, options->address)->needs(port);
   verb->add_flag("--json", options->json, "print the findings as JSON");
   verb->footer(
       "Each finding is good, a note (it could be better) or wrong, with the command that mends it. "
-      "No serial port but that of --port is opened: some adapters would reset the board. Programs "
+      "No serial port but that of --robot is opened: some adapters would reset the board. Programs "
       "of other users that hold a device are found by root alone.\n"
       "Exit status: 0 nothing is wrong, 1 something is.\n"
       "Examples:\n"
       "  kaz doctor\n"
-      "  kaz doctor --port /dev/ttyUSB0\n"
+      "  kaz doctor --robot serial:/dev/ttyUSB0\n"
       "  kaz doctor --json");
   verb->callback([&action, options] { action = [options] { return run_doctor(*options); }; });
 }

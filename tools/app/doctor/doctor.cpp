@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/link/port_address.h"
 #include "host/link/port_link.h"
 #include "host/link/serial_port.h"
 #include "host/link/wall_clock.h"
@@ -301,8 +302,9 @@ Finding examine_board(const std::string& port, const Result<kz_identify_reply>& 
   if (!board) return {Level::wrong, "board", port, board.error().message, ""};
   const std::string what = host::board_text(*board), fault = host::firmware_fault(*board);
   if (fault.empty()) return {Level::good, "board", port, what, ""};
-  return {Level::wrong, "board", port, what + ": " + fault,
-          "kaz flash write " + firmware_image("").value_or("kaz.mot") + " --port " + port};
+  return {
+      Level::wrong, "board", port, what + ": " + fault,
+      "kaz flash write " + firmware_image("").value_or("kaz.mot") + " " + host::robot_option(port)};
 }
 
 Result<bool> run_doctor(const DoctorOptions& options) {
