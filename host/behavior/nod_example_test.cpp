@@ -85,9 +85,9 @@ TEST(NodExample, IsCopiedAsTheDocumentationShows) {
   fs::remove_all(folder);
 
   EXPECT_TRUE(code.starts_with("// my-nod: moves the head up and down.\n// SPDX-")) << code;
-  for (const char* left : {"\n\n\n", "extern", "kNod", "{\"nod\"", "example", "tutorial"})
+  for (const char* left : {"\n\n\n", "extern", "kNod", "\"nod\"", "example", "tutorial"})
     EXPECT_EQ(code.find(left), std::string::npos) << left << " in:\n" << code;
-  EXPECT_NE(code.find("Behavior kMyNod{\"my-nod\", "), std::string::npos) << code;
+  EXPECT_NE(code.find("Behavior kMyNod{\n    .name = \"my-nod\", "), std::string::npos) << code;
   EXPECT_NE(list.find("\nKAZ_BEHAVIOR(my_nod, kMyNod)\nKAZ_BEHAVIOR(search_ball"),
             std::string::npos)
       << list;

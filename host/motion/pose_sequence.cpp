@@ -76,7 +76,7 @@ Value between(const Knot& a, const Knot& b, double time_s) {
 
 Result<PoseSequence> parse_poses(std::string_view text, const std::string& name) {
   if (text.size() > kMaxPosesBytes) return wrong(name, "it is larger than 1 MiB");
-  const auto parsed = parse_bounded_json(text);
+  const auto parsed = parse_bounded_json<Json>(text);
   if (!parsed) return wrong(name, "it is no JSON object: " + parsed.error().message);
   const Json& json = *parsed;
   if (!json.is_object()) return wrong(name, "it is no JSON object");
