@@ -356,11 +356,22 @@ void BusBoard::set_limits(const kz_limits& limits) {
 void BusBoard::take(std::span<const std::uint8_t> bytes) {
   for (const std::uint8_t byte : bytes) {
     const u8 result = kz_receive(&receiver_, byte, 0);
-    if (result == KZ_RECEIVE_FRAME && receiver_.length >= KZ_HEADER_SIZE)
-      waiting_.emplace_back(receiver_.body, receiver_.body + receiver_.length);
-    else if (result != KZ_RECEIVE_MORE)
+    if (result == KZ_RECEIVE_FRAME && receiver_.length >= KZ_HEADER_SIZE) {
+      std::vector<std::uint8_t> body(receiver_.body, receiver_.body + receiver_.length);
+      if (switches_all_off(body)) waiting_.clear();
+      waiting_.push_back(std::move(body));
+    } else if (result != KZ_RECEIVE_MORE) {
       ++bad_frames_;
+    }
   }
+}
+
+bool BusBoard::switches_all_off(const std::vector<std::uint8_t>& body) {
+  const u8 address = body[KZ_BODY_ADDRESS], type = body[KZ_BODY_TYPE];
+  if (address != KZ_ADDRESS_DEFAULT && address != KZ_ADDRESS_ALL) return false;
+  return type == KZ_TYPE_stop ||
+         (type == KZ_TYPE_enable && body.size() == KZ_HEADER_SIZE + KZ_SIZE_enable &&
+          kz_get_u32(body.data() + KZ_HEADER_SIZE) == 0);
 }
 
 Result<std::optional<std::vector<std::uint8_t>>> BusBoard::serve() {

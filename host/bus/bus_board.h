@@ -37,8 +37,11 @@ class BusBoard {
   // joints than a board has, an id twice, servos of two protocols.
   static Result<BusBoard> open(Link& link, Clock& clock, std::vector<BusJoint> joints);
 
-  // Bytes of the host's. Frames among them wait for serve().
+  // Bytes of the host's. Frames among them wait for serve(), in order. A `stop`, or an `enable` with an empty mask,
+  // waits for nothing: what came before it is discarded, and the host's repetition of a query is answered later.
   void take(std::span<const std::uint8_t> bytes);
+  // Whether the next serve() switches all motors off.
+  bool off_is_next() const { return !waiting_.empty() && switches_all_off(waiting_.front()); }
   // Answers one frame that waits: the bytes of the answer, none for a frame of another board; nothing if none
   // waits. Errors: the port's.
   Result<std::optional<std::vector<std::uint8_t>>> serve();
@@ -99,6 +102,7 @@ class BusBoard {
   Clock& clock_;
   std::vector<Joint> joints_;
   kz_receiver receiver_{};
+  static bool switches_all_off(const std::vector<std::uint8_t>& body);
   std::vector<std::vector<std::uint8_t>> waiting_;  // bodies of frames
   std::vector<std::uint8_t> last_body_, last_answer_;
   Time start_{}, moving_until_{}, looked_{}, silent_due_{};

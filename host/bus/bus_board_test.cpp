@@ -397,6 +397,21 @@ TEST_F(ServoRobot, AFloodIsAnErrorAndTheTorqueGoesOffAllTheSame) {
   EXPECT_EQ(found.error().fault, Fault::environment);
 }
 
+// Requests that were never served, since the line failed or the host was interrupted, must not delay an off.
+TEST_F(ServoRobot, AnOffDoesNotWaitForEarlierRequests) {
+  const auto off = [this](bool stop) { return stop ? robot->stop() : robot->disable_all(); };
+  for (const bool stop : {false, true}) {
+    servos.flooding = false;
+    (void)robot->clear();
+    ASSERT_TRUE(robot->enable(0b11));
+    board->take(frame_of(KZ_TYPE_enable, kz_enable{0b11}, kz_pack_enable));
+    board->take(frame_of(KZ_TYPE_joints, kz_joints{0b11}, kz_pack_joints));
+    servos.flooding = true;
+    EXPECT_FALSE(off(stop));
+    EXPECT_EQ(servos.registers[1][kTorque] + servos.registers[2][kTorque], 0) << stop;
+  }
+}
+
 TEST_F(ServoRobot, RefusesWhatABoardRefuses) {
   const auto off = robot->set_targets({{{0, 0.1}}}, 100ms);
   ASSERT_FALSE(off);

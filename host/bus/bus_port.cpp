@@ -20,6 +20,10 @@ Result<std::unique_ptr<BusPort>> BusPort::open(std::unique_ptr<PortLink> port,
 
 Result<void> BusPort::write(std::span<const std::uint8_t> bytes) {
   board_->take(bytes);
+  // At once: a program that ends sends an off and reads no reply.
+  if (!board_->off_is_next()) return {};
+  const auto answer = KAZ_TRY(board_->serve());
+  if (answer) answer_.insert(answer_.end(), answer->begin(), answer->end());
   return {};
 }
 
