@@ -119,9 +119,11 @@ TEST_F(SlurmScript, OfTheUnfinishedOnlyWorkFoldersAreRemoved) {
   fs::permissions(folder_ + "/kaz program", fs::perms::owner_all);
   EXPECT_NE(task(2), 0);
   EXPECT_EQ(folders(), 1u);
-  const Words others{"readme.txt", "my.notes", "1",        "1.backup",    "1.2024",   "01.work.5",
-                     "4.work.5",   "0.work.5", ".work.5",  "-1.work.5.6", "1.work.",  "+2.work.7",
-                     "1x.work.5",  "1.workx",  "12.work.1"};
+  const Words others{
+      "readme.txt",      "my.notes",          "1",          "1.backup", "1.2024",
+      "01.work.5",       "4.work.5",          "0.work.5",   ".work.5",  "-1.work.5.6",
+      "1.work.",         "+2.work.7",         "1x.work.5",  "1.workx",  "12.work.1.2",
+      "3.work.my-notes", "3.work.my notes.7", "3.work.v1.x"};
   for (const auto& name : others) fs::create_directories(folder_ + "/parts/" + name);
   write("parts/3.work.5", "a file, no folder");
   fs::create_directory_symlink(folder_ + "/parts/1", folder_ + "/parts/3.work.6");

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/evaluate/tasks.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <filesystem>
 #include <set>
@@ -17,12 +19,20 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A task works in DIR/parts/N.work.UNIQUE.
+// A task works in DIR/parts/N.work.UNIQUE; UNIQUE is letters, digits, dots and hyphens, and ends with a dot and the
+// number of a process.
 constexpr const char* kWork = ".work.";
 
 bool is_work_folder(const std::string& name, int tasks) {
   const std::size_t at = name.find(kWork);
-  if (at == std::string::npos || name.size() == at + std::strlen(kWork)) return false;
+  if (at == std::string::npos) return false;
+  const std::string unique = name.substr(at + std::strlen(kWork));
+  const std::size_t dot = unique.rfind('.');
+  if (dot == 0 || dot == std::string::npos || dot + 1 == unique.size() ||
+      unique.find_first_not_of("0123456789", dot + 1) != std::string::npos ||
+      !std::ranges::all_of(
+          unique, [](unsigned char c) { return std::isalnum(c) != 0 || c == '.' || c == '-'; }))
+    return false;
   const std::string task = name.substr(0, at), last = std::to_string(tasks);
   return !task.empty() && task[0] != '0' &&
          task.find_first_not_of("0123456789") == std::string::npos &&
