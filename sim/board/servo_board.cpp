@@ -23,6 +23,7 @@ constexpr Wiring wiring[KZ_JOINTS] = {
 #undef KZ_JOINT
 };
 
+constexpr States kMaxTime = States{1} << 50;      // of a saved state: two years
 constexpr States kMaxInterval = States{1} << 40;  // between two calls of take_drives(): 16 hours
 
 // The joint whose potentiometer is at an input of a multiplexer; -1: none.
@@ -116,12 +117,14 @@ void ServoBoard::transfer(A& a) {
     supply_change_, motor_current_, heated_to_, heat_, pins_, integrated_from_, integrated_to_,
     enabled_states_, duty_states_);
   if (imu_) a(*imu_);
-  a.require(now_ >= 0 && heated_to_ >= 0 && heated_to_ <= now_ && integrated_from_ <= integrated_to_ &&
-                now_ - integrated_from_ <= kMaxInterval && integrated_to_ - now_ <= kMaxInterval &&
-                enabled_states_ >= 0 && enabled_states_ <= kMaxInterval &&
+  a.require(now_ >= 0 && now_ <= kMaxTime && heated_to_ >= 0 && heated_to_ <= now_ &&
+                integrated_from_ <= integrated_to_ && now_ - integrated_from_ <= kMaxInterval &&
+                integrated_to_ - now_ <= kMaxInterval && enabled_states_ >= 0 &&
+                enabled_states_ <= kMaxInterval &&
                 std::ranges::all_of(duty_states_,
                                     [](std::int64_t sum) {
-                                      return sum >= -256 * kMaxInterval && sum <= 256 * kMaxInterval;
+                                      return sum >= -256 * kMaxInterval &&
+                                             sum <= 256 * kMaxInterval;
                                     }) &&
                 off_time_ >= 0 && off_time_ <= now_ &&
                 (!power_ || std::abs(mcu_->now() + off_time_ - now_) <= KZ_STATES_PER_TICK),
