@@ -93,7 +93,9 @@ class PythonRobot {
     })));
   }
   // As every program leaves it.
-  ~PythonRobot() { close_after_error(); }
+  ~PythonRobot() {
+    if (!closed_) close_after_error();
+  }
   PythonRobot(const PythonRobot&) = delete;
   PythonRobot& operator=(const PythonRobot&) = delete;
 
@@ -152,9 +154,9 @@ class PythonRobot {
   };
 
   Result<void> switch_off() {
-    if (closed_) return {};
     const py::gil_scoped_release release;
     const ObjectLock::Stop alone(lock_);
+    if (closed_) return closed_as_;
     Result<void> off;
     std::string on;
     if (robot_) {
@@ -165,7 +167,8 @@ class PythonRobot {
     robot_.reset();
     port_.reset();
     closed_ = true;
-    if (!on.empty()) return fail(Fault::environment, on);
+    if (!on.empty()) off = fail(Fault::environment, on);
+    closed_as_ = off;
     return off;
   }
 
@@ -182,6 +185,7 @@ class PythonRobot {
   std::unique_ptr<tools::SessionBackend> port_;
   std::optional<host::Robot> robot_;
   std::atomic<bool> closed_{false};
+  Result<void> closed_as_;  // what the first close() found
 };
 
 host::ConnectOptions options_of(double watchdog, const std::string& reaction) {
