@@ -102,7 +102,8 @@ def declared(headers):
         inside = {"::".join(steps[:depth + 1]) for depth in range(len(steps))}
         name = tag["name"]
         hidden = (tag.get("access", "public") != "public" or tag.get("scopeKind") == "function" or
-                  inside & closed or re.search(r"detail|__anon", f"{scope} {name}") or
+                  inside & closed or re.match(r"/\^\s*friend\b", tag.get("pattern", "")) or
+                  re.search(r"detail|__anon", f"{scope} {name}") or
                   re.fullmatch(r"KAZ_\w+_(H|HPP)", name))
         if not hidden and re.fullmatch(r"\w+", name):
             names[tag["path"]].add(name)

@@ -74,7 +74,9 @@ TEST(Poses, AJointThatDoesNotFollowIsNoSuccess) {
                                    "native", "--faults", folder / "faults"}),
                               std::chrono::seconds(100));
   EXPECT_EQ(played.exit_code, 1) << played.out << played.err;
-  EXPECT_NE(played.out.find("were not followed: r_sh_pitch"), std::string::npos)
+  EXPECT_NE(played.out.find("were not followed: largest error on the way: "), std::string::npos)
+      << played.out << played.err;
+  EXPECT_NE(played.out.find(" degrees (r_sh_pitch, after "), std::string::npos)
       << played.out << played.err;
 }
 
