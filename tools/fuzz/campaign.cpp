@@ -306,6 +306,8 @@ class Fuzzing {
     if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
     const auto verdict = one_to_its_end(genome);
     if (verdict) ++totals_.cases;
+    if (verdict && verdict->violation && first_violation_.empty())
+      first_violation_ = *verdict->violation;
     return verdict;
   }
 
@@ -366,8 +368,9 @@ class Fuzzing {
     reproducer_written_ = written.has_value();
     const auto violation = verdict ? verdict->violation : std::optional<std::string>();
     report(search,
-           violation.value_or(verdict ? "not seen again in the shortened case"
-                                      : "the case was still being shortened"),
+           violation.value_or(first_violation_ +
+                              (verdict ? "; not seen again when the case was repeated"
+                                       : "; the case was still being shortened")),
            hil::fuzz::text_of(hil::fuzz::events_of(kept, grammar_)));
     KAZ_TRY(written);
     if (interrupted)
@@ -504,6 +507,8 @@ class Fuzzing {
   hil::fuzz::GrammarOptions grammar_;
   std::unique_ptr<PortTarget> port_;
   std::optional<Genome> failing_;
+  std::string
+      first_violation_;  // of the case that is shortened, which may not fail again at a port
   std::optional<OutputFile> out_;  // of a failing case
   std::string broken_off_;         // why the machine ended the run; empty: it did not
   bool reproducer_written_ = false;
