@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "shared/base/number_text.hpp"
+#include "shared/base/one_line.hpp"
 
 namespace kaz::host {
 
@@ -113,7 +114,7 @@ Result<PortAddress> parse_port_address(const std::string& option, std::string_vi
     rest.remove_prefix(prefix.size());
   }
   if (const auto wrong = read_place(rest, address); !wrong.empty())
-    return fail(Fault::usage, option + " " + std::string(text) + ": " + wrong +
+    return fail(Fault::usage, option + " " + cut_text(text) + ": " + wrong +
                                   "; give serial:PATH or serial:PATH@BAUD, can:INTERFACE, "
                                   "tcp:HOST:PORT or rfc2217:HOST:PORT");
   return address;
