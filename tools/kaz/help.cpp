@@ -33,12 +33,12 @@ std::string flag_names(const CLI::Option& option) {
   }
 }
 
-// "--allow-motion,--bench", "-h,--help".
+// "--allow-motion", "-h,--help". Of several long names the first: the others are for older scripts.
 std::string long_names(const CLI::Option& option) {
   std::string names;
   for (const std::string& name : option.get_snames()) names += (names.empty() ? "-" : ",-") + name;
-  for (const std::string& name : option.get_lnames())
-    names += (names.empty() ? "--" : ",--") + name;
+  if (!option.get_lnames().empty())
+    names += (names.empty() ? "--" : ",--") + option.get_lnames()[0];
   return names;
 }
 

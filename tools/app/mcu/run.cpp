@@ -65,7 +65,10 @@ class Feeder {
  public:
   Result<void> open(const std::string& path) {
     if (path.empty()) return {};
-    if (path != "-") KAZ_TRY(open_input(path, "give a file with the bytes to receive, or -"));
+    if (path != "-") {
+      const auto regular = open_input(path, "give a file with the bytes to receive, or -");
+      if (!regular) return fail(regular.error().fault, "--input " + regular.error().message);
+    }
     file_ = path == "-" ? stdin : std::fopen(path.c_str(), "rb");
     if (!file_)
       return fail(Fault::usage, "--input " + path + ": " + std::strerror(errno) +
