@@ -43,9 +43,11 @@ bool write_some(int fd, std::string& text) {
 
 enum class Ended { gdb, silent, browser, stopped };
 
-// Until the server has finished, the peer closes or `stop` is readable. A peer that does not read is not read
+// Until the server has finished, the peer closes or `stop` is readable. A peer that has sent nothing gives way
+// to one that waits at `listener` (-1: none). A peer that does not read is not read
 // from either, so that its replies take no more memory than one buffer of requests makes.
-Result<Ended> converse(GdbServer& server, int in, int out, States slice, int stop) {
+Result<Ended> converse(GdbServer& server, int in, int out, States slice, int stop,
+                       int listener) {
   std::array<std::uint8_t, 4096> buffer{};
   BrowserGuard guard;
   std::string unsent;
@@ -53,8 +55,9 @@ Result<Ended> converse(GdbServer& server, int in, int out, States slice, int sto
   while (!server.finished() || !unsent.empty()) {
     pollfd waiting[] = {{unsent.empty() ? in : -1, POLLIN, 0},
                         {unsent.empty() ? -1 : out, POLLOUT, 0},
-                        {stop, POLLIN, 0}};
-    const auto& [readable, writable, stopped] = waiting;
+                        {stop, POLLIN, 0},
+                        {guard.admitted() ? -1 : listener, POLLIN, 0}};
+    const auto& [readable, writable, stopped, newcomer] = waiting;
     const int ready = ::poll(waiting, std::size(waiting), server.running() ? 0 : -1);
     if (ready < 0 && errno != EINTR) return fail("GDB's connection: " + reason());
     if (ready > 0 && stopped.revents != 0) return Ended::stopped;
@@ -67,6 +70,8 @@ Result<Ended> converse(GdbServer& server, int in, int out, States slice, int sto
       const auto bytes = guard.admit(std::span(buffer.data(), static_cast<std::size_t>(n)));
       if (!bytes) return Ended::browser;
       server.feed(*bytes);
+    } else if (ready > 0 && newcomer.revents != 0) {
+      return Ended::silent;
     }
     if (server.running()) server.run(slice);
     unsent += server.take_output();
@@ -153,7 +158,7 @@ std::string GdbPort::hint() const {
 
 Result<void> GdbPort::serve(GdbServer& server, States slice, int stop, const Report& report) {
   if (standard_) {
-    KAZ_TRY(converse(server, STDIN_FILENO, STDOUT_FILENO, slice, stop));
+    KAZ_TRY(converse(server, STDIN_FILENO, STDOUT_FILENO, slice, stop, -1));
     return {};
   }
   while (true) {
@@ -161,7 +166,8 @@ Result<void> GdbPort::serve(GdbServer& server, States slice, int stop, const Rep
     if (!connection) return {};
     const int on = 1;
     ::setsockopt(connection.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    const Ended ended = KAZ_TRY(converse(server, connection.get(), connection.get(), slice, stop));
+    const int peer = connection.get();
+    const Ended ended = KAZ_TRY(converse(server, peer, peer, slice, stop, listener_));
     if (ended == Ended::gdb || ended == Ended::stopped) return {};
     if (ended == Ended::browser && report) report(std::string("a client ").append(kBrowserRefused));
   }

@@ -31,7 +31,8 @@ class GdbPort {
   // Waits for one GDB and serves it until it kills, detaches or closes the connection. Runs the
   // chip in slices of `slice` states and checks for Ctrl-C between them. Returns too when the descriptor
   // `stop` becomes readable (-1: none), also while GDB does not read its replies. A client that begins like
-  // a web browser (browser_guard.hpp) or leaves without a byte is none: the next one is waited for. Errors:
+  // a web browser (browser_guard.hpp) or leaves without a byte is none: the next one is waited for. One that
+  // has sent nothing, or only what may become a browser's request, gives way to the next one. Errors:
   // the connection fails, or the process has no descriptor left.
   Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1,
                      const Report& report = {});

@@ -383,6 +383,23 @@ TEST(Gdb, AWebPageIsDisconnectedAndTheNextClientIsGdb) {
   EXPECT_TRUE(has(chip.said(), "a client was disconnected: it began with HTTP")) << chip.said();
 }
 
+// A browser connects ahead of a request that may never come.
+TEST(Gdb, ASilentClientGivesWayToTheNextOne) {
+  ServedChip chip;
+  const int silent = chip.connect();
+  const int undecided = chip.connect();
+  send_text(undecided, "G");
+  EXPECT_EQ(receive_until(silent, '#'), "");
+  const int gdb = chip.connect();
+  send_text(gdb, gdb_frame("?"));
+  EXPECT_EQ(receive_until(gdb, '#'), "+$S05#");
+  const int late = chip.connect();
+  send_text(gdb, gdb_frame("?"));
+  EXPECT_EQ(receive_until(gdb, '#'), "b8+$S05#") << "one that has spoken stays";
+  for (const int fd : {silent, undecided, gdb, late}) ::close(fd);
+  EXPECT_TRUE(chip.ends_within(std::chrono::seconds(10)));
+}
+
 TEST(Gdb, AClientThatDoesNotReadCannotKeepTheServer) {
   ServedChip chip;
   const int gdb = chip.connect();
