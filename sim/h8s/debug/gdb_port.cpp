@@ -25,6 +25,8 @@
 namespace kaz::h8s {
 namespace {
 
+constexpr int kAcceptPause_ms = 100;
+
 std::string reason() {
   return std::strerror(errno);
 }
@@ -43,11 +45,10 @@ bool write_some(int fd, std::string& text) {
 
 enum class Ended { gdb, silent, browser, stopped };
 
-// Until the server has finished, the peer closes or `stop` is readable. A peer that has sent nothing gives way
-// to one that waits at `listener` (-1: none). A peer that does not read is not read
-// from either, so that its replies take no more memory than one buffer of requests makes.
-Result<Ended> converse(GdbServer& server, int in, int out, States slice, int stop,
-                       int listener) {
+// Until the server has finished, the peer closes or `stop` is readable. A peer that has sent nothing gives
+// way to one that waits at `listener` (-1: none). A peer that does not read is not read from either, so that
+// its replies take no more memory than one buffer of requests makes.
+Result<Ended> converse(GdbServer& server, int in, int out, States slice, int stop, int listener) {
   std::array<std::uint8_t, 4096> buffer{};
   BrowserGuard guard;
   std::string unsent;
@@ -80,14 +81,16 @@ Result<Ended> converse(GdbServer& server, int in, int out, States slice, int sto
 }
 
 // The next client; empty: `stop` is readable.
-Result<Descriptor> accept_client(int listener, int stop) {
+Descriptor accept_client(int listener, int stop) {
   while (true) {
     pollfd waiting[] = {{listener, POLLIN, 0}, {stop, POLLIN, 0}};
+    auto& stopped = waiting[1];
     if (::poll(waiting, std::size(waiting), -1) < 0 && errno == EINTR) continue;
-    if (waiting[1].revents != 0) return Descriptor();
+    if (stopped.revents != 0) return Descriptor();
     Descriptor connection(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));
     if (connection) return connection;
-    if (errno != EINTR && errno != ECONNABORTED) return fail("waiting for GDB: " + reason());
+    // Out of descriptors, for example: the listener stays readable although nothing can be done about it.
+    ::poll(&stopped, 1, kAcceptPause_ms);
   }
 }
 
@@ -162,7 +165,7 @@ Result<void> GdbPort::serve(GdbServer& server, States slice, int stop, const Rep
     return {};
   }
   while (true) {
-    const Descriptor connection = KAZ_TRY(accept_client(listener_, stop));
+    const Descriptor connection = accept_client(listener_, stop);
     if (!connection) return {};
     const int on = 1;
     ::setsockopt(connection.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);

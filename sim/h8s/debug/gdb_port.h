@@ -32,8 +32,8 @@ class GdbPort {
   // chip in slices of `slice` states and checks for Ctrl-C between them. Returns too when the descriptor
   // `stop` becomes readable (-1: none), also while GDB does not read its replies. A client that begins like
   // a web browser (browser_guard.hpp) or leaves without a byte is none: the next one is waited for. One that
-  // has sent nothing, or only what may become a browser's request, gives way to the next one. Errors:
-  // the connection fails, or the process has no descriptor left.
+  // has sent nothing, or only what may become a browser's request, gives way to the next one. Without
+  // a descriptor for a client that waits, it tries again every 100 ms. Errors: the connection fails.
   Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1,
                      const Report& report = {});
 

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -321,6 +322,10 @@ class ServedChip {
   }
   int connect() const {
     const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    connect(fd);
+    return fd;
+  }
+  void connect(int fd) const {
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -328,10 +333,9 @@ class ServedChip {
     EXPECT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     const timeval limit{10, 0};
     ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    return fd;
   }
   void stop() { EXPECT_EQ(::write(stop_[1], "x", 1), 1); }
-  bool ends_within(std::chrono::seconds limit) {
+  bool ends_within(std::chrono::milliseconds limit) {
     return ended_.wait_for(limit) == std::future_status::ready;
   }
   std::string said() {
@@ -397,6 +401,22 @@ TEST(Gdb, ASilentClientGivesWayToTheNextOne) {
   send_text(gdb, gdb_frame("?"));
   EXPECT_EQ(receive_until(gdb, '#'), "b8+$S05#") << "one that has spoken stays";
   for (const int fd : {silent, undecided, gdb, late}) ::close(fd);
+  EXPECT_TRUE(chip.ends_within(std::chrono::seconds(10)));
+}
+
+TEST(Gdb, WithoutADescriptorItWaitsAndThenServesTheClient) {
+  ServedChip chip;
+  const int gdb = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none{static_cast<rlim_t>(gdb) + 1, before.rlim_max};  // it was the lowest free one
+  ::setrlimit(RLIMIT_NOFILE, &none);
+  chip.connect(gdb);
+  EXPECT_FALSE(chip.ends_within(std::chrono::milliseconds(300)));
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  send_text(gdb, gdb_frame("?"));
+  EXPECT_EQ(receive_until(gdb, '#'), "+$S05#");
+  ::close(gdb);
   EXPECT_TRUE(chip.ends_within(std::chrono::seconds(10)));
 }
 
