@@ -37,8 +37,8 @@ class BusBoard {
   // joints than a board has, an id twice, servos of two protocols.
   static Result<BusBoard> open(Link& link, Clock& clock, std::vector<BusJoint> joints);
 
-  // Bytes of the host's. Frames among them wait for serve(), in order. A `stop`, or an `enable` with an empty mask,
-  // waits for nothing: what came before it is discarded, and the host's repetition of a query is answered later.
+  // Bytes of the host's. Frames among them wait for serve(), in order. A `stop`, or an `enable` with an empty
+  // mask, waits for nothing: earlier requests are discarded, and the host repeats those that it still needs.
   void take(std::span<const std::uint8_t> bytes);
   // Whether the next serve() switches all motors off.
   bool off_is_next() const { return !waiting_.empty() && switches_all_off(waiting_.front()); }

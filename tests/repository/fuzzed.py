@@ -31,20 +31,20 @@ TESTS = re.compile(r"_(?:test|benchmark)\.(?:c|cpp|h)$|_testing\.|_example\.cpp$
 SCRIPTS = re.compile(r"/page/src/.*\.[jt]s$|^python/(?!benchmark/|setup\.py).*\.py$")
 
 HARMLESS_HEADERS = """
-  algorithm any array asm/termbits.h atomic benchmark/benchmark.h bit bitset cairo.h cctype cerrno charconv
-  chrono climits clocale cmath complex concepts condition_variable csetjmp csignal cstdarg cstddef cstdint
-  cstdio cstdlib cstring ctime cxxabi.h deque dlfcn.h elf.h emscripten/emscripten.h exception execinfo.h
-  fcntl.h filesystem fstream functional future grp.h immintrin.h initializer_list iomanip iostream iterator
-  limits limits.h list map memory mutex net/if.h net/if_arp.h netinet/in.h netinet/tcp.h new
-  nlohmann/json.hpp nlohmann/json_fwd.hpp numbers numeric ode/ode.h openssl/evp.h openssl/sha.h optional
-  ostream poll.h pthread.h queue random ranges set signal.h span sstream stddef.h stdexcept stdlib.h string
-  string_view sys/epoll.h sys/eventfd.h sys/file.h sys/ioctl.h sys/prctl.h sys/resource.h sys/socket.h
-  sys/stat.h sys/syscall.h sys/sysmacros.h sys/time.h sys/types.h sys/un.h sys/utsname.h sys/wait.h system_error
-  termios.h thread time.h tl/expected.hpp tuple type_traits typeinfo unistd.h unordered_map unordered_set
-  utility variant vector version xxhash.h CLI/* EGL/* Eigen/* GL/* asmjit/* ompl/* opencv2/calib3d.hpp
-  opencv2/core.hpp opencv2/core/eigen.hpp opencv2/core/utility.hpp opencv2/imgproc.hpp
-  opencv2/video/tracking.hpp pcl/features/* pcl/point_types.h pcl/segmentation/* kaz_interface.h kz_*.h
-  board_params.h tools/app/base/version.h""".split()
+  algorithm any array asm/termbits.h atomic benchmark/benchmark.h bit bitset cairo.h cctype cerrno
+  charconv chrono climits clocale cmath complex concepts condition_variable csetjmp csignal cstdarg
+  cstddef cstdint cstdio cstdlib cstring ctime cxxabi.h deque dlfcn.h elf.h emscripten/emscripten.h
+  exception execinfo.h fcntl.h filesystem fstream functional future grp.h immintrin.h initializer_list
+  iomanip iostream iterator limits limits.h list map memory mutex net/if.h net/if_arp.h netinet/in.h
+  netinet/tcp.h new nlohmann/json.hpp nlohmann/json_fwd.hpp numbers numeric ode/ode.h openssl/evp.h
+  openssl/sha.h optional ostream poll.h pthread.h queue random ranges set signal.h span sstream stddef.h
+  stdexcept stdlib.h string string_view sys/epoll.h sys/eventfd.h sys/file.h sys/ioctl.h sys/prctl.h
+  sys/resource.h sys/socket.h sys/stat.h sys/syscall.h sys/sysmacros.h sys/time.h sys/types.h sys/un.h
+  sys/utsname.h sys/wait.h system_error termios.h thread time.h tl/expected.hpp tuple type_traits typeinfo
+  unistd.h unordered_map unordered_set utility variant vector version xxhash.h CLI/* EGL/* Eigen/* GL/*
+  asmjit/* ompl/* opencv2/calib3d.hpp opencv2/core.hpp opencv2/core/eigen.hpp opencv2/core/utility.hpp
+  opencv2/imgproc.hpp opencv2/video/tracking.hpp pcl/features/* pcl/point_types.h pcl/segmentation/*
+  kaz_interface.h kz_*.h board_params.h tools/app/base/version.h""".split()
 READING_HEADERS = """
   arpa/inet.h boost/* curses.h dirent.h glob.h jerror.h jpeglib.h linux/* netdb.h png.h pybind11/* regex
   sdf/* sys/mman.h tinyxml2.h urdf_model/* urdf_parser/* zlib.h""".split()

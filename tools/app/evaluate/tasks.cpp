@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A task works in DIR/parts/N.work.UNIQUE; UNIQUE is letters, digits, dots and hyphens, and ends with a dot and the
-// number of a process.
+// A task works in DIR/parts/N.work.UNIQUE. UNIQUE is letters, digits, dots and hyphens; it ends with a dot
+// and the number of a process.
 constexpr const char* kWork = ".work.";
 
 bool is_work_folder(const std::string& name, int tasks) {

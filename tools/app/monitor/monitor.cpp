@@ -190,7 +190,7 @@ class Monitor {
     return mask;
   }
 
-  // A joint that was switched off, but is not confirmed to be off, is reported as on. It is not in this mask, so
+  // A joint that was switched off, but does not confirm it, is reported as on. It is not in this mask, so
   // that the next key does not switch it on again.
   Result<void> enable(std::uint32_t mask) {
     wanted_ = mask;
