@@ -149,8 +149,8 @@ class Repeatability(unittest.TestCase):
         numpy.testing.assert_array_equal(observations[2], observation[0])
 
     def test_native_and_h8_measure_the_same_robot(self):
-        # The engines sample within a tick of each other. A contact can amplify that in one episode (0.04 rad for
-        # seed 1, at most 0.01 for seeds 2 to 8), so the median over seeds is judged.
+        # The engines sample within a tick of each other. A contact can amplify that: 0.04 rad for seed 1, at
+        # most 0.01 for seeds 2 to 8. So the median over seeds is judged.
         largest = []
         for seed in range(1, 6):
             angles = []
