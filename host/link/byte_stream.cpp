@@ -70,7 +70,8 @@ Result<void> ByteStream::flush() {
     } else if (n < 0 && errno == EAGAIN) {
       break;
     } else if (n < 0 && errno != EINTR) {
-      detach();
+      pending_.clear();
+      if (!socket_) detach();  // a socket may still hold the other end's last bytes
       return tl::unexpected(closed());
     }
   }
@@ -84,7 +85,7 @@ Result<std::size_t> ByteStream::read(std::span<std::uint8_t> bytes, Time deadlin
     const short events = static_cast<short>(pending_.empty() ? POLLIN : POLLIN | POLLOUT);
     const short ready = KAZ_TRY(wait_for(descriptor(), events, deadline, interrupt_, name_));
     if (ready == 0) return 0;
-    if (ready & POLLOUT) KAZ_TRY(flush());
+    if ((ready & POLLOUT) && !flush() && !is_open()) return tl::unexpected(closed());
     if (ready & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) {
       const ssize_t n = ::read(descriptor(), bytes.data(), bytes.size());
       if (n > 0) return static_cast<std::size_t>(n);

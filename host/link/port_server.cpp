@@ -4,6 +4,7 @@
 
 #include <poll.h>
 #include <sys/epoll.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
@@ -64,7 +65,7 @@ Result<void> PortServer::set_dtr_rts(bool, bool) {
 
 void PortServer::accept_clients() {
   const Time now = WallClock().now();
-  if (now < accept_from_) return;
+  if (leaving_ || now < accept_from_) return;
   if (!listening_) watch(events_.get(), listener_.get());
   listening_ = true;
   std::string peer;
@@ -94,15 +95,24 @@ void PortServer::begin_client(Descriptor client, const std::string& peer) {
   if (options_.protocol == Protocol::raw) return;
   std::vector<std::uint8_t> wire;
   negotiation_.begin(wire);
-  if (!stream_.write(wire)) drop_client("left");
+  send(wire);
 }
 
 void PortServer::drop_client(std::string_view why) {
   stream_.detach();
+  leaving_ = false;
   wire_.clear();
   data_.clear();
   command_.reset();
   options_.report(peer_ + " " + std::string(why));
+}
+
+// A client that takes no bytes is dropped by receive(), after its own last bytes: one may be a stop.
+void PortServer::send(std::span<const std::uint8_t> wire) {
+  if (leaving_ || stream_.write(wire)) return;
+  leaving_ = true;
+  stream_.drop_unsent();
+  shutdown(stream_.descriptor(), SHUT_RDWR);  // what has come can still be read
 }
 
 // A client whose connection stands gets every byte that the board says from then on, even where
@@ -116,7 +126,7 @@ Result<void> PortServer::write(std::span<const std::uint8_t> bytes) {
   } else {
     put_data(bytes, wire);
   }
-  if (!stream_.write(wire)) drop_client("left, or takes no bytes");
+  send(wire);
   return {};
 }
 
@@ -146,7 +156,7 @@ Result<void> PortServer::receive() {
   const auto count = stream_.read(some, WallClock().now());
   if (!count && count.error().fault == Fault::interrupted) return tl::unexpected(count.error());
   if (!count) {
-    drop_client("left");
+    drop_client(leaving_ ? "left, or takes no bytes" : "left");
   } else if (const auto admitted = guard_.admit(std::span(some).first(*count))) {
     wire_.assign(admitted->begin(), admitted->end());
   } else {
@@ -165,7 +175,6 @@ void PortServer::parse() {
         return drop_client("was disconnected: the board's port did not send its bytes within 5 s");
       }
       obey(*std::exchange(command_, {}));
-      if (!has_client()) return;
     }
     if (left.empty()) break;
     if (options_.protocol == Protocol::raw) {
@@ -195,7 +204,7 @@ void PortServer::obey(const Command& command) {
   std::vector<std::uint8_t> answer;
   negotiation_.take(command, answer);
   if (command.verb == kSb && negotiation_.com_port()) set_port(command, answer);
-  if (!answer.empty() && !stream_.write(answer)) drop_client("left, or takes no bytes");
+  if (!answer.empty()) send(answer);
 }
 
 // What cannot be set is answered with what is. The board's line is 8N1 without handshake, always.

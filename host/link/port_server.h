@@ -24,7 +24,8 @@ namespace kaz::host {
 // The order of a client's bytes and commands is kept. A command is obeyed by the first read() after the one
 // that returned the last byte before it, so the caller writes what read() returned to `board` before it
 // calls read() again, as LineBridge does. Rate and modem lines change once board.drained(); a client whose
-// bytes the port does not send within 5 s is disconnected.
+// bytes the port does not send within 5 s is disconnected. What a client sent before it left reaches `board`,
+// also where it left without reading what it was sent.
 class PortServer final : public PortLink {
  public:
   enum class Protocol { raw, rfc2217 };
@@ -58,6 +59,7 @@ class PortServer final : public PortLink {
   void accept_clients();
   void begin_client(Descriptor client, const std::string& peer);
   void drop_client(std::string_view why);
+  void send(std::span<const std::uint8_t> wire);
   Result<void> receive();
   void parse();
   void take_data();
@@ -73,6 +75,7 @@ class PortServer final : public PortLink {
   bool listening_ = true;  // events_ watches listener_
   Time accept_from_{};     // not before this
   ByteStream stream_;
+  bool leaving_ = false;  // the client takes no more bytes, but some of its own may be unread
   std::string peer_;
   BrowserGuard guard_;
   telnet::Reader reader_;

@@ -164,6 +164,44 @@ TEST_F(ServedPort, AClientThatHasLeftIsReadToItsEnd) {
   EXPECT_EQ(all, "abcdef");
 }
 
+// It dies with bytes unread, for example: its connection is reset, and the next write to it fails.
+TEST_F(ServedPort, AClientThatDiesWhileTheBoardTalksIsReadToItsEnd) {
+  for (const auto protocol : {PortServer::Protocol::raw, PortServer::Protocol::rfc2217}) {
+    open(protocol);
+    port.log.clear();
+    Descriptor client = connect();
+    if (protocol == PortServer::Protocol::rfc2217) send(client, kAgreement);
+    serve();
+    ASSERT_TRUE(server->has_client());
+    // The second command's answer cannot be sent either.
+    const bool raw = protocol == PortServer::Protocol::raw;
+    send(client, raw ? bytes_of("STOP") : com_port(kBaudRate, big_endian(9600)) + bytes_of("STOP"));
+    const linger reset{1, 0};
+    ::setsockopt(client.get(), SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
+    client = {};
+    ASSERT_TRUE(server->write(bytes_of("from the board")));
+    const Descriptor next = connect();
+    serve();
+    EXPECT_EQ(port.log, raw ? Log{"STOP"} : (Log{"baud 9600", "STOP"}));
+    EXPECT_TRUE(server->has_client()) << "the next one";
+    EXPECT_FALSE(closed(next));
+  }
+}
+
+TEST_F(ServedPort, AClientThatTakesNoBytesIsReadToItsEnd) {
+  open(PortServer::Protocol::raw);
+  const Descriptor client = connect();
+  serve();
+  send(client, bytes_of("STOP"));
+  const Bytes much(65536);
+  for (int i = 0; i < 1000 && said.find("takes no bytes") == std::string::npos; ++i) {
+    ASSERT_TRUE(server->write(much));
+    if (i % 100 == 99) serve(1ms);
+  }
+  EXPECT_EQ(port.log, Log{"STOP"});
+  EXPECT_FALSE(server->has_client());
+}
+
 TEST_F(ServedPort, TheRateChangesWhenThePortHasSentWhatCameBefore) {
   open(PortServer::Protocol::rfc2217);
   const Descriptor client = connect();
