@@ -70,6 +70,7 @@ void PortServer::accept_clients() {
   listening_ = true;
   std::string peer;
   while (Descriptor client = accept_tcp(listener_.get(), peer)) {
+    if (has_client() && !uses_port()) displace_client();
     if (!has_client()) {
       begin_client(std::move(client), peer);
     } else {
@@ -81,6 +82,18 @@ void PortServer::accept_clients() {
   epoll_ctl(events_.get(), EPOLL_CTL_DEL, listener_.get(), nullptr);
   listening_ = false;
   accept_from_ = now + kAcceptPause;
+}
+
+bool PortServer::uses_port() const {
+  return options_.protocol == Protocol::raw ? guard_.admitted() : negotiation_.com_port();
+}
+
+// Unless it begins to use the port by what it has sent already.
+void PortServer::displace_client() {
+  if (wire_.empty() && !command_) (void)receive();  // an interruption comes again in read()
+  parse();
+  if (has_client() && !uses_port())
+    drop_client("was disconnected: it had not used the port, and another client came");
 }
 
 void PortServer::begin_client(Descriptor client, const std::string& peer) {

@@ -15,7 +15,8 @@
 namespace kaz::host {
 
 // A link whose far end is whichever client is connected. Without one, what is written is dropped and
-// nothing is read. A second client is disconnected at once. It never fails for good: a client that leaves
+// nothing is read. A second client is disconnected at once; but if the first has not used the port yet (raw:
+// sent no byte; RFC 2217: not agreed to option 44), the first one is. It never fails for good: a client that leaves
 // is waited for. Without a descriptor for a client that waits, the server tries again every 100 ms.
 //
 // A client that begins like a web browser is disconnected (browser_guard.hpp). By RFC 2217 nothing reaches
@@ -58,6 +59,8 @@ class PortServer final : public PortLink {
   PortServer(PortLink& board, const Options& options);
   void accept_clients();
   void begin_client(Descriptor client, const std::string& peer);
+  bool uses_port() const;
+  void displace_client();
   void drop_client(std::string_view why);
   void send(std::span<const std::uint8_t> wire);
   Result<void> receive();

@@ -306,6 +306,32 @@ TEST_F(ServedPort, AWebPagesRequestIsDroppedWhole) {
   EXPECT_EQ(port.log, Log{"GET "});
 }
 
+// A browser connects ahead of a request that may never come.
+TEST_F(ServedPort, AClientThatDoesNotUseThePortGivesWayToTheNextOne) {
+  for (const auto protocol : {PortServer::Protocol::raw, PortServer::Protocol::rfc2217}) {
+    open(protocol);
+    port.log.clear();
+    const Descriptor silent = connect();
+    serve();
+    ASSERT_FALSE(closed(silent));
+    const Descriptor early = connect();
+    send(early, bytes_of(protocol == PortServer::Protocol::raw ? "GE" : "EARLY"));
+    serve();
+    EXPECT_TRUE(closed(silent));
+    EXPECT_FALSE(closed(early));
+    const Descriptor client = connect();
+    send(client, kAgreement + bytes_of("NOW"));
+    const Descriptor late = connect();
+    serve();
+    EXPECT_TRUE(closed(early));
+    EXPECT_TRUE(closed(late)) << "the one before had spoken, although nobody had read it";
+    EXPECT_FALSE(closed(client));
+    ASSERT_EQ(port.log.size(), 1u);
+    EXPECT_TRUE(port.log.front().ends_with("NOW"));
+    EXPECT_NE(said.find("it had not used the port"), std::string::npos) << said;
+  }
+}
+
 Time thread_time() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
