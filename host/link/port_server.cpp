@@ -129,12 +129,13 @@ void PortServer::send(std::span<const std::uint8_t> wire) {
 }
 
 // A client whose connection stands gets every byte that the board says from then on, even where
-// this server did not come to accept it yet.
+// this server did not come to accept it yet. By RFC 2217 it has to agree to option 44 first.
 Result<void> PortServer::write(std::span<const std::uint8_t> bytes) {
   accept_clients();
-  if (!has_client()) return {};
+  const bool raw = options_.protocol == Protocol::raw;
+  if (!has_client() || !(raw || negotiation_.com_port())) return {};
   std::vector<std::uint8_t> wire;
-  if (options_.protocol == Protocol::raw) {
+  if (raw) {
     wire.assign(bytes.begin(), bytes.end());
   } else {
     put_data(bytes, wire);

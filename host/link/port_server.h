@@ -21,6 +21,7 @@ namespace kaz::host {
 //
 // A client that begins like a web browser is disconnected (browser_guard.hpp). By RFC 2217 nothing reaches
 // `board` before the client has agreed to telnet option 44: bytes before that are dropped, commands ignored.
+// Nor do the board's bytes reach the client before.
 //
 // The order of a client's bytes and commands is kept. A command is obeyed by the first read() after the one
 // that returned the last byte before it, so the caller writes what read() returned to `board` before it

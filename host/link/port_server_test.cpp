@@ -254,6 +254,24 @@ TEST_F(ServedPort, NothingReachesThePortBeforeOption44) {
   EXPECT_EQ(port.log, Log{"NOW"});
 }
 
+TEST_F(ServedPort, TheBoardsBytesAreOnlyForAClientThatHasAgreedToOption44) {
+  open(PortServer::Protocol::rfc2217);
+  const Descriptor client = connect();
+  const auto received = [&] {
+    std::array<char, 4096> bytes;
+    const ssize_t n = ::recv(client.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    return std::string(bytes.data(), n > 0 ? static_cast<std::size_t>(n) : 0);
+  };
+  serve();
+  EXPECT_NE(received(), "") << "its offers";
+  ASSERT_TRUE(server->write(bytes_of("EARLY")));
+  EXPECT_EQ(received(), "");
+  send(client, kAgreement);
+  serve();
+  ASSERT_TRUE(server->write(bytes_of("NOW")));
+  EXPECT_EQ(received(), "NOW");
+}
+
 // RFC 2217, PURGE-DATA: the buffers are the server's.
 TEST_F(ServedPort, PurgesTheBuffersThatAreNamed) {
   open(PortServer::Protocol::rfc2217);
