@@ -22,6 +22,7 @@ namespace {
 using namespace telnet;
 
 constexpr int kMaxBaud = 4'000'000;
+constexpr int kMaxAccepted = 8;  // at once, so that a flood of clients does not hold up the board
 constexpr Time kAcceptPause = std::chrono::milliseconds(100);
 constexpr Time kDrainCheck = std::chrono::milliseconds(1), kDrainWithin = std::chrono::seconds(5);
 
@@ -69,7 +70,9 @@ void PortServer::accept_clients() {
   if (!listening_) watch(events_.get(), listener_.get());
   listening_ = true;
   std::string peer;
-  while (Descriptor client = accept_tcp(listener_.get(), peer)) {
+  for (int i = 0; i < kMaxAccepted; ++i) {
+    Descriptor client = accept_tcp(listener_.get(), peer);
+    if (!client) return errno == EAGAIN ? void() : pause_accepting(now);
     if (has_client() && !uses_port()) displace_client();
     if (!has_client()) {
       begin_client(std::move(client), peer);
@@ -77,8 +80,10 @@ void PortServer::accept_clients() {
       options_.report(peer + " was refused: " + peer_ + " has the port");  // and is closed
     }
   }
-  if (errno == EAGAIN) return;
-  // Out of descriptors, for example: the listener stays readable although nothing can be done about it.
+}
+
+// Out of descriptors, for example: the listener stays readable although nothing can be done about it.
+void PortServer::pause_accepting(Time now) {
   epoll_ctl(events_.get(), EPOLL_CTL_DEL, listener_.get(), nullptr);
   listening_ = false;
   accept_from_ = now + kAcceptPause;

@@ -59,6 +59,7 @@ class PortServer final : public PortLink {
  private:
   PortServer(PortLink& board, const Options& options);
   void accept_clients();
+  void pause_accepting(Time now);
   void begin_client(Descriptor client, const std::string& peer);
   bool uses_port() const;
   void displace_client();

@@ -350,6 +350,25 @@ TEST_F(ServedPort, AClientThatDoesNotUseThePortGivesWayToTheNextOne) {
   }
 }
 
+TEST_F(ServedPort, AFloodOfClientsDoesNotHoldUpTheBoard) {
+  std::vector<Descriptor> clients;
+  int refused = 0;
+  const auto report = [&](const std::string& line) {
+    if (line.find("was refused") == std::string::npos) return;
+    if (++refused < 100) clients.push_back(connect());  // faster than they are refused
+  };
+  server = PortServer::open(port, {.report = report}).value();
+  const Descriptor first = connect();
+  send(first, bytes_of("abc"));
+  serve();
+  clients.push_back(connect());
+  ASSERT_TRUE(server->write(bytes_of("from the board")));
+  EXPECT_GE(refused, 1);
+  EXPECT_LE(refused, 8);
+  serve();
+  EXPECT_EQ(refused, 100) << "all of them at last";
+}
+
 Time thread_time() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
