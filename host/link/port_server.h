@@ -16,8 +16,8 @@ namespace kaz::host {
 
 // A link whose far end is whichever client is connected. Without one, what is written is dropped and
 // nothing is read. A second client is disconnected at once; but if the first has not used the port yet (raw:
-// sent no byte; RFC 2217: not agreed to option 44), the first one is. It never fails for good: a client that leaves
-// is waited for. Without a descriptor for a client that waits, the server tries again every 100 ms.
+// sent no byte; RFC 2217: not agreed to option 44), the first one is. It never fails for good: a client that
+// leaves is waited for. Without a descriptor for a client that waits, the server tries again every 100 ms.
 //
 // A client that begins like a web browser is disconnected (browser_guard.hpp). By RFC 2217 nothing reaches
 // `board` before the client has agreed to telnet option 44: bytes before that are dropped, commands ignored.
