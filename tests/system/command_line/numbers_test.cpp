@@ -35,8 +35,7 @@ bool is_text(const std::string& value) {
       " FILE [FILE] DIR PATH PORT NAME NAME|FILE NAME,NAME NAMES PNG PATTERN PICTURE SOURCE "
       "CAMERA "
       "ROBOT HOW NAME=VALUE NAME=DEGREES REGEX LIST BEGIN,END X,Y,W,H COLUMNSxROWS I/N "
-      "native|h8|PORT "
-      "PORT|PATH|- "
+      "PORT|PATH|- KIND:PATH native|h8|KIND:PATH "
       "X,Y[,DEGREES]|ball reduced|exact|quickN ctl:PATH|manual sim|PORT HOST:PORT OPTIONS ";
   return kTexts.find(" " + value.substr(0, value.find(" ...")) + " ") != std::string::npos;
 }
