@@ -3,12 +3,15 @@
 #include "tools/fuzz/campaign.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
 
+#include "hil/fuzz/requests.h"
+#include "hil/fuzz/runner.h"
 #include "hil/fuzz/search.h"
 #include "host/link/faulty_link.h"
 #include "host/link/lateness.h"
@@ -76,11 +79,15 @@ class PortTarget {
       if (options_.wear_flash) {
         KAZ_TRY(bring_home());
       }
+      if (was_late_) {
+        KAZ_TRY(silence());
+      }
       meter_.begin();
       auto verdict = run_once(genome, grammar);
-      if (!verdict || !verdict->violation) return verdict;
+      if (!verdict) return verdict;
       const std::string excuse = meter_.excuse();
-      if (excuse.empty()) return verdict;
+      was_late_ = !excuse.empty();
+      if (!verdict->violation || !was_late_) return verdict;
       // Also the reply to whether the other end was late is not waited for any longer.
       if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
       if (again == 0 || meter_.other_end_gone())
@@ -112,6 +119,22 @@ class PortTarget {
         options_(options),
         seed_(options.seed) {}
 
+  // The board may answer a late case's requests only now, or still send its telemetry. Waits for an answer
+  // and then for silence, 3 s at most: the next case counts its own replies alone.
+  Result<void> silence() {
+    constexpr auto kSilence = std::chrono::milliseconds(100);
+    const std::vector<std::uint8_t> off{0, 0, 0};
+    KAZ_TRY(link_->write(hil::fuzz::framed(options_.address, KZ_TYPE_telemetry, 0, off)));
+    const Time until = clock_.now() + std::chrono::seconds(3);
+    std::array<std::uint8_t, 1024> late{};
+    for (bool answered = false; clock_.now() < until;) {
+      const std::size_t count = KAZ_TRY(link_->read(late, clock_.now() + kSilence));
+      if (count == 0 && answered) break;
+      answered |= count > 0;
+    }
+    return {};
+  }
+
   // A case before may have moved the board to another address.
   Result<void> bring_home() {
     if (!ran_) {
@@ -131,6 +154,7 @@ class PortTarget {
   const FuzzOptions& options_;
   std::uint64_t seed_;
   bool ran_ = false;
+  bool was_late_ = false;          // the last case
   std::unique_ptr<KeptRun> kept_;  // goes before its link
 };
 
