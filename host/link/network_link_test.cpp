@@ -404,8 +404,8 @@ TEST(Telnet, LongBrokenAndForeignSubNegotiationsAreDroppedAndCounted) {
 TEST(Telnet, NegotiationOfTwoEndsEnds) {
   telnet::Options a, b;
   Bytes to_a, to_b;
-  a.begin(to_b);
-  b.begin(to_a);
+  a.begin(telnet::End::client, to_b);
+  b.begin(telnet::End::server, to_a);
   telnet::put_option(telnet::kWill, telnet::kEcho, to_b);
   telnet::put_option(telnet::kDo, 31, to_a);
   int rounds = 0;

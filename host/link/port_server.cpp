@@ -112,7 +112,7 @@ void PortServer::begin_client(Descriptor client, const std::string& peer) {
   options_.report(peer_ + " has the port");
   if (options_.protocol == Protocol::raw) return;
   std::vector<std::uint8_t> wire;
-  negotiation_.begin(wire);
+  negotiation_.begin(End::server, wire);
   send(wire);
 }
 

@@ -263,11 +263,16 @@ TEST_F(ServedPort, TheBoardsBytesAreOnlyForAClientThatHasAgreedToOption44) {
     return std::string(bytes.data(), n > 0 ? static_cast<std::size_t>(n) : 0);
   };
   serve();
-  EXPECT_NE(received(), "") << "its offers";
+  const std::string offers = received();
+  EXPECT_NE(offers, "");
+  EXPECT_EQ(offers.find(static_cast<char>(kComPort)), std::string::npos)
+      << "pyserial would take it for the answer to its own, and not send that";
   ASSERT_TRUE(server->write(bytes_of("EARLY")));
   EXPECT_EQ(received(), "");
   send(client, kAgreement);
   serve();
+  const Bytes agreed = option(kDo, kComPort);
+  EXPECT_EQ(received(), std::string(agreed.begin(), agreed.end()));
   ASSERT_TRUE(server->write(bytes_of("NOW")));
   EXPECT_EQ(received(), "NOW");
 }

@@ -51,7 +51,7 @@ Result<void> Rfc2217Link::begin(Time patience) {
   stream_.attach(KAZ_TRY(
       connect_tcp(address_.name(), address_.place, address_.tcp_port, patience, interrupt_)));
   std::vector<std::uint8_t> wire;
-  options_.begin(wire);
+  options_.begin(End::client, wire);
   KAZ_TRY(stream_.write(wire));
   while (!options_.com_port()) {
     if (options_.refused() || WallClock().now() >= deadline)

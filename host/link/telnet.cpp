@@ -123,8 +123,9 @@ std::uint32_t read_big_endian(std::span<const std::uint8_t> data) {
          data[3];
 }
 
-void Options::begin(std::vector<std::uint8_t>& wire) {
+void Options::begin(End end, std::vector<std::uint8_t>& wire) {
   for (const std::uint8_t option : kWanted) {
+    if (option == kComPort && end == End::server) continue;
     for (const std::uint8_t verb : {kWill, kDo}) {
       put_option(verb, option, wire);
       // The other end's DO answers our WILL, and needs no answer.

@@ -83,12 +83,15 @@ std::vector<std::uint8_t> big_endian(std::uint32_t value);
 // Nothing below 4 bytes: 0.
 std::uint32_t read_big_endian(std::span<const std::uint8_t> data);
 
+enum class End { client, server };
+
 // Either end's part of the negotiation: what both want is agreed to once, everything else declined once, so
 // that two ends never answer each other without end.
 class Options {
  public:
-  // What this end offers and asks for, to be sent first.
-  void begin(std::vector<std::uint8_t>& wire);
+  // What this end offers and asks for, to be sent first. A server leaves option 44 to its client: pyserial
+  // takes an offer that comes early for the answer to its own, and then never sends its own.
+  void begin(End end, std::vector<std::uint8_t>& wire);
   void take(const Command& command, std::vector<std::uint8_t>& wire);
   // Both ends have said that they speak RFC 2217; the other has said that it does not.
   bool com_port() const { return com_port_; }

@@ -142,6 +142,33 @@ TEST_F(Links, AWebPageCannotMoveTheRobot) {
   EXPECT_TRUE(sim->wait_for_output("motors on", seconds(5)));
 }
 
+TEST_F(Links, PyserialOpensThePortByRfc2217) {
+  const std::string at = "127.0.0.1:" + some_port(5);
+  Process server(kaz({"serve-port", "--port", board, "--listen", at}));
+  ASSERT_TRUE(server.wait_for_output("ready: ", seconds(10))) << server.wait(seconds(0)).err;
+  const char* const program = R"(
+import serial, sys
+port = serial.serial_for_url("rfc2217://" + sys.argv[1], baudrate=115200, timeout=5)
+port.write(bytes.fromhex(sys.argv[2]))
+print(port.read(1).hex(), port.read_until(b"\0").hex())
+port.reset_input_buffer()
+port.reset_output_buffer()
+port.baudrate = 57600
+port.close()
+)";
+  std::string request;
+  for (const unsigned char byte : frame({1, KZ_TYPE_heartbeat, 7})) {
+    char digits[3];
+    std::snprintf(digits, sizeof digits, "%02x", byte);
+    request += digits;
+  }
+  const Finished finished = run({KAZ_PYTHON, "-B", "-c", program, at, request});
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_EQ(finished.out.substr(0, 3), "00 ") << "no frame comes back";
+  EXPECT_GT(finished.out.size(), 15u) << finished.out;
+  EXPECT_EQ(finished.out.substr(finished.out.size() - 3), "00\n") << finished.out;
+}
+
 TEST_F(Links, Ser2netIsAServerOfRfc2217) {
   const std::string port = some_port(2), at = "127.0.0.1:" + port;
   write_file(folder / "ser2net.yaml",
