@@ -31,6 +31,8 @@ import time
 
 # Exit statuses without a finding: the end, after SIGINT, and SIGUSR1 before libFuzzer handles it.
 QUIET = (0, 72, -signal.SIGUSR1)
+# By another program or the kernel: libFuzzer reports a finding with a status of its own.
+KILLED = (-signal.SIGKILL, -signal.SIGTERM, -signal.SIGINT)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MANIFEST = ROOT / "tools/fuzz/targets.txt"
 PAGE = ROOT / "docs/howto/fuzzing.md"
@@ -180,7 +182,7 @@ class Run:
 
     def result(self):
         self.log.close()
-        found = self.process.returncode not in QUIET
+        found = self.process.returncode not in (*QUIET, *KILLED)
         return {"target": self.name, "seconds": round(time.monotonic() - self.began, 1),
                 "cpu_s": round(self.cpu_s, 1), "executions": self.executions_until_now(),
                 "edges": last(r" cov: (\d+)", self.log_text()), "found": found}
@@ -212,7 +214,8 @@ def fuzz(options, targets):
             ended.add(run.name)
         results.append(result)
         run.record(**{key: result[key] for key in ("cpu_s", "executions", "edges", "found")})
-        outcome = "FOUND SOMETHING" if result["found"] else "nothing found"
+        outcome = ("FOUND SOMETHING" if result["found"] else
+                   "killed" if run.process.returncode in KILLED else "nothing found")
         print(f"[{len(ended):2}/{len(targets)}] {run.name:14} {result['seconds']:6.0f} s, "
               f"CPU {result['cpu_s']:5.0f} s {result['executions']:>11,} runs {result['edges']:>6} edges  "
               f"{outcome}{', goes on' if goes_on else ''}", flush=True)
