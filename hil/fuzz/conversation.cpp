@@ -130,7 +130,7 @@ void Conversation::reply(std::uint8_t address, std::uint8_t request, std::uint8_
   ++request_sent->second.answered;
 }
 
-// A latched shutdown and motors that are on exclude each other, but where the watchdog holds.
+// After a latched shutdown no motor is on, except while the watchdog holds the joints.
 void Conversation::judge_status(std::uint8_t type, std::uint16_t status) {
   const bool holding = (status & KZ_STATUS_HOLDING) != 0;
   const bool on = (status & (KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE)) != 0;
@@ -141,7 +141,7 @@ void Conversation::judge_status(std::uint8_t type, std::uint16_t status) {
     wrong(name_of(type) + " says HOLDING without a lost link");
 }
 
-// What a request has switched off is off in its reply, unless a later request can have switched it on.
+// A reply must show as off what its request switches off, unless a later request may have switched it on.
 void Conversation::judge_switched_off(std::span<const std::uint8_t> body, std::uint16_t status) {
   const std::uint8_t type = body[1];
   if (type != KZ_TYPE_stop_reply && type != KZ_TYPE_enable_reply) return;

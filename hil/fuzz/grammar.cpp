@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t max_events = 400;
 constexpr double bytes_per_ms = 11.52;
-// What came later into the grammar has the choices from here on, so that older cases keep their meaning.
+// Choices added later begin here, so that older cases keep their meaning.
 constexpr unsigned later_choices = 240;
 constexpr unsigned repeated_frames = 8;  // the board remembers 4 requests
 

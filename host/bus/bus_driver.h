@@ -24,7 +24,7 @@ std::string named(const servo_bus::BusServo& servo);
 // "--robot feetech:/dev/ttyACM0": for commands that a message suggests.
 std::string bus_option(servo_bus::Protocol protocol, const std::string& port_name);
 
-// What a servo says is wrong with it.
+// Faults that a servo reports.
 enum ServoTrouble : std::uint8_t {
   kTroubleVoltage = 1,
   kTroubleSensor = 2,
@@ -78,7 +78,7 @@ class BusDriver {
   // Torque on, at this position, but only where the servo accepts the goal. False: it does not, or does not
   // confirm its torque; the torque may then be on (a goal may switch it on), so release() the servo.
   Result<bool> hold(const Servo& servo, double steps);
-  // What a servo says of its torque; silent: no answer, or one that has no value.
+  // A servo's answer about its torque; silent: no answer, or one without a value.
   enum class Torque : std::uint8_t { off, on, silent };
   static constexpr Time kReleaseWithin = std::chrono::milliseconds(150);
   // Torque off: one packet to all, then each servo is read back and written to again until it says `off`.
