@@ -251,7 +251,9 @@ Result<void> BusBoard::shut_down(u8 reason, u8 detail) {
 Result<void> BusBoard::release(std::vector<Joint*> joints, Time within) {
   if (joints.empty()) return {};
   // Those that answer come first: waiting for a silent one takes long.
-  std::ranges::stable_partition(joints, [](const Joint* joint) { return joint->missing == 0; });
+  // clang 14 does not compile std::ranges::stable_partition of libstdc++ 12.
+  std::stable_partition(joints.begin(), joints.end(),
+                        [](const Joint* joint) { return joint->missing == 0; });
   std::vector<const BusServo*> servos;
   for (Joint* joint : joints) {
     joint->power = Power::unconfirmed;
