@@ -59,7 +59,7 @@ Result<std::vector<BusDriver::Torque>> BusDriver::release(Servos servos, Time wi
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i < servos.size(); ++i) {
       if (torque[i] == Torque::off) continue;
-      if (round + i > 0 && clock_.now() >= deadline) return torque;
+      if ((round > 0 || i > 0) && clock_.now() >= deadline) return torque;
       // An acknowledgement proves nothing; what is read back does.
       if (round > 0) (void)KAZ_TRY(write(*servos[i], kTorque, 0));
       const auto now = KAZ_TRY(read(*servos[i], kTorque));
