@@ -80,7 +80,7 @@ void add_floor(JointEstimator& to, const std::vector<FloorReading>& readings,
     Eigen::Matrix<double, 5, 8> jacobian;
     for (std::size_t n = 0; n < kLegJoints.size(); ++n) {
       host::JointAngles moved = at;
-      moved[kLegJoints[n]] += kStep;
+      moved[static_cast<std::size_t>(kLegJoints[n])] += kStep;
       jacobian.col(static_cast<Eigen::Index>(n)) = (closure_of(moved) - here) / kStep;
     }
     // here + J (angles - at) = measured
