@@ -103,7 +103,7 @@ void PortServer::displace_client() {
 
 void PortServer::begin_client(Descriptor client, const std::string& peer) {
   peer_ = peer;
-  guard_ = {};
+  guard_ = BrowserGuard(BrowserGuard::Peer::frames);
   reader_ = {};
   negotiation_ = {};
   warned_ = false;

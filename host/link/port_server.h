@@ -82,7 +82,7 @@ class PortServer final : public PortLink {
   ByteStream stream_;
   bool leaving_ = false;  // the client takes no more bytes, but some of its own may be unread
   std::string peer_;
-  BrowserGuard guard_;
+  BrowserGuard guard_{BrowserGuard::Peer::frames};
   telnet::Reader reader_;
   telnet::Options negotiation_;
   bool warned_ = false;                     // of bytes before option 44 was agreed to

@@ -2,15 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A page in the user's browser can send a request to any TCP port that this machine reaches, 127.0.0.1
-// included, with a body of its choice (a cross-protocol request). To a server of raw bytes the header is
-// noise, and the body is obeyed. So each TCP listener that does not speak HTTP passes what a client sends
-// through a BrowserGuard first. No valid peer of ours begins like a browser: a board's frame begins with 0,
-// Telnet and the packets of servo buses with 255, a packet of GDB with '+' or '$'.
+// included, with a body of its choice (a cross-protocol request). A page whose name is rebound to this machine
+// also chooses the method: any token of RFC 9110, which may be text of GDB's protocol. To a server of raw bytes
+// the header is noise, and the body is obeyed. So each TCP listener that does not speak HTTP passes what a
+// client sends through a BrowserGuard first, which knows how its own peers begin.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -20,42 +19,66 @@ namespace kaz {
 
 // For the user, after the client's name.
 inline constexpr std::string_view kBrowserRefused =
-    "was disconnected: it began with HTTP or TLS, as a web browser does, which this port does not "
-    "speak; "
-    "nothing was passed on";
+    "was disconnected: it began as a web browser may, and not as a client of this port does; "
+    "nothing "
+    "was passed on";
 
 // One for each connection. Not thread-safe.
 class BrowserGuard {
  public:
+  enum class Peer {
+    // A board's frame begins with 0, Telnet and the packets of servo buses with 255: any byte but those of
+    // text, with which HTTP begins, and 22, with which TLS does.
+    frames,
+    // Begins with one packet, with or without '+' before it, and waits for the answer. A browser goes on with
+    // a space and a path. The first packet has up to kLongestFirst bytes, and no spaces or line ends.
+    gdb,
+  };
+  static constexpr std::size_t kLongestFirst = 1024;
+
+  explicit BrowserGuard(Peer peer) : peer_(peer) {}
+
   // `bytes`: what has come next. Returns what may be passed on, valid until the next call or until `bytes`
-  // end; nothing if a browser is at the other end: pass nothing on and close the connection. The result is
-  // empty while all that has come is the beginning of a request's first word. There is no timeout: a client
-  // that sends such a beginning and then no more has sent nothing.
+  // end; nothing if a browser may be at the other end: pass nothing on and close the connection. The result
+  // is empty while GDB's first packet is not complete. There is no timeout: a client that sends a part of it
+  // and then no more has sent nothing.
   std::optional<std::span<const std::uint8_t>> admit(std::span<const std::uint8_t> bytes) {
-    if (admitted_) return bytes;
-    first_.insert(first_.end(), bytes.begin(), bytes.end());
-    for (const std::string_view beginning : kBeginnings) {
-      const std::size_t count = std::min(beginning.size(), first_.size());
-      const auto same = [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); };
-      if (!std::equal(first_.begin(), first_.begin() + static_cast<std::ptrdiff_t>(count),
-                      beginning.begin(), same))
-        continue;
-      if (count == beginning.size()) return std::nullopt;
-      return std::span<const std::uint8_t>();
+    if (admitted_ || bytes.empty()) return bytes;
+    if (peer_ == Peer::frames) {
+      if (is_text(bytes.front()) || bytes.front() == kTls) return std::nullopt;
+      admitted_ = true;
+      return bytes;
     }
-    admitted_ = true;
+    first_.insert(first_.end(), bytes.begin(), bytes.end());
+    if (!may_be_gdb()) return std::nullopt;
+    if (!admitted_) return std::span<const std::uint8_t>();
     return first_;
   }
   // Whether something was passed on.
   bool admitted() const { return admitted_; }
 
  private:
-  // RFC 9110 section 9.3 and RFC 5789; TLS: a record of a handshake. None is the beginning of another.
-  static constexpr std::string_view kBeginnings[] = {
-      "GET ",   "HEAD ",    "POST ",    "PUT ",   "DELETE ",
-      "PATCH ", "OPTIONS ", "CONNECT ", "TRACE ", {"\x16\x03", 2}};
+  static constexpr std::uint8_t kTls = 22;  // a record of a handshake
 
-  std::vector<std::uint8_t> first_;
+  static constexpr bool is_text(std::uint8_t byte) {
+    return (byte >= 0x20 && byte < 0x7f) || (byte >= 9 && byte <= 13);
+  }
+
+  // Sets admitted_ where first_ is a whole packet: "$...#xx".
+  bool may_be_gdb() {
+    std::span<const std::uint8_t> rest = first_;
+    if (rest.front() == '+') rest = rest.subspan(1);
+    if (rest.empty()) return true;
+    if (rest.front() != '$' || rest.size() > kLongestFirst) return false;
+    const auto end = std::ranges::find(rest, std::uint8_t{'#'});
+    if (std::any_of(rest.begin(), end, [](std::uint8_t byte) { return byte <= ' '; })) return false;
+    const auto behind = rest.end() - end;  // '#' and two digits
+    admitted_ = behind == 3;
+    return behind <= 3;
+  }
+
+  Peer peer_;
+  std::vector<std::uint8_t> first_;  // of GDB
   bool admitted_ = false;
 };
 

@@ -22,7 +22,7 @@ void add_serve_port(CLI::App& program, Action& action) {
   verb->footer(
       "The port has no authentication: a client that can connect can move the robot. Keep it on "
       "127.0.0.1 and let ssh carry it, or use a network of the robot's own. A client that begins "
-      "with HTTP or TLS, as a web browser does, is disconnected. One client at a time; others are "
+      "with text, as a web browser does, is disconnected. One client at a time; others are "
       "refused. A port that goes away is opened again when it is back.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port error.\n"
       "Examples:\n"

@@ -50,7 +50,7 @@ enum class Ended { gdb, silent, browser, stopped };
 // its replies take no more memory than one buffer of requests makes.
 Result<Ended> converse(GdbServer& server, int in, int out, States slice, int stop, int listener) {
   std::array<std::uint8_t, 4096> buffer{};
-  BrowserGuard guard;
+  BrowserGuard guard(BrowserGuard::Peer::gdb);
   std::string unsent;
   const auto ended = [&guard] { return guard.admitted() ? Ended::gdb : Ended::silent; };
   while (!server.finished() || !unsent.empty()) {

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -67,17 +68,10 @@ struct LoggedPort final : host::PortLink {
   Log log;
 };
 
-constexpr std::string_view kBrowsers[] = {"GET ",   "HEAD ",    "POST ",    "PUT ",   "DELETE ",
-                                          "PATCH ", "OPTIONS ", "CONNECT ", "TRACE ", "\x16\x03"};
-
+// HTTP begins with text, TLS with 22.
 bool is_browser(const Wire& wire) {
-  const std::string text(wire.begin(), wire.end());
-  return std::ranges::any_of(kBrowsers, [&](auto begin) { return text.starts_with(begin); });
-}
-
-bool may_become_browser(const Wire& wire) {
-  const std::string text(wire.begin(), wire.end());
-  return std::ranges::any_of(kBrowsers, [&](auto begin) { return begin.starts_with(text); });
+  return !wire.empty() &&
+         (std::isprint(wire.front()) || std::isspace(wire.front()) || wire.front() == 22);
 }
 
 // What has to reach the board of all that a client of RFC 2217 has sent.
@@ -234,7 +228,7 @@ Complaint try_serve_port(Bytes bytes) {
   }
   if (!serve(**server, port)) return "the server has failed";
   Log expected;
-  if (!may_become_browser(all) && !is_browser(all)) {
+  if (!is_browser(all)) {
     if (protocol == Protocol::raw) expected.data(all);
     if (protocol == Protocol::rfc2217) expected = expected_log(all);
   }
@@ -242,7 +236,7 @@ Complaint try_serve_port(Bytes bytes) {
     return "the port was given something else than was sent";
   if ((*server)->has_client() == is_browser(all))
     return is_browser(all) ? "a browser is served" : "a client was disconnected";
-  if (protocol == Protocol::raw || may_become_browser(all) || is_browser(all)) return std::nullopt;
+  if (protocol == Protocol::raw || is_browser(all)) return std::nullopt;
   return judge_service(**server, port, client);
 }
 
