@@ -136,7 +136,14 @@ Result<Exchanger::Ticket> BoardGroup::post(const Request& request) {
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const auto part = part_of(request, *members_[i]);
     const auto ticket = members_[i]->requester.post(part.value_or(heartbeat()));
-    if (!ticket) return tl::unexpected(blame(i, ticket.error()));
+    if (!ticket) {
+      Error error = blame(i, ticket.error());
+      // The boards that are still there go off now, and not when the lost one is back.
+      const auto enable = request.type == KZ_TYPE_enable ? unpacked(request, kz_unpack_enable)
+                                                         : std::optional<kz_enable>();
+      if (enable && enable->mask == 0) switch_off();
+      return tl::unexpected(std::move(error));
+    }
     exchange->parts.push_back({part.has_value(), *ticket, std::nullopt});
   }
   open_.emplace(next_ticket_, std::move(exchange));

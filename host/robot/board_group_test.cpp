@@ -210,6 +210,20 @@ TEST_F(Group, StopReachesAllEvenIfOneIsGone) {
   EXPECT_FALSE(both.lower.motors_on());
 }
 
+// Before the lost one is waited for.
+TEST_F(Group, OffReachesTheOtherBoardsWhileOneIsUnplugged) {
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  both.upper.link_failure = Error{Fault::environment, "port-a was closed"};
+  const Time pulled = both.now();
+  Time off{};
+  both.lower.after_tick = [&](Time start) {
+    if (off == Time{} && !both.lower.motors_on()) off = start;
+  };
+  EXPECT_FALSE(robot.enable(0));
+  EXPECT_FALSE(both.lower.motors_on());
+  EXPECT_LT(off - pulled, 50ms);
+}
+
 TEST_F(Group, ABoardThatIsUnpluggedIsFoundAgain) {
   ASSERT_TRUE(robot.enable(kAllJoints));
   const JointTarget target{l_knee, 1.0};
