@@ -139,6 +139,29 @@ TEST(Monitor, ShowsAndMovesTheServosOfABus) {
   EXPECT_NE(unnamed.err.find("needs --robot-file FILE"), std::string::npos) << unnamed.err;
 }
 
+// The second signal ends it while it waits for servos, which have no watchdog.
+TEST(Monitor, EndedAtOnceItSaysThatMotorsMayHold) {
+  const TemporaryFolder folder;
+  const std::string arm = std::filesystem::absolute("sim/robots/so101/so101.urdf");
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", arm, "--serial", folder / "arm"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30)));
+  std::string command;
+  for (const std::string& word :
+       kaz({"monitor", "feetech:" + (folder / "arm"), "--robot-file", arm}))
+    command += word + " ";
+  Screen screen(command);
+  screen.wait("motors off[^]*0 shoulder_pan");
+  screen.press({"e"});
+  screen.wait("0 shoulder_pan .* on");
+  sim.signal(SIGSTOP);
+  for (int i = 0; i < 20 && screen.text().find("left with") == std::string::npos; ++i) {
+    screen.press({"C-c"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  }
+  sim.signal(SIGCONT);
+  screen.wait("ended at once; the motors on[^]*may[^]*hold[^]*power[^]*left with 130");
+}
+
 // Nothing wraps; the joint that the keys are about is always among those shown.
 TEST(Monitor, FitsIntoASmallWindow) {
   const TemporaryFolder folder;

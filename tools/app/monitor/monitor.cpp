@@ -194,6 +194,7 @@ class Monitor {
   // that the next key does not switch it on again.
   Result<void> enable(std::uint32_t mask) {
     wanted_ = mask;
+    leaves_behind("the motors on " + port_.name() + " may be on or hold: cut their power");
     // Motors go on only with a link watchdog that switches them off if this program stops.
     if (!watched_) {
       watched_ = true;  // also if the reply does not come any more
@@ -277,6 +278,7 @@ class Monitor {
                             static_cast<host::Reaction>(was.reaction));
     if (const std::string on = off ? "" : link_->still_on(); !on.empty())
       return fail(Fault::environment, port_.name() + ": " + on);
+    if (off) leaves_behind("");
     return off;
   }
 
