@@ -196,9 +196,7 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
     std::fprintf(stderr, "%s: %s\n", o.verb.c_str(), sentence.c_str());
   if (o.notes) KAZ_TRY(run->write_notes());
   run->ended_ = false;
-  leaves_behind(o.still_on ? "the servos on " + o.port + " may hold: cut their power"
-                           : "the board on " + o.port + " may not be as it was before: give `" +
-                                 run->command() + "`");
+  run->say_what_is_left();
   if (!o.flash) return run;
   // From here on the board is altered: by a reset.
   auto kept = host::read_flash(link, clock, run->kept_.board);
@@ -234,6 +232,19 @@ std::string KeptRun::command() const {
   return path_.empty() ? "kaz recover " + host::robot_option(options_.port) + " --address " +
                              std::to_string(options_.address)
                        : "kaz recover " + host::robot_option(options_.port) + " --from " + path_;
+}
+
+void KeptRun::say_what_is_left() const {
+  const auto& o = options_;
+  leaves_behind(o.still_on ? "the servos on " + o.port + " may hold: cut their power"
+                           : "the board on " + o.port + " may not be as it was before" +
+                                 (o.motors_off ? ", and its motors may be on" : "") + ": give `" +
+                                 command() + "`");
+}
+
+void KeptRun::switch_motors_off() {
+  options_.motors_off = true;
+  if (!ended_) say_what_is_left();
 }
 
 Result<void> KeptRun::put_back() {

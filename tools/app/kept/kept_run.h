@@ -69,7 +69,7 @@ class KeptRun {
   Result<void> end();
 
   // From now on motors are switched off at the end (KeptRunOptions::motors_off).
-  void switch_motors_off() { options_.motors_off = true; }
+  void switch_motors_off();
 
   const host::BoardState& before() const { return kept_.board; }
   const std::string& notes_path() const { return path_; }
@@ -78,6 +78,7 @@ class KeptRun {
   KeptRun(host::Link& link, host::Clock& clock, host::Interrupt& interrupt, KeptRunOptions options);
   Result<void> write_notes();
   std::string command() const;  // that puts the board back
+  void say_what_is_left() const;
 
   host::Link& link_;
   host::Clock& clock_;
