@@ -241,7 +241,9 @@ class Board:
     def off(self):
         """The last thing of a program, however it ends: never raises. True if all motors are off."""
         try:
-            self.request(ENABLE, struct.pack(">I", 0))
+            _tick, _status, mask = struct.unpack(">IHI", self.request(ENABLE, struct.pack(">I", 0)))
+            if mask:
+                raise NoBoard(f"joints of mask {mask:#x} are still on")
             for joint, found in self.found_gains.items():
                 self.request(GAINS, struct.pack(">I", 1 << joint) + found)
             if self.watchdog:
