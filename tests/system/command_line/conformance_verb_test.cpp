@@ -57,9 +57,9 @@ class StoppedSimulator : public ::testing::Test {
   void stop_and_continue(Process& program) {
     for (int n = 0; n < 3; ++n) {
       sim_.signal(SIGSTOP);
-      (void)program.wait_for_output("never printed", seconds(1));
+      (void)program.prints_within("never printed", seconds(1));
       sim_.signal(SIGCONT);
-      (void)program.wait_for_output("never printed", seconds(1));
+      (void)program.prints_within("never printed", seconds(1));
     }
   }
 
@@ -95,13 +95,13 @@ TEST_F(StoppedSimulator, WhereTheFuzzerIsInterruptedOrGivesUpItReportsWhatItTrie
     SCOPED_TRACE(number);
     Process fuzz(kaz({"fuzz", "--target", port(), "--allow-motion", "--seconds", "60", "--json",
                       "--out", folder_ / "case"}));
-    (void)fuzz.wait_for_output("never printed", seconds(6));
+    (void)fuzz.prints_within("never printed", seconds(6));
     sim_.signal(SIGSTOP);
     if (number != 0) {
-      (void)fuzz.wait_for_output("never printed", seconds(2));  // now it waits for a reply
+      (void)fuzz.prints_within("never printed", seconds(2));  // now it waits for a reply
       fuzz.signal(number);
     }
-    (void)fuzz.wait_for_output("not decided", seconds(number == 0 ? 12 : 1));
+    (void)fuzz.prints_within("not decided", seconds(number == 0 ? 12 : 1));
     sim_.signal(SIGCONT);
     const Finished end = fuzz.wait(seconds(30));
     EXPECT_EQ(end.exit_code, number == 0 ? 3 : 128 + number) << end.out << end.err;

@@ -114,7 +114,11 @@ void Process::drain(int milliseconds) {
 }
 
 bool Process::wait_for_output(const std::string& text, std::chrono::seconds at_most) {
-  const auto until = Steady::now() + at_most;
+  return prints_within(text, kBusy * at_most);
+}
+
+bool Process::prints_within(const std::string& text, std::chrono::seconds time) {
+  const auto until = Steady::now() + time;
   const auto seen = [&] {
     return result_.out.find(text) != std::string::npos ||
            result_.err.find(text) != std::string::npos;
@@ -125,7 +129,7 @@ bool Process::wait_for_output(const std::string& text, std::chrono::seconds at_m
 }
 
 Finished Process::wait(std::chrono::seconds at_most) {
-  const auto until = Steady::now() + at_most;
+  const auto until = Steady::now() + kBusy * at_most;
   while (!ended_ && Steady::now() < until) drain(20);
   if (!ended_) {
     kill(pid_, SIGKILL);

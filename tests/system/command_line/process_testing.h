@@ -31,11 +31,14 @@ class Process {
   double cpu_s() const;
   // To its standard input, which is a pipe that stays open as long as the object does.
   void type(const std::string& text);
-  // Waits until standard output or standard error holds `text`; false if it ended or took too long.
+  // Waits until standard output or standard error holds `text`; false if it ended or hangs. `at_most` is
+  // more than an idle machine needs; a busy one gets kBusy times as long.
   bool wait_for_output(const std::string& text, std::chrono::seconds at_most);
-  // Waits for the end. A process that does not end in time is killed, and its exit code says so
-  // (137).
+  // The same, but never longer than `time`.
+  bool prints_within(const std::string& text, std::chrono::seconds time);
+  // Waits for the end. A process that hangs is killed, and its exit code says so (137); `at_most` as above.
   Finished wait(std::chrono::seconds at_most);
+  static constexpr int kBusy = 10;
 
  private:
   void drain(int milliseconds);

@@ -208,7 +208,7 @@ TEST_F(RecoverVerb, ASecondSignalLaterEndsAtOnceAndNamesWhatIsLeft) {
   bool ended = false;
   for (int press = 0; press < 8 && !ended; ++press) {
     suite.signal(SIGINT);
-    ended = suite.wait_for_output("ended at once", seconds(1));
+    ended = suite.prints_within("ended at once", seconds(1));
   }
   const Finished end = suite.wait(seconds(10));
   sim_.signal(SIGCONT);
