@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -115,7 +117,8 @@ Descriptor client_of(std::uint16_t port) {
   ::setsockopt(client.get(), SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
   const int on = 1;
   ::setsockopt(client.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  if (::connect(client.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) return {};
+  while (::connect(client.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
+    if (errno != EINTR) return {};
   return client;
 }
 
@@ -216,7 +219,8 @@ Complaint try_serve_port(Bytes bytes) {
   auto server = host::PortServer::open(port, {.protocol = protocol});
   if (!server) return server.error().message;
   const Descriptor client = client_of((*server)->port());
-  if (!client) return "the server accepts no client";
+  // The connection is the kernel's: the case says nothing of the server then.
+  if (!client) return std::string("cannot connect: ") + std::strerror(errno);
   Wire all;
   while (!choices.ended()) {  // segments
     Wire piece(choices.below(256) + 1u);
