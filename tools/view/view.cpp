@@ -15,6 +15,7 @@
 #include "shared/base/files.hpp"
 #include "shared/base/number_text.hpp"
 #include "sim/body/description/robot_model.h"
+#include "tools/view/textures.h"
 
 namespace kaz::watch {
 namespace {
@@ -128,7 +129,10 @@ Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uin
   const auto file = [](const char* type, std::string_view text) {
     return ServedFile{type, Bytes(text.begin(), text.end())};
   };
-  if (!options.page_folder.empty()) access.page = KAZ_TRY(page_files(options.page_folder));
+  if (!options.page_folder.empty()) {
+    access.page = KAZ_TRY(page_files(options.page_folder));
+    access.page.merge(KAZ_TRY(texture_files()));
+  }
   access.page.try_emplace("/index.html",
                           file("text/plain; charset=utf-8", options.no_page + kWithoutPage));
   access.robot = KAZ_TRY(robot_files(options.robot_path, robot));

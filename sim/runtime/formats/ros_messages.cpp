@@ -29,7 +29,7 @@ void put(LittleEndian& to, std::uint64_t time_ns, const Marker& marker) {
   to.number(std::uint32_t{0}).number(std::uint32_t{0});  // lifetime: for ever
   to.number(std::uint8_t{1});                            // frame_locked
   to.number(std::uint32_t{0}).number(std::uint32_t{0});  // points, colors
-  to.text("").text("").number(std::uint8_t{0});
+  to.text(marker.texture).text("").number(std::uint8_t{0});
 }
 
 // Marker of a shape; nothing for meshes, which only the robot has.
@@ -37,6 +37,7 @@ std::optional<Marker> marker_of(const Visual& visual) {
   Marker marker;
   marker.at = visual.in_frame;
   marker.color = visual.color;
+  marker.texture = visual.texture;
   const Eigen::Vector3d& size = visual.shape.size;
   switch (visual.shape.kind) {
     case Shape::Kind::box:

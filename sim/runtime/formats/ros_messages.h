@@ -77,6 +77,7 @@ struct Marker {
   Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
+  std::string texture;  // Visual::texture; stands in `text`, which these types do not use
   bool removes_all = false;
 };
 

@@ -182,7 +182,7 @@ TEST_F(MeshFile, RefusesDamagedFiles) {
 }
 
 TEST(Texture, LevelsHalveDownToOneTexelOfTheMeanLight) {
-  for (const char* name : {"checker", "wood", "carpet"}) {
+  for (const char* name : kTextureNames) {
     const Result<Texture> texture = make_texture(name);
     ASSERT_TRUE(texture) << name;
     EXPECT_EQ(texture->levels.size(), 10U);  // 512 = 2^9

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ struct Texture {
   double repeat_m = 1;  // length of one period on the surface
   std::vector<std::vector<std::uint8_t>> levels;
 };
+
+inline constexpr std::array<const char*, 3> kTextureNames{"checker", "wood", "carpet"};
 
 // "checker" (squares of 0.1 m), "wood" (planks of 0.08 m along x), "carpet" (short loops).
 Result<Texture> make_texture(const std::string& name);

@@ -6,7 +6,7 @@ import { drawMap } from "./map";
 import { Plot, TorquePlot } from "./plot";
 import { Poses } from "./poses";
 import { type Grid, type Pose, readBoard, readCameraInfo, readCircles, readGrid, readJointStates, readMarkers, readPath, readPicture, readPoseStamped,
-  readTransforms, type Reader } from "./ros1";
+  readTransforms, type Reader, type Vector } from "./ros1";
 import { Scene } from "./scene";
 
 function element<T extends HTMLElement>(id: string): T {
@@ -194,6 +194,8 @@ requestAnimationFrame(draw);
 // What tests read.
 declare global { interface Window { kaz: object } }
 window.kaz = {
-  pose: (link: string) => scene.pose(link), onCanvas: (link: string) => scene.onCanvas(link), frames: () => scene.frames, plotted: () => plot.count(), target: (joint: string) => plot.target(joint),
+  pose: (link: string) => scene.pose(link),
+  onCanvas: (what: string | Vector) => scene.onCanvas(what),
+  frames: () => scene.frames, plotted: () => plot.count(), target: (joint: string) => plot.target(joint),
   pictures: () => pictures, time: () => time, playing: () => playing,
 };

@@ -57,20 +57,21 @@ export function readTransforms(r: Reader): Transform[] {
 
 export interface Marker {
   frame: string; space: string; id: number; type: number; action: number; pose: Pose; scale: Vector;
-  color: [number, number, number, number];
+  color: [number, number, number, number]; texture: string;
 }
 export function readMarkers(r: Reader): Marker[] {
   const color = (): [number, number, number, number] => [r.f32(), r.f32(), r.f32(), r.f32()];
   return r.list(() => {
     const marker: Marker = {
       frame: r.header().frame, space: r.text(), id: r.i32(), type: r.i32(), action: r.i32(), pose: r.pose(),
-      scale: r.vector(), color: color(),
+      scale: r.vector(), color: color(), texture: "",
     };
     r.u32(); r.u32();  // lifetime
     r.u8();
     r.list(() => r.vector());
     r.list(color);
-    r.text(); r.text(); r.u8();
+    marker.texture = r.text();
+    r.text(); r.u8();
     return marker;
   });
 }

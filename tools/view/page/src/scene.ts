@@ -3,7 +3,8 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import URDFLoader, { type URDFRobot } from "urdf-loader";
-import type { Grid, Intrinsics, Marker, Pose, Transform } from "./ros1";
+import type { Grid, Intrinsics, Marker, Pose, Transform, Vector } from "./ros1";
+import { textureOf, unwrap } from "./textures";
 
 export class Scene {
   readonly scene = new THREE.Scene();
@@ -79,14 +80,26 @@ export class Scene {
     for (const [name, node] of this.nodes) if (node.parent === this.objects) this.nodes.delete(name);
     for (const marker of markers) {
       const flat = marker.scale[2] < 1e-3;
-      const mesh = new THREE.Mesh(shapeOf(marker), new THREE.MeshStandardMaterial({
-        color: new THREE.Color(marker.color[0], marker.color[1], marker.color[2]), roughness: 0.8 }));
+      const mesh = new THREE.Mesh(shapeOf(marker), this.materialOf(marker));
       mesh.castShadow = !flat;
       mesh.receiveShadow = true;
       place(mesh, marker.pose);
       this.frame(marker.frame).add(mesh);
     }
     this.setPoses(this.poses);
+  }
+
+  // Textures are of boxes and planes; round objects keep their color.
+  private materialOf(marker: Marker): THREE.Material {
+    const [red, green, blue] = marker.color;
+    const color = new THREE.Color().setRGB(red, green, blue, THREE.SRGBColorSpace);
+    if (marker.texture === "" || marker.type !== 1) return new THREE.MeshStandardMaterial({ color, roughness: 0.8 });
+    const material = new THREE.MeshLambertMaterial({ color });
+    textureOf(marker.texture).then((texture) => {
+      material.map = texture;
+      material.needsUpdate = this.dirty = true;
+    }, () => {});  // the surface keeps its color
+    return material;
   }
 
   setForces(markers: Marker[], shown: boolean): void {
@@ -193,12 +206,13 @@ export class Scene {
     return found;
   }
 
-  // Where a point of the scene is on the canvas, px; none where it is behind the camera.
-  onCanvas(link: string): [number, number] | undefined {
-    const node = this.nodes.get(link);
-    if (!node) return undefined;
+  // Where a link, an object or a place in the world is on the canvas, px; undefined if it is behind the camera.
+  onCanvas(what: string | Vector): [number, number] | undefined {
+    const at = typeof what === "string" ? this.nodes.get(what)?.getWorldPosition(new THREE.Vector3())
+      : new THREE.Vector3(...what);
+    if (!at) return undefined;
     this.camera.updateMatrixWorld();
-    const at = node.getWorldPosition(new THREE.Vector3()).project(this.camera);
+    at.project(this.camera);
     if (at.z > 1) return undefined;
     return [(at.x + 1) / 2 * this.canvas.clientWidth, (1 - at.y) / 2 * this.canvas.clientHeight];
   }
@@ -270,5 +284,7 @@ function shapeOf(marker: Marker): THREE.BufferGeometry {
   const [x, y, z] = marker.scale;
   if (marker.type === 2) return new THREE.SphereGeometry(x / 2, 32, 20);
   if (marker.type === 3) return new THREE.CylinderGeometry(x / 2, x / 2, z, 40).rotateX(Math.PI / 2);
-  return new THREE.BoxGeometry(x, y, z);
+  const box = new THREE.BoxGeometry(x, y, z);
+  unwrap(box);
+  return box;
 }
