@@ -47,6 +47,26 @@ try {
   console.log(`brightness of the floor: standard deviation ${least.toFixed(1)}`);
   assert(least >= 1, `the floor has no pattern: the standard deviation of its brightness is ${least}`);
 
+  // The robot's shadow lies on the side away from the sun, where the camera looks only once it is turned.
+  await page.uncheck("#frusta");
+  const view = await page.locator("#view").boundingBox();
+  await page.mouse.move(view.x + 20, view.y + 40);
+  await page.mouse.down();
+  await page.mouse.move(view.x + 20 + view.height / 4, view.y + 40, { steps: 5 });
+  await page.mouse.up();
+  const [x, y] = await page.evaluate(() => window.kaz.pose("trunk"));
+  const across = { x: 0.14, y: -0.127 };  // m, toward the sun; measured: 35 %, without shadows -5 %
+  let darker = 0;
+  for (let i = 0; i < 50 && darker < 0.2; ++i) {
+    const [lit, shaded] = [await brightness(page, [x + across.x, y + across.y, 0]),
+      await brightness(page, [x - across.x, y - across.y, 0])];
+    darker = 1 - shaded.mean / lit.mean;
+    await page.waitForTimeout(100);
+  }
+  await page.screenshot({ path: `${folder}/shadow.png` });
+  console.log(`the floor in the robot's shadow is darker by ${(100 * darker).toFixed(0)} %`);
+  assert(darker >= 0.2, `the floor in the robot's shadow is darker by ${100 * darker} %`);
+
   assert.equal(await player.stop(), 0, "the player's exit status");
   assert.deepEqual(wrong, [], "errors in the console");
 } finally {

@@ -6,6 +6,8 @@ import URDFLoader, { type URDFRobot } from "urdf-loader";
 import type { Grid, Intrinsics, Marker, Pose, Transform, Vector } from "./ros1";
 import { textureOf, unwrap } from "./textures";
 
+const towardSun = new THREE.Vector3(1.1, -1, 2);  // as sim/body/description/scene.h has it
+
 export class Scene {
   readonly scene = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(40, 1, 0.01, 50);
@@ -27,7 +29,7 @@ export class Scene {
   private dirty = true;
   private readonly frusta = new Map<string, THREE.LineSegments>();
   private showFrusta = true;
-  // Without a graphics card a picture takes long: then first shadows go, then half of the lines.
+  // Without a graphics card a picture takes long. Then shadows get hard edges (1), then half of the lines go (0).
   private quality = 2;
   private drawn: number[] = [];  // times of the last pictures in a row, ms
 
@@ -42,8 +44,9 @@ export class Scene {
     this.controls.addEventListener("change", () => { this.dirty = true; });
     this.controls.update();
     const sun = this.sun;
-    sun.position.set(1.1, -1, 2);
+    this.light(new THREE.Vector3());
     sun.castShadow = true;
+    sun.shadow.normalBias = 0.004;  // m; without it edges of boxes that face the sun have dark dashes
     sun.shadow.mapSize.set(1024, 1024);
     const across = sun.shadow.camera;
     across.left = across.bottom = -1.2;
@@ -131,6 +134,7 @@ export class Scene {
         this.controls.target.add(moved);
       }
       this.last.copy(root.position);
+      this.light(root.position);
     }
     this.dirty = true;
   }
@@ -260,7 +264,17 @@ export class Scene {
     this.drawn = [];
     if (mean < longest || this.quality === 0) return;
     this.quality -= 1;
-    this.sun.castShadow = false;
+    this.renderer.shadowMap.type = THREE.BasicShadowMap;
+    this.scene.traverse((node) => {
+      if (node instanceof THREE.Mesh) for (const one of [node.material].flat()) (one as THREE.Material).needsUpdate = true;
+    });
+  }
+
+  // The shadow map covers what is around the robot. It moves in steps, so that edges of shadows do not shimmer.
+  private light(at: THREE.Vector3): void {
+    const step = 0.2;  // m
+    this.sun.target.position.set(Math.round(at.x / step) * step, Math.round(at.y / step) * step, 0);
+    this.sun.position.copy(this.sun.target.position).add(towardSun);
   }
 
   private frame(name: string): THREE.Object3D {
