@@ -160,8 +160,29 @@ class Player {
 
 }  // namespace
 
+std::string no_pictures_text(const sim::McapRecording& recording) {
+  if (recording.has_messages("/eyes/left") || recording.has_messages("/eyes/right"))
+    return "no pictures yet";
+  const std::string none = "This recording holds no pictures";
+  if (recording.facts.contains("port"))
+    return none + ": those of a robot at a port are not recorded.";
+  const auto fact = [&](const char* key, const char* otherwise) {
+    const auto at = recording.facts.find(key);
+    return at != recording.facts.end() && at->second.size() <= 64 ? at->second : otherwise;
+  };
+  const std::string how = recording.facts.contains("behavior")
+                              ? "kaz run " + fact("behavior", "BEHAVIOR") + " --seed " +
+                                    fact("seed", "N") + " --out DIR"
+                              : "kaz sim --record FILE";
+  return none +
+         ", and kaz replay cannot draw them again. Record the run again, with the options that it "
+         "had and --record-pictures: " +
+         how + " --record-pictures";
+}
+
 Result<void> play(const sim::McapRecording& recording, const PlayOptions& options) {
-  const ViewOptions& view = options.view;
+  ViewOptions view = options.view;
+  view.no_pictures = no_pictures_text(recording);
   std::string url;
   const auto server =
       KAZ_TRY(open_server(view, 0, std::max<std::uint64_t>(1, recording.end_ns()), url));

@@ -15,6 +15,10 @@ struct PlayOptions {
   std::function<void(const std::string&)> on_open;  // the page's address
 };
 
+// What the page shows until a picture comes: if the recording holds none, how to record some. Names of the
+// recording that are longer than 64 bytes are left out.
+std::string no_pictures_text(const sim::McapRecording& recording);
+
 // Until PlayOptions::view.stopped. Errors: as View::open().
 Result<void> play(const sim::McapRecording& recording, const PlayOptions& options);
 

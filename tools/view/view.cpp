@@ -119,7 +119,8 @@ Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uin
   server.address = where.address;
   server.port = where.port;
   server.parameters = {{"robot", options.robot_path},
-                       {"source", end_ns > 0 ? "recording" : options.source}};
+                       {"source", end_ns > 0 ? "recording" : options.source},
+                       {"no_pictures", options.no_pictures}};
   server.hands = options.hands;
   server.start_ns = start_ns;
   server.end_ns = end_ns;
@@ -147,6 +148,10 @@ Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uin
 
 Result<std::unique_ptr<View>> View::open(ViewOptions options) {
   std::string url;
+  if (options.joints_only)
+    options.no_pictures = "no pictures: a motor stand has no cameras";
+  else if (options.source == "robot")
+    options.no_pictures = "no pictures yet; kaz run shows those of a robot at a port with --camera";
   auto server = KAZ_TRY(open_server(options, 0, 0, url));
   FeedOptions feeds;
   feeds.recorded_robot = options.source == "simulation" && !options.joints_only;

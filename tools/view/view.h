@@ -35,7 +35,8 @@ struct ViewOptions {
   double pace = 0;        // the run's time over real time, at most; 0: as fast as it goes
   std::string robot_path, page_folder;
   std::string no_page = "There is no page here";  // what a browser shows where page_folder has none
-  bool recorded_pictures = false;  // the recording has them: no others are sent
+  bool recorded_pictures = false;                 // the recording has them: no others are sent
+  std::string no_pictures = "no pictures yet";    // what the page shows until one comes
   // The world is no robot's, as a motor stand: its joints turn a robot that hangs in the air.
   bool joints_only = false;
   std::string source = "simulation";  // or "robot": a parameter that viewers may read

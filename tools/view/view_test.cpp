@@ -229,6 +229,36 @@ TEST(View, ARecordingIsPlayedWithPausesAndJumps) {
   player.join();
 }
 
+TEST(View, ARecordingWithoutPicturesSaysHowToRecordSome) {
+  sim::McapRecording recording;
+  recording.facts = {{"behavior", "search-ball"}, {"seed", "7"}};
+  const auto says = [&](const char* part) {
+    return no_pictures_text(recording).find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(says("holds no pictures, and kaz replay cannot draw them again"));
+  EXPECT_TRUE(says("kaz run search-ball --seed 7 --out DIR --record-pictures"));
+  recording.facts["behavior"] = std::string(1 << 20, 'x');
+  EXPECT_TRUE(says("kaz run BEHAVIOR --seed 7"));
+  recording.facts = {{"seed", "7"}};
+  EXPECT_TRUE(says("kaz sim --record FILE --record-pictures"));
+  recording.facts["port"] = "serial:/dev/ttyUSB0";
+  EXPECT_TRUE(says("a robot at a port are not recorded"));
+  recording.topics[3] = "/eyes/left";
+  EXPECT_TRUE(says("not recorded")) << "a channel without messages";
+  recording.messages.push_back({3, 0, {}});
+  EXPECT_EQ(no_pictures_text(recording), "no pictures yet");
+}
+
+TEST(View, ViewersMayReadWhyThereAreNoPictures) {
+  const auto view = opened(false, "robot");
+  Client client(view->server().port());
+  ASSERT_TRUE(client.open("foxglove.sdk.v1"));
+  client.send(nlohmann::json{{"op", "getParameters"}, {"parameterNames", {"no_pictures"}}});
+  const auto parameters = client.next_op("parameterValues")["parameters"];
+  ASSERT_EQ(parameters.size(), 1u);
+  EXPECT_NE(parameters[0]["value"].dump().find("with --camera"), std::string::npos);
+}
+
 // What a board states, as the recording of a run at a port has it.
 TEST(View, ARobotAtAPortStandsOnItsLowerFootAtTheAnglesOfItsBoards) {
   const auto view = opened(false, "robot");

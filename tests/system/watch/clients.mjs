@@ -19,7 +19,7 @@ try {
   assert.equal(await run.ended, 0, run.text);
   await recorder.ended;
   assert.match(simple.text, /behavior: 'search-ball'/);
-  assert.match(parameters.text, /Subscribing to 2 parameters/);
+  assert.match(parameters.text, /Subscribing to 3 parameters/);
   for (const other of [simple, parameters]) other.child.kill();
 
   const ours = messages(`${folder}/run/recording.mcap`), theirs = messages(`${folder}/theirs.mcap`);

@@ -36,6 +36,10 @@ try {
   assert.equal(await run.ended, 0, run.text);
   const { player, page } = await played(["seen"]);
 
+  // Without pictures the page says so, and how to record some.
+  await page.waitForFunction(() => document.getElementById("no-eyes").textContent.includes("holds no pictures"));
+  assert.match(await page.textContent("#no-eyes"), /kaz run search-ball --seed 1 --out DIR --record-pictures$/);
+
   // The floor has the renderer's pattern: without it the deviation was 0.0, with it 4.7 and 3.8.
   let least = 0;
   for (let i = 0; i < 50 && least < 1; ++i) {
@@ -68,6 +72,14 @@ try {
   assert(darker >= 0.2, `the floor in the robot's shadow is darker by ${100 * darker} %`);
 
   assert.equal(await player.stop(), 0, "the player's exit status");
+
+  // The command that it names has the pictures: both are shown in place of the text.
+  const again = start(kaz, ["run", "search-ball", "--seed", "1", "--out", "pictures", "--record-pictures"], folder);
+  assert.equal(await again.ended, 0, again.text);
+  const other = await played(["pictures"]);
+  await other.page.waitForFunction(() => document.getElementById("left").naturalWidth >= 320
+    && document.getElementById("right").naturalWidth >= 320 && document.getElementById("no-eyes").hidden);
+  await other.player.stop();
   assert.deepEqual(wrong, [], "errors in the console");
 } finally {
   killAll();

@@ -13,6 +13,7 @@ export class Client {
   onPlayback: (state: PlaybackState) => void = () => {};
   onTime: (seconds: number) => void = () => {};
   onRefusal: (sentence: string) => void = () => {};
+  onParameter: (name: string, value: string) => void = () => {};
   private readonly handlers = new Map<string, Handler>();
   private topics = new Map<number, string>();
   private socket: WebSocket | undefined;
@@ -108,12 +109,14 @@ export class Client {
   private text(data: string): void {
     const message = JSON.parse(data) as {
       op: string; capabilities?: string[]; dataEndTime?: { sec: number; nsec: number }; message?: string;
-      channels?: { id: number; topic: string }[];
+      channels?: { id: number; topic: string }[]; parameters?: { name: string; value?: unknown }[];
     };
     if (message.op === "serverInfo") {
       const end = message.dataEndTime;
       if (message.capabilities?.includes("clientPublish")) this.socket?.send(JSON.stringify({ op: "advertise",
         channels: [{ id: HAND, topic: "/hand", encoding: "json", schemaName: "" }] }));
+      if (message.capabilities?.includes("parameters"))
+        this.socket?.send(JSON.stringify({ op: "getParameters", parameterNames: [] }));
       this.onInfo({ capabilities: message.capabilities ?? [], end: end && end.sec + 1e-9 * end.nsec });
     } else if (message.op === "advertise") {
       for (const { id, topic } of message.channels ?? []) this.topics.set(id, topic);
@@ -122,6 +125,8 @@ export class Client {
       if (wanted.length === 0) return;
       const subscriptions = wanted.map(({ id }) => ({ id, channelId: id }));
       this.socket?.send(JSON.stringify({ op: "subscribe", subscriptions }));
+    } else if (message.op === "parameterValues") {
+      for (const { name, value } of message.parameters ?? []) this.onParameter(name, String(value));
     } else if (message.op === "status") {
       this.onRefusal(message.message ?? "");
     }

@@ -59,6 +59,7 @@ client.onInfo = (info) => {
   poses.offer(trusted() && info.capabilities.includes("clientPublish"));
 };
 client.onTime = (seconds) => { time = seconds; };
+client.onParameter = (name, value) => { if (name === "no_pictures") output("no-eyes", value); };
 client.onRefusal = (sentence) => output("refusal", sentence);
 client.on("/robot_description", (r) => scene.setRobot(r.text()));
 client.on("/tf", (r) => scene.setPoses(readTransforms(r)));
