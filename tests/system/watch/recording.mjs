@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node recording.mjs KAZ FOLDER: pictures of the page go to FOLDER. Exit status 77: there is no chromium.
 import assert from "node:assert/strict";
-import { mkdirSync } from "node:fs";
+import { mkdirSync, readFileSync } from "node:fs";
 import { launch, open } from "./browser.mjs";
 import { killAll, start } from "./testing.mjs";
 
@@ -71,6 +71,25 @@ try {
   console.log(`the floor in the robot's shadow is darker by ${(100 * darker).toFixed(0)} %`);
   assert(darker >= 0.2, `the floor in the robot's shadow is darker by ${100 * darker} %`);
 
+  // From the beginning again, wherever the player is.
+  await page.waitForFunction(() => window.kaz.time() > 2.5);
+  await page.selectOption("#speed", "0.1");
+  await page.click("#restart");
+  await page.waitForFunction(() => window.kaz.playing() && window.kaz.time() < 1);
+
+  // The 3D view as a PNG file.
+  const saved = async (page, button, width, height) => {
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
+    const png = readFileSync(await download.path());
+    assert.equal(png.toString("latin1", 1, 4), "PNG");
+    assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [width, height], `${button}: the size`);
+    assert(png.length > 10000, `${button}: the file is empty`);
+    return download.suggestedFilename();
+  };
+  const name = await saved(page, "#save-view", Math.round(view.width), Math.round(view.height));
+  assert.match(name, /^kaz-view-\d+\.\d\ds\.png$/);
+  assert(await page.isHidden("#save-eyes"), "there is nothing to save of the eyes");
+
   assert.equal(await player.stop(), 0, "the player's exit status");
 
   // The command that it names has the pictures: both are shown in place of the text.
@@ -79,6 +98,7 @@ try {
   const other = await played(["pictures"]);
   await other.page.waitForFunction(() => document.getElementById("left").naturalWidth >= 320
     && document.getElementById("right").naturalWidth >= 320 && document.getElementById("no-eyes").hidden);
+  assert.match(await saved(other.page, "#save-eyes", 640, 240), /^kaz-eyes-/);
   await other.player.stop();
   assert.deepEqual(wrong, [], "errors in the console");
 } finally {

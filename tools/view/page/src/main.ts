@@ -7,6 +7,7 @@ import { Plot, TorquePlot } from "./plot";
 import { Poses } from "./poses";
 import { type Grid, type Pose, readBoard, readCameraInfo, readCircles, readGrid, readJointStates, readMarkers, readPath, readPicture, readPoseStamped,
   readTransforms, type Reader, type Vector } from "./ros1";
+import { savePicture } from "./save";
 import { Scene } from "./scene";
 
 function element<T extends HTMLElement>(id: string): T {
@@ -96,14 +97,18 @@ client.on("/board/state", (r) => {
   output("shutdown", state.shutdown || "no");
 });
 
+const shown = new Map<string, Blob>();  // the newest picture, by element
 function showPicture(id: string, r: Reader): void {
   const picture = readPicture(r);
   const image = element<HTMLImageElement>(id);
-  const url = URL.createObjectURL(new Blob([new Uint8Array(picture.data)], { type: `image/${picture.format}` }));
+  const blob = new Blob([new Uint8Array(picture.data)], { type: `image/${picture.format}` });
+  shown.set(id, blob);
+  const url = URL.createObjectURL(blob);
   const old = image.src;
   image.src = url;
   if (old.startsWith("blob:")) URL.revokeObjectURL(old);
   element("no-eyes").hidden = true;
+  element("save-eyes").hidden = false;
   ++pictures;
 }
 client.on("/eyes/left", (r) => showPicture("left", r));
@@ -148,6 +153,14 @@ client.on("/map", (r) => { grid = readGrid(r); scene.setMap(grid); showMap(); })
 client.on("/map/path", (r) => { path = readPath(r); showMap(); });
 client.on("/map/robot", (r) => { robot = readPoseStamped(r); showMap(); });
 
+const pictureName = (what: string) => `kaz-${what}-${time.toFixed(2)}s.png`;
+element("save-view").onclick = () => savePicture(pictureName("view"), scene.sharp());
+// Not from the page's images: they are empty while the next picture is being decoded.
+element("save-eyes").onclick = async () => {
+  const eyes = ["left", "right"].flatMap((id) => shown.get(id) ?? []);
+  savePicture(pictureName("eyes"), ...await Promise.all(eyes.map((eye) => createImageBitmap(eye))));
+};
+
 const hands = new Hands((line) => client.hand(line), scene);
 const poses = new Poses((line) => client.hand(line));
 
@@ -159,6 +172,7 @@ client.onPlayback = (state) => {
   time = state.seconds;
   output("play", playing ? "pause" : "play");
 };
+element("restart").onclick = () => control(true, 0);
 element("play").onclick = () => control(!playing);
 speed.onchange = () => control(playing);
 scrub.oninput = () => { if (end !== undefined) control(playing, end * Number(scrub.value) / 1000); };

@@ -1,6 +1,7 @@
 // The editor of poses: joints are set by sliders, poses kept with their times, played, saved and opened.
 // SPDX-License-Identifier: Apache-2.0
 // While `kaz run pose` runs. A file is what `kaz run play --poses` takes (docs/reference/poses.md).
+import { saveFile } from "./save";
 
 interface Pose { time_s: number; angles_rad: Record<string, number> }
 interface File { format: string; poses: Pose[] }
@@ -172,11 +173,7 @@ export class Poses {
   private text(): string { return JSON.stringify({ format: FORMAT, poses: this.poses } satisfies File); }
 
   private save(): void {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([this.text(), "\n"], { type: "application/json" }));
-    link.download = "poses.json";
-    link.click();
-    URL.revokeObjectURL(link.href);
+    saveFile("poses.json", new Blob([this.text(), "\n"], { type: "application/json" }));
   }
 
   private async open(input: HTMLInputElement): Promise<void> {

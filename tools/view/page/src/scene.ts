@@ -246,9 +246,20 @@ export class Scene {
     if (!this.dirty) { this.drawn = []; return; }
     this.dirty = false;
     this.adapt(performance.now());
+    this.render(this.quality === 0 ? 0.5 : Math.min(devicePixelRatio, this.quality));
+  }
+
+  // The canvas, drawn with all of the screen's pixels until the next draw().
+  sharp(): HTMLCanvasElement {
+    this.render(devicePixelRatio);
+    this.dirty = true;
+    return this.canvas;
+  }
+
+  private render(ratio: number): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(this.quality === 0 ? 0.5 : Math.min(devicePixelRatio, this.quality));
+    this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
