@@ -90,6 +90,26 @@ try {
   assert.match(name, /^kaz-view-\d+\.\d\ds\.png$/);
   assert(await page.isHidden("#save-eyes"), "there is nothing to save of the eyes");
 
+  // Several joints in one plot, each with its color; at most six, and one stays.
+  const box = (joint) => page.locator("#joint-list label", { hasText: new RegExp(`^ ${joint}$`) }).locator("input");
+  await page.click("#joints summary");
+  assert(await box("neck_pan").isChecked() && await box("neck_pan").isDisabled(), "the last joint can be taken away");
+  await box("neck_tilt").check();
+  assert.deepEqual(await page.locator("#joints-chosen span").allTextContents(), ["neck_pan", "neck_tilt"]);
+  await page.selectOption("#speed", "1");
+  // About the color of the second joint, #e69f00: lines are thin.
+  await page.waitForFunction(() => {
+    const plot = document.getElementById("plot");
+    const { data } = plot.getContext("2d").getImageData(0, 0, plot.width, plot.height);
+    let found = 0;
+    for (let i = 0; i < data.length; i += 4)
+      found += data[i] > 0xd0 && Math.abs(data[i + 1] - 0x9f) < 20 && data[i + 2] < 40 && data[i + 3] > 100;
+    return found > 20;
+  });
+  for (let i = 0; i < 4; ++i) await page.locator("#joint-list input:enabled:not(:checked)").first().check();
+  assert.equal(await page.locator("#joint-list input:enabled:not(:checked)").count(), 0, "a seventh joint can be added");
+  await page.screenshot({ path: `${folder}/joints.png` });
+
   assert.equal(await player.stop(), 0, "the player's exit status");
 
   // The command that it names has the pictures: both are shown in place of the text.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Client } from "./client";
 import { Hands } from "./hands";
+import { Joints } from "./joints";
 import { drawMap } from "./map";
 import { Plot, TorquePlot } from "./plot";
 import { Poses } from "./poses";
@@ -76,16 +77,11 @@ client.on("/behavior", (_r, _s, data) => {
   poses.behavior(state.behavior ?? "", state.phase);
 });
 
-const joints = element<HTMLSelectElement>("joint");
-joints.onchange = () => { plot.joint = torque.joint = joints.selectedIndex; plotDue = true; };
+const joints = new Joints((chosen) => { plot.joints = torque.joints = chosen; plotDue = true; });
 client.on("/joint_states", (r) => { torque.add(readJointStates(r)); plotDue = true; });
 client.on("/board/state", (r) => {
   const state = readBoard(r);
-  if (joints.options.length === 0) {
-    for (const name of state.names) if (name !== "") joints.add(new Option(name));
-    const pan = state.names.indexOf("neck_pan");
-    joints.selectedIndex = plot.joint = torque.joint = Math.max(0, pan);
-  }
+  joints.offer(state.names, "neck_pan");
   plot.add(state);
   poses.board(state.names, state.target, state.measured);
   plotDue = true;
