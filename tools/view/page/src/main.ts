@@ -46,8 +46,10 @@ let pictures = 0;
 
 client.onState = (open) => {
   const refused = token === null ? "this address has no token" : "this address has another run's token";
-  output("connection", open ? "live" : client.refused
-    ? `not connected: ${refused}; open the one that the program printed` : "not connected: trying again");
+  const absent = client.refused
+    ? `not connected: ${refused}; open the one that the program printed` : "not connected: trying again";
+  output("connection", open ? "live" : absent);
+  output("loading", open ? "loading…" : absent);
   element("player").hidden = true;
 };
 client.onInfo = (info) => {
@@ -82,14 +84,16 @@ client.on("/joint_states", (r) => { torque.add(readJointStates(r)); plotDue = tr
 client.on("/board/state", (r) => {
   const state = readBoard(r);
   joints.offer(state.names, "neck_pan");
+  element("no-board").hidden = true;
+  element("board").hidden = false;
   plot.add(state);
   poses.board(state.names, state.target, state.measured);
   plotDue = true;
-  output("supply", state.supply > 0 ? `${state.supply.toFixed(2)} V` : "–");
+  output("supply", state.supply > 0 ? `${state.supply.toFixed(2)} V` : "not reported yet");
   const flags = ["motors on", "moving", "holding", "unlocked", "raw drive", "telemetry", "uncalibrated", "missed a tick"];
   output("status", flags.filter((_, i) => (state.status >> i & 1) !== 0).join(", ") || "motors off");
-  output("worst", state.worstTick > 0 ? `${(100 * state.worstTick).toFixed(0)} %` : "–");
-  output("link", `${state.toBoard} frames to it, ${state.toHost} from it, ${state.damaged} damaged`);
+  output("worst", state.worstTick > 0 ? `${(100 * state.worstTick).toFixed(0)} % of its time` : "not reported yet");
+  output("link", `${state.toBoard} to the board, ${state.toHost} from it, ${state.damaged} damaged`);
   output("shutdown", state.shutdown || "no");
 });
 
@@ -196,6 +200,7 @@ function draw(): void {
   output("time", `${time.toFixed(2)} s`);
   if (end !== undefined && document.activeElement !== scrub) scrub.value = String(1000 * time / end);
   if (plotDue) { plotDue = false; plot.draw(); torque.draw(); }
+  element("loading").hidden = scene.loaded();
   scene.draw();
   requestAnimationFrame(draw);
 }

@@ -237,6 +237,9 @@ export class Scene {
     this.dirty = true;
   }
 
+  // Whether there is a robot to be seen.
+  loaded(): boolean { return this.robot !== undefined && this.poses.length > 0; }
+
   pose(link: string): number[] | undefined {
     const node = this.nodes.get(link);
     return node && [...node.position.toArray(), ...node.quaternion.toArray()];
