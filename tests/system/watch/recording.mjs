@@ -134,6 +134,7 @@ try {
   await page.screenshot({ path: `${folder}/joints.png` });
 
   assert.equal(await player.stop(), 0, "the player's exit status");
+  await page.waitForFunction(() => document.getElementById("connection").textContent.includes("the program has ended"));
 
   // The command that it names has the pictures: both are shown in place of the text.
   const again = start(kaz, ["run", "search-ball", "--seed", "1", "--out", "pictures", "--record-pictures"], folder);

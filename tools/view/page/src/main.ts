@@ -47,7 +47,7 @@ let pictures = 0;
 client.onState = (open) => {
   const refused = token === null ? "this address has no token" : "this address has another run's token";
   const absent = client.refused
-    ? `not connected: ${refused}; open the one that the program printed` : "not connected: trying again";
+    ? `not connected: ${refused}; open the one that the program printed` : "not connected: the program has ended or cannot be reached; trying again";
   output("connection", open ? "live" : absent);
   output("loading", open ? "loading…" : absent);
   element("player").hidden = true;
