@@ -50,8 +50,13 @@ Result<int> iterations_of(const std::string& dynamics) {
                   "1000");
 }
 
-// Each push of the world is on a link of the robot that can move.
+// Each push of the world is on a link of the robot that can move, and its feet are links of the robot.
 Result<void> check_pushes(const WorldModel& world, const RobotModel& robot, bool hung) {
+  for (const std::string& foot : world.feet) {
+    if (!robot.frames.contains(foot))
+      return fail(Fault::usage, "<kaz:robot first_step> names the link `" + foot +
+                                    "`, and the robot has no such link");
+  }
   for (const Push& push : world.pushes) {
     const auto frame = robot.frames.find(push.link);
     if (frame == robot.frames.end())

@@ -86,6 +86,9 @@ Result<void> check_tasks(const std::string& option, int tasks, std::uint64_t epi
                                 std::to_string(episodes) + ")");
 }
 
+// Behaviors whose pushes are timed from the start.
+constexpr std::string_view kWithoutSteps[] = {"get-up", "search-ball", "stand", "track-ball"};
+
 Result<Outcome> start(Arguments a, const WatchArguments& watch,
                       const std::vector<std::string>& options) {
   CampaignOptions& c = a.campaign;
@@ -130,10 +133,10 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
     return fail(Fault::usage,
                 "--set balance needs the board's gyro and accelerometer: leave --no-imu out, or "
                 "give balance=none");
-  // Of a stand there are some seconds, without a crouch before.
-  if (c.variation.pushes.impulse_ns > 0 && c.task() == "stand" &&
-      std::ranges::count(options, "--push-from") == 0)
-    c.variation.pushes.from_s = 1;
+  if (std::ranges::count(kWithoutSteps, c.task()) > 0) {
+    c.variation.pushes.from_first_step = false;
+    if (std::ranges::count(options, "--push-from") == 0) c.variation.pushes.from_s = 1;
+  }
   // Drawing pictures is most of an episode's time: none for who does not look.
   if (std::ranges::count(options, "--eyes") == 0 &&
       !KAZ_TRY(guarded_behavior(c.behavior, "kaz evaluate")).needs_camera)
@@ -299,8 +302,8 @@ void add_evaluate(CLI::App& program, Action& action) {
              "where they go; sides, around: drawn for each push")
       ->needs(push);
   verb->add_option("--push-from", pushes.from_s,
-                   "when the first one is, s since the start; with gyro a walk begins at 7.6 s (of "
-                   "stand: 1)")
+                   "when the first one is, s since the robot's first step; of stand, get-up, "
+                   "search-ball and track-ball since the start (there 1 by default)")
       ->check(between(0.0, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")

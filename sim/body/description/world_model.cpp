@@ -173,6 +173,15 @@ void add(const sdf::Model& model, WorldModel& out) {
   }
 }
 
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+    end = std::min(text.find(' ', at), text.size());
+    if (end > at) words.push_back(text.substr(at, end - at));
+  }
+  return words;
+}
+
 // First line of a message.
 std::string line_of(const std::string& message) {
   return message.substr(0, message.find('\n'));
@@ -224,6 +233,8 @@ Result<WorldModel> load_world(const std::string& sdf_path) {
     const auto p = numbers(robot, "pose", 6);
     out.robot_start = pose_of(ignition::math::Pose3d(p[0], p[1], p[2], p[3], p[4], p[5]));
     out.pushes = pushes_of(robot, out.robot_start);
+    if (const auto feet = robot->GetAttribute("first_step"); feet)
+      out.feet = words_of(feet->GetAsString());
   }
   if (world.Element()->HasElement("kaz:light")) {
     const sdf::ElementPtr e = world.Element()->GetElement("kaz:light");

@@ -18,12 +18,14 @@ struct Kick {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, world axes
 };
 
-// At `time` a link of the robot has this impulse, at its centre of mass.
+// At `time` a link of the robot has this impulse, at its centre of mass. WorldModel::feet: since when.
 struct Push {
   double time_s = 0;
   std::string link;
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes
 };
+
+inline constexpr double kFirstStep = 0.005;  // m
 
 struct WorldBody {
   std::string model;
@@ -40,6 +42,9 @@ struct WorldModel {
   // Where the robot starts: the point between its soles, x forward.
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
   std::vector<Push> pushes;  // on the robot, by time
+  // Links of the robot. Pushes are timed from its first step: when one of these has risen by kFirstStep.
+  // Empty: from the start.
+  std::vector<std::string> feet;
 };
 
 // Errors name file and line. Never touches the network.

@@ -58,6 +58,54 @@ TEST_P(Pushes, AreInTheAxesOfTheStart) {
   EXPECT_LT(std::abs(way.y()), -0.2 * way.x());
 }
 
+// The robot is thrown up, and its soles rise: the push comes 20 steps after it has risen by 5 mm. A restored
+// world goes on as the saved one.
+TEST_P(Pushes, CountFromTheFirstStep) {
+  const std::string start = "<kaz:robot pose='0 0 0 0 0 0'";
+  const std::string counted =
+      start + " first_step='l_ankle_pitch'><kaz:push time='0.02' link='trunk' impulse='0.1 0 0'/>" +
+      "</kaz:robot>";
+  auto filed = load(counted), other = load(counted), pushed = load(start + "/>");
+  ASSERT_TRUE(filed && other && pushed);
+  const auto height = [](const World& world) {
+    return world.link_pose("l_ankle_pitch").translation().z();
+  };
+  const double low = height(**pushed);
+  int first_step = -1;
+  for (int step = 0; step < 250; ++step) {
+    if (step == 100) {
+      ASSERT_TRUE((*pushed)->push("trunk", {0, 0, 4}));
+      ASSERT_TRUE((*filed)->push("trunk", {0, 0, 4}));
+    }
+    if (first_step < 0 && height(**pushed) > low + 0.005) first_step = step;
+    if (first_step >= 0 && step == first_step + 10) {
+      StateWriter saved;
+      (*filed)->save(saved);
+      StateReader from(saved.bytes());
+      (*other)->restore(from);
+      ASSERT_TRUE(from.error().empty()) << from.error();
+      std::swap(*filed, *other);
+    }
+    if (first_step >= 0 && step == first_step + 20) {
+      ASSERT_TRUE((*pushed)->push("trunk", {0.1, 0, 0}));
+    }
+    (*filed)->step(test::Drives{}, 10);
+    (*pushed)->step(test::Drives{}, 10);
+    ASSERT_EQ((*filed)->link_pose("trunk").matrix(), (*pushed)->link_pose("trunk").matrix())
+        << "step " << step;
+  }
+  EXPECT_GT(first_step, 100);
+  EXPECT_LT(first_step, 230);
+}
+
+TEST_P(Pushes, SinceTheStepOfAFootThatIsNotThereAreRefused) {
+  const auto none = load("<kaz:robot pose='0 0 0 0 0 0' first_step='l_ankle_pitch tail'/>");
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("<kaz:robot first_step> names the link `tail`"),
+            std::string::npos)
+      << none.error().message;
+}
+
 TEST_P(Pushes, OnWhatTheRobotDoesNotHaveAreRefused) {
   const auto none = load(
       "<kaz:robot pose='0 0 0 0 0 0'><kaz:push time='1' link='tail' impulse='0 1 0'/></kaz:robot>");

@@ -29,11 +29,14 @@ StageModel::StageModel(const WorldModel& world, const RobotModel& robot,
   scene.robot_start = world.robot_start;
   add_robot(robot, root_at_start(world, robot, options.hung));
   for (const WorldBody& object : world.bodies) add_object(object, options.step_s);
+  for (const std::string& foot : world.feet) feet.push_back(link_frames.at(foot).link);
   for (const Push& push : world.pushes) add_push(push, options.step_s);
   // Latest first: the next kick is taken from the end; equal times keep the order of the file.
-  std::reverse(kicks.begin(), kicks.end());
-  std::stable_sort(kicks.begin(), kicks.end(),
-                   [](const Kick& a, const Kick& b) { return a.step > b.step; });
+  for (auto* list : {&kicks, &pushes}) {
+    std::reverse(list->begin(), list->end());
+    std::stable_sort(list->begin(), list->end(),
+                     [](const Kick& a, const Kick& b) { return a.step > b.step; });
+  }
 }
 
 int StageModel::add_frame(const std::string& name, int body) {
@@ -89,8 +92,9 @@ void StageModel::add_object(const WorldBody& object, double step_s) {
 }
 
 void StageModel::add_push(const Push& push, double step_s) {
-  kicks.push_back(
-      {std::llround(push.time_s / step_s), link_frames.at(push.link).link, push.impulse});
+  (feet.empty() ? kicks : pushes)
+      .push_back(
+          {std::llround(push.time_s / step_s), link_frames.at(push.link).link, push.impulse});
 }
 
 }  // namespace kaz::sim

@@ -44,7 +44,9 @@ struct StageModel {
   std::map<std::string, Eigen::Isometry3d> fixed_objects;  // by model
   std::map<std::string, int> objects;                      // first link of each model that can move
   std::vector<Kick> kicks;                                 // the next one last
-  std::vector<int> frames;                                 // body of scene frame 1 onwards
+  std::vector<Kick> pushes;                                // the same, by step since the first step
+  std::vector<int> feet;    // whose rise is the first step of the robot
+  std::vector<int> frames;  // body of scene frame 1 onwards
   Scene scene;
   int head_frame = -1;
 

@@ -16,6 +16,7 @@ StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot, const
       hung_(options.hung && !robot.fixed_base),
       robot_links_(robot.links.size()),
       kicks_left_(model_->kicks.size()),
+      pushes_left_(model_->pushes.size()),
       motors_(robot.joints.size(), JointMotor(motor, options.step_s)),
       rows_(robot.joints.size()),
       joint_states_(robot.joints.size()),
@@ -29,10 +30,25 @@ Eigen::Isometry3d StagedWorld::body_pose(int body) const {
   return info.moves ? moving_pose(body) : info.start;
 }
 
+bool StagedWorld::has_stepped() const {
+  return std::ranges::any_of(model_->feet, [this](int foot) {
+    const double start = bodies()[static_cast<std::size_t>(foot)].start.translation().z();
+    return body_pose(foot).translation().z() > start + kFirstStep;
+  });
+}
+
 void StagedWorld::kick_due() {
-  for (; kicks_left_ > 0; --kicks_left_) {
-    const StageModel::Kick& next = model_->kicks[kicks_left_ - 1];
-    if (next.step > steps_) return;
+  take_due(model_->kicks, kicks_left_, steps_);
+  if (pushes_left_ == 0) return;
+  if (first_step_ < 0 && has_stepped()) first_step_ = steps_;
+  if (first_step_ >= 0) take_due(model_->pushes, pushes_left_, steps_ - first_step_);
+}
+
+void StagedWorld::take_due(const std::vector<StageModel::Kick>& kicks, std::size_t& left,
+                           std::int64_t step) {
+  for (; left > 0; --left) {
+    const StageModel::Kick& next = kicks[left - 1];
+    if (next.step > step) return;
     if (static_cast<std::size_t>(next.body) < robot_links_) {
       hand_pushes_.push_back({static_cast<std::uint32_t>(next.body), next.change});
     } else {

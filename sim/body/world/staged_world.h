@@ -69,6 +69,9 @@ class StagedWorld : public World {
   virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
   Eigen::Isometry3d body_pose(int body) const;
   void kick_due();
+  // Takes those of `kicks` that are due at `step`; `left`: how many are still to come.
+  void take_due(const std::vector<StageModel::Kick>& kicks, std::size_t& left, std::int64_t step);
+  bool has_stepped() const;
   // Computes each motor's row from the joints' present state.
   void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
   // Updates the motors with the joints' state after the step.
@@ -93,6 +96,14 @@ class StagedWorld : public World {
     }
     if (!a.good()) return;
     kicks_left_ = kicks;
+    if (!model_->feet.empty()) {
+      auto pushes = static_cast<std::uint32_t>(pushes_left_);
+      a(pushes, first_step_);
+      if (pushes > model_->pushes.size() || first_step_ < -1)
+        return a.refuse("it is of another world");
+      if (!a.good()) return;
+      pushes_left_ = pushes;
+    }
     a(steps_, current_, hand_pushes_, diagnostics_.unconverged_steps, diagnostics_.max_residual,
       diagnostics_.first_s, diagnostics_.last_s, diagnostics_.drift);
     for (const HandPush& push : hand_pushes_) {
@@ -120,6 +131,8 @@ class StagedWorld : public World {
   bool hung_ = false;  // the root does not move
   std::size_t robot_links_;
   std::size_t kicks_left_ = 0;  // of the model's
+  std::size_t pushes_left_ = 0;
+  std::int64_t first_step_ = -1;  // when a foot of the model had risen; -1: none has
   std::vector<JointMotor> motors_;
   std::vector<JointMotor::Row> rows_;  // of motors_, for the current step
   std::vector<JointState> joint_states_;

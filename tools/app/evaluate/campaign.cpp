@@ -433,6 +433,7 @@ Json campaign_json(const CampaignOptions& o) {
   if (const Pushes& pushes = o.variation.pushes; pushes.impulse_ns > 0)
     json["pushes"] = {{"impulse_ns", pushes.impulse_ns},
                       {"from_s", pushes.from_s},
+                      {"since", pushes.from_first_step ? "first step" : "start"},
                       {"every_s", pushes.every_s},
                       {"to", to_string(pushes.to)}};
   if (o.variation.props.max > 0) json["props"] = pair(o.variation.props);

@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "tools/app/base/paths.h"
-#include "tools/app/evaluate/judge.h"
 #include "tools/app/evaluate/learned_color.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/run_report.h"
@@ -70,7 +69,7 @@ Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& e
   if (ended.run_s > 0) {  // else it did not begin
     episode["seconds"] = rounded(ended.run_s);
     episode["rtf"] = rounded(ended.rtf);
-    if (!scenario.pushes.empty()) episode["pushes"] = scenario.pushes_within(ended.run_s);
+    add_pushes(episode, scenario, judge);
   }
   return episode;
 }
@@ -99,6 +98,14 @@ Result<void> add_goal(const Variation& variation, Scenario& scenario,
 }
 
 }  // namespace
+
+void add_pushes(Json& episode, const Scenario& scenario, const Judge& judge) {
+  if (scenario.pushes.empty()) return;
+  const auto walked = judge.walked_s();
+  const double seconds = scenario.pushes_from_first_step ? walked.value_or(0) : judge.watched_s();
+  episode["pushes"] = scenario.pushes_within(seconds);
+  if (walked) episode["walked_s"] = rounded(*walked);
+}
 
 Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t number) {
   DrawnEpisode drawn{Scenario::draw(options.variation, options.seed, number), options.settings};

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/app/evaluate/campaign.h"
+#include "tools/app/evaluate/judge.h"
 
 namespace kaz::tools {
 
@@ -25,6 +26,9 @@ Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t 
 // empty. Errors: a joint that could not be calibrated.
 Result<std::string> episode_memory(const CampaignOptions& options, const Scenario& scenario,
                                    const std::string& robot_file);
+
+// What the episode had of the scenario's pushes: `pushes`, how many, and `walked_s`, since the first step.
+void add_pushes(nlohmann::ordered_json& episode, const Scenario& scenario, const Judge& judge);
 
 // Runs it in this process. A failure leaves its recording in `failures`/NUMBER; a success leaves
 // nothing there. The answer is what the campaign keeps of it. Errors: it could not be begun (usage), or

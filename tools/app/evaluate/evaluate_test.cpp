@@ -73,6 +73,10 @@ TEST(Scenario, PushesAsItWasDrawn) {
   const auto world = world_text(s);
   ASSERT_TRUE(world);
   EXPECT_NE(world->find("<kaz:push time=\"8\" link=\"trunk\""), std::string::npos);
+  EXPECT_NE(world->find("first_step=\"l_ankle_pitch r_ankle_pitch\""), std::string::npos);
+  variation.pushes.from_first_step = false;
+  EXPECT_EQ(world_text(Scenario::draw(variation, 1, 0)).value().find("first_step"),
+            std::string::npos);
 }
 
 TEST(BallColor, IsFoundByNameAndNamesTheOthers) {

@@ -8,6 +8,7 @@
 
 #include "shared/base/angle.hpp"
 #include "shared/base/number_text.hpp"
+#include "sim/body/description/world_model.h"
 #include "tools/app/evaluate/scenario.h"
 
 namespace kaz::tools {
@@ -28,6 +29,10 @@ constexpr double kDistanceShare = 0.1, kWalkHeading = 8 * kDegree, kTurned = 6 *
 double yaw_of(const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d ahead = pose.linear().col(0);
   return std::atan2(ahead.y(), ahead.x());
+}
+
+double height_of(const std::optional<Eigen::Isometry3d>& pose) {
+  return pose ? pose->translation().z() : 0;
 }
 
 // Angle between directions, rad.
@@ -114,7 +119,12 @@ void Judge::look(const Truth& truth) {
   if (!start_) {
     start_ = truth.trunk;
     last_yaw_ = yaw_of(truth.trunk);
+    left_foot_m_ = height_of(truth.left_foot);
+    right_foot_m_ = height_of(truth.right_foot);
   }
+  if (!first_step_ && (height_of(truth.left_foot) > left_foot_m_ + sim::kFirstStep ||
+                       height_of(truth.right_foot) > right_foot_m_ + sim::kFirstStep))
+    first_step_ = truth.time;
   const double up = truth.trunk.linear()(2, 2);
   const bool upright = up > std::cos(kUpright);
   // What a falling robot touches is not why it failed.
@@ -138,6 +148,11 @@ void Judge::look(const Truth& truth) {
     const Eigen::Vector3d seen = truth.left_eye->inverse() * *truth.ball;
     gazes_.push_back({truth.time, angle_between(seen, Eigen::Vector3d::UnitZ()) <= kTracked});
   }
+}
+
+std::optional<double> Judge::walked_s() const {
+  if (!first_step_) return std::nullopt;
+  return seconds(last_.time - *first_step_);
 }
 
 bool Judge::fell() const {

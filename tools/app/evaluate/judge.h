@@ -86,6 +86,10 @@ class Judge final : public Onlooker, public behavior::Sink {
   const std::string& touched() const { return touch_.thing; }
   // What was touched first was still sliding into the way: it hit the robot, not the robot it.
   bool was_hit() const { return was_hit_; }
+  // From the first step of the robot, when an ankle has risen by sim::kFirstStep, to the last look, s;
+  // nothing before. And from the start of the simulation.
+  std::optional<double> walked_s() const;
+  double watched_s() const { return seconds(last_.time); }
   // For how long, up to the last look and without a break, s: the ball was clear of the floor; the trunk
   // was upright within 30 degrees and high, its origin above 0.11 m.
   double held_s() const { return lasting_s(held_since_); }
@@ -119,8 +123,9 @@ class Judge final : public Onlooker, public behavior::Sink {
   std::optional<Eigen::Isometry3d> start_;
   Truth last_;
   double heading_ = 0, last_yaw_ = 0;  // rad; the heading over any number of turns
-  std::optional<Time> held_since_, upright_since_;
-  std::vector<Gaze> gazes_;  // each holds until the next
+  std::optional<Time> held_since_, upright_since_, first_step_;
+  double left_foot_m_ = 0, right_foot_m_ = 0;  // heights of the ankles at the first look
+  std::vector<Gaze> gazes_;                    // each holds until the next
 };
 
 // How an episode ended, and what its behaviour says of it.

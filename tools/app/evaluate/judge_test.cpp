@@ -52,6 +52,20 @@ Verdict judged(const Task& task, double duration_s,
   return verdict_of(task, claim, judge);
 }
 
+TEST(Judge, CountsAWalkFromTheFirstRiseOfAnAnkle) {
+  Judge judge({});
+  for (int i = 0; i <= 100; ++i) {
+    Truth truth = standing(0.1 * i);
+    if (i == 20) truth.left_foot->translation().z() += 0.004;
+    if (i == 30) truth.right_foot->translation().z() += 0.006;
+    judge.look(truth);
+    EXPECT_EQ(judge.walked_s().has_value(), i >= 30) << i;
+  }
+  ASSERT_TRUE(judge.walked_s());
+  EXPECT_NEAR(*judge.walked_s(), 7, 1e-9);
+  EXPECT_NEAR(judge.watched_s(), 10, 1e-9);
+}
+
 TEST(Judge, OfACatchIsTheBallInTheLastThreeSeconds) {
   const Task task{.name = "catch-ball"};
   const auto lifted = [](double from_s, double to_s) {

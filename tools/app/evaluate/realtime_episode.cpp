@@ -19,7 +19,6 @@
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/episode.h"
-#include "tools/app/evaluate/judge.h"
 #include "tools/app/evaluate/learned_color.h"
 #include "tools/app/session/plugin_guard.h"
 #include "tools/app/vision/color_file.h"
@@ -399,8 +398,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   if (!verdict.judged) episode["judged"] = false;
   if (result.contains("duration_s")) {
     episode["seconds"] = result["duration_s"];
-    if (!scenario.pushes.empty())
-      episode["pushes"] = scenario.pushes_within(number_of(result, "duration_s"));
+    add_pushes(episode, scenario, judge);
   }
   if (result.contains("rtf")) episode["rtf"] = result["rtf"];
   return episode;

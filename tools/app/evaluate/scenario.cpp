@@ -78,6 +78,7 @@ Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uin
 
 void Scenario::draw_pushes(const Pushes& by) {
   constexpr double kLast_s = 600;  // no behaviour walks longer
+  pushes_from_first_step = by.from_first_step;
   Dice dice(seed, Draw::pushes);
   const auto direction = [&] {
     switch (by.to) {

@@ -54,8 +54,9 @@ inline constexpr std::array kPushTo{PushTo::left,  PushTo::right, PushTo::sides,
 
 // Pushes on the trunk, at its centre of mass, as long as an episode can last.
 struct Pushes {
-  double impulse_ns = 0;  // N s; 0: none
-  double from_s = 9;      // since the start; a walk with --imu begins at 7.6 s
+  double impulse_ns = 0;        // N s; 0: none
+  double from_s = 0.1;          // of the first one
+  bool from_first_step = true;  // times are since the robot's first step; else since the start
   double every_s = 1.5;
   PushTo to = PushTo::sides;
 };
@@ -101,12 +102,13 @@ struct Scenario {
   std::string ball_color = "red", floor = "wood";  // floor: a texture, or "plain"
   std::array<double, 3> floor_rgb{0.72, 0.60, 0.44};
   double mass_sigma = 0.05;
-  // On the trunk: when (s), and the impulse (N s) in the axes of the start.
+  // On the trunk: when (s, since the first step or the start), and the impulse (N s), in axes of the start.
   struct Push {
     double at_s;
     Eigen::Vector2d impulse;
   };
   std::vector<Push> pushes = {};
+  bool pushes_from_first_step = true;
   // With a world to walk in: a goal that can be reached, and the least time of walking there, by the true
   // places of all things. The ball is then the goal; or there is none (has_ball).
   WorldKind kind = WorldKind::clutter;
@@ -130,7 +132,7 @@ struct Scenario {
   // other names.
   std::string name_of(const Obstacle& obstacle) const;
   Eigen::Isometry2d world_from_start() const;
-  // Pushes in the first `seconds` of the episode.
+  // Pushes in the first `seconds` since they are timed.
   std::size_t pushes_within(double seconds) const;
 
  private:

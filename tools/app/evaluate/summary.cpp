@@ -116,6 +116,39 @@ std::string junit(const Json& result, const Episodes& episodes, const LostEpisod
   return suite.finish();
 }
 
+// How many pushes the episodes had, with a `note` where some had none; null without any to have.
+Json pushes_json(const Json& campaign, const Episodes& episodes) {
+  std::vector<double> counts;
+  std::size_t none = 0, without_step = 0;
+  for (const auto& [number, e] : episodes) {
+    const auto count = e.find("pushes");
+    if (count == e.end() || !count->is_number()) continue;
+    counts.push_back(count->get<double>());
+    if (counts.back() > 0) continue;
+    ++none;
+    if (!e.contains("walked_s")) ++without_step;
+  }
+  if (counts.empty()) return nullptr;
+  Json json{{"median", quantile(counts, 0.5)}, {"least", *std::ranges::min_element(counts)}};
+  if (none == 0) return json;
+  json["episodes_without"] = none;
+  const Json requested = campaign.value("pushes", Json::object());
+  const std::string since = requested.value("since", "start");
+  if (since == "start") without_step = 0;
+  std::string note =
+      std::to_string(none) + " of " + std::to_string(counts.size()) + " episodes had no push";
+  char from[24];
+  std::snprintf(from, sizeof from, "%g", requested.value("from_s", 0.0));
+  if (none > without_step)
+    note += "; " + std::to_string(none - without_step) + " ended within " + from + " s of the " +
+            since + ": give a smaller --push-from";
+  if (without_step > 0)
+    note += "; in " + std::to_string(without_step) +
+            " the robot took no step, from which pushes are timed: see what failed in episodes.csv";
+  json["note"] = note;
+  return json;
+}
+
 void print(const Json& result, const OutputFolder& folder) {
   const double n = result["episodes"].get<double>();
   std::printf("%s: %.0f of %.0f succeeded",
@@ -134,10 +167,10 @@ void print(const Json& result, const OutputFolder& folder) {
     std::snprintf(rtf, sizeof rtf, "; %.1f x real time", result["rtf_median"].get<double>());
   print_lines("\nfalls %llu%s%s\n", result["falls"].get<unsigned long long>(), seconds, rtf);
   if (const auto pushes = result.find("pushes"); pushes != result.end()) {
-    const double least = (*pushes)["least"].get<double>();
-    std::printf("pushes in an episode: median %.0f, least %.0f%s\n",
-                (*pushes)["median"].get<double>(), least,
-                least > 0 ? "" : "; some ended before the first: see --push-from");
+    std::printf("pushes in an episode: median %.0f, least %.0f\n",
+                (*pushes)["median"].get<double>(), (*pushes)["least"].get<double>());
+    if (pushes->contains("note"))
+      print_lines("note: %s\n", (*pushes)["note"].get<std::string>().c_str());
   }
   for (const auto& [cause, numbers] : result["failures"].items()) {
     std::string episodes;
@@ -176,7 +209,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
                        const OutputFolder& folder, bool json, const Extent& extent) {
   std::uint64_t successes = 0, falls = 0;
   std::optional<std::int64_t> unconverged_steps;
-  std::vector<double> times, speeds, pushes;
+  std::vector<double> times, speeds;
   Json failures = Json::object();
   for (const auto& [number, e] : episodes) {
     const std::string cause = e["cause"].get<std::string>();
@@ -192,8 +225,6 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
       unconverged_steps = unconverged_steps.value_or(0) + steps->get<std::int64_t>();
     if (e.contains("seconds")) times.push_back(e["seconds"].get<double>());
     if (e.contains("rtf")) speeds.push_back(e["rtf"].get<double>());
-    if (const auto of = e.find("pushes"); of != e.end() && of->is_number())
-      pushes.push_back(of->get<double>());
   }
   Json environment = Json::array();
   for (const auto& [number, sentence] : lost)
@@ -212,9 +243,8 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   if (!times.empty())
     result["seconds"] = {{"median", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}};
   if (!speeds.empty()) result["rtf_median"] = quantile(speeds, 0.5);
-  if (!pushes.empty())
-    result["pushes"] = {{"median", quantile(pushes, 0.5)},
-                        {"least", *std::ranges::min_element(pushes)}};
+  if (Json pushes = pushes_json(campaign, episodes); !pushes.is_null())
+    result["pushes"] = std::move(pushes);
   result["failures"] = failures;
   result["environment"] = environment;
   if (Json claims = claims_json(episodes); !claims.is_null()) result["claims"] = std::move(claims);

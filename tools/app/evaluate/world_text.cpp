@@ -67,7 +67,7 @@ class WorldText {
         R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="episode">
 <kaz:robot pose=")" +
-        start() + "\">" + pushes() + "</kaz:robot><kaz:light to_lamp=\"" +
+        start() + first_step() + "\">" + pushes() + "</kaz:robot><kaz:light to_lamp=\"" +
         numbers({aside * std::cos(s_.lamp_azimuth_rad), aside * std::sin(s_.lamp_azimuth_rad),
                  std::sin(s_.lamp_height_rad)}) +
         "\" lamp=\"" + digits(s_.lamp) + "\" shade=\"" + digits(s_.shade) + "\"/>\n";
@@ -80,6 +80,10 @@ class WorldText {
   }
 
  private:
+  std::string first_step() const {
+    if (s_.pushes.empty() || !s_.pushes_from_first_step) return {};
+    return "\" first_step=\"l_ankle_pitch r_ankle_pitch";
+  }
   std::string pushes() const {
     std::string text;
     for (const Scenario::Push& push : s_.pushes)
