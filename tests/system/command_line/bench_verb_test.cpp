@@ -1,5 +1,6 @@
 // `kaz bench` as a user runs it: on the virtual stand, on the pty of `kaz sim --stand`, and its errors.
 // SPDX-License-Identifier: Apache-2.0
+#include <csignal>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -79,6 +80,20 @@ TEST(BenchVerb, LinkAndTickOfTheFirmware) {
     ASSERT_EQ(bench.exit_code, 0) << bench.out << bench.err;
     EXPECT_GT(Json::parse(bench.out)["measurements"].size(), 4u);
   }
+}
+
+// Redirected: what is done shows from the start, and a measurement when it is made, not at the end of all.
+TEST(BenchVerb, SaysHowFarItIsInAPipe) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--stand", "--mcu", "native", "--serial", folder / "board"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  Process bench(kaz({"bench", "link", "--port", folder / "board", "--out", folder / "out"}));
+  EXPECT_TRUE(bench.wait_for_output("0 %  round trips", seconds(20)));
+  EXPECT_TRUE(bench.wait_for_output("link.cycle_rate", seconds(120)));
+  bench.signal(SIGINT);  // the telemetry has ten seconds still to go
+  const Finished done = bench.wait(seconds(20));
+  EXPECT_EQ(done.exit_code, 128 + SIGINT) << done.out << done.err;
+  EXPECT_NE(done.err.find("60 %  control cycles"), std::string::npos) << done.err;
 }
 
 // The same torque over a real pty, the tools worked by the control socket.

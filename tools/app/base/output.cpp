@@ -83,8 +83,11 @@ void print_lines(const char* format, ...) {
   std::fputs(broken_lines(text, list_width()).c_str(), stdout);
 }
 
-Progress::Progress(std::string label, bool quiet)
-    : label_(std::move(label)), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(std::string label, bool quiet, std::chrono::milliseconds longest_silence)
+    : label_(std::move(label)),
+      quiet_(quiet),
+      terminal_(::isatty(STDERR_FILENO) == 1),
+      longest_silence_(longest_silence) {}
 
 Progress::~Progress() {
   done();
@@ -93,8 +96,8 @@ Progress::~Progress() {
 void Progress::update(double share, const std::string& note) {
   if (quiet_) return;
   share = std::clamp(share, 0.0, 1.0);
+  const auto now = std::chrono::steady_clock::now();
   if (terminal_) {
-    const auto now = std::chrono::steady_clock::now();
     if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
     last_draw_ = now;
     // Label, bar, share, note: a line that wrapped could not be drawn over.
@@ -109,9 +112,12 @@ void Progress::update(double share, const std::string& note) {
     return;
   }
   const int decile = static_cast<int>(share * 10);
-  if (decile == last_decile_) return;
+  const bool next = decile != last_decile_;
+  if (!next && now - last_draw_ < longest_silence_) return;
   last_decile_ = decile;
-  std::fprintf(stderr, "%s %3d %%%s%s\n", label_.c_str(), decile * 10, note.empty() ? "" : "  ",
+  last_draw_ = now;
+  std::fprintf(stderr, "%s %3d %%%s%s\n", label_.c_str(),
+               next ? decile * 10 : static_cast<int>(share * 100), note.empty() ? "" : "  ",
                note.c_str());
 }
 

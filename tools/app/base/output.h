@@ -12,11 +12,13 @@
 
 namespace kaz::tools {
 
-// A bar on a terminal; in a pipe a plain line every ten per cent. Goes to standard error, so that
+// A bar on a terminal; in a pipe a plain line every ten per cent, and after ten seconds without one
+// (`longest_silence`). Goes to standard error, so that
 // results on standard output stay clean. Prints nothing if `quiet`.
 class Progress {
  public:
-  Progress(std::string label, bool quiet);
+  Progress(std::string label, bool quiet,
+           std::chrono::milliseconds longest_silence = std::chrono::seconds(10));
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -33,6 +35,7 @@ class Progress {
   std::string label_;
   bool quiet_;
   bool terminal_;
+  std::chrono::milliseconds longest_silence_;
   int last_decile_ = -1;
   double shown_s_ = 0;  // last line of show() or announce()
   bool line_open_ = false;

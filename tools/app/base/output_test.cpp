@@ -122,6 +122,20 @@ TEST(ProgressOfABehavior, IsItsPhaseAndItsTimeAndNoShare) {
             "kaz run: 21.00 s: walk\n");
 }
 
+TEST(ProgressOfAShare, IsALineEveryTenPerCentAndAfterASilence) {
+  testing::internal::CaptureStderr();
+  {
+    Progress seldom("kaz bench", false);
+    for (const double share : {0.0, 0.05, 0.12, 0.17}) seldom.update(share, "trips");
+    Progress often("kaz slow", false, std::chrono::milliseconds(0));
+    for (const double share : {0.0, 0.05, 0.12, 0.17}) often.update(share, "trips");
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "kaz bench   0 %  trips\nkaz bench  10 %  trips\n"
+            "kaz slow   0 %  trips\nkaz slow   5 %  trips\nkaz slow  10 %  trips\n"
+            "kaz slow  17 %  trips\n");
+}
+
 TEST_F(Output, RemoverRemovesItsFileAlone) {
   write("gone", "x");
   write("kept", "x");

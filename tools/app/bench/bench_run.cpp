@@ -117,6 +117,7 @@ void say(const hil::Measurement& one) {
   std::snprintf(columns, sizeof columns, "%-9s %-11s %-24s%s", hil::verdict_text(one.verdict),
                 one.subject.c_str(), one.of->name.c_str(), value);
   std::fputs(list_row(columns, one.message, list_width()).c_str(), stdout);
+  std::fflush(stdout);  // in a file, too, while the next part is measured
 }
 
 Result<void> measure_motors(const BenchOptions& arguments, const std::vector<int>& joints,
