@@ -103,11 +103,30 @@ TEST_F(FlashVerb, KilledInTheMiddleAndTakenUpAgain) {
   ASSERT_TRUE(killed.wait_for_output("write", seconds(60)));
   killed.signal(SIGKILL);
   EXPECT_EQ(killed.wait(seconds(5)).exit_code, 128 + SIGKILL);
+  // Reading names the interrupted write, and leaves its writer on the board: the second look finds it, too.
+  for (int look = 0; look < 2; ++look) {
+    const Finished info = verb("info", {"--json"});
+    ASSERT_EQ(info.exit_code, 0) << info.err;
+    const json reported = parse_json(info.out);
+    EXPECT_EQ(reported["started_by"], "boot mode");
+    ASSERT_EQ(reported["interrupted"].size(), 1u) << info.out;
+    const auto sentence = reported["interrupted"][0].get<std::string>();
+    for (const std::string& part :
+         {"flash write " + image(), "--reset " + control(), std::string("completes it")})
+      EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
+  }
+  const Finished silent = run(kaz({"status", "--port", folder_ / "board"}), seconds(30));
+  EXPECT_EQ(silent.exit_code, 3) << silent.out;
+  EXPECT_NE(silent.err.find("was ended before the flash was whole"), std::string::npos)
+      << silent.err;
   const Finished again = run(write({"--reset", control()}), seconds(90));
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_NE(again.out.find("efficiency"), std::string::npos);
   EXPECT_NE(again.out.find("the whole flash erased"), std::string::npos) << again.out;
   EXPECT_NE(again.out.find("boot mode has erased the stored calibration"), std::string::npos);
+  const json after = parse_json(verb("info", {"--json"}).out);
+  EXPECT_EQ(after["started_by"], "loader");
+  EXPECT_TRUE(after["interrupted"].empty()) << after;
 }
 
 // The test is who sets the switch and presses the button.

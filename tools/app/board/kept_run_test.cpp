@@ -14,6 +14,7 @@
 #include "shared/base/files.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/board/recover.h"
+#include "tools/app/kept/write_notes.h"
 #include "tools/lockstep/virtual_bench.h"
 
 namespace kaz::tools {
@@ -335,6 +336,38 @@ TEST_F(KeptRuns, MotorsThatAreStillOnAreNotCalledOff) {
       << stuck;
   EXPECT_EQ(end_of_run(true, [] { return "pan (id 1) still has torque: cut the power"; }),
             "test-port: pan (id 1) still has torque: cut the power");
+}
+
+// Of a flash write: under way it is not named, killed it is, and the next whole write ends that.
+TEST_F(KeptRuns, AKilledFlashWriteIsNamed) {
+  const auto only_notes = [&] {
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+    return fs::directory_iterator(folder_)->path().string();
+  };
+  const auto notes = sure(WriteNotes::begin("test-port", folder_));
+  const std::string path = only_notes();
+  EXPECT_TRUE(interrupted_writes("test-port", folder_).empty()) << "it is under way";
+  // Another process had this number before.
+  std::string text = sure(read_whole_file(path, 1 << 20));
+  const std::string began = "\"process_began\": ";
+  text.insert(text.find(began) + began.size(), "1");
+  notes.drop();
+  EXPECT_FALSE(fs::exists(path));
+  sure(write_whole_file(path, text));
+  const auto left = earlier_notes("test-port", folder_);
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_NE(left[0].find("completes it, and removing " + path), std::string::npos) << left[0];
+  EXPECT_TRUE(interrupted_writes("other-port", folder_).empty());
+  EXPECT_FALSE(read_kept(path)) << "kaz recover has nothing to put back";
+  for (const std::size_t size : {std::size_t{0}, text.size() / 2}) {
+    sure(write_whole_file(path, text.substr(0, size)));
+    EXPECT_TRUE(interrupted_writes("test-port", folder_).empty()) << size;
+  }
+  sure(write_whole_file(path, text));
+  sure(WriteNotes::begin("other-port", folder_)).done();
+  EXPECT_TRUE(fs::exists(path)) << "another port's";
+  sure(WriteNotes::begin("test-port", folder_)).done();
+  EXPECT_TRUE(fs::is_empty(folder_));
 }
 
 TEST_F(KeptRuns, EarlierNotesAreNamed) {

@@ -54,6 +54,7 @@ void Answer::image(const host::FlashImage& image) {
 }
 
 void Answer::written(const host::FlashReport& report, bool by_boot_mode) {
+  has_written_ = true;
   if (by_boot_mode) put("erased", "all");
   put("bytes", report.bytes);
   put("written", report.written);

@@ -27,6 +27,8 @@ class Answer {
   void image(const host::FlashImage& image);
   // `by_boot_mode`: that has erased the whole flash before.
   void written(const host::FlashReport& report, bool by_boot_mode);
+  // Whether written() was called: the flash is whole.
+  bool has_written() const { return has_written_; }
   void application(const std::optional<host::ImageIdentity>& identity);
   void runs(const kz_identify_reply& board);
 
@@ -34,7 +36,7 @@ class Answer {
   void finish(const std::string& verb, const Result<void>& done);
 
  private:
-  bool json_;
+  bool json_, has_written_ = false;
   nlohmann::ordered_json object_ = nlohmann::ordered_json::object();
 };
 

@@ -3,6 +3,7 @@
 #include "tools/app/flash/flash.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
 
 #include "host/flash/diagnostic.h"
@@ -12,6 +13,7 @@
 #include "tools/app/flash/answer.h"
 #include "tools/app/flash/arguments.h"
 #include "tools/app/flash/session.h"
+#include "tools/app/kept/write_notes.h"
 
 namespace kaz::tools {
 namespace {
@@ -92,8 +94,16 @@ Result<void> show_info(FlashSession& session, Answer& answer) {
   const std::string id_text = id ? host::hex_word(*id) : "unknown";
   answer.put("writer", found->protocol);
   answer.put("board_id", id_text);
-  answer.say("flash writer " + std::to_string(found->protocol) +
-             ", started by the resident loader; board id " + id_text);
+  answer.put("started_by", found->by_loader ? "loader" : "boot mode");
+  answer.say("flash writer " + std::to_string(found->protocol) + ", started " +
+             (found->by_loader ? "by the resident loader" : "through boot mode") + "; board id " +
+             id_text);
+  const auto interrupted = interrupted_writes(session.port());
+  answer.put("interrupted", interrupted);
+  for (const std::string& sentence : interrupted) answer.say(sentence);
+  if (!found->by_loader && interrupted.empty())
+    answer.say("a write through boot mode was interrupted: give `kaz flash write IMAGE " +
+               host::robot_option(session.port()) + " --reset HOW`");
   const auto header = session.flasher().read({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 32});
   session.end_progress();
   if (!header) return tl::unexpected(header.error());
@@ -162,6 +172,24 @@ Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer
   return {};
 }
 
+// With notes until the flash is whole. Without them it writes as well, since the same command completes an
+// interrupted write.
+Result<void> write_with_notes(FlashSession& session, const FlashArguments& arguments,
+                              Answer& answer, const host::FlashImage& image) {
+  const auto notes = WriteNotes::begin(session.port());
+  if (!notes)
+    std::fprintf(stderr, "kaz flash: no notes of this write are kept: %s\n",
+                 notes.error().message.c_str());
+  auto done = session.enter(&image);
+  if (done) done = write_image(session, arguments, answer, image);
+  if (!notes) return done;
+  if (answer.has_written())
+    notes->done();
+  else if (session.flasher().left_behind().empty())
+    notes->drop();
+  return done;
+}
+
 Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer& answer,
                  const Image& image) {
   std::optional<OutputFile> out;
@@ -176,16 +204,19 @@ Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer&
     if (auto valid = session.flasher().check(*image, session.through_boot()); !valid) return valid;
   }
   if (arguments.verb == "run" && session.through_boot()) return run(session, answer);
-  if (auto entered = session.enter(writes ? &*image : nullptr); !entered) return entered;
-  if (writes) return write_image(session, arguments, answer, *image);
+  if (writes) return write_with_notes(session, arguments, answer, *image);
+  if (auto entered = session.enter(nullptr); !entered) return entered;
   if (arguments.verb == "erase") return erase(session, arguments, answer);
   if (arguments.verb == "run") return run(session, answer);
+  const bool by_loader = session.flasher().found()->by_loader;
   Result<void> done;
   if (arguments.verb == "read") done = read_flash(session, arguments, *out, answer);
   if (arguments.verb == "info") done = show_info(session, answer);
   if (arguments.verb == "verify") done = verify_image(session, answer, *image);
   if (!done) return done;
-  // The loader starts the firmware; without a valid firmware it stays in control.
+  // The loader starts the firmware; without a valid firmware it stays in control. A writer that was loaded
+  // through boot mode belongs to another run, which was interrupted: it stays as it is.
+  if (!by_loader) return {};
   return session.flasher().run(nullptr);
 }
 

@@ -64,7 +64,7 @@ Result<void> FlashSession::make_reset() {
       return fail(released.error().fault, released.error().message +
                                               "; give --reset manual, or with `kaz sim` --reset "
                                               "ctl:" +
-                                              arguments_.port + ".ctl");
+                                              port() + ".ctl");
     return clock_.sleep_until(clock_.now() + kStart);
   } else {
     return fail(Fault::usage, "--reset " + how + ": give dtr-rts, ctl:PATH or manual");
@@ -86,7 +86,8 @@ Result<void> FlashSession::read_writer() {
 
 Result<void> FlashSession::open() {
   if (auto read = read_writer(); !read) return read;
-  const auto address = KAZ_TRY(parse_port(port()));
+  const auto address = KAZ_TRY(parse_port(arguments_.port));
+  port_ = address.name();
   auto link = KAZ_TRY(host::open_port(address, &interrupt_));
   link_ = std::move(link);
   if (simulated_mcu(port(), interrupt_) == "native")

@@ -42,7 +42,8 @@ class FlashSession {
 
   host::Flasher& flasher() { return *flasher_; }
   bool through_boot() const { return reset_ != nullptr; }
-  const std::string& port() const { return arguments_.port; }
+  // Without `serial:`. After open().
+  const std::string& port() const { return port_; }
   void end_progress() { progress_.done(); }
   // After an interrupt: a board that waits in its loader, with nothing erased, is started. The error with
   // what became of it.
@@ -57,6 +58,7 @@ class FlashSession {
   tl::unexpected<Error> nobody() const;
 
   const FlashArguments& arguments_;
+  std::string port_;
   host::WallClock clock_;
   host::Interrupt& interrupt_;
   Progress progress_;

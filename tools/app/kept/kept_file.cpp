@@ -161,6 +161,34 @@ Result<KeptFile> parse_kept(const std::string& text, const std::string& name) {
   return kept;
 }
 
+std::string write_text(const WriteFile& write) {
+  const Json json{{"kaz_flash_write", kVersion},
+                  {"port", write.run.port},
+                  {"line", write.run.line},
+                  {"process", write.run.process},
+                  {"process_began", write.run.process_began},
+                  {"command", write.command},
+                  {"folder", write.folder}};
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<WriteFile> read_write(const std::string& path) {
+  const auto text = KAZ_TRY(read_whole_file(path, kMaxBytes));
+  const Json json = parse_bounded_json<Json>(text).value_or(nullptr);
+  WriteFile write;
+  Fields fields(json, "");
+  if (json.is_object() && json.value("kaz_flash_write", Json()) == kVersion) {
+    fields.text("port", write.run.port);
+    fields.text("line", write.run.line);
+    fields.number("process", write.run.process, 0);
+    fields.number("process_began", write.run.process_began, 0, std::numeric_limits<long>::max());
+    fields.text("command", write.command);
+    fields.text("folder", write.folder);
+    if (fields.first_wrong().empty()) return write;
+  }
+  return fail(Fault::usage, path + ": holds no notes of `kaz flash write`, or is damaged");
+}
+
 Result<KeptFile> read_kept(const std::string& path) {
   const auto text = KAZ_TRY(read_whole_file(path, kMaxBytes, kHint));
   return parse_kept(text, path);

@@ -20,6 +20,15 @@ struct KeptFile {
   host::BoardState board;
 };
 
+// The notes of a `kaz flash write` that is under way. Of `run` the board is not known.
+struct WriteFile {
+  KeptFile run;
+  std::string command, folder;  // what was given, and where
+};
+std::string write_text(const WriteFile& write);
+// Errors (usage): why it cannot be read, too.
+Result<WriteFile> read_write(const std::string& path);
+
 // As JSON, and back. Errors (usage) name the file.
 std::string kept_text(const KeptFile& kept);
 Result<KeptFile> parse_kept(const std::string& text, const std::string& name);

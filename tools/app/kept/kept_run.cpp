@@ -18,6 +18,7 @@
 #include "shared/base/files.hpp"
 #include "shared/base/number_text.hpp"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/kept/write_notes.h"
 
 namespace kaz::tools {
 namespace {
@@ -45,6 +46,8 @@ std::string line_of(const std::string& port) {
   return (fs::weakly_canonical(at.parent_path(), error) / at.filename()).string();
 }
 
+constexpr const char* kBoard = "board";  // begins the names of such notes
+
 // "/dev/ttyUSB0" or "can:can0" as a part of a file's name.
 std::string file_name_of(const std::string& port) {
   std::string name = (host::names_port_kind(port) ? "_" : "") + line_of(port);
@@ -54,10 +57,10 @@ std::string file_name_of(const std::string& port) {
   }
   constexpr std::size_t kLongest = 100;
   if (name.size() > kLongest) name.erase(0, name.size() - kLongest);
-  return "board" + name;
+  return name;
 }
 
-// When a process began (proc(5), field 22 of stat); 0: there is none.
+// When a process began (proc(5), field 22 of stat); 0: there is none, or it has ended (field 3).
 std::uint64_t began(std::int64_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   std::string text;
@@ -65,7 +68,10 @@ std::uint64_t began(std::int64_t process) {
   // The second field is a name in brackets, and may hold anything.
   std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 2)));
   std::string field;
-  for (int i = 3; i <= 22; ++i) fields >> field;
+  for (int i = 3; i <= 22; ++i) {
+    fields >> field;
+    if (i == 3 && field == "Z") return 0;
+  }
   return parse_number<std::uint64_t>(field).value_or(0);
 }
 
@@ -106,12 +112,12 @@ bool same_port(const KeptFile& kept, const std::string& port) {
 }
 
 std::vector<std::string> earlier_notes(const std::string& port, const std::string& folder) {
-  const std::string begin = file_name_of(port) + "-", end = ".json";
+  const std::string begin = kBoard + file_name_of(port) + "-", end = ".json";
   std::vector<std::string> paths, sentences;
   std::error_code none;
   for (fs::directory_iterator at(folder, none), last; !none && at != last; at.increment(none)) {
     const std::string name = at->path().filename();
-    if (!name.starts_with("board") || !name.ends_with(end)) continue;
+    if (!name.starts_with(kBoard) || !name.ends_with(end)) continue;
     // Of damaged notes the name says what they are of.
     const std::size_t dash = name.find('-');
     const std::string number =
@@ -142,6 +148,8 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
                                    host::robot_option(port) +
                                    "` does what is possible without them, then remove them");
   }
+  for (std::string& sentence : interrupted_writes(port, folder))
+    sentences.push_back(std::move(sentence));
   return sentences;
 }
 
@@ -154,6 +162,35 @@ Error with_earlier_notes(Error error, const std::string& port, const std::string
   return error;
 }
 
+KeptFile this_run(const std::string& verb, const std::string& port) {
+  KeptFile run;
+  run.verb = verb;
+  std::error_code no_folder;
+  run.port = host::names_port_kind(port)
+                 ? port
+                 : fs::absolute(port, no_folder).lexically_normal().string();
+  run.line = line_of(port);
+  run.process = getpid();
+  run.process_began = began(getpid());
+  return run;
+}
+
+Result<std::string> write_new_notes(const std::string& folder, const std::string& kind,
+                                    const std::string& port, const std::string& text) {
+  if (folder.empty()) return fail(Fault::environment, "neither XDG_STATE_HOME nor HOME is set");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(Fault::environment, folder + ": cannot be made (" + error.message() + ")");
+  // Process numbers repeat: notes that a killed run has left stay.
+  const std::string begin =
+      folder + "/" + kind + file_name_of(port) + "-" + std::to_string(getpid());
+  std::string path = begin + ".json";
+  for (int n = 2; fs::exists(fs::symlink_status(path, error)); ++n)
+    path = begin + "-" + std::to_string(n) + ".json";
+  KAZ_TRY(write_whole_file(path, text));
+  return path;
+}
+
 KeptRun::KeptRun(host::Link& link, host::Clock& clock, host::Interrupt& interrupt,
                  KeptRunOptions options)
     : link_(link), clock_(clock), interrupt_(interrupt), options_(std::move(options)) {}
@@ -164,14 +201,7 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
   std::unique_ptr<KeptRun> run(new KeptRun(link, clock, interrupt, std::move(options)));
   const KeptRunOptions& o = run->options_;
   run->ended_ = true;  // until it is known what to put back
-  run->kept_.verb = o.verb;
-  std::error_code no_folder;
-  run->kept_.port = host::names_port_kind(o.port)
-                        ? o.port
-                        : fs::absolute(o.port, no_folder).lexically_normal().string();
-  run->kept_.line = line_of(o.port);
-  run->kept_.process = getpid();
-  run->kept_.process_began = began(getpid());
+  run->kept_ = this_run(o.verb, o.port);
   const auto board = host::read_board(link, clock, o.address);
   // Also what fails because of a signal is its end.
   const auto ended = [&](Error error) {
@@ -212,19 +242,14 @@ Result<void> KeptRun::write_notes() {
                 "nothing is run: " +
                     why + "; set XDG_STATE_HOME to a folder that can be written");
   };
-  if (options_.folder.empty()) return cannot("neither XDG_STATE_HOME nor HOME is set");
-  std::error_code error;
-  fs::create_directories(options_.folder, error);
-  if (error) return cannot(options_.folder + ": cannot be made (" + error.message() + ")");
-  // Process numbers repeat: notes that a killed run has left stay.
-  const std::string begin =
-      options_.folder + "/" + file_name_of(options_.port) + "-" + std::to_string(getpid());
-  std::string path = path_.empty() ? begin + ".json" : path_;
-  for (int n = 2; path_.empty() && fs::exists(fs::symlink_status(path, error)); ++n)
-    path = begin + "-" + std::to_string(n) + ".json";
-  if (const auto written = write_whole_file(path, kept_text(kept_)); !written)
-    return cannot(written.error().message);
-  path_ = path;
+  if (!path_.empty()) {
+    if (const auto written = write_whole_file(path_, kept_text(kept_)); !written)
+      return cannot(written.error().message);
+    return {};
+  }
+  const auto written = write_new_notes(options_.folder, kBoard, options_.port, kept_text(kept_));
+  if (!written) return cannot(written.error().message);
+  path_ = *written;
   return {};
 }
 

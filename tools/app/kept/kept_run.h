@@ -27,6 +27,13 @@ std::vector<std::string> earlier_notes(const std::string& port,
 Error with_earlier_notes(Error error, const std::string& port,
                          const std::string& folder = kept_folder());
 
+// The run of this process on a port, without its board.
+KeptFile this_run(const std::string& verb, const std::string& port);
+// Writes `text` as KIND_PORT-PROCESS.json, a name that no other notes have. Errors (environment). Returns the
+// path.
+Result<std::string> write_new_notes(const std::string& folder, const std::string& kind,
+                                    const std::string& port, const std::string& text);
+
 // Whether the run that wrote these notes, wherever they lie now, is still under way.
 bool notes_in_use(const KeptFile& kept);
 // Whether the notes are of the board on this port: its name leads where theirs did then, or both are names of
