@@ -9,6 +9,7 @@
 #include <map>
 #include <regex>
 #include <sstream>
+#include <utility>
 
 #include "tools/kaz/values.h"
 
@@ -272,6 +273,15 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool positiona
   return two_columns(typed_form(*option), option->get_positional()
                                               ? option->get_name(true, false) + " as an option"
                                               : option_text(*option));
+}
+
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name,
+                                     CLI::AppFormatMode mode) const {
+  std::string help = CLI::Formatter::make_help(app, std::move(name), mode);
+  // A hidden group leaves an empty line.
+  for (auto at = help.find("\n\n\n"); at != std::string::npos; at = help.find("\n\n\n"))
+    help.erase(at, 1);
+  return help;
 }
 
 std::string HelpFormatter::make_subcommands(const CLI::App* app, CLI::AppFormatMode) const {

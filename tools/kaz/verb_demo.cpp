@@ -22,7 +22,7 @@ void add_demo(CLI::App& program, Action& action) {
   add_duration(*verb, *arguments,
                "tracking time after the ball was found, " + behavior::valid_values(seconds) + " s")
       ->default_str(std::string(seconds.initial));
-  add_settings(*verb, arguments->settings, "an option of track-ball (kaz run --help)");
+  add_settings(*verb, arguments->settings, "an option of track-ball (kaz run track-ball --help)");
   add_run_options(*verb, *arguments);
   verb->footer(
       "The behaviour is track-ball of kaz run, the robot virtual. Its 23 s take "

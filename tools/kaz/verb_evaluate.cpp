@@ -240,7 +240,7 @@ void add_evaluate(CLI::App& program, Action& action) {
                    "part I of N: independent, repeatable, to be merged")
       ->type_name("I/N")
       ->capture_default_str();
-  add_settings(*verb, arguments->settings, "an option of the behaviour (kaz run --help)");
+  add_settings(*verb, arguments->settings, "an option of the behaviour (kaz run NAME --help)");
   const Variation& v = c.variation;
   add_interval(*verb, "--friction", arguments->friction, v.friction, {0.01, 10},
                "friction coefficient of the floor, drawn from this range");

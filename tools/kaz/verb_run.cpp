@@ -1,8 +1,11 @@
 // `kaz run`: one behaviour on a real or virtual robot.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "host/behavior/behavior.h"
 #include "host/behavior/plugin.h"
@@ -92,14 +95,70 @@ std::string behavior_text(const behavior::Behavior& behavior) {
   return text;
 }
 
-// Behaviours and their options, for the help text.
-std::string behavior_list() {
-  std::string list =
-      "Behaviours and their options (--set NAME=VALUE), with default and valid values:\n";
-  for (const auto& behavior : behavior::behaviors()) {
-    list += behavior_text(behavior);
+// Options that stand for one of a behaviour's. Help shows them with the behaviours that have it.
+struct Shortcut {
+  const char *option, *sets;
+};
+constexpr Shortcut kShortcuts[] = {
+    {"--duration", "seconds"}, {"--goal", "goal"}, {"--poses", "poses"}};
+
+// `shown`: the group of options that help shows.
+void show_shortcuts(CLI::App& verb, const behavior::Behavior* behavior, const std::string& shown) {
+  for (const auto& [option, sets] : kShortcuts) {
+    const bool has =
+        behavior != nullptr &&
+        std::ranges::count(behavior->options, std::string_view(sets), &behavior::Option::name) > 0;
+    verb.get_option(option)->group(has ? shown : "");
   }
-  return list;
+}
+
+constexpr const char* kExamples[] = {
+    "  kaz run search-ball\n",
+    "  kaz run track-ball --seed 3 --duration 12 --out three\n",
+    "  kaz run catch-ball --world catch --eyes real --imu --out caught\n",
+    "  kaz run navigate --goal 1.2,0.1 --world boxes --eyes real --imu --out there\n",
+    "  kaz run track-ball --robot serial:board --camera board.eyes     # of kaz sim\n",
+    "  kaz run pose --view              # set joints and make poses in the browser\n",
+    "  kaz run play --poses wave.json\n",
+    "  kaz run ./wave.so --set times=2\n",
+    "  kaz run ./wave.so --options\n",
+    "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
+    "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml\n"};
+
+// Those of the behaviour; of all, if null.
+std::string examples_of(const behavior::Behavior* behavior) {
+  std::string examples;
+  const std::string begin = behavior ? "  kaz run " + std::string(behavior->name) : "";
+  for (const std::string example : kExamples) {
+    if (example.starts_with(begin + " ") || example.starts_with(begin + "\n") || !behavior)
+      examples += example;
+  }
+  if (!examples.empty()) return examples;
+  if (behavior->options.empty()) return begin + "\n";
+  const behavior::Option& first = behavior->options.front();
+  return begin + " --set " + std::string(first.name) + "=" + std::string(first.initial) + "\n";
+}
+
+// What help says after the options: of a behaviour its own options, else which behaviours there are.
+std::string footer(const behavior::Behavior* behavior) {
+  std::string text;
+  if (behavior != nullptr) {
+    text = "The behaviour and its options (--set NAME=VALUE), with default and valid values:\n" +
+           behavior_text(*behavior);
+  } else {
+    text = "Behaviours; `kaz run NAME --help` shows the options of a behaviour:\n";
+    for (const auto& one : behavior::behaviors())
+      text += "  " + std::string(one.name) + ": " + std::string(one.text) + "\n";
+    text +=
+        "A behaviour of your own, built outside of Kaz: docs/howto/own-behavior.md. It runs with "
+        "your rights.\n";
+  }
+  return text +
+         "A robot at a port (--robot serial:PATH) takes no options of the virtual robot, such as "
+         "--world or --mcu; of --faults it takes those of the line. Of a robot other than Kaz "
+         "--robot-file states the joints, at a port as well.\n"
+         "Examples:\n" +
+         examples_of(behavior);
 }
 
 }  // namespace
@@ -142,7 +201,7 @@ void add_run(CLI::App& program, Action& action) {
   verb->add_option("--poses", arguments->poses,
                    "of play: file of poses (docs/reference/poses.md); run pose --view makes one")
       ->type_name("FILE");
-  add_settings(*verb, arguments->settings, "an option of the behaviour (below)");
+  add_settings(*verb, arguments->settings, "an option of the behaviour (kaz run NAME --help)");
   auto list = std::make_shared<bool>(false);
   verb->add_flag("--options", *list,
                  "print the options of the behaviour, also of a plug-in's, and end");
@@ -151,27 +210,17 @@ void add_run(CLI::App& program, Action& action) {
       "measure CPU and waiting time of each part of the program; a table, and in result.json");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
-  verb->footer(
-      behavior_list() +
-      "A behaviour of your own, built outside of Kaz: docs/howto/own-behavior.md. It runs with "
-      "your rights.\n"
-      "A robot at a port (--robot serial:PATH) takes no options of the virtual robot, such as "
-      "--world "
-      "or --mcu; of --faults it takes those of the line. Of a robot other than Kaz --robot-file "
-      "states "
-      "the joints, at a port as well.\n"
-      "Examples:\n"
-      "  kaz run search-ball\n"
-      "  kaz run track-ball --seed 3 --duration 12 --out three\n"
-      "  kaz run catch-ball --world catch --eyes real --imu --out caught\n"
-      "  kaz run navigate --goal 1.2,0.1 --world boxes --eyes real --imu --out there\n"
-      "  kaz run track-ball --robot serial:board --camera board.eyes     # of kaz sim\n"
-      "  kaz run pose --view              # set joints and make poses in the browser\n"
-      "  kaz run play --poses wave.json\n"
-      "  kaz run ./wave.so --set times=2\n"
-      "  kaz run ./wave.so --options\n"
-      "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
-      "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml");
+  const std::string shown = verb->get_option("--robot")->get_group();
+  show_shortcuts(*verb, nullptr, shown);
+  auto chosen = std::make_shared<std::optional<behavior::Behavior>>();
+  // Before --help is answered.
+  verb->get_option("BEHAVIOUR")->each([verb, chosen, shown](const std::string& name) {
+    const auto known = behavior::find_behavior(name);
+    if (!known || behavior::names_plugin(name)) return;
+    *chosen = *known;
+    show_shortcuts(*verb, &**chosen, shown);
+  });
+  verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
   verb->get_option("--world")->default_str("catch for catch-ball, boxes for navigate, else ball");
   verb->callback([&action, arguments, verb, list] {
     action = [arguments, verb, list]() -> Result<Outcome> {
