@@ -11,9 +11,9 @@
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
 #include "shared/base/shell_word.hpp"
+#include "tools/app/base/child.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
-#include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/tasks.h"
 
 namespace kaz::tools {

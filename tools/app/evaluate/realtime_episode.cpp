@@ -15,9 +15,9 @@
 
 #include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
+#include "tools/app/base/child.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/paths.h"
-#include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/learned_color.h"
 #include "tools/app/session/plugin_guard.h"

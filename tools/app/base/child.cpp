@@ -1,6 +1,6 @@
 // A program of its own beside this one.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/evaluate/child.h"
+#include "tools/app/base/child.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -18,7 +18,7 @@ Result<Child> Child::begin(const std::vector<std::string>& arguments, const std:
 }
 
 Result<Child> Child::begin(const std::string& program, const std::vector<std::string>& arguments,
-                           const std::string& log, Lifetime lifetime) {
+                           const std::string& log, Lifetime lifetime, int input) {
   const auto wrong = [&](const std::string& what) {
     return fail(Fault::environment, what + ": " + std::strerror(errno));
   };
@@ -36,8 +36,7 @@ Result<Child> Child::begin(const std::string& program, const std::vector<std::st
     if (lifetime == Lifetime::of_parent) ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(127);
     for (const int number : {SIGINT, SIGTERM}) ::signal(number, SIG_DFL);
-    const int nothing = ::open("/dev/null", O_RDONLY);
-    ::dup2(nothing, STDIN_FILENO);
+    ::dup2(input >= 0 ? input : ::open("/dev/null", O_RDONLY), STDIN_FILENO);
     ::dup2(out, STDOUT_FILENO);
     ::dup2(out, STDERR_FILENO);
     ::execvp(program.c_str(), argv.data());

@@ -22,9 +22,11 @@ class Child {
   enum class Lifetime { of_parent, own };
   // This very program with other arguments; what it prints goes into the file `log`.
   static Result<Child> begin(const std::vector<std::string>& arguments, const std::string& log);
-  // A program of the PATH; its status is 127 where there is none.
+  // A program of the PATH; its status is 127 where there is none. `input`: a descriptor that becomes its
+  // standard input, and stays the caller's; without one that is empty.
   static Result<Child> begin(const std::string& program, const std::vector<std::string>& arguments,
-                             const std::string& log, Lifetime lifetime = Lifetime::of_parent);
+                             const std::string& log, Lifetime lifetime = Lifetime::of_parent,
+                             int input = -1);
   Child(Child&& other) noexcept
       : pid_(std::exchange(other.pid_, -1)), lifetime_(other.lifetime_), status_(other.status_) {}
   Child& operator=(Child&&) = delete;
