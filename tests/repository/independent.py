@@ -58,7 +58,7 @@ PLACES = {
 # In tools: who takes the simulation out of a backend, how often, and for what. Behaviours see none of it.
 TAKERS = {
     "tools/app/session/session.cpp": (
-        5, "recording, pictures from outside, the judges' view, the result's facts"),
+        6, "recording, pictures from outside, also of the start, the judges' view, the result's facts"),
     "tools/app/calibrate/calibrate_joints.cpp": (1, "stores the board's memory after the last request"),
     "tools/app/session/backend.cpp": (2, "defines it"),
     "tools/app/session/backend.h": (1, "declares it"),

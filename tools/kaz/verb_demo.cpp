@@ -27,7 +27,8 @@ void add_demo(CLI::App& program, Action& action) {
   verb->footer(
       "The behaviour is track-ball of kaz run, the robot virtual. Its 23 s take "
       "some 10 s on one processor.\n"
-      "The folder then contains the pictures left_eye.png, color_extraction.png, outside.png and "
+      "The folder then contains the pictures start.png, end.png, left_eye.png, "
+      "color_extraction.png, outside.png and "
       "moments.png (and .jpg), the plot pan_tilt.png (and .svg), vision.csv, result.json and "
       "recording.mcap; a demo that fails leaves fewer. The recording holds bytes, pins, joints, "
       "contacts and the rest on one clock: `kaz replay` runs it again; Foxglove (foxglove.dev), "

@@ -1,5 +1,6 @@
 // The demo in lockstep: it does its job, and the same seed gives the same bytes.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <filesystem>
 #include <map>
 
@@ -40,6 +41,10 @@ TEST(Demo, FindsAndTracksThroughTheEmulatedFirmware) {
     EXPECT_GT(std::filesystem::file_size(folder / ("out/" + picture.get<std::string>())), 1000u);
   }
   EXPECT_GE(result["pictures"].size(), 4u);
+  for (const char* name : {"start.png", "end.png"})
+    EXPECT_EQ(std::ranges::count(result["pictures"], name), 1) << result["pictures"];
+  EXPECT_FALSE(read_file(folder / "out/start.png") == read_file(folder / "out/end.png"))
+      << "the head has moved";
 }
 
 TEST(Demo, NativeEngineDoesTheSame) {

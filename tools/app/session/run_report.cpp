@@ -13,6 +13,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/session/outside_view.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {
@@ -154,6 +155,25 @@ Result<bool> write_map(const RunReport& report, const OutputFolder& folder) {
   return true;
 }
 
+// What an onlooker sees at the start and at the end; nothing of a real robot. Returns the names written.
+Result<std::vector<std::string>> write_start_and_end(const RunReport& report,
+                                                     sim::Simulation* simulation,
+                                                     const OutputFolder& folder) {
+  constexpr int kWidth = 640;
+  if (simulation == nullptr || !report.start_pose) return std::vector<std::string>();
+  const sim::Scene& scene = simulation->world().scene();
+  std::vector<std::string> names;
+  for (const auto& [name, pose] : {std::pair{"start.png", *report.start_pose},
+                                   std::pair{"end.png", simulation->world().pose()}}) {
+    auto drawn =
+        KAZ_TRY(simulation->picture(outside_view(scene, framing_of(scene, pose), kWidth), pose));
+    KAZ_TRY(
+        figure::write_png(folder.path(name), {drawn.width, drawn.height, std::move(drawn.rgb)}));
+    names.emplace_back(name);
+  }
+  return names;
+}
+
 Result<std::vector<std::string>> write_pictures(const RunReport& report, const Snapshots& snapshots,
                                                 const OutputFolder& folder) {
   auto names = snapshots.write(folder);
@@ -197,9 +217,9 @@ std::string score_text(const RunReport& report) {
 const OutputKind& run_output() {
   static const OutputKind kind{
       "run",
-      {"recording.mcap", "left_eye.png", "color_extraction.png", "outside.png", "moments.png",
-       "moments.jpg", "map.png", "pan_tilt.png", "pan_tilt.svg", "vision.csv", "frames.txt",
-       "result.json"}};
+      {"recording.mcap", "start.png", "end.png", "left_eye.png", "color_extraction.png",
+       "outside.png", "moments.png", "moments.jpg", "map.png", "pan_tilt.png", "pan_tilt.svg",
+       "vision.csv", "frames.txt", "result.json"}};
   return kind;
 }
 
@@ -291,11 +311,14 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
       KAZ_TRY(place_recording(*folder));
       result["recording"] = "recording.mcap";
     }
+    auto names = KAZ_TRY(write_start_and_end(report, simulation, *folder));
     // Drawing the others takes seconds, which an interrupted run has not.
     if (report.interrupted) {
-      if (KAZ_TRY(write_map(report, *folder))) result["pictures"] = {"map.png"};
+      if (KAZ_TRY(write_map(report, *folder))) names.emplace_back("map.png");
+      if (!names.empty()) result["pictures"] = names;
     } else {
-      const auto names = KAZ_TRY(write_pictures(report, snapshots, *folder));
+      const auto others = KAZ_TRY(write_pictures(report, snapshots, *folder));
+      names.insert(names.end(), others.begin(), others.end());
       result["pictures"] = names;
       // The run had ended: its outcome stands.
       if (snapshots.stopped()) {

@@ -44,6 +44,7 @@ struct RunReport {
   bool machine_failed = false;
   const std::optional<figure::Image>* map = nullptr;  // the behaviour's, if it has one
   std::vector<faults::Fault> not_begun = {};          // SessionBackend::faults_not_begun()
+  std::optional<sim::ScenePose> start_pose = {};      // of the simulated world
   bool looks = true;  // the behavior uses the eyes; if not, missing plots of the ball are no news
 };
 

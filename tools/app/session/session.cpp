@@ -325,6 +325,7 @@ class Session {
   std::optional<Snapshots> snapshots_;
   std::optional<Progress> progress_;
   Time start_{};
+  std::optional<sim::ScenePose> start_pose_;  // of a simulated world
   std::optional<Listener> listener_;
   std::optional<RecordedRequests> requests_;
 
@@ -485,6 +486,7 @@ Result<void> Session::begin() {
   remove_recording_->keep();
   progress_.emplace(options_.label, options_.json);
   start_ = backend_->clock().now();
+  if (const auto* simulation = backend_->simulation()) start_pose_ = simulation->world().pose();
   listener_.emplace(*backend_, gate(), options_.listener, *snapshots_, *progress_, start_,
                     expected_seconds(values_, behavior_.options));
   return {};
@@ -754,6 +756,7 @@ Result<bool> Session::report() {
                          machine_failed_,
                          &listener_->map(),
                          not_begun_,
+                         std::move(start_pose_),
                          behavior_.needs_camera};
   sim::Simulation* const simulation = backend_->simulation();
   const auto written = write_report(report, simulation, *snapshots_, folder(), recorded_);
