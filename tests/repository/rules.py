@@ -141,6 +141,7 @@ LAYERS = {
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
         "compare": ("base", "session"),
         "evaluate": ("base", "vision", "session"),
+        "film": ("base", "session", "replay"),
         "vision_run": ("base", "kept", "vision", "session", "replay"),
         "figures": ("base", "vision", "session", "replay"),
     },

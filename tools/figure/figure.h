@@ -55,6 +55,13 @@ void draw_text(Image& image, double u, double v, const std::string& text, double
 // Whole multiples, nearest neighbour: small camera pictures beside large ones.
 Image enlarge(const Image& image, int factor);
 
+// Of any size; smooth where it becomes smaller.
+Image resize(const Image& image, int width, int height);
+
+// With a white frame around it, so that a picture in a picture is seen as one.
+inline constexpr int kFrame_px = 2;
+Image framed(const Image& image);
+
 // `part` over `image`, its upper left corner at column `left` of row `top`; what is outside is cut off.
 void paste(Image& image, const Image& part, int left, int top);
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -193,6 +194,25 @@ TEST(Pictures, EnlargeRepeatsPixels) {
   EXPECT_EQ(large.height, 2);
   EXPECT_EQ(large.rgb, (std::vector<std::uint8_t>{1, 2, 3, 1, 2, 3, 4, 5, 6, 4, 5, 6,  //
                                                   1, 2, 3, 1, 2, 3, 4, 5, 6, 4, 5, 6}));
+}
+
+TEST(Pictures, ResizedTheyKeepTheirColours) {
+  Image image{4, 2, std::vector<std::uint8_t>(24, 200)};
+  for (std::size_t i = 0; i < 6; ++i) image.rgb[i] = image.rgb[12 + i] = 40;  // the left half
+  const Image small = resize(image, 2, 1), wide = resize(image, 8, 3);
+  EXPECT_EQ(small.rgb, (std::vector<std::uint8_t>{40, 40, 40, 200, 200, 200}));
+  ASSERT_EQ(wide.rgb.size(), 3u * 8 * 3);
+  EXPECT_EQ(wide.rgb.front(), 40);
+  EXPECT_EQ(wide.rgb.back(), 200);
+  EXPECT_EQ(resize(Image{}, 8, 3).width, 0);
+}
+
+TEST(Pictures, AFrameIsWhite) {
+  const Image all = framed(Image{1, 1, {9, 8, 7}});
+  ASSERT_EQ(all.width, 1 + 2 * kFrame_px);
+  ASSERT_EQ(all.height, all.width);
+  EXPECT_EQ(std::ranges::count(all.rgb, 255), static_cast<std::ptrdiff_t>(all.rgb.size() - 3));
+  EXPECT_EQ(all.rgb[all.rgb.size() / 2], 8);
 }
 
 TEST(Pictures, APartIsPastedAsFarAsThereIsRoom) {

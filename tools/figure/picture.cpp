@@ -119,6 +119,18 @@ Image enlarge(const Image& image, int factor) {
   return large;
 }
 
+Image resize(const Image& image, int width, int height) {
+  if (image.width <= 0 || image.height <= 0 || width <= 0 || height <= 0) return {};
+  const Surface to = blank_surface(width, height, kBlack), from = surface_from(image);
+  const Context c(cairo_create(to.get()));
+  cairo_scale(c.get(), 1.0 * width / image.width, 1.0 * height / image.height);
+  cairo_set_source_surface(c.get(), from.get(), 0, 0);
+  cairo_pattern_set_filter(cairo_get_source(c.get()), CAIRO_FILTER_GOOD);
+  cairo_pattern_set_extend(cairo_get_source(c.get()), CAIRO_EXTEND_PAD);
+  cairo_paint(c.get());
+  return image_from(to.get());
+}
+
 void paste(Image& image, const Image& part, int left, int top) {
   const int begin = std::max(0, -left), end = std::min(part.width, image.width - left);
   if (begin >= end) return;
@@ -127,6 +139,15 @@ void paste(Image& image, const Image& part, int left, int top) {
     std::copy_n(from, 3 * (end - begin),
                 image.rgb.begin() + std::ptrdiff_t{3} * ((top + y) * image.width + left + begin));
   }
+}
+
+Image framed(const Image& image) {
+  Image all{image.width + 2 * kFrame_px, image.height + 2 * kFrame_px, {}};
+  all.rgb.assign(
+      std::size_t{3} * static_cast<std::size_t>(all.width) * static_cast<std::size_t>(all.height),
+      255);
+  paste(all, image, kFrame_px, kFrame_px);
+  return all;
 }
 
 Image stack(std::span<const Image> images) {

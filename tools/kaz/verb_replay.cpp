@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/film/film.h"
 #include "tools/app/replay/replay.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -17,6 +18,7 @@ void add_replay(CLI::App& program, Action& action) {
     std::vector<std::string> settings;
     bool host = false, whole = false;
     WatchArguments watch;
+    FilmOptions film;
   };
   auto arguments = std::make_shared<Arguments>();
   verb->add_option("FILE", arguments->replay.file,
@@ -38,10 +40,24 @@ void add_replay(CLI::App& program, Action& action) {
                    "the plug-in, if the run was of one: a recording loads no code by itself")
       ->type_name("FILE");
   add_watch_options(*verb, arguments->watch);
-  verb->get_option("--pace")->description(
-      "with --view: seconds of the recording in a second (default: 1)");
-  for (const char* option : {"--host", "--whole", "--seed", "--set", "--plugin"})
-    verb->get_option("--view")->excludes(verb->get_option(option));
+  auto* view = verb->get_option("--view");
+  auto* video = verb->add_option("--video", arguments->film.path,
+                                 "make a film of it, by the program ffmpeg: FILE.mp4, FILE.webm, "
+                                 "FILE.webp or FILE.gif")
+                    ->type_name("FILE")
+                    ->excludes(view);
+  verb->add_option("--video-fps", arguments->film.fps,
+                   "pictures of the film in a second (default: 30; of .webp and .gif 10)")
+      ->check(between(1, 60))
+      ->transform(whole_number())
+      ->needs(video);
+  auto* pace = verb->get_option("--pace");
+  pace->remove_needs(view);
+  pace->description("with --view or --video: seconds of the recording in a second (default: 1)");
+  for (const char* option : {"--host", "--whole", "--seed", "--set", "--plugin"}) {
+    view->excludes(verb->get_option(option));
+    video->excludes(verb->get_option(option));
+  }
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output")
       ->excludes("--view");  // which has no result
   verb->footer(
@@ -49,14 +65,16 @@ void add_replay(CLI::App& program, Action& action) {
       "first difference is reported with time, place in the stream, and its message. Changed "
       "programs of the host are tried like this on what a virtual robot has met.\n"
       "With --view nothing runs again: the recording is played, with pause and jumps in the page, "
-      "until Ctrl-C.\n"
-      "Exit status: 0 identical, or played; 1 they differ.\n"
+      "until Ctrl-C. With --video nothing runs again either: the film is drawn from the recorded "
+      "poses.\n"
+      "Exit status: 0 identical, played, or filmed; 1 they differ.\n"
       "Examples:\n"
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz replay seen/recording.mcap\n"
       "  kaz replay seen/recording.mcap --set seconds=1 --json\n"
       "  kaz replay seen/recording.mcap --whole\n"
-      "  kaz replay seen/recording.mcap --view");
+      "  kaz replay seen/recording.mcap --view\n"
+      "  kaz replay seen/recording.mcap --video seen.mp4");
   verb->callback([&action, arguments] {
     action = [arguments]() -> Result<Outcome> {
       arguments->replay.file = recording_of(arguments->replay.file);
@@ -64,6 +82,16 @@ void add_replay(CLI::App& program, Action& action) {
         KAZ_TRY(play_recording(arguments->watch, arguments->replay.file));
         return Outcome();
       }
+      if (!arguments->film.path.empty()) {
+        FilmOptions& film = arguments->film;
+        film.recording = arguments->replay.file;
+        film.json = arguments->replay.json;
+        if (arguments->watch.pace > 0) film.pace = arguments->watch.pace;
+        KAZ_TRY(make_film(film));
+        return Outcome();
+      }
+      if (arguments->watch.pace > 0)
+        return fail(Fault::usage, "--pace is for --view and --video: leave it out");
       const auto settings = KAZ_TRY(parse_settings(arguments->settings));
       arguments->replay.settings = settings;
       if (arguments->host) arguments->replay.mode = ReplayMode::host;

@@ -30,17 +30,6 @@ double rounded(double value, double unit) {
   return std::round(value / unit) / std::round(1 / unit) + 0.0;  // no negative zero
 }
 
-// A white frame of two pixels, so that a picture in a picture is seen as one.
-figure::Image framed(const figure::Image& image) {
-  constexpr int kFrame_px = 2;
-  figure::Image all{image.width + 2 * kFrame_px, image.height + 2 * kFrame_px, {}};
-  all.rgb.assign(
-      std::size_t{3} * static_cast<std::size_t>(all.width) * static_cast<std::size_t>(all.height),
-      255);
-  figure::paste(all, image, kFrame_px, kFrame_px);
-  return all;
-}
-
 struct CellCounts {
   int floor = 0, obstacle = 0;
 };
@@ -83,7 +72,7 @@ Result<DrawnFigure> draw_scene(const RunCollector& run) {
   constexpr int kMargin_px = 12;
   int column = outside.width;
   for (const vision::Image* eye : {&scene.images->right, &left}) {
-    const figure::Image shown = framed(*eye);
+    const figure::Image shown = figure::framed(*eye);
     column -= shown.width + kMargin_px;
     figure::paste(outside, shown, column, kMargin_px);
   }

@@ -1,7 +1,7 @@
 // How a run was put together, as its recording states it.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/runtime/formats/little_endian.h"
 #include "tools/app/replay/recorded_backend.h"
+#include "sim/runtime/formats/little_endian.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -34,6 +34,22 @@ Result<void> choose(const std::string& name, const std::array<T, N>& values, T& 
   std::string names;
   for (const std::string& valid : enum_names(values)) names += (names.empty() ? "" : ", ") + valid;
   return fail(Fault::usage, "is `" + cut_text(name) + "`, none of " + names);
+}
+
+// The texts under this key in /behavior, with their times, ns.
+std::vector<std::pair<std::uint64_t, std::string>> behavior_texts(
+    const sim::McapRecording& recording, const char* key) {
+  std::vector<std::pair<std::uint64_t, std::string>> texts;
+  for (const auto& message : recording.messages) {
+    const auto topic = recording.topics.find(message.channel);
+    if (topic == recording.topics.end() || topic->second != "/behavior") continue;
+    const Json json = object_of(std::string(message.data.begin(), message.data.end()));
+    if (!json.is_object()) continue;
+    const auto text = json.find(key);
+    if (text != json.end() && text->is_string())
+      texts.emplace_back(message.time_ns, text->get<std::string>());
+  }
+  return texts;
 }
 
 }  // namespace
@@ -69,17 +85,12 @@ std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
 
 std::vector<std::pair<std::uint64_t, std::string>> recorded_requests(
     const sim::McapRecording& recording) {
-  std::vector<std::pair<std::uint64_t, std::string>> requests;
-  for (const auto& message : recording.messages) {
-    const auto topic = recording.topics.find(message.channel);
-    if (topic == recording.topics.end() || topic->second != "/behavior") continue;
-    const Json json = object_of(std::string(message.data.begin(), message.data.end()));
-    if (!json.is_object()) continue;
-    const auto line = json.find("request");
-    if (line != json.end() && line->is_string())
-      requests.emplace_back(message.time_ns, line->get<std::string>());
-  }
-  return requests;
+  return behavior_texts(recording, "request");
+}
+
+std::vector<std::pair<std::uint64_t, std::string>> recorded_phases(
+    const sim::McapRecording& recording) {
+  return behavior_texts(recording, "phase");
 }
 
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,

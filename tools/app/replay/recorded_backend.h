@@ -34,6 +34,10 @@ std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
 std::vector<std::pair<std::uint64_t, std::string>> recorded_requests(
     const sim::McapRecording& recording);
 
+// The behavior's phases, as "search", with the times of their beginnings, ns, in order.
+std::vector<std::pair<std::uint64_t, std::string>> recorded_phases(
+    const sim::McapRecording& recording);
+
 // World and robot that are not where they were, and are beside the recording, as kaz evaluate keeps them of
 // episodes that failed, or beside its folder, as where the run was started in the folder of its world.
 void find_beside(BackendOptions& options, const std::string& recording);

@@ -7,6 +7,7 @@
 #include "tools/app/compare/comparison.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
+#include "tools/app/replay/recorded_poses.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 #include "tools/lockstep/recorded_run.h"
@@ -69,6 +70,16 @@ Complaint try_recording(Bytes bytes) {
         return "a message that differs from itself";
     }
     before = &message;
+  }
+  (void)tools::recorded_phases(*recording);
+  const std::vector<std::string> frames{"trunk", "ball::link"};
+  const auto poses = tools::recorded_poses(*recording, frames, "case.mcap");
+  if (!poses) {
+    if (auto wrong = judge_error(poses.error(), "case.mcap")) return wrong;
+  } else {
+    for (const tools::RecordedPoses& one : *poses)
+      for (const Eigen::Isometry3d& pose : one.frames)
+        if (!pose.matrix().allFinite()) return "a pose that is no number";
   }
   const auto trace = tools::RunTrace::of(*recording, "case.mcap");
   if (!trace) {
