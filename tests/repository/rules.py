@@ -347,6 +347,17 @@ def check_words():
                     fault(f"{name}:{number}", f"'{found[0]}' is not a term of ours: {term}")
 
 
+def check_film():
+    """The README's film exists, and loads fast."""
+    film, most = "docs/pictures/catch.webp", 3_000_000
+    if f"]({film})" not in (ROOT / "README.md").read_text():
+        fault("README.md", f"shows no {film}")
+    if not (ROOT / film).is_file():
+        fault(film, "is missing: ./tools/dev pictures makes it")
+    elif (size := (ROOT / film).stat().st_size) > most:
+        fault(film, f"has {size} bytes, more than {most}: use a larger --pace")
+
+
 def check_identifiers():
     for path in files("*.h", "*.hpp", "*.c", "*.cpp", "*.def", "*.py"):
         code = re.sub(PROSE.get(path.suffix, PROSE[""]), " ", path.read_text())
@@ -366,6 +377,7 @@ check_links()
 check_temporary_names()
 check_clang()
 check_words()
+check_film()
 check_identifiers()
 print("\n".join(faults) if faults else "the tree keeps its rules")
 sys.exit(1 if faults else 0)

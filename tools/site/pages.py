@@ -8,7 +8,7 @@ import re
 LINK = re.compile(r"(!?\[(?:[^\[\]]|\[[^\]]*\]|!\[[^\]]*\]\([^)]*\))*\]\()([^)\s]+)(\))")
 FENCE = re.compile(r"^\s*(```+|~~~+)")
 HEADER = re.compile(r"(?<![\[`])`([\w/]+\.(?:h|hpp))`(?![\]`])")  # a path in code marks, outside of links
-PICTURES = (".png", ".jpg", ".svg")
+PICTURES = (".png", ".jpg", ".svg", ".webp")
 INDEX = "docs/README.md"
 LANGUAGES = {
     ".py": "python", ".h": "cpp", ".hpp": "cpp", ".cpp": "cpp", ".c": "c", ".sh": "sh", ".json": "json",
