@@ -9,6 +9,7 @@
 #include <map>
 
 #include "host/bus/bus_scan.h"
+#include "host/link/stalling_testing.h"
 #include "host/robot/robot.h"
 #include "shared/feetech/packet.h"
 
@@ -395,6 +396,43 @@ TEST_F(ServoRobot, AFloodIsAnErrorAndTheTorqueGoesOffAllTheSame) {
   const auto found = scan_bus(servos, servos, servo_bus::Protocol::feetech, 1000000, {});
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().fault, Fault::environment);
+}
+
+// A servo whose answer this machine read too late is not called missing, and its cable not blamed.
+TEST_F(ServoRobot, AScanOnABusyMachineRepeatsWhatWasLate) {
+  StallingLine line(servos, servos);
+  LatenessMeter meter(line, line);
+  std::map<int, std::string> undecided;
+  ScanOptions options;
+  options.last_id = 4;
+  options.lateness = &meter;
+  options.undecided = [&](int id, const std::string& why) { undecided[id] = why; };
+  line.length = 40ms;
+  line.stalls = 8;  // the first requests to id 0, two runs of each
+  line.pause = 1ms;
+  servos.silent[1] = 1;  // heard in the repetition alone
+  auto found = scan_bus(meter, meter, servo_bus::Protocol::feetech, 1000000, options).value();
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_TRUE(undecided.empty());
+  for (const ScannedServo& servo : found) {
+    EXPECT_EQ(servo.lost + servo.damaged + servo.late, 0) << servo.id;
+    for (const ScanRemark& remark : remarks_on(servo, servo_bus::Protocol::feetech))
+      EXPECT_FALSE(remark.wrong) << remark.text;
+  }
+  // Late each time: it is not known who is there.
+  line.stalls = 1'000'000;
+  servos.silent[2] = 1'000'000;
+  found = scan_bus(meter, meter, servo_bus::Protocol::feetech, 1000000, options).value();
+  ASSERT_EQ(undecided.size(), 4u);
+  EXPECT_TRUE(undecided.contains(2));
+  EXPECT_NE(undecided[2].find("this program was kept waiting for up to"), std::string::npos)
+      << undecided[2];
+  // A silent servo of a punctual machine is missing.
+  line.stalls = 0;
+  undecided.clear();
+  found = scan_bus(meter, meter, servo_bus::Protocol::feetech, 1000000, options).value();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(undecided.empty());
 }
 
 // Requests that were never served, since the line failed or the host was interrupted, must not delay an off.

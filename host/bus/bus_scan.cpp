@@ -75,14 +75,17 @@ class Scan {
 
   Result<std::vector<ScannedServo>> run() {
     std::vector<ScannedServo> found;
+    std::vector<int> undecided;
     // Once fast; where somebody is, those that were silent again: an answer may have been late.
     for (int pass = 0; pass < 2; ++pass) {
+      undecided.clear();
       for (int id = options_.first_id; id <= options_.last_id; ++id) {
         if (std::ranges::find(found, id, &ScannedServo::id) != found.end()) continue;
         if (options_.progress && pass == 0) options_.progress(id);
         ScannedServo servo;
         servo.id = id;
         const auto answer = KAZ_TRY(request(servo, Wire::ping(static_cast<std::uint8_t>(id))));
+        if (!answer && servo.late > 0) undecided.push_back(id);
         if (!answer && servo.damaged == 0) continue;
         found.push_back(servo);
       }
@@ -90,21 +93,60 @@ class Scan {
     }
     std::ranges::sort(found, {}, &ScannedServo::id);
     for (ScannedServo& servo : found) KAZ_TRY(read(servo));
+    if (!excuse_.empty()) {
+      for (ScannedServo& servo : found) excuse_losses(servo);
+    }
+    if (options_.undecided) {
+      for (const int id : undecided) options_.undecided(id, excuse_);
+    }
     return found;
   }
 
  private:
   using Answer = std::optional<typename Wire::Packet>;
 
+  // The simulator of a bus, too, may have been late without having noticed: on a machine that is late now and
+  // then, no missing answer is the cable's.
+  static void excuse_losses(ScannedServo& servo) {
+    servo.late += servo.lost;
+    servo.requests -= servo.lost;
+    servo.lost = 0;
+  }
+
+  // A request that failed while this machine was late proves nothing: it is repeated, and not counted.
   Result<Answer> request(ScannedServo& servo, const typename Wire::Packet& packet) {
-    KAZ_TRY(drain(link_, clock_));
+    LatenessMeter* const lateness = options_.lateness;
+    for (int again = lateness ? LatenessMeter::kRepetitions : 0;; --again) {
+      const int lost = servo.lost, damaged = servo.damaged;
+      KAZ_TRY(repeat_if_late(lateness, [this] { return drain(link_, clock_); }));
+      if (lateness) lateness->begin();
+      auto answer = KAZ_TRY(request_once(servo, packet));
+      const std::string excuse = lateness ? lateness->excuse() : "";
+      if (excuse.empty()) return answer;
+      excuse_ = excuse;
+      if (answer) {
+        servo.round_trips_s.pop_back();
+        return answer;
+      }
+      --servo.requests;
+      servo.lost = lost;
+      servo.damaged = damaged;
+      if (again > 0 && !lateness->other_end_gone()) continue;
+      ++servo.late;
+      return answer;
+    }
+  }
+
+  Result<Answer> request_once(ScannedServo& servo, const typename Wire::Packet& packet) {
     std::array<std::uint8_t, 256> bytes{};
     ++servo.requests;
     const Time begin = clock_.now();
     KAZ_TRY(link_.write(Wire::wire_of(packet)));
     typename Wire::Reader reader;
     bool came = false;
-    while (clock_.now() < begin + within_) {
+    // Once more after the time is up: of a program that was kept waiting the answer may be there.
+    for (bool last = false; !last;) {
+      last = clock_.now() >= begin + within_;
       const std::size_t count = KAZ_TRY(link_.read(bytes, begin + within_));
       for (const std::uint8_t byte : std::span(bytes).first(count)) {
         const auto event = reader.take(byte);
@@ -197,6 +239,7 @@ class Scan {
   Clock& clock_;
   const ScanOptions& options_;
   Time within_{};
+  std::string excuse_;  // the last one; empty: this machine was never late
 };
 
 // The bits of both makers' error bytes.
@@ -266,6 +309,13 @@ std::vector<ScanRemark> remarks_on(const ScannedServo& servo, Protocol protocol)
                   "the cable, supply",
                   servo.requests, servo.lost, servo.damaged);
     all.push_back({true, text});
+  }
+  if (servo.late > 0) {
+    std::snprintf(text, sizeof text,
+                  "%d requests without an answer are not decided, since this machine was late: end "
+                  "other programs and scan again",
+                  servo.late);
+    all.push_back({false, text});
   }
   if (servo.number >= 0 && servo.model == nullptr)
     all.push_back({false, "a model that Kaz has no register table of"});

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
-#include "host/link/link.h"
+#include "host/link/lateness.h"
 #include "shared/servo_bus/registers.h"
 
 namespace kaz::host {
@@ -16,8 +17,9 @@ struct ScannedServo {
   int id = 0;
   int number = -1;                          // of its model, as it says itself; -1: it does not
   const servo_bus::Model* model = nullptr;  // null: none of the tables has that number
-  // Of the pings and readings: requests that nobody answered, answers that came damaged.
-  int requests = 0, lost = 0, damaged = 0;
+  // Of the pings and readings: requests that nobody answered, answers that came damaged. Without those of
+  // `late`: this machine was late meanwhile or in the same scan, so whose fault they are is not decided.
+  int requests = 0, lost = 0, damaged = 0, late = 0;
   std::vector<double> round_trips_s;  // from the first byte sent to the last one received
   // As the last reading had it; NAN, -1: not read.
   double volts = NAN, lowest_volts = NAN, celsius = NAN;
@@ -31,6 +33,10 @@ struct ScanOptions {
   int readings = 20;  // of each servo that is found
   Time within{};      // of an answer, on top of what its bytes take; 0: 8 ms
   std::function<void(int id)> progress = nullptr;
+  // The link and the clock of the scan, where they are real; may be null.
+  LatenessMeter* lateness = nullptr;
+  // Called for each id where nobody answered and this machine was late in all repetitions, as `excuse` says.
+  std::function<void(int id, const std::string& excuse)> undecided = nullptr;
 };
 
 // At the link's rate, which is that of `baud`. Errors: the link's.

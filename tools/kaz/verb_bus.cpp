@@ -145,7 +145,7 @@ void add_bus(CLI::App& program, Action& action) {
       "  kaz bus scan --robot serial:arm --readings 1000 --json     # of kaz sim --bus");
   scan->callback([&action, options, ids] {
     (void)ids;  // CLI11 writes the option's text there
-    action = [options]() -> Result<Outcome> { return run_bus_scan(*options); };
+    action = [options] { return run_bus_scan(*options); };
   });
 }
 

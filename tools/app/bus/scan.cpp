@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/base/time_lost.h"
 
 namespace kaz::tools {
 namespace {
@@ -122,9 +124,25 @@ std::vector<host::ScanRemark> of_bus(const std::vector<Found>& all) {
   return remarks;
 }
 
+constexpr const char* kScanAgain = "end other programs and scan again";
+
+// "3, 5-7"
+std::string ids_text(const std::set<int>& ids) {
+  std::string text;
+  for (auto first = ids.begin(); first != ids.end();) {
+    int last = *first;
+    auto next = std::next(first);
+    for (; next != ids.end() && *next == last + 1; ++next) last = *next;
+    text += (text.empty() ? "" : ", ") + std::to_string(*first);
+    if (last != *first) text += "-" + std::to_string(last);
+    first = next;
+  }
+  return text;
+}
+
 }  // namespace
 
-Result<bool> run_bus_scan(const BusScanOptions& options) {
+Result<Outcome> run_bus_scan(const BusScanOptions& options) {
   const auto bus = KAZ_TRY(parse_bus(options.robot));
   auto address = bus.port;
   if (bus.protocol && !options.protocol.empty())
@@ -146,6 +164,8 @@ Result<bool> run_bus_scan(const BusScanOptions& options) {
       places.emplace_back(protocol, baud);
   }
   std::vector<Found> all;
+  std::set<int> undecided;
+  std::string excuse;
   Progress progress("kaz bus scan", options.json);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto& [protocol, baud] = places[i];
@@ -169,7 +189,13 @@ Result<bool> run_bus_scan(const BusScanOptions& options) {
                       std::string(servo_bus::name_of(protocol)) + ", " + std::to_string(baud) +
                           " baud, " + std::to_string(all.size()) + " found");
     };
-    const auto found = host::scan_bus(**link, clock, protocol, baud, scan);
+    host::LatenessMeter meter(**link, clock, time_lost_behind((*link)->name(), interrupt));
+    scan.lateness = &meter;
+    scan.undecided = [&](int id, const std::string& why) {
+      undecided.insert(id);
+      excuse = why;
+    };
+    const auto found = host::scan_bus(meter, meter, protocol, baud, scan);
     if (!found && interrupt.requested()) {
       progress.done();
       if (!options.json) print(all);
@@ -179,11 +205,20 @@ Result<bool> run_bus_scan(const BusScanOptions& options) {
       all.push_back({protocol, baud, servo, host::remarks_on(servo, protocol)});
   }
   progress.done();
-  const auto remarks = of_bus(all);
+  auto remarks = of_bus(all);
+  for (const Found& one : all) undecided.erase(one.servo.id);
+  if (!undecided.empty())
+    remarks.push_back({false, "whether a servo has id " + ids_text(undecided) +
+                                  " is not decided: " + excuse + "; " + kScanAgain});
+  const bool late = !undecided.empty() ||
+                    std::ranges::any_of(all, [](const Found& one) { return one.servo.late > 0; });
   bool good = !all.empty();
   for (const Found& one : all)
     for (const host::ScanRemark& remark : one.remarks) good = good && !remark.wrong;
   for (const host::ScanRemark& remark : remarks) good = good && !remark.wrong;
+  // Nothing is wrong, but not all is known.
+  const auto outcome =
+      good && late ? Outcome::with_status(static_cast<int>(Fault::environment)) : Outcome(good);
   if (options.json) {
     Json json{{"port", address.name()}, {"ok", good}, {"servos", Json::array()}};
     for (const Found& one : all) json["servos"].push_back(as_json(one));
@@ -192,8 +227,12 @@ Result<bool> run_bus_scan(const BusScanOptions& options) {
       json["remarks"].push_back({{"wrong", one.wrong}, {"text", one.text}});
     json["provenance"] = provenance_json();
     print_json(json);
-    return good;
+    return outcome;
   }
+  if (all.empty() && late)
+    return fail(Fault::environment, "no servo answers on " + address.name() +
+                                        ", but this machine was late (" + excuse + "); " +
+                                        kScanAgain);
   if (all.empty()) {
     std::printf(
         "no servo answers on %s: check its supply, the plug next to the adapter, and that no other "
@@ -203,8 +242,8 @@ Result<bool> run_bus_scan(const BusScanOptions& options) {
   }
   print(all);
   for (const host::ScanRemark& remark : remarks)
-    std::printf("%s: %s\n", remark.wrong ? "wrong" : "note", remark.text.c_str());
-  return good;
+    print_lines("%s: %s\n", remark.wrong ? "wrong" : "note", remark.text.c_str());
+  return outcome;
 }
 
 }  // namespace kaz::tools

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "tools/app/base/outcome.h"
 
 namespace kaz::tools {
 
@@ -18,7 +19,8 @@ struct BusScanOptions {
   bool json = false;
 };
 
-// Prints the servos. False: there are none, or something is wrong.
-Result<bool> run_bus_scan(const BusScanOptions& options);
+// Prints the servos. Status 1: there are none, or something is wrong; 3: nothing is wrong, but this machine
+// was too late to judge all.
+Result<Outcome> run_bus_scan(const BusScanOptions& options);
 
 }  // namespace kaz::tools
