@@ -49,7 +49,6 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_option("--video-fps", arguments->film.fps,
                    "pictures of the film in a second (default: 30; of .webp and .gif 10)")
       ->check(between(1, 60))
-      ->transform(whole_number())
       ->needs(video);
   auto* pace = verb->get_option("--pace");
   pace->remove_needs(view);
