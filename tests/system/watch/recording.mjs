@@ -95,6 +95,14 @@ try {
   await page.click("#restart");
   await page.waitForFunction(() => window.kaz.playing() && window.kaz.time() < 1);
 
+  // A jump sends robot and objects again: they replace those before.
+  const meshes = await page.evaluate(() => window.kaz.meshes());
+  for (let i = 0; i < 3; ++i) {
+    await page.click("#restart");
+    await page.waitForTimeout(1000);
+  }
+  await page.waitForFunction((before) => window.kaz.meshes() === before, meshes, { timeout: 30000 });
+
   // The 3D view as a PNG file.
   const saved = async (page, button, width, height) => {
     const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);

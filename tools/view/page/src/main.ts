@@ -213,5 +213,5 @@ window.kaz = {
   pose: (link: string) => scene.pose(link),
   onCanvas: (what: string | Vector) => scene.onCanvas(what),
   frames: () => scene.frames, plotted: () => plot.count(), target: (joint: string) => plot.target(joint),
-  pictures: () => pictures, time: () => time, playing: () => playing,
+  meshes: () => scene.meshes(), pictures: () => pictures, time: () => time, playing: () => playing,
 };

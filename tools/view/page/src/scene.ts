@@ -70,8 +70,9 @@ export class Scene {
       link.matrixAutoUpdate = true;
       this.nodes.set(name, link);
     }
-    for (const link of this.nodes.values()) this.world.add(link);
-    for (const link of this.nodes.values()) {
+    const links = Object.values(this.robot.links);
+    this.world.add(...links);
+    for (const link of links) {
       for (const child of [...link.children]) if ("isURDFJoint" in child) link.remove(child);
       link.traverse((part) => { part.castShadow = true; });
     }
@@ -79,8 +80,8 @@ export class Scene {
   }
 
   setObjects(markers: Marker[]): void {
-    this.objects.clear();
     for (const [name, node] of this.nodes) if (node.parent === this.objects) this.nodes.delete(name);
+    this.objects.clear();
     for (const marker of markers) {
       const flat = marker.scale[2] < 1e-3;
       const mesh = new THREE.Mesh(shapeOf(marker), this.materialOf(marker));
@@ -235,6 +236,13 @@ export class Scene {
     this.floor.clear();
     this.floor.add(plane);
     this.dirty = true;
+  }
+
+  // How many meshes the scene has.
+  meshes(): number {
+    let count = 0;
+    this.world.traverse((part) => { if (part instanceof THREE.Mesh) ++count; });
+    return count - this.forces.children.length;  // each arrow has one
   }
 
   // Whether there is a robot to be seen.
