@@ -287,7 +287,9 @@ Result<void> View::hear(const std::string& line) {
     step_s_ = *seconds;
     return {};
   }
-  if (const auto times = number_after("pace "); times && *times >= 0 && *times <= 100) {
+  // 0: as fast as it goes; else as --pace takes it.
+  const auto times = number_after("pace ");
+  if (times && (*times == 0 || (*times >= 0.01 && *times <= 100))) {
     pace_ = *times;
     return {};
   }

@@ -432,6 +432,7 @@ TEST(View, ARunIsPausedStepsAndGoesOnAndIsTheSame) {
     const auto first = owner.next_frame(1);
     ASSERT_TRUE(first);
     EXPECT_EQ(received(*first).time_ns, 1'000'000u);
+    owner.send(published(1, "pace 1e-300"));  // less than --pace takes
     EXPECT_EQ(last(200), 0u) << "paused behind the first step";
     // Who comes now is shown where the robot is, and that the run pauses.
     Client late((*view)->server().port());
