@@ -172,8 +172,7 @@ std::string write_text(const WriteFile& write) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-Result<WriteFile> read_write(const std::string& path) {
-  const auto text = KAZ_TRY(read_whole_file(path, kMaxBytes));
+Result<WriteFile> parse_write(const std::string& text, const std::string& name) {
   const Json json = parse_bounded_json<Json>(text).value_or(nullptr);
   WriteFile write;
   Fields fields(json, "");
@@ -186,7 +185,12 @@ Result<WriteFile> read_write(const std::string& path) {
     fields.text("folder", write.folder);
     if (fields.first_wrong().empty()) return write;
   }
-  return fail(Fault::usage, path + ": holds no notes of `kaz flash write`, or is damaged");
+  return fail(Fault::usage, name + ": holds no notes of `kaz flash write`, or is damaged");
+}
+
+Result<WriteFile> read_write(const std::string& path) {
+  const auto text = KAZ_TRY(read_whole_file(path, kMaxBytes));
+  return parse_write(text, path);
 }
 
 Result<KeptFile> read_kept(const std::string& path) {

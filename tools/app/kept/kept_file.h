@@ -26,6 +26,7 @@ struct WriteFile {
   std::string command, folder;  // what was given, and where
 };
 std::string write_text(const WriteFile& write);
+Result<WriteFile> parse_write(const std::string& text, const std::string& name);
 // Errors (usage): why it cannot be read, too.
 Result<WriteFile> read_write(const std::string& path);
 

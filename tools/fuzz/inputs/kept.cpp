@@ -7,7 +7,22 @@
 namespace kaz::fuzz {
 
 // What `kaz recover --from` would send to a board.
+namespace {
+
+Complaint try_write(const std::string& text) {
+  const auto write = tools::parse_write(text, "case.json");
+  if (!write) return judge_error(write.error(), "case.json");
+  const auto again = tools::parse_write(tools::write_text(*write), "again");
+  if (!again) return "a write's notes cannot be read again: " + again.error().message;
+  if (again->command != write->command || again->run.process != write->run.process)
+    return "a write's notes are others when they are read again";
+  return std::nullopt;
+}
+
+}  // namespace
+
 Complaint try_kept(Bytes bytes) {
+  if (auto wrong = try_write(text_of(bytes))) return wrong;
   const auto kept = tools::parse_kept(text_of(bytes), "case.json");
   if (!kept) return judge_error(kept.error(), "case.json");
   const host::BoardState& board = kept->board;
