@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A page in the user's browser can send a request to any TCP port that this machine reaches, 127.0.0.1
-// included, with a body of its choice (a cross-protocol request). A page whose name is rebound to this machine
-// also chooses the method: any token of RFC 9110, which may be text of GDB's protocol. To a server of raw bytes
-// the header is noise, and the body is obeyed. So each TCP listener that does not speak HTTP passes what a
-// client sends through a BrowserGuard first, which knows how its own peers begin.
+// included, with a body of its choice (a cross-protocol request). A page whose name is rebound to this
+// machine also chooses the method: any token of RFC 9110, which may be text of GDB's protocol. To a server
+// of raw bytes the header is noise, and the body is obeyed. So each TCP listener that does not speak HTTP
+// passes what a client sends through a BrowserGuard first, which knows how its own peers begin.
 #pragma once
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // main() of tests in real time: a failure beside other programs proves nothing.
 // SPDX-License-Identifier: Apache-2.0
 //
-// While the tests run, it measures how long programs of this machine wait for a processor. If a test fails and
-// they waited too long, it is tried again; after kAttempts it counts as skipped, with the number. With
+// While the tests run, it measures how long programs of this machine wait for a processor. If a test fails
+// and they waited too long, it is tried again; after kAttempts it counts as skipped, with the number. With
 // KAZ_TEST_ALONE=1, and outside of CTest, each failure counts.
 #include <unistd.h>
 

@@ -150,7 +150,7 @@ LAYERS = {
     "tools/fuzz": {".": (), "flash_writer": (".",), "inputs": (".",), "vision": (".",)},
     "tools/benchmark": {"common": (), "bullet": ("common",), "mujoco": ("common",),
                         "body": ("bullet", "mujoco"), ".": ("body",)},
-    "tests": {"integration": (), "studies": (), "system": ("studies",), "repository": ()},
+    "tests": {"integration": (), "studies": (), "system": ("studies",), "repository": (), "real_time": ()},
     "tests/integration": {name: () for name in (
         ".", "bench", "conformance", "damage", "random_programs", "servo_conformance", "vision",
         "vision_flow")},
