@@ -175,8 +175,9 @@ std::string no_pictures_text(const sim::McapRecording& recording) {
                                     fact("seed", "N") + " --out DIR"
                               : "kaz sim --record FILE";
   return none +
-         ", and kaz replay cannot draw them again. Record the run again, with the options that it "
-         "had and --record-pictures: " +
+         ". kaz replay --video film.mp4 draws the left eye's again. For both eyes here, record the "
+         "run "
+         "again, with the options that it had and --record-pictures: " +
          how + " --record-pictures";
 }
 

@@ -235,7 +235,7 @@ TEST(View, ARecordingWithoutPicturesSaysHowToRecordSome) {
   const auto says = [&](const char* part) {
     return no_pictures_text(recording).find(part) != std::string::npos;
   };
-  EXPECT_TRUE(says("holds no pictures, and kaz replay cannot draw them again"));
+  EXPECT_TRUE(says("holds no pictures. kaz replay --video film.mp4 draws the left eye's again"));
   EXPECT_TRUE(says("kaz run search-ball --seed 7 --out DIR --record-pictures"));
   recording.facts["behavior"] = std::string(1 << 20, 'x');
   EXPECT_TRUE(says("kaz run BEHAVIOR --seed 7"));
