@@ -68,7 +68,9 @@ Result<Ended> converse(GdbServer& server, int in, int out, States slice, int sto
       if (n < 0 && errno == EINTR) continue;
       if (n < 0 && errno != ECONNRESET) return fail("GDB's connection: " + reason());
       if (n <= 0) return ended();
-      const auto bytes = guard.admit(std::span(buffer.data(), static_cast<std::size_t>(n)));
+      const std::span<const std::uint8_t> all(buffer.data(), static_cast<std::size_t>(n));
+      // No browser reaches standard input.
+      const auto bytes = listener < 0 ? std::optional(all) : guard.admit(all);
       if (!bytes) return Ended::browser;
       server.feed(*bytes);
     } else if (ready > 0 && newcomer.revents != 0) {
