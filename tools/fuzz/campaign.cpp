@@ -119,18 +119,21 @@ class PortTarget {
         options_(options),
         seed_(options.seed) {}
 
-  // The board may answer a late case's requests only now, or still send its telemetry. Waits for an answer
-  // and then for silence, 3 s at most: the next case counts its own replies alone.
+  // The board may answer a late case's requests only now, or still send its telemetry. Waits for the answer
+  // to a later request and then for silence, 3 s at most: the next case counts its own replies alone.
   Result<void> silence() {
     constexpr auto kSilence = std::chrono::milliseconds(100);
+    const Time until = clock_.now() + std::chrono::seconds(3);
     const std::vector<std::uint8_t> off{0, 0, 0};
     KAZ_TRY(link_->write(hil::fuzz::framed(options_.address, KZ_TYPE_telemetry, 0, off)));
-    const Time until = clock_.now() + std::chrono::seconds(3);
+    host::Requester requester(*link_, clock_, {.address = options_.address});
+    while (!host::identify_board(requester)) {
+      if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
+      if (!requester.timed_out() || clock_.now() >= until) return {};
+    }
     std::array<std::uint8_t, 1024> late{};
-    for (bool answered = false; clock_.now() < until;) {
-      const std::size_t count = KAZ_TRY(link_->read(late, clock_.now() + kSilence));
-      if (count == 0 && answered) break;
-      answered |= count > 0;
+    while (clock_.now() < until) {
+      if (KAZ_TRY(link_->read(late, clock_.now() + kSilence)) == 0) break;
     }
     return {};
   }
