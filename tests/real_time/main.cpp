@@ -27,7 +27,7 @@ constexpr int kAttempts = 3;
 constexpr int kSkipped =
     75;  // SKIP_RETURN_CODE in kaz_test(); ./tools/dev test tries these again, alone
 // Above one of these the machine is too slow.
-constexpr double kWaitingShare = 0.5;
+constexpr double kWaitingShare = 0.25;
 constexpr std::chrono::milliseconds kLate{20};
 
 // Time in which at least one program waited for a processor, since the start, s; none: this kernel does not
