@@ -136,7 +136,15 @@ TEST_F(FlashVerb, ManualResetByHand) {
   control("mode boot");
   control("reset");
   program.type("\n");
-  ASSERT_TRUE(program.wait_for_output("back to run", seconds(60))) << program.wait(seconds(0)).err;
+  // On a busy machine boot mode may fail, and is requested once more.
+  bool again = false;
+  for (int i = 0; i < 120 && !program.prints_within("back to run", seconds(1)); ++i) {
+    if (again || !program.prints_within("once more", seconds(0))) continue;
+    again = true;
+    control("reset");
+    program.type("\n");
+  }
+  ASSERT_TRUE(program.prints_within("back to run", seconds(0))) << program.wait(seconds(0)).err;
   control("mode run");
   control("reset");
   program.type("\n");
