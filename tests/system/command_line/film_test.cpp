@@ -36,7 +36,6 @@ class Film : public testing::Test {
   }
 
   static std::string recording() { return *run_folder_ / "out/recording.mcap"; }
-  static bool has_ffmpeg() { return std::system("ffprobe -version >/dev/null 2>&1") == 0; }
 
   // Arguments of a film of 11 pictures or so.
   std::vector<std::string> film(const std::string& name, std::vector<std::string> more = {}) {
@@ -53,7 +52,7 @@ class Film : public testing::Test {
     film.insert(film.begin(), {"/usr/bin/env", "PATH=" + folder_.path() + "/bin:/usr/bin:/bin"});
     return film;
   }
-  // Nothing of a film, whole or in part.
+  // Neither a film nor a part of one is left.
   void expect_no_film(const std::string& name) {
     EXPECT_FALSE(fs::exists(folder_ / name));
     EXPECT_FALSE(fs::exists(folder_ / (name + ".part")));
@@ -69,7 +68,6 @@ class Film : public testing::Test {
 constexpr const char* kKeepsPictures = R"(for name; do :; done; exec cat >"${name#file:}")";
 
 TEST_F(Film, HasEachFormatThatItsEndingNames) {
-  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
   for (const auto& [name, codec] :
        {std::pair{"a.mp4", "h264"}, {"a.webm", "vp9"}, {"a.gif", "gif"}}) {
     const Finished made = run(film(name, {"--json"}), seconds(100));
@@ -92,12 +90,12 @@ TEST_F(Film, HasEachFormatThatItsEndingNames) {
     EXPECT_NEAR(std::stod(about["format"]["duration"].get<std::string>()),
                 result["seconds"].get<double>(), 0.051)
         << name;
-    // What every player and browser has.
+    // Every player and browser has this codec.
     if (std::string(codec) == "h264") {
       EXPECT_EQ(stream["pix_fmt"], "yuv420p");
     }
   }
-  // Of kaz, so it may be replaced; nothing marks a GIF.
+  // A film of kaz may be replaced. A GIF has no mark of kaz.
   EXPECT_EQ(run(film("a.mp4"), seconds(100)).exit_code, 0);
   EXPECT_EQ(run(film("a.webm"), seconds(100)).exit_code, 0);
   const Finished again = run(film("a.gif"), seconds(100));
@@ -106,7 +104,6 @@ TEST_F(Film, HasEachFormatThatItsEndingNames) {
 
 // ffprobe of Debian 12 reads no animated WebP: its frames are chunks of the file.
 TEST_F(Film, IsAnAnimatedWebP) {
-  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
   const Finished made = run(film("a.webp", {"--json"}), seconds(100));
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const std::string bytes = read_file(folder_ / "a.webp");

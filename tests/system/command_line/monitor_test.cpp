@@ -114,17 +114,31 @@ TEST(Monitor, ShowsJointsMovesAndStopsThemAndFindsABoardAgain) {
   screen.wait("left with 0");
 }
 
+// The arm SO-101 on a virtual bus.
+class VirtualArm {
+ public:
+  VirtualArm() { EXPECT_TRUE(sim_.wait_for_output("ready", seconds(30))); }
+  std::string port() const { return "feetech:" + (folder_ / "arm"); }
+  // The command line of `kaz monitor` for it.
+  std::string monitor() const {
+    std::string command;
+    for (const std::string& word : kaz({"monitor", port(), "--robot-file", file_}))
+      command += word + " ";
+    return command;
+  }
+  void signal(int number) { sim_.signal(number); }
+
+ private:
+  const TemporaryFolder folder_;
+  const std::string file_ = std::filesystem::absolute("sim/robots/so101/so101.urdf");
+  Process sim_{
+      kaz({"sim", "--bus", "feetech", "--robot-file", file_, "--serial", folder_ / "arm"})};
+};
+
 // Six servos of an arm, by their names; a key moves one, and q lets go of it.
 TEST(Monitor, ShowsAndMovesTheServosOfABus) {
-  const TemporaryFolder folder;
-  const std::string arm = std::filesystem::absolute("sim/robots/so101/so101.urdf");
-  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", arm, "--serial", folder / "arm"}));
-  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30)));
-  std::string command;
-  for (const std::string& word :
-       kaz({"monitor", "feetech:" + (folder / "arm"), "--robot-file", arm}))
-    command += word + " ";
-  Screen screen(command);
+  VirtualArm arm;
+  Screen screen(arm.monitor());
   const std::string now = screen.wait("motors off[^]*0 shoulder_pan[^]*5 gripper[^]*quit");
   EXPECT_EQ(now.find("neck_pan"), std::string::npos) << now;
   screen.press({"e"});
@@ -134,31 +148,24 @@ TEST(Monitor, ShowsAndMovesTheServosOfABus) {
   screen.wait("0 shoulder_pan +10\\.[0-9] +(8|9|10)\\.[0-9]");
   screen.press({"q"});
   screen.wait("left with 0");
-  const Finished unnamed = run(kaz({"monitor", "feetech:" + (folder / "arm")}));
+  const Finished unnamed = run(kaz({"monitor", arm.port()}));
   EXPECT_EQ(unnamed.exit_code, 2);
   EXPECT_NE(unnamed.err.find("needs --robot-file FILE"), std::string::npos) << unnamed.err;
 }
 
 // The second signal ends it while it waits for servos, which have no watchdog.
 TEST(Monitor, EndedAtOnceItSaysThatMotorsMayHold) {
-  const TemporaryFolder folder;
-  const std::string arm = std::filesystem::absolute("sim/robots/so101/so101.urdf");
-  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", arm, "--serial", folder / "arm"}));
-  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30)));
-  std::string command;
-  for (const std::string& word :
-       kaz({"monitor", "feetech:" + (folder / "arm"), "--robot-file", arm}))
-    command += word + " ";
-  Screen screen(command);
+  VirtualArm arm;
+  Screen screen(arm.monitor());
   screen.wait("motors off[^]*0 shoulder_pan");
   screen.press({"e"});
   screen.wait("0 shoulder_pan .* on");
-  sim.signal(SIGSTOP);
+  arm.signal(SIGSTOP);
   for (int i = 0; i < 20 && screen.text().find("left with") == std::string::npos; ++i) {
     screen.press({"C-c"});
     std::this_thread::sleep_for(std::chrono::milliseconds(600));
   }
-  sim.signal(SIGCONT);
+  arm.signal(SIGCONT);
   screen.wait("ended at once; the motors on[^]*may[^]*hold[^]*power[^]*left with 130");
 }
 
