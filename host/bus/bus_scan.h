@@ -17,8 +17,8 @@ struct ScannedServo {
   int id = 0;
   int number = -1;                          // of its model, as it says itself; -1: it does not
   const servo_bus::Model* model = nullptr;  // null: none of the tables has that number
-  // Of the pings and readings: requests that nobody answered, answers that came damaged. Without those of
-  // `late`: this machine was late meanwhile or in the same scan, so whose fault they are is not decided.
+  // Counts over all pings and readings: requests sent, requests without an answer, damaged answers. `late`
+  // counts losses while this machine was late, which are undecided and not in `lost` or `damaged`.
   int requests = 0, lost = 0, damaged = 0, late = 0;
   std::vector<double> round_trips_s;  // from the first byte sent to the last one received
   // As the last reading had it; NAN, -1: not read.

@@ -32,7 +32,7 @@ class ByteStream {
   Error closed() const { return Error{Fault::environment, closed_}; }
 
   // Fails when the other end is gone, and from then on; or when it has taken no byte of the last 64 KB.
-  // What the other end of a socket sent before it was gone can still be read.
+  // Bytes that the other end of a socket sent before it closed can still be read.
   Result<void> write(std::span<const std::uint8_t> bytes);
   // As Link::read.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline);

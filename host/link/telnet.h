@@ -89,8 +89,8 @@ enum class End { client, server };
 // that two ends never answer each other without end.
 class Options {
  public:
-  // What this end offers and asks for, to be sent first. A server leaves option 44 to its client: pyserial
-  // takes an offer that comes early for the answer to its own, and then never sends its own.
+  // Writes the offers and requests that this end sends first. A server leaves option 44 to its client:
+  // pyserial takes an early offer for the answer to its own, and then never sends its own.
   void begin(End end, std::vector<std::uint8_t>& wire);
   void take(const Command& command, std::vector<std::uint8_t>& wire);
   // Both ends have said that they speak RFC 2217; the other has said that it does not.

@@ -59,7 +59,7 @@ TEST(Numbers, AreFiniteAndDecimalInEveryOption) {
   std::size_t numeric = 0;
   std::set<std::string> tried;  // several verbs have the same one
   auto verbs = all_verbs();
-  // Help of a behaviour shows what only some have.
+  // Some options are shown only in the help of the behaviors that have them.
   for (const char* behavior : {"navigate", "play"}) verbs.push_back({"run", behavior});
   for (const auto& verb : verbs) {
     auto arguments = verb;

@@ -43,7 +43,7 @@ class OutputFile {
   const std::string& path() const { return path_; }
   // Where to write until commit(). What is there stays if a second Ctrl-C ends the program.
   const std::string& part() const;
-  // The same where what is there is of no use before commit(): a second Ctrl-C removes it, too.
+  // The same for a file that is useless before commit(): a second Ctrl-C removes it, too.
   const std::string& scratch() const { return part_; }
   // Whether so many bytes have room, of a file that takes long to obtain. Error: as of write() on a full
   // disk. Devices, pipes and file systems that cannot say so have room.

@@ -338,7 +338,7 @@ TEST_F(KeptRuns, MotorsThatAreStillOnAreNotCalledOff) {
             "test-port: pan (id 1) still has torque: cut the power");
 }
 
-// Of a flash write: under way it is not named, killed it is, and the next whole write ends that.
+// A flash write is named once it was killed, until a later write is complete.
 TEST_F(KeptRuns, AKilledFlashWriteIsNamed) {
   const auto only_notes = [&] {
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);

@@ -216,7 +216,7 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
   for (const Found& one : all)
     for (const host::ScanRemark& remark : one.remarks) good = good && !remark.wrong;
   for (const host::ScanRemark& remark : remarks) good = good && !remark.wrong;
-  // Nothing is wrong, but not all is known.
+  // No fault was found, but some requests are undecided.
   const auto outcome =
       good && late ? Outcome::with_status(static_cast<int>(Fault::environment)) : Outcome(good);
   if (options.json) {

@@ -27,7 +27,7 @@ Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t 
 Result<std::string> episode_memory(const CampaignOptions& options, const Scenario& scenario,
                                    const std::string& robot_file);
 
-// What the episode had of the scenario's pushes: `pushes`, how many, and `walked_s`, since the first step.
+// Adds `pushes`, the number of pushes that happened, and `walked_s`, the time since the first step in s.
 void add_pushes(nlohmann::ordered_json& episode, const Scenario& scenario, const Judge& judge);
 
 // Runs it in this process. A failure leaves its recording in `failures`/NUMBER; a success leaves
