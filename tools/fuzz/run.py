@@ -116,7 +116,7 @@ class Run:
         self.log_path = options.out / f"{name}.log"
         self.log = self.log_path.open("wb")
         command = [*self.program,
-                   f"-max_total_time={math.ceil(WALL_PER_CPU * seconds)}", "-timeout=20",
+                   f"-max_total_time={math.ceil(WALL_PER_CPU * seconds)}", "-timeout=300",
                    "-rss_limit_mb=3000", "-print_final_stats=1",
                    f"-artifact_prefix={options.out}/{name}-", corpus, target["seeds"]]
         # Its own group: Ctrl-C reaches it through stop() alone.
@@ -176,8 +176,8 @@ class Run:
             return False
         for case in cases:
             # Also its own group: an interruption must not look like a slow case.
-            alone = subprocess.run([*self.program, "-timeout=60", f"-artifact_prefix={self.out}/{self.name}-",
-                                    case], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            command = [*self.program, "-timeout=600", f"-artifact_prefix={self.out}/{self.name}-", case]
+            alone = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL, start_new_session=True)
             if alone.returncode != 0:
                 return False
@@ -215,7 +215,7 @@ def fuzz(options, targets):
         left[run.name] -= result["cpu_s"]
         if result["found"] and not interrupted and run.was_only_slow():
             result["found"] = False
-            print(f"{run.name}: a case took over 20 s beside other programs, alone it ends in time",
+            print(f"{run.name}: a case took over 300 s beside other programs, alone it ends in time",
                   flush=True)
         goes_on = not result["found"] and not interrupted and left[run.name] >= 1 and result["cpu_s"] > 0
         if goes_on:
