@@ -141,7 +141,7 @@ def browser(chromium, address, window="1280,900"):
         ],
                               capture_output=True,
                               text=True,
-                              timeout=120)
+                              timeout=1200)
     return done.stdout, [
         line for line in done.stderr.splitlines() if "CONSOLE" in line and "mode." not in line
     ]

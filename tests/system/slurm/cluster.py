@@ -14,6 +14,8 @@ import subprocess
 import sys
 import time
 
+from compared import HANG_S
+
 NODES = ("k1", "k2")
 CONFIGURATION = """
 ClusterName=kaz
@@ -119,7 +121,7 @@ class Cluster:
                                                 stdin=subprocess.DEVNULL, start_new_session=True)
         log.close()
 
-    def _wait(self, what, condition, seconds=40):
+    def _wait(self, what, condition, seconds=HANG_S):
         until = time.monotonic() + seconds
         while time.monotonic() < until:
             if condition():
@@ -136,7 +138,7 @@ class Cluster:
         self._start(f"slurmd-{node}", "slurmd", "-D", "-N", node)
 
     def run(self, *command):
-        return subprocess.run(command, env=self.environment, capture_output=True, text=True, timeout=60)
+        return subprocess.run(command, env=self.environment, capture_output=True, text=True, timeout=HANG_S)
 
     def stop(self, name):
         process = self.processes.pop(name)

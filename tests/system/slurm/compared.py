@@ -4,6 +4,8 @@ import json
 import pathlib
 import sys
 
+HANG_S = 1200  # of a busy machine
+
 
 def check(condition, what):
     if not condition:

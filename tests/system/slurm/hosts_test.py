@@ -16,7 +16,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from compared import check, same_result  # noqa: E402
+from compared import HANG_S, check, same_result  # noqa: E402
 
 KAZ = str(pathlib.Path(sys.argv[1]).resolve())
 COMMAND = ["evaluate", "stand", "--mcu", "native", "--episodes", "12"]
@@ -33,7 +33,7 @@ SHELL=/bin/sh exec sh -c "$*"
 
 
 def kaz(environment, *words):
-    return subprocess.run([KAZ, *words], env=environment, capture_output=True, text=True, timeout=300)
+    return subprocess.run([KAZ, *words], env=environment, capture_output=True, text=True, timeout=HANG_S)
 
 
 def main():
@@ -63,11 +63,11 @@ def run(folder):
     # Ctrl-C ends what runs; parts that are there stay, and the same command runs the rest.
     begun = subprocess.Popen([KAZ, *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                              text=True)
-    until = time.monotonic() + 60
+    until = time.monotonic() + HANG_S
     while not list(many.glob("parts/[0-9]")) and time.monotonic() < until and begun.poll() is None:
         time.sleep(0.02)
     begun.send_signal(signal.SIGINT)
-    _, said = begun.communicate(timeout=60)
+    _, said = begun.communicate(timeout=HANG_S)
     check(begun.returncode == 130 and "goes on" in said, f"interrupted: {begun.returncode}, {said}")
     kept = {path: path.stat().st_mtime_ns for path in many.glob("parts/[0-9]/result.json")}
     whole = kaz(environment, *words)

@@ -17,7 +17,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import cluster  # noqa: E402
-from compared import check, same_result  # noqa: E402
+from compared import HANG_S, check, same_result  # noqa: E402
 
 KAZ = str(pathlib.Path(sys.argv[1]).resolve())
 LONG = len(sys.argv) > 2
@@ -28,7 +28,7 @@ COMMAND = ["evaluate", "stand", "--mcu", "native", "--episodes", str(EPISODES)]
 
 def kaz(environment, *words, **more):
     return subprocess.run([KAZ, *words], env=environment, capture_output=True, text=True,
-                          timeout=20000 if LONG else 600, **more)
+                          timeout=20000 if LONG else HANG_S, **more)
 
 
 def begun(slurm, words):
@@ -63,14 +63,14 @@ def run(slurm, folder):
     first = waiting.stdout.readline()
     check("job " in first, f"the job has no number: {first} {waiting.stderr.read() if not first else str()}")
     waiting.send_signal(signal.SIGINT)
-    _, said = waiting.communicate(timeout=20)
+    _, said = waiting.communicate(timeout=HANG_S)
     check(waiting.returncode == 130 and "goes on" in said, f"interrupted: {waiting.returncode}, {said}")
 
     waiting = begun(slurm, words)
     first = waiting.stdout.readline()
     check("is under way" in first, f"the second call says: {first}")
     # A node loses its power while it has tasks; they are requeued, to the other, or to it when it is back.
-    killed, until = 0, time.monotonic() + (20000 if LONG else 60)
+    killed, until = 0, time.monotonic() + (20000 if LONG else HANG_S)
     while killed < KILLS and time.monotonic() < until and waiting.poll() is None:
         if "k2" in slurm.run("squeue", "-h", "-t", "R", "-o", "%N").stdout:
             time.sleep(20 if LONG else 0)  # amid its work

@@ -15,7 +15,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from compared import check  # noqa: E402
+from compared import HANG_S, check  # noqa: E402
 
 KAZ = str(pathlib.Path(sys.argv[1]).resolve())
 SBATCH = """#!/bin/sh
@@ -37,7 +37,7 @@ def begun(folder, out):
 
 
 def wait_for(what, condition):
-    until = time.monotonic() + 30
+    until = time.monotonic() + HANG_S
     while not condition():
         check(time.monotonic() < until, f"waited in vain for {what}")
         time.sleep(0.05)
@@ -64,7 +64,7 @@ def interrupted(folder, out):
     first = begun(folder, out)
     wait_for("sbatch", lambda: submissions(folder) == ["begun"])
     os.killpg(first.pid, signal.SIGINT)
-    _, said = first.communicate(timeout=30)
+    _, said = first.communicate(timeout=HANG_S)
     check(first.returncode == 130 and "job 42 goes on" in said, f"interrupted: {first.returncode}, {said}")
     pattern = [line for line in (folder / "arguments").read_text().splitlines() if "--output=" in line]
     check(pattern == [f"--output={str(out).replace('%', '%%')}/slurm/%A_%a.out"], f"output is {pattern}")
@@ -73,10 +73,10 @@ def interrupted(folder, out):
     second = begun(folder, out)
     said = second.stdout.readline()
     check(said == "job 42 is under way\n", f"the second call says: {said}")
-    _, third = begun(folder, out).communicate(timeout=30)
+    _, third = begun(folder, out).communicate(timeout=HANG_S)
     check("another run (process" in third, f"a second coordinator: {third}")
     second.send_signal(signal.SIGINT)
-    second.communicate(timeout=30)
+    second.communicate(timeout=HANG_S)
     check(submissions(folder) == ["begun", "submitted"], f"submitted: {submissions(folder)}")
 
 
@@ -96,7 +96,7 @@ def killed(folder, out):
 
 def refused(folder, out):
     first = begun(folder, out)
-    _, said = first.communicate(timeout=30)
+    _, said = first.communicate(timeout=HANG_S)
     check(first.returncode == 2 and "has a backslash" in said, f"a backslash: {first.returncode}, {said}")
     check(not out.exists(), f"{out} was made")
 
