@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
+import { kHang_ms } from "./testing.mjs";
 
 // Ends the test with status 77 where there is no chromium.
 export async function launch() {
@@ -10,14 +11,14 @@ export async function launch() {
     console.log("skipped: chromium is not installed (apt-get install chromium)");
     process.exit(77);
   }
-  return chromium.launch({ executablePath,
+  return chromium.launch({ executablePath, timeout: kHang_ms,
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 }
 
 // A page that shows the robot, and how long that took, ms. What its console complains of is added to `wrong`.
 export async function open(browser, url, wrong, options = {}) {
   const page = await browser.newPage({ viewport: { width: 1000, height: 600 }, ...options });
-  page.setDefaultTimeout(120000);  // the machine may be busy, and without a graphics card
+  page.setDefaultTimeout(kHang_ms);
   page.on("console", (message) => {
     // The browser itself reports each attempt while the program is away.
     if (message.type() === "error" && !message.text().includes("ERR_CONNECTION_REFUSED")) wrong.push(message.text());
@@ -25,6 +26,6 @@ export async function open(browser, url, wrong, options = {}) {
   page.on("pageerror", (error) => wrong.push(String(error)));
   const before = Date.now();
   await page.goto(url);
-  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 120000 });
+  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"));
   return { page, took: Date.now() - before };
 }

@@ -2,30 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // node page.mjs KAZ FOLDER: pictures of the page go to FOLDER. Exit status 77: there is no chromium.
 import assert from "node:assert/strict";
-import { spawn, spawnSync } from "node:child_process";
+import { spawnSync } from "node:child_process";
 import { mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { launch, open as openIn } from "./browser.mjs";
+import { killAll, start, until } from "./testing.mjs";
 
 const [kaz, folder] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
 
-const running = new Set();
-function start(...words) {
-  const child = spawn(kaz, words, { stdio: ["ignore", "ignore", "pipe"] });
-  running.add(child);
-  let text = "";
-  const ended = new Promise((resolve) => child.on("exit", (code) => { running.delete(child); resolve(code); }));
-  const url = new Promise((resolve, reject) => {
-    child.stderr.on("data", (data) => {
-      text += data;
-      const found = /watch it at (\S+)/.exec(text);
-      if (found) resolve(found[1]);
-    });
-    ended.then((code) => reject(new Error(`kaz ${words.join(" ")} ended with ${code}: ${text}`)));
-  });
-  return { child, url, ended, stop: () => { child.kill("SIGINT"); return ended; } };
-}
-const run = (port, ...more) => start("run", "track-ball", "--mcu", "native", "--set", "seconds=600", "--pace", "1",
+const started = (...words) => {
+  const program = start(kaz, words);
+  return Object.assign(program, { url: program.says(/watch it at (\S+)/).then(([, url]) => url) });
+};
+const run = (port, ...more) => started("run", "track-ball", "--mcu", "native", "--set", "seconds=600", "--pace", "1",
   "--modules", "color,depth",
   ...more, "--view", `127.0.0.1:${port}`);
 
@@ -56,23 +45,13 @@ try {
   const url = await live.url;
   const { page, took } = await open(url);
   console.log(`the page shows the robot ${took} ms after it was opened`);
-  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 30, null, { timeout: 120000 });
+  await page.waitForFunction(() => window.kaz.pictures() > 4 && window.kaz.plotted() > 30);
   const pixels = () => page.evaluate(() => document.getElementById("view").toDataURL());
   const [a, shot] = [await head(page), await pixels()];
-  let moved = 0;
-  for (let i = 0; i < 40 && moved < 0.01; ++i) {
-    await page.waitForTimeout(100);
-    moved = differ(a, await head(page));
-  }
-  assert(moved >= 0.01, "the head does not move in the scene");
+  await until(async () => differ(a, await head(page)) >= 0.01, "the head moves in the scene");
   assert(shot.length > 5000, "the picture of the robot is empty");
   // The scene has moved; the picture is drawn by software, and may come some frames later.
-  let same = true;
-  for (let i = 0; i < 40 && same; ++i) {
-    same = shot === await pixels();
-    if (same) await page.waitForTimeout(100);
-  }
-  assert(!same, "the picture of the robot does not change");
+  await until(async () => shot !== await pixels(), "the picture of the robot changes");
   const [cpu, begun, shown] = [serverTime(live.child.pid), Date.now(), await page.evaluate(() => window.kaz.plotted())];
   await page.waitForTimeout(3000);
   const share = 100 * (serverTime(live.child.pid) - cpu) / ((Date.now() - begun) / 1000);
@@ -128,8 +107,7 @@ try {
   // Who opens the page meanwhile is shown the robot where it stands, and that the run pauses.
   const late = await open(url);
   await late.page.waitForFunction(() => window.kaz.pose("trunk")?.[2] > 0.1 && window.kaz.pose("ball/ball")?.[0] !== 0
-    && document.getElementById("pause").textContent === "go on" && document.getElementById("pace").value === "1",
-  null, { timeout: 60000 });
+    && document.getElementById("pause").textContent === "go on" && document.getElementById("pace").value === "1",);
   await late.page.close();
   await page.mouse.move(canvas.x + canvas.width / 2, canvas.y + canvas.height / 2);
   let at;
@@ -146,10 +124,10 @@ try {
   await page.evaluate(() => document.getElementById("pause").click());
   await page.mouse.move(canvas.x + at[0], canvas.y + at[1] - 40, { steps: 5 });
   await page.mouse.move(canvas.x + at[0], canvas.y + at[1] - 80, { steps: 5 });
-  await page.waitForFunction(() => window.kaz.pose("ball/ball")?.[2] > 0.06, null, { timeout: 60000 });
+  await page.waitForFunction(() => window.kaz.pose("ball/ball")?.[2] > 0.06);
   await page.screenshot({ path: `${folder}/held.png` });
   await page.mouse.up();
-  await page.waitForFunction(() => window.kaz.pose("ball/ball")?.[2] < 0.05, null, { timeout: 60000 });
+  await page.waitForFunction(() => window.kaz.pose("ball/ball")?.[2] < 0.05);
   const stopped = await pause();
   assert.equal(await page.evaluate(() => window.kaz.time()), stopped, "the run does not pause");
   await page.click("#step");
@@ -175,7 +153,7 @@ try {
   await again.url;
   // Its token is new: the page says which address to open.
   const connection = (page, text) => page.waitForFunction(
-    (part) => document.getElementById("connection").textContent.includes(part), text, { timeout: 20000 });
+    (part) => document.getElementById("connection").textContent.includes(part), text);
   await connection(page, "this address has another run's token");
   await page.goto(await again.url);
   await connection(page, "live");
@@ -186,7 +164,7 @@ try {
   // With --view-open one may look without the token, and connects again by oneself.
   const open_run = run(port, "--view-open");
   await connection(page, "live");
-  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"), null, { timeout: 120000 });
+  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"));
   await page.waitForFunction(() => document.getElementById("locked").textContent.includes("with its token to control"));
   assert(await page.isVisible("#locked") && await page.isHidden("#hands"), "without the token one may act");
   await open_run.url;
@@ -195,7 +173,7 @@ try {
 
   lap("restart");
   // Played: pause, jump, keys.
-  const played = start("replay", `${recorded}/recording.mcap`, "--view", "127.0.0.1:0");
+  const played = started("replay", `${recorded}/recording.mcap`, "--view", "127.0.0.1:0");
   const player = (await open(await played.url)).page;
   const time = () => player.evaluate(() => window.kaz.time());
   await player.click("#play");
@@ -218,6 +196,6 @@ try {
   lap("player");
   console.log("live, two viewers, restart and player: as they should be");
 } finally {
-  for (const child of running) child.kill("SIGKILL");
+  killAll();
   await browser.close();
 }

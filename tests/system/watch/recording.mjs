@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import { launch, open } from "./browser.mjs";
-import { killAll, start } from "./testing.mjs";
+import { killAll, start, until } from "./testing.mjs";
 
 const [kaz, folder] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
@@ -59,15 +59,11 @@ try {
   assert.match(await page.textContent("#no-eyes"), /kaz run search-ball --seed 1 --out DIR --record-pictures$/);
 
   // The floor has the renderer's pattern: without it the deviation was 0.0, with it 4.7 and 3.8.
-  let least = 0;
-  for (let i = 0; i < 50 && least < 1; ++i) {
+  await until(async () => {
     const patches = [await brightness(page, [0.3, -0.3, 0]), await brightness(page, [-0.5, -0.2, 0])];
-    least = Math.min(...patches.map(({ deviation }) => deviation));
-    await page.waitForTimeout(100);
-  }
+    return Math.min(...patches.map(({ deviation }) => deviation)) >= 1;
+  }, "the floor has a pattern: the standard deviation of its brightness is at least 1");
   await page.screenshot({ path: `${folder}/floor.png` });
-  console.log(`brightness of the floor: standard deviation ${least.toFixed(1)}`);
-  assert(least >= 1, `the floor has no pattern: the standard deviation of its brightness is ${least}`);
 
   // The robot's shadow lies on the side away from the sun, where the camera looks only once it is turned.
   await page.uncheck("#frusta");
@@ -78,16 +74,12 @@ try {
   await page.mouse.up();
   const [x, y] = await page.evaluate(() => window.kaz.pose("trunk"));
   const across = { x: 0.14, y: -0.127 };  // m, toward the sun; measured: 35 %, without shadows -5 %
-  let darker = 0;
-  for (let i = 0; i < 50 && darker < 0.2; ++i) {
+  await until(async () => {
     const [lit, shaded] = [await brightness(page, [x + across.x, y + across.y, 0]),
       await brightness(page, [x - across.x, y - across.y, 0])];
-    darker = 1 - shaded.mean / lit.mean;
-    await page.waitForTimeout(100);
-  }
+    return 1 - shaded.mean / lit.mean >= 0.2;
+  }, "the floor in the robot's shadow is darker by at least 20 %");
   await page.screenshot({ path: `${folder}/shadow.png` });
-  console.log(`the floor in the robot's shadow is darker by ${(100 * darker).toFixed(0)} %`);
-  assert(darker >= 0.2, `the floor in the robot's shadow is darker by ${100 * darker} %`);
 
   // From the beginning again, wherever the player is.
   await page.waitForFunction(() => window.kaz.time() > 2.5);
@@ -101,7 +93,7 @@ try {
     await page.click("#restart");
     await page.waitForTimeout(1000);
   }
-  await page.waitForFunction((before) => window.kaz.meshes() === before, meshes, { timeout: 30000 });
+  await page.waitForFunction((before) => window.kaz.meshes() === before, meshes);
 
   // The 3D view as a PNG file.
   const saved = async (page, button, width, height) => {
@@ -132,11 +124,11 @@ try {
       found += data[i] > 0xd0 && Math.abs(data[i + 1] - 0x9f) < 20 && data[i + 2] < 40 && data[i + 3] > 100;
     return found;
   });
-  for (let i = 0; i < 50 && await second() <= 20; ++i) {
-    if (i % 5 === 0) await page.click("#restart");
-    await page.waitForTimeout(1000);
-  }
-  assert(await second() > 20, "the plot has no second joint");
+  await until(async () => {
+    await page.click("#restart");
+    for (let i = 0; i < 5 && await second() <= 20; ++i) await page.waitForTimeout(1000);
+    return await second() > 20;
+  }, "the plot has a second joint");
   for (let i = 0; i < 4; ++i) await page.locator("#joint-list input:enabled:not(:checked)").first().check();
   assert.equal(await page.locator("#joint-list input:enabled:not(:checked)").count(), 0, "a seventh joint can be added");
   await page.screenshot({ path: `${folder}/joints.png` });

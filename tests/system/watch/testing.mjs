@@ -5,8 +5,21 @@ import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { McapStreamReader } from "@mcap/core";
 
+// The machine may be busy, and without a graphics card: this only ends a hang.
+export const kHang_ms = 600000;
+
 const running = new Set();
 const examples = createRequire(import.meta.url).resolve("@foxglove/ws-protocol-examples");
+
+// Asks every 0.1 s whether `condition` holds, which may be a promise.
+export async function until(condition, sentence) {
+  for (const began = Date.now(); Date.now() - began < kHang_ms;) {
+    const value = await condition();
+    if (value) return value;
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+  throw new Error(`never true: ${sentence}`);
+}
 
 // text: what it has printed; says(pattern): waits for it; ended: its exit status; stop(): Ctrl-C, and that.
 export function start(program, words, cwd) {
@@ -15,14 +28,11 @@ export function start(program, words, cwd) {
   const result = { child, text: "" };
   for (const stream of [child.stdout, child.stderr]) stream.on("data", (data) => { result.text += data; });
   result.ended = new Promise((resolve) => child.on("exit", (code) => { running.delete(child); resolve(code); }));
-  result.says = async (pattern) => {
-    for (let i = 0; i < 400; ++i) {
-      const found = pattern.exec(result.text);
-      if (found) return found;
-      await new Promise((resolve) => setTimeout(resolve, 50));
-    }
-    throw new Error(`${words.join(" ")} did not print ${pattern}:\n${result.text}`);
-  };
+  result.says = (pattern) => until(() => {
+    const found = pattern.exec(result.text);
+    if (!found && child.exitCode !== null) throw new Error(`${words.join(" ")} did not print ${pattern}:\n${result.text}`);
+    return found;
+  }, `${words.join(" ")} prints ${pattern}`);
   result.stop = () => { child.kill("SIGINT"); return result.ended; };
   return result;
 }
