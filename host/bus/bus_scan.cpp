@@ -76,8 +76,9 @@ class Scan {
   Result<std::vector<ScannedServo>> run() {
     std::vector<ScannedServo> found;
     std::vector<int> undecided;
-    // Once fast; where somebody is, those that were silent again: an answer may have been late.
-    for (int pass = 0; pass < 2; ++pass) {
+    // Once fast; where somebody is, those that were silent again: an answer may have been late. On a machine
+    // that was late, some times more.
+    for (int pass = 0; pass < 2 || (!undecided.empty() && pass <= kMoreOften); ++pass) {
       undecided.clear();
       for (int id = options_.first_id; id <= options_.last_id; ++id) {
         if (std::ranges::find(found, id, &ScannedServo::id) != found.end()) continue;
@@ -92,7 +93,15 @@ class Scan {
       if (found.empty()) break;
     }
     std::ranges::sort(found, {}, &ScannedServo::id);
+    const std::vector<ScannedServo> unread = found;
     for (ScannedServo& servo : found) KAZ_TRY(read(servo));
+    for (int again = 0; again < kMoreOften && !excuse_.empty(); ++again) {
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        if (found[i].lost + found[i].late == 0) continue;
+        found[i] = unread[i];
+        KAZ_TRY(read(found[i]));
+      }
+    }
     if (!excuse_.empty()) {
       for (ScannedServo& servo : found) excuse_losses(servo);
     }
@@ -104,6 +113,7 @@ class Scan {
 
  private:
   using Answer = std::optional<typename Wire::Packet>;
+  static constexpr int kMoreOften = 4;
 
   // The simulator of a bus, too, may have been late without having noticed: on a machine that is late now and
   // then, no missing answer is the cable's.
