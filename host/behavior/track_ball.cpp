@@ -1,6 +1,7 @@
 // track-ball: centres a ball in the left camera by moving the head; searches when it is lost (paper, 4.2).
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "host/behavior/search_ball.h"
@@ -69,6 +70,8 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
       "pictures by vision %.0f %%",
       found_s, taken, std::min(share * 100, 100.0));
   outcome.sentence = text;
+  if (!outcome.success)
+    outcome.sentence += ", less than " + std::to_string(std::lround(kShare * 100)) + " %";
   outcome.measurements = {{"found_s", found_s},
                           {"pictures_of_tracking", static_cast<double>(taken)},
                           {"pictures_with_ball", static_cast<double>(errors.size())},
