@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <mutex>
 
@@ -253,11 +254,15 @@ Result<OutputFolder> OutputFolder::open(const std::string& path, const OutputKin
 
 Result<void> OutputFolder::clear() const {
   const std::lock_guard lock(state_->mutex);
+  int removed = 0;
   for (const std::string& name : state_->list.names) {
-    if (::unlink(path(name).c_str()) != 0 && errno != ENOENT)
+    if (::unlink(path(name).c_str()) == 0)
+      ++removed;
+    else if (errno != ENOENT)
       return fail(Fault::usage, "cannot remove the earlier result '" + path(name) + "' (" +
                                     std::strerror(errno) + ")" + kOtherFolder);
   }
+  if (removed > 0) std::fprintf(stderr, "earlier results in %s are replaced\n", folder().c_str());
   state_->list = {};
   return state_->begin_list();
 }

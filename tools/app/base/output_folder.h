@@ -32,7 +32,8 @@ class OutputFolder {
   //   this kind that the list does not contain
   // - environment: another process writes there; the disk is full
   static Result<OutputFolder> open(const std::string& path, const OutputKind& kind);
-  // Removes the results of an earlier run, which open() has left: when a run begins.
+  // Removes the results of an earlier run, which open() has left, and says so on standard error: when a run
+  // begins.
   Result<void> clear() const;
   // Both.
   static Result<OutputFolder> begin(const std::string& path, const OutputKind& kind);
