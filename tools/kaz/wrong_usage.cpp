@@ -30,6 +30,12 @@ std::vector<std::string> verb_names(CLI::App& app) {
   return names;
 }
 
+// CLI11 gives none of an option that help does not show.
+std::string name_of(const CLI::Option& option) {
+  const std::string name = option.get_name();
+  return name.empty() && !option.get_lnames().empty() ? "--" + option.get_lnames().front() : name;
+}
+
 std::vector<CLI::Option*> positionals(CLI::App& app) {
   return app.get_options([](const CLI::Option* option) { return option->get_positional(); });
 }
@@ -79,9 +85,12 @@ CLI::Option* option_of(CLI::App& program, const std::string& message) {
   auto chain = given_verbs(program);
   for (CLI::App* app : chain | std::views::reverse) {
     for (CLI::Option* option : app->get_options()) {
-      const std::string name = option->get_name();
+      const std::string name = name_of(*option);
       if (message.starts_with(name + ":") || message.starts_with(name + " ") ||
           message.ends_with(" for " + name) || message.find(": " + name + " = ") != message.npos)
+        return option;
+      if (option->get_name().empty() && message.starts_with(":") &&
+          message.find(" " + option->get_type_name() + " ") != message.npos)
         return option;
     }
   }
@@ -121,8 +130,8 @@ std::pair<std::string, std::string> refused(CLI::Option& option) {
 std::string refused_value(CLI::Option& option, const std::string& message) {
   const auto [value, why] = refused(option);
   const std::string values = accepted(option);
-  if (!values.empty()) return option.get_name() + " " + value + ": give " + values;
-  return why.starts_with("give ") ? option.get_name() + " " + value + ": " + why : message;
+  if (!values.empty()) return name_of(option) + " " + value + ": give " + values;
+  return why.starts_with("give ") ? name_of(option) + " " + value + ": " + why : message;
 }
 
 std::string wrong_count(const CLI::Option& option) {
@@ -130,11 +139,11 @@ std::string wrong_count(const CLI::Option& option) {
   const int min = option.get_items_expected_min();
   const auto given = option.results().size();
   if (min == 1 && given > 1)
-    return option.get_name() + " is given " + std::to_string(given) + " times" +
+    return name_of(option) + " is given " + std::to_string(given) + " times" +
            (option.get_positional() ? ", with its name or without" : "") + "; give it once";
   const std::string count =
       min >= 0 && min < 5 ? kNumbers[min] : std::to_string(min);  // verbs have at most two
-  return option.get_name() + ": give " + count + " value" + (min == 1 ? "" : "s") + ", as in " +
+  return name_of(option) + ": give " + count + " value" + (min == 1 ? "" : "s") + ", as in " +
          typed_form(option);
 }
 
@@ -145,7 +154,7 @@ std::string missing(CLI::App& program, const CLI::Option* option) {
     return "the verb is missing" +
            (names.size() > kMaxListed ? "" : ": give " + alternatives(names));
   }
-  const std::string name = option->get_name();
+  const std::string name = name_of(*option);
   return option->nonpositional() ? name + " is missing; give " + typed_form(*option)
                                  : name + " is missing: " + option->get_description();
 }
@@ -186,7 +195,7 @@ std::string empty_value(CLI::App& program) {
   for (const CLI::Option* option : chosen_verb(program).get_options()) {
     if (option->get_items_expected_min() == 0) continue;  // its value may be left out
     if (std::ranges::count(option->results(), "") > 0)
-      return option->get_name() + " is empty; give " + typed_form(*option);
+      return name_of(*option) + " is empty; give " + typed_form(*option);
   }
   return "";
 }
@@ -202,7 +211,7 @@ std::string wrong_usage(CLI::App& program, const CLI::ParseError& error) {
   CLI::Option* option = option_of(program, message);
   if (kind == "RequiredError") return missing(program, option);
   if (option == nullptr) return message;
-  const std::string name = option->get_name();
+  const std::string name = name_of(*option);
   const std::string other = message.substr(message.rfind(' ') + 1);
   if (kind == "RequiresError") return name + " needs " + other;
   if (kind == "ExcludesError") return "give " + name + " or " + other + ", not both";

@@ -464,6 +464,8 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
                              {std::string("a motor stand has no ") + what + "; leave "}));
   EXPECT_TRUE(says({"flash", "write", "x", "--no-start=2"}, "--no-start takes no value"));
   EXPECT_TRUE(says({"demo", "--seed"}, "--seed: give a value, as in --seed N"));
+  EXPECT_TRUE(says({"run", "search-ball", "--duration"},
+                   "--duration: give a value, as in --duration SECONDS"));
   EXPECT_TRUE(
       says({"demo", "--seed", "1", "--seed", "2"}, "--seed is given 2 times; give it once"));
   EXPECT_TRUE(one_sentence(run(kaz({"evaluate", "stand", "--friction", "0.6"})), 2,
