@@ -170,14 +170,15 @@ std::string no_pictures_text(const sim::McapRecording& recording) {
     const auto at = recording.facts.find(key);
     return at != recording.facts.end() && at->second.size() <= 64 ? at->second : otherwise;
   };
-  const std::string how = recording.facts.contains("behavior")
-                              ? "kaz run " + fact("behavior", "BEHAVIOR") + " --seed " +
-                                    fact("seed", "N") + " --out DIR"
-                              : "kaz sim --record FILE";
+  std::string how = "kaz sim --record FILE";
+  if (recording.facts.contains("behavior"))
+    how = "kaz run " + fact("behavior", "BEHAVIOR") + " --world " + fact("world", "WORLD") +
+          " --eyes " + fact("eyes", "KIND") + (fact("imu", "") == "true" ? " --imu" : "") +
+          " --seed " + fact("seed", "N") + " --out DIR";
   return none +
-         ". kaz replay --video film.mp4 draws the left eye's again. For both eyes here, record the "
-         "run "
-         "again, with the options that it had and --record-pictures: " +
+         ". kaz replay RECORDING --video film.mp4 draws the left eye's again. For both eyes here, "
+         "record "
+         "the run again, with the options that it had and --record-pictures: " +
          how + " --record-pictures";
 }
 

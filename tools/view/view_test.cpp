@@ -231,14 +231,22 @@ TEST(View, ARecordingIsPlayedWithPausesAndJumps) {
 
 TEST(View, ARecordingWithoutPicturesSaysHowToRecordSome) {
   sim::McapRecording recording;
-  recording.facts = {{"behavior", "search-ball"}, {"seed", "7"}};
+  recording.facts = {{"behavior", "search-ball"},
+                     {"world", "catch"},
+                     {"eyes", "real"},
+                     {"imu", "true"},
+                     {"seed", "7"}};
   const auto says = [&](const char* part) {
     return no_pictures_text(recording).find(part) != std::string::npos;
   };
-  EXPECT_TRUE(says("holds no pictures. kaz replay --video film.mp4 draws the left eye's again"));
-  EXPECT_TRUE(says("kaz run search-ball --seed 7 --out DIR --record-pictures"));
+  EXPECT_TRUE(
+      says("holds no pictures. kaz replay RECORDING --video film.mp4 draws the left "
+           "eye's again"));
+  EXPECT_TRUE(
+      says("kaz run search-ball --world catch --eyes real --imu --seed 7 --out DIR "
+           "--record-pictures"));
   recording.facts["behavior"] = std::string(1 << 20, 'x');
-  EXPECT_TRUE(says("kaz run BEHAVIOR --seed 7"));
+  EXPECT_TRUE(says("kaz run BEHAVIOR --world catch"));
   recording.facts = {{"seed", "7"}};
   EXPECT_TRUE(says("kaz sim --record FILE --record-pictures"));
   recording.facts["port"] = "serial:/dev/ttyUSB0";
