@@ -11,10 +11,19 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 
 ROOT, BIN = pathlib.Path(sys.argv[1]), sys.argv[2]
+HANG_S = 1200  # of a busy machine
 BLOCK = re.compile(r"^```sh( background)?\n(.*?)^```$", re.M | re.S)
+
+
+def wait_until_ready(output):
+    """Returns at the line with which kaz says so."""
+    for line in output:
+        print(line, end="", flush=True)
+        if line.startswith("ready: "):
+            return
+    sys.exit("the program in the background ended")
 
 
 def run_file(path, folder):
@@ -28,18 +37,18 @@ def run_file(path, folder):
             command = ["bash", "-euo", "pipefail", "-c", block]
             ran += 1
             if mode:
-                background.append(subprocess.Popen(command, cwd=folder, env=environment,
-                                                   start_new_session=True))
-                time.sleep(3)
+                background.append(subprocess.Popen(command, cwd=folder, env=environment, text=True,
+                                                   stdout=subprocess.PIPE, process_group=0))
+                wait_until_ready(background[-1].stdout)
                 continue
-            done = subprocess.run(command, cwd=folder, env=environment, timeout=300)
+            done = subprocess.run(command, cwd=folder, env=environment, timeout=HANG_S)
             if done.returncode != 0:
                 sys.exit(f"{path.relative_to(ROOT)}: the example above ended with "
                          f"{done.returncode}")
     finally:
         for process in background:
             os.killpg(process.pid, signal.SIGINT)
-            process.wait(timeout=30)
+            process.communicate(timeout=HANG_S)
     return ran
 
 

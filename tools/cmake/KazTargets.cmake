@@ -247,13 +247,19 @@ function(kaz_library name)
   endif()
 endfunction()
 
-# kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board] [FAST] [NO_PCH] [SANITIZED] [UNREGISTERED])
+# Put before a test in real time: other programs hardly keep it waiting, if the system permits that.
+set(KAZ_FIRST ${PROJECT_SOURCE_DIR}/tests/real_time/first.sh -19)
+execute_process(COMMAND nice -n -19 true ERROR_VARIABLE KAZ_CANNOT_COME_FIRST)
+cmake_host_system_information(RESULT KAZ_CORES QUERY NUMBER_OF_LOGICAL_CORES)
+
+# kaz_test(NAME SOURCES ... LIBS ... [REALTIME [COMPUTES]] [FAST] [NO_PCH] [SANITIZED] [UNREGISTERED])
 # One GoogleTest program NAME_test; each of its cases is a test of CTest's, with NAME as its label. None has a time
-# limit of its own: CTest's, of 1500 s, ends a hang.
-#   REALTIME      it mostly waits for a clock (robot: with a body or cameras, which need most of a core; board: without).
-#                 No two of the same kind run side by side, and they begin first, while the others, which compute, have
-#                 a lower priority: so ctest may run two more jobs than there are cores. One that fails where the
-#                 machine was too slow counts as skipped (tests/real_time/main.cpp).
+# limit of its own: CTest's ends a hang.
+#   REALTIME      it mostly waits for a clock, and comes before other programs where the system permits that: then
+#                 twice as many of them run side by side as there are cores, and ctest may run three times as many jobs.
+#                 Where it is not permitted, one runs at a time, and other tests have a lower priority. These begin first.
+#                 One that fails where the machine was too slow counts as skipped (tests/real_time/main.cpp).
+#   COMPUTES      some of its programs need a whole core: those that only wait come before it
 #   FAST          its own code is optimised as the product is
 #   SANITIZED     also with the sanitized copies of LIBS, all of which have to be SANITIZED libraries
 #   UNREGISTERED  built alone; another test runs it
@@ -261,7 +267,7 @@ function(kaz_test name)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "FAST;NO_PCH;SANITIZED;UNREGISTERED" "REALTIME" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES;FAST;NO_PCH;REALTIME;SANITIZED;UNREGISTERED" "" "SOURCES;LIBS" ${ARGN})
   find_package(GTest REQUIRED)
   include(GoogleTest)
   add_executable(${name}_test ${ARG_SOURCES})
@@ -283,13 +289,25 @@ function(kaz_test name)
     return()
   endif()
   set(properties LABELS ${name})
+  # Also outside of cross compiling the command that CTest puts before the program.
+  set(before "")
   if(ARG_REALTIME)
-    list(APPEND properties RESOURCE_LOCK real_time_${ARG_REALTIME} COST 1000 SKIP_RETURN_CODE 75
+    set(before ${KAZ_FIRST})
+    if(ARG_COMPUTES)
+      list(TRANSFORM before REPLACE "^-19$" -10)
+    endif()
+    set(lane 0)
+    if(NOT KAZ_CANNOT_COME_FIRST)
+      get_property(lane GLOBAL PROPERTY KAZ_REAL_TIME_LANE)
+      math(EXPR lane "(0${lane} + 1) % (2 * ${KAZ_CORES})")
+      set_property(GLOBAL PROPERTY KAZ_REAL_TIME_LANE ${lane})
+    endif()
+    list(APPEND properties RESOURCE_LOCK real_time_${lane} COST 1000 SKIP_RETURN_CODE 75
          ENVIRONMENT KAZ_TEST_MAY_SKIP=1)
-  else()
-    # Also outside of cross compiling the command that CTest puts before the program.
-    set_target_properties(${name}_test PROPERTIES CROSSCOMPILING_EMULATOR "nice;-n;10")
+  elseif(KAZ_CANNOT_COME_FIRST)
+    set(before nice -n 10)
   endif()
+  set_target_properties(${name}_test PROPERTIES CROSSCOMPILING_EMULATOR "${before}")
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. PROPERTIES ${properties}
                        WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} DISCOVERY_TIMEOUT 600)
   if(ARG_SANITIZED)

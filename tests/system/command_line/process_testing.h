@@ -38,7 +38,7 @@ class Process {
   bool prints_within(const std::string& text, std::chrono::seconds time);
   // Waits for the end. A process that hangs is killed, and its exit code says so (137); `at_most` as above.
   Finished wait(std::chrono::seconds at_most);
-  static constexpr int kBusy = 4;
+  static constexpr int kBusy = 20;
 
  private:
   void drain(int milliseconds);

@@ -11,14 +11,14 @@ export const kHang_ms = 600000;
 const running = new Set();
 const examples = createRequire(import.meta.url).resolve("@foxglove/ws-protocol-examples");
 
-// Asks every 0.1 s whether `condition` holds, which may be a promise.
-export async function until(condition, sentence) {
+// Asks every 0.1 s whether `condition` holds, which may be a promise. `state`: what the error shows besides the sentence.
+export async function until(condition, sentence, state = () => "") {
   for (const began = Date.now(); Date.now() - began < kHang_ms;) {
     const value = await condition();
     if (value) return value;
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
-  throw new Error(`never true: ${sentence}`);
+  throw new Error(`never true: ${sentence}\n${state()}`);
 }
 
 // text: what it has printed; says(pattern): waits for it; ended: its exit status; stop(): Ctrl-C, and that.
@@ -32,7 +32,7 @@ export function start(program, words, cwd) {
     const found = pattern.exec(result.text);
     if (!found && child.exitCode !== null) throw new Error(`${words.join(" ")} did not print ${pattern}:\n${result.text}`);
     return found;
-  }, `${words.join(" ")} prints ${pattern}`);
+  }, `${words.join(" ")} prints ${pattern}`, () => result.text);
   result.stop = () => { child.kill("SIGINT"); return result.ended; };
   return result;
 }

@@ -16,7 +16,8 @@ async function seen(program, name, ...wanted) {
     const topics = await seenFor(program, name, seconds);
     const missing = [...wanted, "/tf"].filter((topic) => !(topics.get(topic)?.length > (topic === "/tf" ? 5 : 0)));
     if (missing.length === 0) return topics;
-    assert(seconds < 200, `${name}: nothing, or too little, of ${missing}`);
+    assert(seconds < 200 && program.child.exitCode === null,
+      `${name}: nothing, or too little, of ${missing}: ${program.text}`);
   }
 }
 async function seenFor(program, name, seconds) {
