@@ -2,7 +2,10 @@
 # program on the PATH, and Debian's own Python before others. A block marked `sh background` runs beside those
 # that follow it in the same file.
 # SPDX-License-Identifier: Apache-2.0
-"""usage: examples.py ROOT BIN background|others: the pages that have a block of that kind, or none"""
+"""usage: examples.py ROOT BIN background|others: the pages that have a block of that kind, or none
+
+Exit status: 0 all ran, 1 one failed, 75 a page with a program in the background failed three times while this
+machine was too slow (tests/real_time/main.cpp); with KAZ_TEST_ALONE=1 that is 1."""
 
 import os
 import pathlib
@@ -11,9 +14,11 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 ROOT, BIN = pathlib.Path(sys.argv[1]), sys.argv[2]
 HANG_S = 1200  # of a busy machine
+ATTEMPTS, SLOW_SHARE = 3, 0.25
 BLOCK = re.compile(r"^```sh( background)?\n(.*?)^```$", re.M | re.S)
 
 
@@ -23,7 +28,35 @@ def wait_until_ready(output):
         print(line, end="", flush=True)
         if line.startswith("ready: "):
             return
-    sys.exit("the program in the background ended")
+    raise Failed("the program in the background ended")
+
+
+class Failed(Exception):
+    pass
+
+
+def waited_s():
+    """Time in which at least one program waited for a processor (PSI); 0 where the kernel does not say."""
+    try:
+        return 1e-6 * int(pathlib.Path("/proc/pressure/cpu").read_text().split()[4].partition("=")[2])
+    except OSError:
+        return 0
+
+
+def run_page(path, may_be_slow):
+    """Runs its examples, each time in an empty folder; returns their number."""
+    for attempt in range(1, ATTEMPTS + 1):
+        began, before = time.monotonic(), waited_s()
+        try:
+            with tempfile.TemporaryDirectory() as scratch:
+                return run_file(path, scratch)
+        except Failed as why:
+            share = (waited_s() - before) / (time.monotonic() - began)
+            if not may_be_slow or share < SLOW_SHARE:
+                sys.exit(str(why))
+            print(f"{why}\nmachine too slow: programs waited for a processor {100 * share:.0f} % of the time "
+                  f"(limit {100 * SLOW_SHARE:.0f}); failed {attempt} of {ATTEMPTS} times", flush=True)
+    sys.exit(75)
 
 
 def run_file(path, folder):
@@ -43,8 +76,7 @@ def run_file(path, folder):
                 continue
             done = subprocess.run(command, cwd=folder, env=environment, timeout=HANG_S)
             if done.returncode != 0:
-                sys.exit(f"{path.relative_to(ROOT)}: the example above ended with "
-                         f"{done.returncode}")
+                raise Failed(f"{path.relative_to(ROOT)}: the example above ended with {done.returncode}")
     finally:
         for process in background:
             os.killpg(process.pid, signal.SIGINT)
@@ -57,7 +89,6 @@ for document in sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md")]):
     # What runs in the background does so in real time, and no other such test beside it.
     if (sys.argv[3] == "background") != ("```sh background\n" in document.read_text()):
         continue
-    with tempfile.TemporaryDirectory() as scratch:
-        total += run_file(document, scratch)
+    total += run_page(document, sys.argv[3] == "background" and "KAZ_TEST_ALONE" not in os.environ)
 print(f"{total} examples ran")
 sys.exit(0 if total else "no example was found")
