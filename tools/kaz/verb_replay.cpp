@@ -36,8 +36,9 @@ void add_replay(CLI::App& program, Action& action) {
                    "another seed than the recording's; implies --whole")
       ->transform(whole_number());
   add_settings(*verb, arguments->settings, "another value of an option of the behaviour");
-  verb->add_option("--plugin", arguments->replay.plugin,
-                   "the plug-in, if the run was of one: a recording loads no code by itself")
+  verb->add_option(
+          "--plugin", arguments->replay.plugin,
+          "the plug-in, if the behavior of the run is one; a recording does not contain it")
       ->type_name("FILE");
   add_watch_options(*verb, arguments->watch);
   auto* view = verb->get_option("--view");

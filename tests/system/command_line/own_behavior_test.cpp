@@ -37,7 +37,7 @@ TEST(OwnBehavior, RunsAndIsReplayed) {
   const std::string recording = folder / "out/recording.mcap";
   const Finished refused = run(kaz({"replay", recording}));
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_NE(refused.err.find("with --plugin and its path"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("give it with --plugin FILE"), std::string::npos) << refused.err;
   const Finished again = run(kaz({"replay", recording, "--plugin", wave}));
   EXPECT_EQ(again.exit_code, 0) << again.out << again.err;
   EXPECT_NE(again.out.find("identical"), std::string::npos) << again.out;

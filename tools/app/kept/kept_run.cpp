@@ -290,8 +290,8 @@ Result<void> KeptRun::put_back() {
     std::fprintf(stderr, "%s: %s\n", options_.verb.c_str(), note.c_str());
   if (back.left.empty()) {
     if (!back.done.empty())
-      std::fprintf(stderr, "%s: %sput back on %s: %s\n", options_.verb.c_str(),
-                   options_.motors_off ? "motors off (a robot on its feet sinks down); " : "",
+      std::fprintf(stderr, "%s: %sput back, at %s: %s\n", options_.verb.c_str(),
+                   options_.motors_off ? "motors off (a standing robot sinks down); " : "",
                    options_.port.c_str(), joined(back.done).c_str());
     return {};
   }

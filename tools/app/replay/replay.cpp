@@ -52,9 +52,8 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   // Which code is loaded is the user's choice, never the recording's.
   const bool of_plugin = behavior::names_plugin(recorded.behavior);
   if (of_plugin && options.plugin.empty())
-    return fail(Fault::usage, options.file + ": the run was of the plug-in " + recorded.behavior +
-                                  ", and a recording loads no code by itself: run kaz replay with "
-                                  "--plugin and its path");
+    return fail(Fault::usage, options.file + ": the behavior of this run is the plug-in " +
+                                  recorded.behavior + "; give it with --plugin FILE");
   if (!of_plugin && !options.plugin.empty())
     return fail(Fault::usage, options.file + ": the run was of " + recorded.behavior +
                                   ", which is no plug-in's: leave --plugin out");

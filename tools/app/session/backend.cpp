@@ -326,10 +326,8 @@ Result<void> check(const BackendOptions& options) {
   if (!blind && sim_robot != (options.camera == "sim")) {
     return fail(Fault::usage,
                 sim_robot ? "--robot sim sees through its own eyes: leave --camera out"
-                          : "--camera is missing, or sim, which goes with --robot sim alone: for a "
-                            "robot at a port give the path of a camera socket, as `kaz sim "
-                            "--cameras PATH` makes it, or "
-                            "real cameras "
+                          : "a robot at a port needs --camera: give the path of a camera socket "
+                            "(`kaz sim --cameras PATH` makes one), or real cameras "
                             "(v4l2:/dev/video0,/dev/video2)");
   }
   if (!sim_robot && options.camera != "sim") {
