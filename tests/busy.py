@@ -21,7 +21,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 MAX_SKIPPED = 5
-RESULT = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): (.*?) \.*\s*(\*\*\*)?(\S.*?)\s+([\d.]+) sec")
+RESULT = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): (.*?) \.+\s*(Passed|\*\*\*\S.*?)\s+([\d.]+) sec")
 TOO_SLOW = "machine too slow: "  # tests/real_time/main.cpp
 
 
@@ -55,12 +55,12 @@ def run_round(options, tests, path):
                 result = RESULT.match(line)
                 if not result:
                     continue
-                outcome = {"Passed": "passed", "Skipped": "skipped"}.get(result[4].strip(), "failed")
+                outcome = {"Passed": "passed", "***Skipped": "skipped"}.get(result[3], "failed")
                 if outcome == "skipped" and result[1] in slow:
                     outcome = "too slow"
                 count += 1
                 results.write(json.dumps({"test": result[2].strip(), "outcome": outcome,
-                                          "seconds": float(result[5])}) + "\n")
+                                          "seconds": float(result[4])}) + "\n")
                 results.flush()
                 if outcome in ("failed", "too slow") or time.monotonic() - shown > 30:
                     shown = time.monotonic()
