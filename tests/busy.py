@@ -33,6 +33,24 @@ def listed(build):
             if "command" in test}
 
 
+def kill_tree(pid):
+    """A process and those that it started, also in sessions of their own."""
+    parents = {}
+    for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parents[int(path.parent.name)] = int(path.read_text().rpartition(")")[2].split()[1])
+        except OSError:
+            continue  # it has ended
+    tree = [pid]
+    for parent in tree:
+        tree += [child for child, its_parent in parents.items() if its_parent == parent]
+    for one in tree:
+        try:
+            os.kill(one, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+
+
 def run_round(options, tests, path):
     """Runs what `path` has no result of. True: it has come to its end."""
     done = [json.loads(line)["test"] for line in path.read_text().splitlines()] if path.exists() else []
@@ -68,7 +86,7 @@ def run_round(options, tests, path):
         return ctest.wait() in (0, 8)
     finally:
         for process in [*loops, ctest]:
-            process.kill()
+            kill_tree(process.pid)
             process.wait()
 
 
