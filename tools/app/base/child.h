@@ -22,8 +22,8 @@ class Child {
   enum class Lifetime { of_parent, own };
   // This very program with other arguments; what it prints goes into the file `log`.
   static Result<Child> begin(const std::vector<std::string>& arguments, const std::string& log);
-  // Starts a program found in PATH; its status is 127 if there is none. `input`: a descriptor for its
-  // standard input, which the caller keeps; -1: standard input is empty.
+  // Starts a program of PATH. If there is none, its exit status is 127. `input` is a descriptor for its
+  // standard input, and stays the caller's. With -1 its standard input is empty.
   static Result<Child> begin(const std::string& program, const std::vector<std::string>& arguments,
                              const std::string& log, Lifetime lifetime = Lifetime::of_parent,
                              int input = -1);
