@@ -23,7 +23,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 LIMIT_S = 50  # of each core: with the build behind a changed file, about a minute
 SOURCES = (".c", ".cpp", ".h", ".hpp", ".def")
-# What a changed object goes into. Other outputs of Ninja's graph are not linked with it, only built later.
+# Files that are linked with a changed object. Ninja's graph also has targets that are only built after it.
 LINKED = re.compile(r"(\.o|\.a|\.so|(^|/)bin/[\w-]+)$")
 STARTED = "bin/kaz"
 
