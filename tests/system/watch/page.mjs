@@ -69,7 +69,7 @@ try {
   await page.selectOption("#module", "/vision/depth");
   await page.waitForFunction(() => document.getElementById("made").naturalWidth >= 300);
   lap("live");
-  await page.screenshot({ path: `${folder}/light.png` });
+  await page.screenshot({ path: `${folder}/light.jpg`, quality: 85 });
   await page.click("#theme");
   await page.waitForTimeout(200);
   await page.screenshot({ path: `${folder}/dark.png` });
