@@ -5,6 +5,7 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <array>
 
 namespace kaz::watch {
 namespace {
@@ -54,14 +55,15 @@ bool names_this_machine(std::string_view host, const std::vector<std::string>& n
   return std::ranges::any_of(names, [&](const auto& own) { return same_text(own, name); });
 }
 
-// A browser sends the origin of the page that asks; "null" is a page that hides its own. Programs send none,
-// or one that no web page can have ("file://").
+// Browsers send the origin of the page, or "null" if the page hides it. Programs send no origin, or one that
+// no web page can have ("file://"). An unknown form of "http" counts as a web page.
 bool is_foreign_page(std::string_view origin, std::string_view host) {
-  for (const std::string_view scheme : {"http://", "https://"}) {
-    if (same_text(origin.substr(0, scheme.size()), scheme))
-      return !same_text(origin.substr(scheme.size()), host);
-  }
-  return origin == "null";
+  constexpr std::array<std::string_view, 2> kSchemes = {"http://", "https://"};
+  if (!same_text(origin.substr(0, 4), "http")) return origin == "null";
+  return std::ranges::none_of(kSchemes, [&](std::string_view scheme) {
+    return same_text(origin.substr(0, scheme.size()), scheme) &&
+           same_text(origin.substr(scheme.size()), host);
+  });
 }
 
 Answer refusal(unsigned status, std::string_view sentence) {

@@ -54,7 +54,7 @@ TEST(Entry, OpenLetsProgramsLookAndOwnPagesButNoOtherPage) {
   }
   for (const char* origin :
        {"https://evil.example", "HTTP://evil.example", "null", "http://127.0.0.1",
-        "http://127.0.0.1:8766", "http://localhost:8765"}) {
+        "http://127.0.0.1:8766", "http://localhost:8765", "httpW//127.0.0.1:8765"}) {
     EXPECT_EQ(viewer(access, "/", origin), 403u) << origin;
     EXPECT_EQ(viewer(access, "/?token=secret", origin), 101u) << origin;
     EXPECT_EQ(file(access, "/robot/kaz.urdf", kHost, "GET", origin), 403u) << origin;
