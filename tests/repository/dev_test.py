@@ -121,5 +121,31 @@ class Dev(unittest.TestCase):
             self.assertEqual((status, calls), (1, [build, *proofs[:n + 1]]))
 
 
+class CommitMessage(unittest.TestCase):
+    def check(self, message):
+        with tempfile.NamedTemporaryFile("w") as file:
+            file.write(message)
+            file.flush()
+            ran = subprocess.run([ROOT / "tools/commit-msg", file.name], capture_output=True, text=True)
+        return ran.returncode, ran.stderr
+
+    def test_accepted(self):
+        for message in ("h8s: Count wait states\n\nMemory tests ran 4 % too fast.\n", "Revert \"h8s: X\"\n",
+                        "docs, cli: Shorten\n\n# comment\nRead by three people.\n\nSigned-off-by: A\n"):
+            self.assertEqual(self.check(message), (0, ""), message)
+
+    def test_rejected(self):
+        for message, reason in (("h8s: Count\n", "body is missing"),
+                                ("h8s: Count\n\n# why\nSigned-off-by: A\n", "body is missing"),
+                                ("h8s: Count\nbody\n\nmore\n", "second line"),
+                                ("h8s: Count.\n\nWhy.\n", "period"),
+                                ("count states\n\nWhy.\n", "area: Imperative"),
+                                ("h8s: count\n\nWhy.\n", "area: Imperative"),
+                                (f"h8s: C{'o' * 67}\n\nWhy.\n", "73 characters")):
+            status, error = self.check(message)
+            self.assertEqual(status, 1, message)
+            self.assertIn(reason, error)
+
+
 if __name__ == "__main__":
     unittest.main()

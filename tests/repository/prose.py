@@ -1,0 +1,190 @@
+# Checks the English of pages and headers: banned openings and phrases, sentence lengths, spelling.
+# SPDX-License-Identifier: Apache-2.0
+"""usage: prose.py ROOT | prose.py FILE...
+
+ROOT checks every page of the tree. FILE... checks these, pages or headers, and prints words and sentence
+lengths of each.
+The rules that a script can count; CONTRIBUTING.md has the others. Spelling needs codespell."""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+# Of the sentences of a page: words of the median, of 95 %, of any.
+MEDIAN, NEARLY_ALL, LONGEST = 16, 25, 40
+FEWEST = 10  # sentences of a page for a median and a percentile
+WORDS_IN_ALL = 55_000
+
+PERSON = r"(?:code|program|firmware|board|host|page|file|name|state|test|function|kaz|robot|simulator|it)"
+RULES = [(re.compile(pattern, re.I), advice) for pattern, advice in (
+    (r"^(?:of|who|whoever|what|whatever|nothing|in vain)\b(?!.*\?$)", "begin with the subject"),
+    (r"^that (?=the |a |an |it |they |so |no |each |every |`)", "begin with the subject, not with a clause"),
+    (r"\b(?:is|are|was|were|be) of (?!(?:interest|use|course|type|order|the order)\b)", "name the relation"),
+    (r"\bthere (?:is|are|was|were) none\b|\bis none\b", "say what is missing"),
+    (r"\bso many\b", "give the number"),
+    (r"\bin vain\b", "retries exhausted, without success"),
+    (r"\bwhoever\b", "name who it is"),
+    (r"\bthousand million\b", "standard notation, as 3.03e10"),
+    (rf"\b{PERSON} (?:may |can |will |does not |cannot )?(?:tell|know|think|hear|want|ask)s?\b",
+     "code reads, checks, returns, reports"),
+    (r"\bdesign, section\b|\bthe project's plan\b|\bthe requirement says\b|\bthe plan (?:had|says)\b",
+     "refers to a document that is not in the tree"),
+)]
+
+FENCE = re.compile(r"^ {0,3}(```+|~~~+).*?^ {0,3}\1[ \t]*$", re.M | re.S)
+BREAK = re.compile(r"(?<!e\.g)(?<!i\.e)(?<!vs)(?<!cf)(?<!Fig)(?<!approx)"
+                   r"[.!?][)\"*_]*\s+(?=[\"(*_]*[A-Z0-9`\[-])")
+ITEM = re.compile(r"^(\s*)(?:[-*+]|\d+[.)])\s+")
+
+
+def plain(text):
+    """Text as it is read: a link is its text, code is one word."""
+    text = re.sub(r"<!--.*?-->|<[a-z/][^>]*>", " ", text, flags=re.S)
+    text = re.sub(r"!\[[^\]]*\]\([^)]*\)", " ", text)
+    text = re.sub(r"\[((?:[^\[\]]|\[[^\]]*\])*)\]\([^)]*\)", r"\1", text)
+    text = re.sub(r"``[^`]+(?:`[^`]+)*``|`[^`]+`", "`x`", text)
+    return re.sub(r"[*_]{1,3}(?=\S)|(?<=\S)[*_]{1,3}", "", text)
+
+
+def blocks(page):
+    """(line number, text, whether it is a cell of a table) of each paragraph, item and cell of a page."""
+    lines = FENCE.sub(lambda found: "\n" * found[0].count("\n"), page).splitlines()
+    found, gathered, start, in_list = [], [], 0, False
+
+    def end():
+        if gathered:
+            found.append((start, plain(" ".join(gathered)), False))
+            gathered.clear()
+
+    for number, line in enumerate(lines, 1):
+        is_item = ITEM.match(line)
+        if not line.strip() or line.lstrip().startswith(("#", "<!--")):
+            end()
+            in_list = in_list and not line.lstrip().startswith("#")
+        elif line.lstrip().startswith("|"):
+            end()
+            if not re.fullmatch(r"[\s|:-]+", line):
+                cells = (plain(cell.strip()) for cell in re.split(r"(?<!\\)\|", line))
+                found += [(number, cell, True) for cell in cells if cell]
+        elif line.startswith("    ") and not gathered and not (in_list and not line.startswith("        ")):
+            in_list = False  # code
+        else:
+            if is_item:
+                end()
+                in_list = True
+            elif not line.startswith(" ") and not gathered:
+                in_list = False
+            if not gathered:
+                start = number
+            gathered.append(ITEM.sub("", line).strip())
+    end()
+    return found
+
+
+def comments(source):
+    """(line number, text, whether it stands behind code) of each paragraph of comments in C or C++."""
+    found, gathered, start = [], [], 0
+
+    def end():
+        if gathered:
+            found.append((start, plain(" ".join(gathered)), False))
+            gathered.clear()
+
+    for number, line in enumerate(source.splitlines(), 1):
+        bare = re.sub(r'"(?:\\.|[^"\\])*"', '""', line)
+        code, mark, text = bare.partition("//")
+        text = text.strip("/< ")
+        if not mark or code.strip() or not text or text.startswith(("SPDX", "clang-format")):
+            end()
+        if mark and code.strip():
+            found.append((number, plain(re.sub(r"NOLINT.*", "", text)), True))
+        elif mark and text and not text.startswith(("SPDX", "clang-format")):
+            if not gathered:
+                start = number
+            gathered.append(text)
+    end()
+    return found
+
+
+def sentences(text):
+    return [part.strip() for part in BREAK.split(text) if part.strip()]
+
+
+def words(sentence):
+    return len([word for word in sentence.split() if re.search(r"\w", word)])
+
+
+def broken_rules(sentence):
+    """(what stands there, advice) of each rule that the sentence breaks."""
+    bare = sentence.strip(" \"(*_-")
+    return [(found[0].strip(), advice) for pattern, advice in RULES if (found := pattern.search(bare))]
+
+
+def check(name, passages):
+    """(faults, lengths of the sentences outside of cells and comments behind code)"""
+    faults, lengths = [], []
+    for number, text, is_cell in passages:
+        for sentence in sentences(text):
+            for found, advice in broken_rules(sentence):
+                faults.append(f"{name}:{number}: '{found}' in '{sentence[:60]}': {advice}")
+            count = words(sentence)
+            if count > LONGEST:
+                faults.append(f"{name}:{number}: {count} words, more than {LONGEST}: '{sentence[:60]}...'")
+            if not is_cell:
+                lengths.append(count)
+    lengths.sort()
+    if len(lengths) >= FEWEST:
+        for share, limit in ((0.5, MEDIAN), (0.95, NEARLY_ALL)):
+            if (value := percentile(lengths, share)) > limit:
+                faults.append(f"{name}: {100 * share:.0f} % of the sentences have up to {value} words, "
+                              f"more than {limit}: split the long ones")
+    return faults, lengths
+
+
+def check_file(name, path):
+    text = path.read_text()
+    return check(name, comments(text) if path.suffix in (".h", ".hpp") else blocks(text))
+
+
+def percentile(values, share):
+    return values[min(len(values) - 1, int(share * len(values)))] if values else 0
+
+
+def misspelled(files):
+    """American spelling, by codespell. One call for all files."""
+    checked = subprocess.run(
+        ["codespell", "--builtin", "clear,en-GB_to_en-US", "--ignore-words",
+         pathlib.Path(__file__).with_name("spelling.txt"), *files], capture_output=True, text=True)
+    return checked.stdout.splitlines()
+
+
+def tracked_pages(root):
+    listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard", "*.md"],
+                            capture_output=True, text=True, check=True).stdout.split()
+    return [root / name for name in listed if (root / name).exists() and name != "CHANGELOG.md"]
+
+
+def main(arguments):
+    root = pathlib.Path(arguments[0])
+    pages = tracked_pages(root) if root.is_dir() else [pathlib.Path(name) for name in arguments]
+    faults, in_all = [], 0
+    for path in pages:
+        text = path.read_text()
+        found, lengths = check_file(path.relative_to(root) if root.is_dir() else path, path)
+        faults += found
+        in_all += len(text.split())
+        if not root.is_dir():
+            above = sum(count > NEARLY_ALL for count in lengths)
+            print(f"{path}: {len(text.split())} words; {len(lengths)} sentences, median "
+                  f"{percentile(lengths, 0.5)}, 95 % {percentile(lengths, 0.95)}, "
+                  f"longest {max(lengths, default=0)}, {above} above {NEARLY_ALL}")
+    faults += misspelled(pages)
+    if root.is_dir() and in_all > WORDS_IN_ALL:
+        faults.append(f"all pages: {in_all} words, more than {WORDS_IN_ALL}: shorten before you add")
+    print("\n".join(faults) if faults else f"{len(pages)} pages keep the rules")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
