@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# A client of DYNAMIXEL servos, from docs/reference/dynamixel-bus.md; standard library alone.
+# A client of DYNAMIXEL servos, from docs/reference/servo-bus.md; standard library alone.
 # SPDX-License-Identifier: Apache-2.0
 """Nods with every XL330 that answers on a bus, by small motions at 50 Hz, and reads every position back.
 

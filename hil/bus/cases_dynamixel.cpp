@@ -288,7 +288,7 @@ void add_instruction_cases(ServoCases cases) {
 }  // namespace
 
 void add_dynamixel_cases(std::vector<ServoCase>& all) {
-  const ServoCases cases{all, "dynamixel-bus.md"};
+  const ServoCases cases{all, "servo-bus.md"};
   add_packet_cases(cases);
   add_error_cases(cases);
   add_group_cases(cases);

@@ -1,4 +1,4 @@
-// nod: moves the head up and down. The example of a behaviour that docs/tutorial/own-behavior.md prints.
+// nod: moves the head up and down. The example that docs/howto/own-behavior.md prints.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 

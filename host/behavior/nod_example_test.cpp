@@ -1,4 +1,4 @@
-// The example behaviour works, and docs/tutorial/own-behavior.md prints it as it is compiled.
+// The example works, and docs/howto/own-behavior.md prints it as it is compiled.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -55,17 +55,17 @@ TEST(NodExample, RefusesARobotWithoutItsJoint) {
 TEST(NodExample, IsTheOneInTheDocumentation) {
   const std::string code = contents("host/behavior/nod_example.cpp");
   ASSERT_FALSE(code.empty());
-  EXPECT_NE(contents("docs/tutorial/own-behavior.md").find("```cpp\n" + code + "```"),
+  EXPECT_NE(contents("docs/howto/own-behavior.md").find("```cpp\n" + code + "```"),
             std::string::npos)
-      << "copy host/behavior/nod_example.cpp into docs/tutorial/own-behavior.md";
+      << "copy host/behavior/nod_example.cpp into docs/howto/own-behavior.md";
 }
 
-// The commands of the tutorial's steps 1 and 2: its indented lines before step 3.
+// The commands of the page in steps 1 and 2: its indented lines before step 3.
 std::string copying_commands() {
-  std::istringstream tutorial(contents("docs/tutorial/own-behavior.md"));
+  std::istringstream page(contents("docs/howto/own-behavior.md"));
   const std::string indent(7, ' ');
   std::string commands;
-  for (std::string line; std::getline(tutorial, line) && !line.starts_with("3. ");)
+  for (std::string line; std::getline(page, line) && !line.starts_with("3. ");)
     if (line.starts_with(indent)) commands += line + "\n";
   return commands;
 }

@@ -30,7 +30,7 @@ Result<Outcome> run(Context& context) {
   if (text == kNone)
     return fail(Fault::usage,
                 "play: no poses are given; give --poses FILE, as kaz run pose --view "
-                "writes it (docs/reference/poses.md)");
+                "writes it (docs/howto/watch.md)");
   const auto sequence = KAZ_TRY(motion::parse_poses(text, "poses"));
   const auto names = joint_names(context);
   const auto motion = KAZ_TRY(motion::PoseMotion::create(sequence, names));

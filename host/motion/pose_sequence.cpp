@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr char kFormat[] = "kaz-poses-1";
 
 tl::unexpected<Error> wrong(const std::string& name, const std::string& what) {
-  return fail(Fault::usage, name + ": " + one_line(what) + "; see docs/reference/poses.md");
+  return fail(Fault::usage, name + ": " + one_line(what) + "; see docs/howto/watch.md");
 }
 
 std::string which(std::size_t pose) {

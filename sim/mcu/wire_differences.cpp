@@ -12,8 +12,8 @@
 namespace kaz::sim {
 namespace {
 
-constexpr const char* no_cpu = "it has no CPU that takes time";
-constexpr const char* no_image = "it has no image";
+constexpr const char* no_cpu = "no CPU time to measure";
+constexpr const char* no_image = "no image";
 
 constexpr WireException exceptions[] = {
     {"`statistics_reply.busy_8states`", "measured", "0", no_cpu, KZ_TYPE_statistics_reply,
@@ -24,40 +24,34 @@ constexpr WireException exceptions[] = {
      "busy_8states"},
     {"`telemetry_health.worst_8states`", "measured", "0", no_cpu, KZ_TYPE_telemetry_health,
      "worst_8states"},
-    {"`identify_reply.image_crc`", "of the image", "0", no_image, KZ_TYPE_identify_reply,
+    {"`identify_reply.image_crc`", "the image's CRC", "0", no_image, KZ_TYPE_identify_reply,
      "image_crc"},
-    {"`self_test_reply.image_crc`", "of the image", "0", no_image, KZ_TYPE_self_test_reply,
+    {"`self_test_reply.image_crc`", "the image's CRC", "0", no_image, KZ_TYPE_self_test_reply,
      "image_crc"},
-    {"`self_test_reply.start_8states`", "measured", "a constant, near it",
-     "how long the application's start takes depends on the image", KZ_TYPE_self_test_reply,
-     "start_8states"},
-    {"a byte that ends 300 to 1,000 states after a tick became due", "in this tick or the next",
-     "this tick up to 650",
-     "the tick reads its receive ring 450 to 850 states after it became due, by interrupts and "
-     "pins; "
-     "the comparison sends no byte that ends then"},
+    {"`self_test_reply.start_8states`", "measured", "a constant near it",
+     "the image determines the start-up time", KZ_TYPE_self_test_reply, "start_8states"},
+    {"a byte that ends 300 to 1,000 states after a tick is due", "in this tick or the next",
+     "in this tick up to 650",
+     "the tick reads its receive ring 450 to 850 states after it is due; the comparison sends no "
+     "byte then"},
     {"bytes that end 47,600 to 18,000 states before the first tick",
-     "each makes the start 65 states longer, or is not heard",
-     "heard for the last 46,940, at no cost",
-     "it has no CPU that takes time; the comparison sends none then"},
-    {"first byte of a reply", "320 to 700 states after its tick", "445 states after it", no_cpu},
+     "each delays the start by 65 states, or is lost", "received in the last 46,940, no delay",
+     "no CPU time; the comparison sends none then"},
+    {"first byte of a reply", "320 to 700 states after its tick", "445 states after its tick",
+     "no CPU time"},
     {"a request that waits for room in the transmit ring",
-     "room as the tick finds it, up to 1,100 states after it became due", "665 states after it",
-     "it has no CPU that takes time; where the replies are a tick apart for it the comparison ends "
-     "the "
-     "conversation, and counts it"},
-    {"begin of a requested store or reset", "when its tick has been computed",
-     "5,900 states after the tick became due",
-     "it has no CPU that takes time; the comparison sends nothing meanwhile, and counts time anew "
-     "from "
-     "each such reset"},
-    {"input voltages", "sampled from 800 to 7,300 states after a tick, AN4 and AN5 all the time",
-     "the same inputs in the same order, each within 200 states",
-     "the comparison's voltages change once in a tick, 15,000 states after it became due"},
-    {"3 s of the loader", "the flash writer listens, to its own frames", "nobody listens",
-     "the native board has no flash to be written"},
-    {"a byte that a reset or a power cut ends", "its first bits are at the pin", "nothing",
-     "a listener has no use for it; the comparison drops it"},
+     "room up to 1,100 states after the tick is due", "665 states after it",
+     "the comparison ends and counts a conversation whose replies differ by a tick"},
+    {"start of a requested store or reset", "after its tick is computed",
+     "5,900 states after the tick is due",
+     "the comparison sends nothing meanwhile, and restarts its clock at each such reset"},
+    {"input voltages", "sampled 800 to 7,300 states after a tick; AN4 and AN5 always",
+     "same inputs and order, within 200 states",
+     "the comparison changes voltages 15,000 states after a tick is due"},
+    {"3 s of the loader", "the flash writer receives its own frames", "no receiver",
+     "no flash to write"},
+    {"a byte cut by a reset or a power cut", "its first bits reach the pin", "no bits",
+     "the comparison drops it"},
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ TEST = re.compile(r"\bTEST(?:_F|_P)?\(\s*(\w+)\s*,\s*(\w+)\s*\)")
 existing = {".".join(name) for source in ROOT.glob("sim/h8s/**/*_test.cpp")
             for name in TEST.findall(source.read_text())}
 text = (ROOT / "docs/explanation/emulator.md").read_text()
-table = text[text.index("| part | what is modelled"):].split("\n\n")[0]
+table = text[text.index("| part | modeled"):].split("\n\n")[0]
 rows = [row for row in table.splitlines()[2:] if row.startswith("|")]
 wrong = []
 for row in rows:

@@ -68,7 +68,7 @@ def table():
     def reached(name):
         return set().union(*({use} | reached(use) for use in public.get(name, [])))
 
-    lines = ["| library | what it is | links |", "|---|---|---|"]
+    lines = ["| library | purpose | links |", "|---|---|---|"]
     for room, entries in found.items():
         for folder, name, text, uses in entries:
             direct = [use for use in dict.fromkeys(uses) if not any(use in reached(other) for other in uses)]

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
-# Writes docs/reference/protocol.md from the message table.
+# Writes docs/reference/protocol.md and messages.csv from the message table.
 # SPDX-License-Identifier: Apache-2.0
 """usage: protocol_doc.py ROOT [--check]
 
-Writes ROOT/docs/reference/protocol.md; with --check only compares, and fails if it is out of date.
+Writes ROOT/docs/reference/protocol.md and messages.csv; with --check only compares, and fails if one is
+out of date.
 """
+import csv
+import io
 import re
 import struct
 import sys
@@ -37,6 +40,19 @@ def declaration(field):
     return f"{field.type} {field.name}{count}"
 
 
+WIDTH = 120
+NO_BREAK = "\u00a0"
+# Units that the page gives once, or that the end of the name has.
+PLAIN_UNITS = ("100 urad", "mV", "ms", "s", "10 ms", "8 states")
+
+
+def declaration_with_range(field):
+    """`u16 kp 0..20480 [1/256 /rad]`; the page says once which bits a mask may have."""
+    unit = f"[{field.unit}]" if field.unit and field.unit not in PLAIN_UNITS else ""
+    bounds = "" if field.name == "mask" else range_of(field)
+    return " ".join(filter(None, (declaration(field), bounds, unit)))
+
+
 def listing(rows):
     """Rows of cells as lines with aligned columns; a last cell too long for its line is wrapped."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)]
@@ -49,56 +65,33 @@ def listing(rows):
     return [*lines, "```", ""]
 
 
-def field_table(fields, at):
-    """Offset, declaration, range, unit and meaning of fields that begin at byte `at`."""
-    rows = []
-    for field in fields:
-        unit = f"[{field.unit}] " if field.unit else ""
-        rows.append([f"{at:>4}", declaration(field), range_of(field), unit + field.text])
-        # How many numbers a mask leaves out is not known: what follows stands behind it.
-        at = "then" if field.kind == "masked" or at == "then" else at + field.size_max()
-    return listing(rows)
-
-
-def length_of(message):
-    low, high = message.size_min(), message.size_max()
-    return f"{low} bytes" if low == high else f"{low} to {high} bytes"
-
-
 def own_fields(message):
     """The fields after `tick` and `status`, which all replies but that of `identify` begin with."""
     plain = [field.name for field in message.fields[:2]] == ["tick", "status"]
-    return (message.fields[2:], 6) if plain else (message.fields, 0)
+    return message.fields[2:] if plain else message.fields
 
 
-def message_section(message, messages):
-    """A request with its reply, or a frame that the board sends without one."""
-    lines = [f"### 0x{message.code:02x} {message.name}", ""]
-    if not message.is_request():
-        same = [m for m in messages if m.kind.endswith("REPLY") and m.fields == message.fields]
-        return lines + [f"{message.text} {length_of(message)}.", "",
-                        *([] if same else field_table(*own_fields(message)))]
-    reply = next(m for m in messages if m.code == message.code | 0x80)
-    if message.fields:
-        lines += field_table(message.fields, 0)
-    if reply.kind != "ACKNOWLEDGEMENT":
-        lines += [f"Reply, {length_of(reply)}: {reply.text[0].lower()}{reply.text[1:]}", "",
-                  *field_table(*own_fields(reply))]
-    elif not message.fields:
-        lines += ["No fields.", ""]
-    return lines
+def message_rows(message, messages):
+    """(code and name, fields) of a request and its reply, or of a frame without a request."""
+    rows = [(f"0x{message.code:02x} {message.name}", own_fields(message))]
+    if message.is_request():
+        fields = own_fields(next(m for m in messages if m.code == message.code | 0x80))
+        rows += [("     reply", fields)] if fields else []
+    # A line is broken between fields only.
+    return [(name, ", ".join(declaration_with_range(field).replace(" ", NO_BREAK) for field in fields))
+            for name, fields in rows]
 
 
-def sections(names, messages, printed):
-    """Of the messages of a chapter; adds their names to `printed`."""
-    lines = []
+def chapter(names, messages, printed):
+    """The listing of the messages of a chapter; adds their names to `printed`."""
+    rows = []
     for name in names.split():
         message = next((m for m in messages if m.name == name), None)
         if message is None:
             raise Refused(f"tools/gen/protocol.md.in: there is no message '{name}'")
         printed.append(name)
-        lines += message_section(message, messages)
-    return "\n".join(lines).rstrip()
+        rows += message_rows(message, messages)
+    return "\n".join(listing(rows)).rstrip().replace(NO_BREAK, " ")
 
 
 def with_unlisted(text, messages):
@@ -156,6 +149,20 @@ def with_value(match, constants):
     return f"{name} ({constants[name][0]})" if name in constants else name
 
 
+def divided(value, divisor):
+    return f"{int(value, 0) / int(divisor):g}" if divisor else value
+
+
+def wrapped(text):
+    """Breaks lines of prose that values made too long."""
+    if text.startswith("```"):
+        return text
+    lines = [textwrap.fill(line, WIDTH, subsequent_indent="  " if line.startswith(("- ", "  ")) else "",
+                           break_long_words=False, break_on_hyphens=False)
+             if len(line) > WIDTH and not line.startswith("|") else line for line in text.split("\n")]
+    return "\n".join(lines)
+
+
 def document(root):
     messages = read_messages(root)
     constants = read_constants(f"{root}/shared/protocol/messages.h")
@@ -171,13 +178,13 @@ def document(root):
             "The request `targets`, sequence number 7: joints 0 and 1 to 0.1 and −0.0002 rad in "
             "500 ms:",
             targets, "mask 00000003, 500 ms = 01f4, 1000 = 03e8, −2 = fffe"),
-        "STATUS": constant_rows(constants, "KZ_STATUS_"),
+        "STATUS": constant_list(constants, "KZ_STATUS_", False),
         "REFUSED": constant_list(constants, "KZ_REFUSED_", False),
         "SHUTDOWN": constant_list(constants, "KZ_SHUTDOWN_", False),
         "JOINT": constant_rows(constants, "KZ_JOINT_"),
         "RESET": constant_list(snapshot, "KZ_RESET_"),
         "JOINTS": joint_rows(root),
-        **{name: constant_list(constants, f"KZ_{name}_")
+        **{name: constant_list(constants, f"KZ_{name}_", False)
            for name in ("REACTION", "CAPABILITY", "TELEMETRY", "TEST", "CALIBRATION")},
     }
     for key, lines in blocks.items():
@@ -185,15 +192,41 @@ def document(root):
     printed = []
     wanted = [m for m in messages if m.is_request() or m.kind in ("TELEMETRY", "REFUSAL")]
     text = with_unlisted(text, wanted)
-    text = re.sub(r"@MESSAGES ([\w ]+)@", lambda match: sections(match.group(1), messages, printed), text)
+    text = re.sub(r"@MESSAGES ([\w ]+)@", lambda match: chapter(match.group(1), messages, printed), text)
     if len(printed) != len(wanted):
         raise Refused("tools/gen/protocol.md.in: messages listed twice: "
                       f"{', '.join(sorted(name for name in set(printed) if printed.count(name) > 1))}")
     # A constant that the table's texts name is printed with its value.
     text = re.sub(r"(?<![@\w])(KZ_\w*[A-Z0-9])(?![\w*@])", lambda match: with_value(match, everything),
                   text)
-    return re.sub(r"@(KZ_\w+)@", lambda match: everything[match.group(1)][0], text)
+    text = re.sub(r"@(KZ_\w+)(?:/(\d+))?@",
+                  lambda match: divided(everything[match.group(1)][0], match.group(2)), text)
+    return "".join(map(wrapped, re.split(r"(^```.*?^```$)", text, flags=re.M | re.S)))
+
+
+def message_table(root):
+    """Each message and its fields. Offsets are empty after a masked field, as they depend on the mask."""
+    everything = all_constants(root)
+    out = io.StringIO()
+    table = csv.writer(out, lineterminator="\n")
+    table.writerow(["code", "message", "offset", "type", "field", "range", "unit", "meaning"])
+
+    def plain(text):
+        return re.sub(r"\b(KZ_\w*[A-Z0-9])(?![\w*])", lambda match: with_value(match, everything),
+                      text.replace("`", ""))
+
+    for message in read_messages(root):
+        code = f"0x{message.code:02x}"
+        table.writerow([code, message.name, "", "", "", "", "", plain(message.text)])
+        at = 0
+        for field in message.fields:
+            kind, name = declaration(field).split(" ")
+            table.writerow([code, message.name, at, kind, name, range_of(field), field.unit,
+                            plain(field.text)])
+            at = "" if field.kind == "masked" or at == "" else at + field.size_max()
+    return out.getvalue()
 
 
 if __name__ == "__main__":
-    sys.exit(generated_file.main(sys.argv[1:], __doc__, "docs/reference/protocol.md", document))
+    sys.exit(max(generated_file.main(sys.argv[1:], __doc__, "docs/reference/protocol.md", document),
+                 generated_file.main(sys.argv[1:], __doc__, "docs/reference/messages.csv", message_table)))

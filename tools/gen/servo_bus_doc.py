@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
-# Writes the pages of the servo buses from their templates and the servos' register tables.
+# Writes the page of the servo buses from its template and the servos' register tables.
 # SPDX-License-Identifier: Apache-2.0
 """usage: servo_bus_doc.py ROOT [--check]
 
-Writes ROOT/docs/reference/servo-bus.md and dynamixel-bus.md; with --check only compares, and fails if one is
-out of date.
+Writes ROOT/docs/reference/servo-bus.md; with --check only compares, and fails if it is out of date.
 """
 import csv
 import re
@@ -13,10 +12,12 @@ import sys
 import generated_file
 from protocol_table import Refused
 
-FEETECH = ("sts3215", "scs0009")
-DYNAMIXEL = ("xl330", "xl430", "xm430")
-HEADER = ("<!-- Written by tools/gen/servo_bus_doc.py from tools/gen/{template}.md.in and "
-          "shared/{folder}/*.def: edit those. -->\n")
+# Columns of the tables in the order of the models, which the page names.
+MODELS = {"feetech": ("sts3215", "scs0009"), "dynamixel": ("xl330", "xl430", "xm430")}
+# Constant, and of no use to a client.
+LEFT_OUT = ("endianness",)
+HEADER = ("<!-- Written by tools/gen/servo_bus_doc.py from tools/gen/servo-bus.md.in, "
+          "shared/feetech/*.def and shared/dynamixel/*.def: edit those. -->\n")
 # Columns of each kind of line of a table.
 COLUMNS = {
     "KZ_REGISTER": "name address size sign access area initial low high unit effect source",
@@ -42,64 +43,123 @@ def rows(path):
 
 
 def registers(path):
-    return [{"sign": "0", "unit": "", "values": "", "count": "1", "step": "0", **row}
-            for kind, row in rows(path) if kind != "KZ_INITIAL"]
+    return {row["name"]: {"sign": "0", "unit": "", "values": "", "count": "1", "step": "0", **row}
+            for kind, row in rows(path) if kind != "KZ_INITIAL"}
 
 
-def access(row):
-    return ("R" if row["access"] == "r" else "RW") + (", kept" if row["area"] == "eeprom" else "")
-
-
-def line(cells):
-    return "| " + " | ".join(cells) + " |"
-
-
-def table(root, model):
-    lines = ["| address | bytes | name | access | initial | range | unit | effect | source |",
-             "|---|---|---|---|---|---|---|---|---|"]
-    for row in registers(f"{root}/shared/feetech/{model}.def"):
-        size = row["size"] if row["sign"] == "0" else f"{row['size']}, sign bit {row['sign']}"
-        bounds = f"{row['low']} to {row['high']}" if row["access"] == "rw" else ""
-        lines.append(line((row["address"], size, f"`{row['name']}`", access(row), row["initial"], bounds,
-                           row["unit"], row["effect"], row["source"])))
-    return "\n".join(lines)
+def by_name(root, family):
+    """{register: {model: row}}, in the order of addresses."""
+    tables = {model: registers(f"{root}/shared/{family}/{model}.def") for model in MODELS[family]}
+    names = {name: int(row["address"]) for table in reversed(tables.values()) for name, row in table.items()}
+    return {name: {model: table[name] for model, table in tables.items() if name in table}
+            for name in sorted(names, key=names.get) if name not in LEFT_OUT}
 
 
 def joined(texts):
-    """What the models have, once if it is the same."""
-    return texts[0] if len(set(texts)) == 1 else " / ".join(text or "-" for text in texts)
+    """The values of the models: one if they are equal."""
+    return texts[0] if len(set(texts)) == 1 else (" / " if " " in "".join(texts) else "/").join(texts)
 
 
-def dynamixel_table(root):
-    tables = [{row["name"]: row for row in registers(f"{root}/shared/dynamixel/{model}.def")}
-              for model in DYNAMIXEL]
-    every = {name: row for one in tables for name, row in one.items()}
-    lines = ["| address | bytes | name | access | initial | range | unit | effect | source |",
-             "|---|---|---|---|---|---|---|---|---|"]
+def meaning(owners):
+    """The effects, without those that another one contains."""
+    texts = list(dict.fromkeys(row["effect"] for row in owners))
+    texts = [one for one in texts
+             if not any(one != other and all(part in other for part in one.split(", ")) for other in texts)
+             and one != "[unknown]"]
+    quantity = owners[0]["name"].split("_")[-1]
+    return " / ".join(f"{quantity} {one}" if one.startswith("of ") else one for one in texts)
 
-    def bounds(row):
-        if row["access"] != "rw":
-            return "-"
-        return row["values"].replace(" ", ", ") or f"{row['low']} to {row['high']}"
 
-    def initial(row):
-        return row["initial"] if row["step"] == "0" else f"{row['initial']}, and {row['step']} more each"
+def address(row):
+    last = int(row["address"]) + int(row["size"]) * int(row["count"]) - 1
+    return row["address"] if last == int(row["address"]) else f"{row['address']}–{last}"
 
-    for name, first in sorted(every.items(), key=lambda item: int(item[1]["address"])):
-        owners = [one.get(name) for one in tables]
-        size = first["size"] + (", signed" if first["sign"] != "0" else "")
-        if first["count"] != "1":
-            size += f", {first['count']} times"
 
-        def of(column, where=owners):
-            return joined(["x" if row is None else column(row) for row in where])
+def initial(row):
+    if row["step"] == "0":
+        return row["initial"]
+    return f"{row['initial']}, {int(row['initial']) + int(row['step'])}, ..."
 
-        def of_owners(column, where=owners):
-            return joined([row[column] for row in where if row is not None])
 
-        lines.append(line((first["address"], size, f"`{name}`", access(first), of(initial), of(bounds),
-                           of_owners("unit"), of_owners("effect"), of_owners("source"))))
+def bounds(row):
+    if row["values"]:
+        return row["values"].replace(" ", ",")
+    return f"±{row['high']}" if int(row["low"]) == -int(row["high"]) else f"{row['low']}–{row['high']}"
+
+
+def unit_after(unit):
+    if unit in ("", "bits", "code"):
+        return ""
+    return f" × {unit}" if unit[0].isdigit() else f" {unit}"
+
+
+def limits(owners):
+    """The ranges with their unit: once if it is the same for all models."""
+    units = [unit_after(row["unit"]) for row in owners]
+    if len(set(units)) == 1:
+        return joined([bounds(row) for row in owners]) + units[0]
+    return joined([bounds(row) + unit for row, unit in zip(owners, units)])
+
+
+def is_stored_only(owners):
+    return all(row["effect"].startswith("[") and row["effect"].endswith("]") for row in owners)
+
+
+def line(cells):
+    return "|" + "|".join(cells) + "|"
+
+
+def titled(name, by_model, family):
+    names = ", ".join(model.upper() for model in by_model)
+    return f"`{name}`" + (f" ({names})" if len(by_model) < len(MODELS[family]) else "")
+
+
+def writable_table(root, family, area):
+    lines = ["|address|name|initial|range|meaning|", "|---|---|---|---|---|"]
+    for name, by_model in by_name(root, family).items():
+        owners = list(by_model.values())
+        if owners[0]["access"] != "rw" or owners[0]["area"] != area or is_stored_only(owners):
+            continue
+        lines.append(line((joined([address(row) for row in owners]), titled(name, by_model, family),
+                           joined([initial(row) for row in owners]), limits(owners), meaning(owners))))
     return "\n".join(lines)
+
+
+def read_only_table(root, family):
+    lines = ["|address|name|unit|meaning|", "|---|---|---|---|"]
+    for name, by_model in by_name(root, family).items():
+        owners = list(by_model.values())
+        if owners[0]["access"] != "r" or is_stored_only(owners):
+            continue
+        unit = joined([row["unit"] for row in owners])
+        if any(row["sign"] != "0" for row in owners):
+            unit = f"{unit}, signed"
+        text = meaning(owners)
+        if owners[0]["area"] == "eeprom":
+            text = f"{text}{': ' if text else ''}{joined([initial(row) for row in owners])}"
+        lines.append(line((joined([address(row) for row in owners]), titled(name, by_model, family),
+                           unit, text)))
+    return "\n".join(lines)
+
+
+def stored_only(root, family):
+    """The writable registers without a simulated effect."""
+    found = []
+    for name, by_model in by_name(root, family).items():
+        owners = list(by_model.values())
+        if owners[0]["access"] == "rw" and is_stored_only(owners):
+            found.append(f"`{name}` ({joined([row['address'] for row in owners])})")
+    return ", ".join(found)
+
+
+def sign_bits(root, family):
+    names = {}
+    for name, by_model in by_name(root, family).items():
+        for bit in dict.fromkeys(row["sign"] for row in by_model.values() if row["sign"] != "0"):
+            names.setdefault(bit, []).append(f"`{name}`")
+    usual = max(names, key=lambda bit: len(names[bit]))
+    others = [f"bit {bit} in {' and '.join(names[bit])}" for bit in sorted(names, key=int) if bit != usual]
+    return f"bit {usual} ({', '.join(others)})"
 
 
 def variant(root):
@@ -107,22 +167,21 @@ def variant(root):
     return ", ".join(f"`{row['name']}` {row['initial']}" for row in changes)
 
 
-def feetech_page(root):
+def page(root):
     with open(f"{root}/tools/gen/servo-bus.md.in", encoding="utf-8") as template:
         text = template.read()
-    for model in FEETECH:
-        text = text.replace(f"@{model}@", table(root, model))
-    return HEADER.format(template="servo-bus", folder="feetech") + text
-
-
-def dynamixel_page(root):
-    with open(f"{root}/tools/gen/dynamixel-bus.md.in", encoding="utf-8") as template:
-        text = template.read()
-    text = text.replace("@registers@", dynamixel_table(root)).replace("@m077@", variant(root))
-    return HEADER.format(template="dynamixel-bus", folder="dynamixel") + text
+    made = {"m077": variant(root), "feetech-signs": sign_bits(root, "feetech")}
+    for family in MODELS:
+        made |= {f"{family}-eeprom": writable_table(root, family, "eeprom"),
+                 f"{family}-ram": writable_table(root, family, "ram"),
+                 f"{family}-read-only": read_only_table(root, family),
+                 f"{family}-stored": stored_only(root, family)}
+    for name, content in made.items():
+        if f"@{name}@" not in text:
+            raise Refused(f"tools/gen/servo-bus.md.in does not have @{name}@")
+        text = text.replace(f"@{name}@", content)
+    return HEADER + text
 
 
 if __name__ == "__main__":
-    sys.exit(max(
-        generated_file.main(sys.argv[1:], __doc__, "docs/reference/servo-bus.md", feetech_page),
-        generated_file.main(sys.argv[1:], __doc__, "docs/reference/dynamixel-bus.md", dynamixel_page)))
+    sys.exit(generated_file.main(sys.argv[1:], __doc__, "docs/reference/servo-bus.md", page))

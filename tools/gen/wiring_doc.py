@@ -88,7 +88,7 @@ class Board:
 
     def inputs(self):
         """(multiplexer, input) to what is connected there."""
-        table = {(joint.mux, joint.input): f"potentiometer of {joint.name}" for joint in self.joints}
+        table = {(joint.mux, joint.input): joint.name for joint in self.joints}
         at = lambda name: divmod(self.number(name), self.number("KZ_MUX_INPUTS"))
         volts = self.number("KZ_SUPPLY_FULL_MV") / 1000
         table[at("KZ_ANALOG_SUPPLY")] = f"motor supply, divided so that {volts:g} V gives AVCC"
@@ -110,31 +110,38 @@ def signed(tenths):
 
 
 def by_joint(board):
-    table = [("joint", "name", "speed (PWM)", "direction", "potentiometer", "mounted", "at mid-scale")]
+    table = [("joint", "name", "speed (PWM)", "direction", "input", "mirrored", "at mid-scale")]
     for joint in board.joints:
         table.append((str(joint.index), f"`{joint.name}`",
                       f"{board.pin(joint.speed())} ({joint.speed()})", joint.direction(),
-                      f"multiplexer {joint.mux}, input {joint.input}",
-                      "normally" if joint.sign > 0 else "mirrored", signed(joint.centre)))
+                      f"{joint.mux}.{joint.input}",
+                      "" if joint.sign > 0 else "yes", signed(joint.centre)))
     return rows_of(table)
 
 
 def by_pin(board):
-    table = [("pin", "function", "", "for")]
+    """Pins that do not belong to a joint."""
+    of_joints = {pin for joint in board.joints for pin in (board.pin(joint.speed()), joint.direction())}
+    table = [("pin", "for")]
     for names in board.pins:
-        function, way, purpose = board.uses.get(names[0], ("", "", "not connected"))
-        if names[0] in board.weak_high and way == "out":
-            purpose += "; pull-up 4.7 kΩ, since its high level is weak"
-        table.append((names[0], function, way, purpose))
+        if names[0] in board.uses and names[0] not in of_joints:
+            function, _, purpose = board.uses[names[0]]
+            table.append((names[0] if function == "port" else f"{names[0]} ({function})", purpose))
     return rows_of(table)
 
 
+def weak_outputs(board):
+    """Outputs whose high level needs a pull-up."""
+    return [names[0] for names in board.pins
+            if names[0] in board.weak_high and board.uses.get(names[0], ("", ""))[1] == "out"]
+
+
 def by_input(board):
-    inputs = board.inputs()
-    table = [("input", *(f"multiplexer {m} (AN{m})" for m in range(board.number("KZ_MUXES"))))]
-    for i in range(board.number("KZ_MUX_INPUTS")):
-        table.append((str(i), *(inputs.get((m, i), "not connected: to ground")
-                                for m in range(board.number("KZ_MUXES")))))
+    """Inputs of the multiplexers without a potentiometer."""
+    of_joints = {(joint.mux, joint.input) for joint in board.joints}
+    table = [("input", "connect")]
+    table += [(f"{mux}.{i}", what) for (mux, i), what in sorted(board.inputs().items())
+              if (mux, i) not in of_joints]
     return rows_of(table)
 
 
@@ -145,6 +152,7 @@ def document(root):
     for name, rows in (("BY_JOINT", by_joint(board)), ("BY_PIN", by_pin(board)),
                        ("BY_INPUT", by_input(board))):
         text = text.replace(f"@{name}@\n", "\n".join(rows) + "\n")
+    text = text.replace("@WEAK_OUTPUTS@", " and ".join(weak_outputs(board)))
     text = text.replace("@MHZ@", f"{board.number('KZ_CLOCK_HZ') / 1e6:g}")
     if "@" in text:
         raise Refused("tools/gen/wiring.md.in: a name between @ that this program does not know")
@@ -207,7 +215,7 @@ def drawing(root):
         out.append(text_at(40, y + 16, f"multiplexer {mux}", "name"))
         out.append(text_at(270, y + 16, "select " + " ".join(selects), "small", "end"))
         for i in range(count):
-            what = inputs.get((mux, i), "ground").replace("potentiometer of ", "")
+            what = inputs.get((mux, i), "ground")
             short = re.split(r"[,:]", what)[0]
             out.append(text_at(48, y + ROW * (i + 2) - 3, f"{i}   {short}", "small"))
         middle = y + ROW * (count + 1) / 2

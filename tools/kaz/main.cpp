@@ -102,7 +102,7 @@ int parse_and_run(int argc, char** argv) {
       "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
       "open them.\n"
       "`kaz VERB --help` or `kaz help VERB` says more about a verb.\n"
-      "Exit status: 1 the task failed, 3 the environment failed (docs/reference/exit-status.md), "
+      "Exit status: 1 the task failed, 3 the environment failed (docs/reference/output.md), "
       "128 + signal where a signal ended it (130: Ctrl-C; sim, monitor and servers: 0)\n"
       "Examples:\n"
       "  kaz demo                              # search and track the ball, leave pictures\n"

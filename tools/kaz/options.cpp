@@ -84,7 +84,7 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
   verb.add_option("--faults", options.faults,
-                  "file with faults to inject and their times (docs/reference/faults.md)")
+                  "file with faults to inject and their times (docs/reference/simulator.md)")
       ->type_name("FILE");
   add_choice(
       verb, "--sensors", sim::kSensorSets, options.sensors,

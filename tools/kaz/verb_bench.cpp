@@ -144,7 +144,7 @@ void add_servo(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
       "servo", "motor and friction of a bus servo from logs of a pendulum on its horn");
   auto arguments = std::make_shared<ServoFitArguments>();
-  verb->add_option("LOG", arguments->logs, "logs that are fitted (CSV: docs/howto/servo-fit.md)")
+  verb->add_option("LOG", arguments->logs, "logs that are fitted (CSV: docs/howto/bench.md)")
       ->required();
   verb->add_option("--held-out", arguments->held_out,
                    "logs that no fit sees, and each model predicts; they choose the model")

@@ -52,7 +52,7 @@ void add_record(CLI::App& bus, Action& action) {
   auto* verb = bus.add_subcommand("record", "record a motion by hand, for kaz run play");
   auto options = std::make_shared<MotionRecordOptions>();
   add_robot(*verb, options->backend);
-  verb->add_option("--out", options->out, "file of poses (docs/reference/poses.md)")
+  verb->add_option("--out", options->out, "file of poses (docs/howto/watch.md)")
       ->required()
       ->type_name("FILE");
   verb->add_option("--seconds", options->seconds, "how long; rest at both ends is cut off")

@@ -64,7 +64,7 @@ void add_fuzz(CLI::App& program, Action& action) {
       "wrong, "
       "the shortened case is written to --out. The board at a port is left as it was "
       "found, also by Ctrl-C (kaz recover). Cases choose their own faults of line, power and "
-      "sensors (docs/reference/faults.md). docs/howto/fuzzing.md says what is judged.\n"
+      "sensors (docs/reference/simulator.md). docs/howto/fuzzing.md says what is judged.\n"
       "A feature is a reaction of the board: a kind of reply with its status, a refusal with its "
       "reason, or, on native and h8, a combination of shutdown, limits and queue. Cases that show "
       "a new one are kept, and later cases are made from them.\n"

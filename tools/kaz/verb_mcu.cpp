@@ -184,7 +184,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
       ->excludes("--flat")
       ->type_name("FILE");
   verb->add_option("--netlist", options->netlist,
-                   "parts around the chip: docs/reference/emulator-pins.md")
+                   "parts around the chip: docs/howto/h8s-program.md")
       ->excludes("--flat")
       ->type_name("FILE");
   auto* vcd = verb->add_option("--vcd", options->vcd, "record signals for GTKWave and the like")

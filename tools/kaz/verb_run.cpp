@@ -199,7 +199,7 @@ void add_run(CLI::App& program, Action& action) {
   verb->add_option("--goal", arguments->goal, "the same as --set goal=..., of navigate")
       ->type_name("X,Y[,DEGREES]|ball");
   verb->add_option("--poses", arguments->poses,
-                   "of play: file of poses (docs/reference/poses.md); run pose --view makes one")
+                   "of play: file of poses (docs/howto/watch.md); run pose --view makes one")
       ->type_name("FILE");
   add_settings(*verb, arguments->settings, "an option of the behaviour (kaz run NAME --help)");
   auto list = std::make_shared<bool>(false);

@@ -138,7 +138,7 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option(
           "--bus", *bus,
           "a servo bus instead of a servo board: the port is that of the servos which bus.json, "
-          "beside --robot-file, lists (docs/howto/servo-bus.md)")
+          "beside --robot-file, lists (docs/howto/own-arm.md)")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   add_motor_options(*verb, arguments->backend);

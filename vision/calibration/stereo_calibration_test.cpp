@@ -204,9 +204,8 @@ TEST(Chessboard, CornersAreFoundToAFractionOfAPixel) {
         pose * Eigen::Vector3d(i % 9 * kBoard.square_m, i / 9 * kBoard.square_m, 0);
     sum += (corners[static_cast<std::size_t>(i)] - lens.pixel(p.head<2>() / p.z())).squaredNorm();
   }
-  // cv::cornerSubPix is off by about 0.1 px on drawn edges (docs/explanation/view.md has 0.09 to 0.11),
-  // less on
-  // soft ones and with more pixels in its window: of 15 px squares it uses 9 x 9.
+  // cv::cornerSubPix is off by about 0.1 px on drawn edges (opencv_test). The error is smaller on soft
+  // edges and with more pixels in its window: 9 x 9 for squares of 15 px.
   EXPECT_LT(std::sqrt(sum / 54), 0.1);
 }
 

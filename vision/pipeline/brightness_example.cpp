@@ -1,4 +1,4 @@
-// How bright pictures are: an example of a module, printed in docs/explanation/vision.md.
+// Example of a module: brightness of pictures. Linked from docs/explanation/vision.md.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/pipeline/brightness_example.h"
 

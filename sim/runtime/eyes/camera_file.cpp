@@ -100,7 +100,7 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
   if (!grows(eye))
     return fail(Fault::usage, path +
                                   ": with \"k1\", \"k2\", \"k3\" as they are, the picture turns "
-                                  "back before its corners; see docs/explanation/view.md");
+                                  "back before its corners; see docs/explanation/vision.md");
   return camera;
 }
 

@@ -172,7 +172,7 @@ TEST(PendulumRecorder, DynamixelsHaveTheirOwnLaw) {
   ASSERT_TRUE(record) << record.error().message;
   EXPECT_EQ(memory_of(*bus), before);
   EXPECT_EQ(record->servo, "xl330-m288, id 1");
-  // docs/howto/servo-fit.md: 1.15 at P = 400.
+  // docs/howto/bench.md: 1.15 at P = 400.
   EXPECT_NEAR(record->logs[4].log.gain_per_rad, 1.15, 0.01);
   EXPECT_TRUE(record->logs[4].held_out);
   const auto scs = sim::test::bus_of({1}, "scs0009");

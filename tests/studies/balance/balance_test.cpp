@@ -65,7 +65,7 @@ walking::Outcome walk(const std::string& balance, std::uint64_t seed) {
 }
 
 // A metre under 0.5 N s each 1.5 s, to the left or the right: seeds that nothing was trained on.
-// docs/results/walking.md has 50 of them.
+// docs/results/README.md has 50 of them.
 TEST(Balance, WithstandsPushesThatTheGaitAloneDoesNot) {
   int stood = 0, without = 0;
   for (const std::uint64_t seed : {9001, 9002, 9003, 9004}) {

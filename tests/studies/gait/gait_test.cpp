@@ -93,7 +93,7 @@ TEST(Gait, StartingWithTheOtherFootMirrorsIt) {
   EXPECT_NEAR(aside[0], -aside[1], 1e-4);
 }
 
-// About 30 seeds were all within these margins (docs/results/gait.md).
+// About 30 seeds were all within these margins (docs/results/README.md).
 TEST(Gait, WalksHalfAMetre) {
   for (const std::uint64_t seed : {1, 2}) {
     const Outcome out = run("walk 0.5 m, roll 20", seed);

@@ -25,7 +25,7 @@ constexpr double kEyeAhead = 0.03, kEyeHeight = 0.33,
                  kTilt = 35 * std::numbers::pi / 180;  // navigate's
 constexpr double kStep = 0.01, kStep_s = 0.2;          // m, s, between two pictures: 5 cm/s
 // One sigma of where the eyes are taken to be: no less than measured of walking robots
-// (docs/results/navigation.md).
+// (docs/results/README.md).
 constexpr double kTurnError = 0.65 * std::numbers::pi / 180, kHeightError = 0.004,
                  kPlaceError = 0.003;
 constexpr double kHands = 0.16,

@@ -1,4 +1,4 @@
-// Short forms of the measurements of docs/results/dynamics.md on the length of a step.
+// Short forms of the measurements of docs/results/README.md on the length of a step.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

@@ -489,7 +489,7 @@ TEST(ExitStatus, ThePageListsEachFault) {
   ASSERT_NE(begin, std::string::npos);
   const auto faults = pairs(header.substr(begin, header.find("};", begin) - begin),
                             std::regex("\n  ([a-z_]+) = ([0-9]+),"));
-  const auto page = pairs(read_file("docs/reference/exit-status.md"),
+  const auto page = pairs(read_file("docs/reference/output.md"),
                           std::regex("\n\\| ([0-9]+)[^|\n]* \\| `([a-z_]+)` \\|"));
   EXPECT_GE(faults.size(), 4u);
   EXPECT_EQ(page, faults);

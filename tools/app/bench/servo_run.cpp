@@ -38,7 +38,7 @@ Result<std::vector<ServoLog>> read_logs(const std::vector<std::string>& paths) {
   std::vector<ServoLog> logs;
   for (const std::string& path : paths) {
     const auto text =
-        KAZ_TRY(read_whole_file(path, 64 << 20, "give a servo's log (docs/howto/servo-fit.md)"));
+        KAZ_TRY(read_whole_file(path, 64 << 20, "give a servo's log (docs/howto/bench.md)"));
     logs.push_back(KAZ_TRY(hil::parse_servo_log(text, path)));
   }
   return logs;

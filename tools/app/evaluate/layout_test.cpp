@@ -119,7 +119,7 @@ TEST(Kinds, AreWhatTheyAreNamedFor) {
   }
 }
 
-// Results are published by their seed (docs/results/navigation.md): clutter of a seed stays what it was.
+// Results are published by their seed (docs/results/README.md): clutter of a seed stays what it was.
 TEST(Kinds, ClutterIsThatOfThePublishedResults) {
   const Variation variation;
   Scenario scenario = Scenario::draw(variation, 17, 0);

@@ -1,6 +1,6 @@
 // The editor of poses: joints are set by sliders, poses kept with their times, played, saved and opened.
 // SPDX-License-Identifier: Apache-2.0
-// While `kaz run pose` runs. A file is what `kaz run play --poses` takes (docs/reference/poses.md).
+// While `kaz run pose` runs. A file is what `kaz run play --poses` takes (docs/howto/watch.md).
 import { saveFile } from "./save";
 
 interface Pose { time_s: number; angles_rad: Record<string, number> }
