@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/LU>
 
@@ -66,6 +67,7 @@ class VelocitySolver::FrictionPath {
   FrictionPath(const FrictionPath&) = delete;
   FrictionPath& operator=(const FrictionPath&) = delete;
 
+  // On failure `left` is infinite, since v is then the solution for less friction.
   int follow(double tolerance, double& left) {
     set_friction(0);
     int steps = solver_.iterate(momentum_, v_, kOnTheWay, kAtStart, 1, left);
@@ -100,6 +102,7 @@ class VelocitySolver::FrictionPath {
       along = direction();
       length = std::min(kLongest, 2 * length);
     }
+    left = std::numeric_limits<double>::infinity();
     return steps;
   }
 

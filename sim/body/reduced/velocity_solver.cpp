@@ -253,13 +253,13 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
     start_.assign(v.begin(), v.end());
     steps += solve_coupled(momentum, v, tolerance, left);
   }
-  if (left > tolerance && steps < max_steps) {
+  if (const int remaining = max_steps - steps; left > tolerance && remaining > 0) {
     std::ranges::copy(start_, v.begin());
     steps += solve_along_path(momentum, v, tolerance, left);
-  }
-  if (left > tolerance && steps < max_steps) {
-    std::ranges::copy(start_, v.begin());
-    steps += iterate(momentum, v, tolerance, max_steps - steps, kRelaxed, left);
+    if (left > tolerance) {
+      std::ranges::copy(start_, v.begin());
+      steps += iterate(momentum, v, tolerance, remaining, kRelaxed, left);
+    }
   }
   residual_ = worse(residual_, left);
   return steps;
