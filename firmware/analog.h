@@ -1,19 +1,19 @@
-// A/D conversion of all potentiometers and supplies, the multiplexer inputs of AN0, AN1 and AN2, and
-// of the inertial option's AN3, AN4 and AN5.
+// A/D conversion: potentiometers and supplies on the multiplexers at AN0..AN2, inertial option at AN3..AN5.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_ANALOG_H
 #define KAZ_FIRMWARE_ANALOG_H
 
 #include "shared/servo/snapshot.h"
 
+// Stops the converter and prepares the first scan.
 void kz_analog_init(void);
-// Starts a scan, which goes on by interrupts and takes about 6,500 states: the inputs of the
-// potentiometers, and of inputs 6 and 7 (supply, temperature, reference) the one or the other in
-// turn; last the inertial option.
+// Starts a scan, which runs in interrupts and takes about 6,500 states. It converts multiplexer input 6 or 7
+// (supply, temperature, reference), alternating between scans, then the potentiometers. AN3 is converted
+// during the scan, AN4 and AN5 after it.
 void kz_analog_start(void);
-// The last scan is done.
+// Returns 1 once the scan is complete.
 u8 kz_analog_ready(void);
-// Copies the codes of the last scan.
+// Copies the codes of the last scan to `codes`, which has KZ_ANALOG elements.
 void kz_analog_take(u16* codes);
 
 #endif

@@ -1,4 +1,4 @@
-// For tests: runs the firmware on the emulated chip and reads its state between ticks.
+// Test fixture: runs the firmware on the emulated chip and reads its state between ticks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -25,7 +25,7 @@ namespace kaz::sim {
 struct Calibration {
   std::array<s16, KZ_JOINTS> centre{}, scale{};
   bool operator==(const Calibration&) const = default;
-  // Differs for each number.
+  // Returns calibration `n`; all are different.
   static Calibration number(int n) {
     Calibration c;
     for (int j = 0; j < KZ_JOINTS; ++j) {
@@ -36,6 +36,7 @@ struct Calibration {
   }
 };
 
+// Emulated chip with the firmware image. The supply is healthy; all other A/D inputs are at mid-scale.
 class TestChip : public testing::Test {
  protected:
   static constexpr States ms = KZ_STATES_PER_TICK;
@@ -65,7 +66,7 @@ class TestChip : public testing::Test {
     const auto ran = mcu->run_until(mcu->now() + states);
     ASSERT_TRUE(ran) << ran.error().message;
   }
-  // Runs to the instruction at `symbol`; the states it took, -1 if it did not come in time.
+  // Runs to the instruction at `symbol`. Returns the elapsed states, or -1 after `longest`.
   States run_to(const char* symbol, States longest = 100 * ms) {
     const std::uint32_t at = address_of(symbol);
     const States from = chip().now();
@@ -95,7 +96,7 @@ class TestChip : public testing::Test {
     return c;
   }
 
-  // Writes an element of the servo's state.
+  // Writes one element of a field of the servo's state (fields.h).
   void set_state(const std::string& name, int element, int value) {
     for (std::size_t f = 0; f < kz_state_field_count; ++f) {
       const kz_state_field& field = kz_state_fields[f];
@@ -116,17 +117,18 @@ class TestChip : public testing::Test {
     }
   }
 
-  // Stops at the end of a tick and makes it request an action.
+  // Runs to the end of a tick and makes it request `action`.
   void request_action(u8 action) {
     ASSERT_GE(run_to("kz_tick_end"), 0) << chip().report();
     ASSERT_TRUE(chip().poke(address_of("kz_output") + offsetof(kz_tick_output, action), action));
   }
-  // The same, and runs to the tick that hears of the result. Stands in front of it.
+  // Outcome of an action, from the snapshot of the next tick.
   struct Outcome {
-    int result = -1;
-    int missed = -1;
-    States deaf = 0;
+    int result = -1;  // KZ_RESULT_*
+    int missed = -1;  // missed ticks
+    States deaf = 0;  // time until the start of the next tick
   };
+  // Requests `action` and runs to the start of the next tick.
   Outcome done(u8 action) {
     request_action(action);
     Outcome outcome;
@@ -136,13 +138,14 @@ class TestChip : public testing::Test {
     outcome.missed = input().missed;
     return outcome;
   }
+  // Lets the firmware store `c` in flash.
   Outcome store(const Calibration& c) {
     EXPECT_GE(run_to("kz_tick_end"), 0);
     set_calibration(c);
     return done(KZ_ACTION_STORE_CALIBRATION);
   }
 
-  // What a start would find in the flash as it is.
+  // Scans the calibration log in flash like the firmware's start.
   kz_store log() const { return log_of(mcu->chip()); }
   static kz_store log_of(const h8s::Chip& at) {
     const auto image = blocks_of(at);
@@ -151,6 +154,7 @@ class TestChip : public testing::Test {
     kz_store_scan(&found, images, KZ_CALIBRATION_BLOCKS, KZ_CALIBRATION_PARTS);
     return found;
   }
+  // Returns the stored calibration, or nullopt without a valid copy.
   static std::optional<Calibration> stored_in(const h8s::Chip& at) {
     const auto image = blocks_of(at);
     const u8* const images[] = {image.data(), image.data() + KZ_STORE_BLOCK};
@@ -164,17 +168,19 @@ class TestChip : public testing::Test {
     std::copy_n(startup.pot_scale, KZ_JOINTS, c.scale.begin());
     return c;
   }
+  // Returns the bytes of both calibration blocks.
   static std::vector<u8> blocks_of(const h8s::Chip& at) {
     std::vector<u8> image(2 * KZ_STORE_BLOCK);
     at.peek(calibration_at, image);
     return image;
   }
+  // Fails the test if the firmware has misused the chip.
   void expect_no_misuse() {
     for (const h8s::Misuse& misuse : chip().misuse()) ADD_FAILURE() << misuse.text;
   }
 
   std::unique_ptr<H8Mcu> mcu;
-  double reference = 0.5;  // what the converter reads of its reference
+  double reference = 0.5;  // A/D level of the reference, as a share of full scale
   Calibration nominal_values;
 };
 

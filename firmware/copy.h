@@ -1,12 +1,12 @@
-// Copies memory with the CPU's block transfer: two states a byte.
+// Copies memory with the CPU's block transfer, two states per byte.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_COPY_H
 #define KAZ_FIRMWARE_COPY_H
 
 #include "shared/base/types.h"
 
-// 1 to 255 bytes; no interrupt is taken meanwhile. ER6 is saved by hand and set last: the compiler has
-// its frame pointer there, overlooks that it is clobbered, and may pass an operand in it.
+// Copies `count` bytes, 1 to 255, with interrupts blocked. The code saves ER6 itself and sets it last. The
+// compiler uses ER6 as frame pointer, ignores it in the clobber list, and may pass an operand in it.
 static inline void kz_copy(void* to, const void* from, u8 count) {
   __asm__ volatile(
       "mov.l er6,@-er7\n\tmov.b %X2,r4l\n\tmov.l %1,er5\n\tmov.l %0,er6\n\t"

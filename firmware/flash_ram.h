@@ -1,11 +1,12 @@
-// What flash.c calls in RAM.
+// Flash routines in RAM, which flash.c calls.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_FLASH_RAM_H
 #define KAZ_FIRMWARE_FLASH_RAM_H
 
 #include "shared/base/types.h"
 
-// Return 1 if verified, 0 if not (also: FLER). To `*ticks` they add the ticks that became due.
+// Return 1 if the flash was verified, 0 if not or after an error of the chip (FLER). They add the number of
+// ticks that became due to `*ticks`. `blocks` is the value of EBR2, `first` the start of the block.
 u8 kz_flash_ram_erase(u8 blocks, volatile u16* first, u16* ticks);
 u8 kz_flash_ram_program(volatile u16* to, const u16* wanted, u16* ticks);
 

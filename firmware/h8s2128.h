@@ -1,7 +1,7 @@
-// Registers of the H8S/2128 that the firmware uses: the one place for their addresses and bits.
+// Addresses and bits of the H8S/2128 registers that the firmware uses.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Addresses carry ones above bit 23, which the chip ignores: so the compiler finds the short forms.
+// Addresses have ones above bit 23, which the chip ignores. With them the compiler selects short addressing.
 #ifndef KAZ_FIRMWARE_H8S2128_H
 #define KAZ_FIRMWARE_H8S2128_H
 
@@ -12,9 +12,9 @@
 
 // System
 #define STCR KZ_REG8(0xFFC3)
-#define STCR_FLSHE 0x08  // FF80..FF83 are the flash's registers
+#define STCR_FLSHE 0x08  // FF80..FF83 are flash registers
 #define STCR_ICKS1 0x02  // TMR1 counts phi/2 at CKS=1
-#define STCR_ICKS0 0x01  // TMR0 the same
+#define STCR_ICKS0 0x01  // TMR0 likewise
 #define SYSCR KZ_REG8(0xFFC4)
 #define SYSCR_XRST 0x08  // 1 after the RES pin, 0 after the watchdog
 #define MSTPCRH KZ_REG8(0xFF86)
@@ -28,7 +28,7 @@
 #define MSTPCRL_SCI0 0x80
 #define MSTPCRL_RESET 0xFF
 
-// Flash, with STCR.FLSHE
+// Flash, accessible with STCR.FLSHE
 #define FLMCR1 KZ_REG8(0xFF80)
 #define FLMCR1_SWE 0x40
 #define FLMCR1_EV 0x08
@@ -36,13 +36,13 @@
 #define FLMCR1_E 0x02
 #define FLMCR1_P 0x01
 #define FLMCR2 KZ_REG8(0xFF81)
-#define FLMCR2_FLER 0x80  // an error locks the flash until reset
+#define FLMCR2_FLER 0x80  // error protection: flash is locked until reset
 #define FLMCR2_ESU 0x02
 #define FLMCR2_PSU 0x01
 #define EBR1 KZ_REG8(0xFF82)
 #define EBR2 KZ_REG8(0xFF83)
 
-// Ports. DDR: 1 is output, write only.
+// Ports. DDR: 1 is output; write-only
 #define P1DDR KZ_REG8(0xFFB0)
 #define P2DDR KZ_REG8(0xFFB1)
 #define P3DDR KZ_REG8(0xFFB4)
@@ -68,7 +68,7 @@
 #define PWSL_PWCKE 0x80
 #define PWSL_PWCKS 0x40
 #define PWSL_ONE 0x20         // reserved, reads and writes 1
-#define PWDR KZ_REG8(0xFFD7)  // of the channel that PWSL selects
+#define PWDR KZ_REG8(0xFFD7)  // duty of the channel that PWSL selects
 
 // 8-bit timers 0 and 1
 #define TMR_TCR0 KZ_REG8(0xFFC8)
@@ -98,7 +98,7 @@
 #define FRT_TCR_PHI_8 0x01
 #define FRT_TOCR KZ_REG8(0xFF97)
 
-// Watchdog 0: words, the upper byte is the key
+// Watchdog 0. Writes are words with a key in the upper byte.
 #define WDT0_TCSR KZ_REG16(0xFFA8)
 #define WDT0_TCNT KZ_REG16(0xFFA8)
 #define WDT_TCSR_KEY 0xA500
@@ -128,7 +128,7 @@
 #define SSR_TEND 0x04
 #define SCI0_RDR KZ_REG8(0xFFDD)
 
-// A/D converter. Results stand in the upper 10 bits.
+// A/D converter. Results are in the upper 10 bits.
 #define ADDRA KZ_REG16(0xFFE0)
 #define ADDRB KZ_REG16(0xFFE2)
 #define ADDRC KZ_REG16(0xFFE4)
@@ -143,7 +143,7 @@
 // Interrupts
 #define KZ_INTERRUPTS_OFF() __asm__ volatile("orc #0x80,ccr" : : : "memory")
 #define KZ_INTERRUPTS_ON() __asm__ volatile("andc #0x7f,ccr" : : : "memory")
-// No interrupt is taken between the two instructions: one that was pending ends the sleep at once.
+// The chip takes no interrupt between the two instructions, so a pending one ends the sleep at once.
 #define KZ_INTERRUPTS_ON_AND_SLEEP() __asm__ volatile("andc #0x7f,ccr\n\tsleep" : : : "memory")
 #define KZ_INTERRUPT __attribute__((interrupt_handler))
 

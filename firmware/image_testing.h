@@ -1,4 +1,4 @@
-// For tests: the firmware image that they run.
+// Test helper: path of the firmware image under test.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace kaz::sim {
 
-// The build's image, or the one that KAZ_TEST_IMAGE names: a mutant
-// (tests/integration/conformance/mutate.py), or the variant whose costs are to be measured.
+// Returns the build's image, or that in the environment variable KAZ_TEST_IMAGE: a mutant
+// (tests/integration/conformance/mutate.py), or a variant for cost measurements.
 inline std::string firmware_image() {
   const char* other = std::getenv("KAZ_TEST_IMAGE");
   return other ? other : KAZ_FIRMWARE_IMAGE;

@@ -1,5 +1,5 @@
-// What the joints' loop in assembler (joint_loop.S) knows of C: offsets in kz_joint, and numbers. A
-// build in which they differ from the C does not compile (joint_loop_check.c).
+// Constants of the joint loop in assembler (joint_loop.S): offsets in kz_joint, and parameters.
+// joint_loop_check.c compares them with the C code at compile time.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_JOINT_LOOP_H
 #define KAZ_FIRMWARE_JOINT_LOOP_H
@@ -22,7 +22,7 @@
 #define JOINT_KP 38
 #define JOINT_KD 40
 #define JOINT_FRICTION_DRIVE 44
-#define JOINT_DUTY 46  // with the next one as a word
+#define JOINT_DUTY 46  // accessed as a word together with JOINT_FORWARD
 #define JOINT_FORWARD 47
 #define JOINT_POT_BAD_MS 48
 #define JOINT_POT_INPUT 49

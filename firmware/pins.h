@@ -6,18 +6,19 @@
 #include "firmware/h8s2128.h"
 #include "shared/servo/snapshot.h"
 
-// All outputs low (but TxD and the multiplexer selects), PWM and timers running at duty 0. On a shared
-// line P50 stays an input: TxD floats while the transmitter is off.
+// Sets all outputs low, except TxD and the multiplexer selects, and starts PWM and timers with duty 0. On a
+// shared line P50 stays an input, so that TxD floats while the transmitter is off.
 void kz_pins_init(u8 shared_line);
+// Writes the outputs of a tick to the pins.
 void kz_pins_write(const kz_tick_output* output);
-// Whatever happens: drivers off.
+// Disables all motor drivers, for fatal errors.
 void kz_pins_off(void);
 
-// What P4 shows besides the multiplexer selects, which are the A/D driver's.
+// State of P4. The A/D driver sets the multiplexer selects in kz_pins_selects; kz_pins_p4 has all other bits.
 extern volatile u8 kz_pins_p4;
 extern volatile u8 kz_pins_selects;
 
-// Selects input 0..7 of all three multiplexers. With interrupts off.
+// Selects input 0..7 of all three multiplexers. Interrupts must be off.
 static inline void kz_pins_select(u8 input) {
   kz_pins_selects = input;
   P4DR = (u8)(kz_pins_p4 | input);

@@ -1,16 +1,17 @@
-// Mark of an intended watchdog reset in RAM, so that the next start knows.
+// Mark in RAM that distinguishes an intended watchdog reset from a fault.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_RESTART_H
 #define KAZ_FIRMWARE_RESTART_H
 
 #include "firmware/h8s2128.h"
 
-// The first word of the short RAM (FFFF00), which nothing else uses. Means something only after a
-// watchdog reset: RAM holds anything after power-on.
+// First long word of the short RAM (FFFF00), reserved for this mark. It is valid only after a watchdog reset,
+// because RAM is undefined after power-on.
 #define KZ_RESTART_MARK (*(volatile u32*)0xFFFFFF00UL)
 #define KZ_RESTART_COMMAND 0x52455354UL  // "REST"
-#define KZ_RESTART_LOADER 0x4C4F4144UL   // "LOAD": the loader waits first
+#define KZ_RESTART_LOADER 0x4C4F4144UL   // "LOAD": the loader waits for a host first
 
+// Returns 1 if the watchdog caused the last reset, 0 after the RES pin.
 static inline u8 kz_reset_by_watchdog(void) {
   return (u8)((SYSCR & SYSCR_XRST) == 0);
 }

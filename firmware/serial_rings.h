@@ -1,8 +1,8 @@
-// Size of the serial rings, for C and assembler.
+// Size of the serial ring buffers, for C and assembler.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_SERIAL_RINGS_H
 #define KAZ_FIRMWARE_SERIAL_RINGS_H
 
-#define KZ_RING 64  // a power of two; one place stays empty
+#define KZ_RING 64  // bytes, a power of two; one place stays empty
 
 #endif

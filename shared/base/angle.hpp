@@ -1,4 +1,4 @@
-// Degrees, where people write and read them; angles are in radians everywhere else.
+// Conversion of degrees for input and output. All other angles are in radians.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,16 +1,19 @@
-// Archive of saved states: one list of members serves writing and reading.
+// Serialization of states: each class lists its members once, for writing and reading.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A class lists its members once, in a member function
+// A class lists its members in a member function
 //   template <class A> void transfer(A& a) { a(first_, second_); }
-// StateWriter appends the members, StateReader fills them. Numbers are little-endian, in the size of
-// their type; containers begin with their length. A reader never reads beyond its bytes: it fails, and
-// sets what is missing to zero.
 //
-// Bytes may be damaged or hostile, and a check sum is no signature. So what is read is in range, or refused:
-// enumerations by last_value(), floating-point numbers and times by the limits below, lengths by the bytes
-// that are there. Whatever else a class uses as an index, a length, a shift or a divisor it checks in
-// transfer(), by require(). After a refusal members may have any value: their owner puts them back.
+// StateWriter appends the members, StateReader fills them. Numbers are little-endian, in the size of their
+// type. Containers begin with their length. A reader never reads beyond its bytes: it refuses the archive and
+// sets missing numbers to zero.
+//
+// Bytes may be damaged or hostile, and a checksum does not prevent this. So the reader refuses values out of
+// range. last_value() bounds enumerations. The limits below bound floating-point numbers and times. The
+// remaining bytes bound lengths. A class checks all other indices, lengths, shifts and divisors itself, with
+// require() in transfer().
+//
+// After a refusal, members may have any value; their owner must restore them.
 #ifndef KAZ_SHARED_BASE_ARCHIVE_HPP
 #define KAZ_SHARED_BASE_ARCHIVE_HPP
 
@@ -59,18 +62,18 @@ template <class R, class P>
 inline constexpr bool is_duration<std::chrono::duration<R, P>> = true;
 }  // namespace archive_detail
 
-// No state has larger magnitudes: products of such numbers are finite, and differences of times fit 64 bits.
+// Maximum magnitudes. Products of such numbers are finite, and differences of times fit 64 bits.
 inline constexpr double kMaxArchived = 1e15;
-inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;  // 9 years in ns, 495 in states
+inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;  // 9 years in ns, 495 in H8 states
 
-// Times and counters. The two others stand for "never".
+// Whether a time or counter is within the limit. The two values outside it mean "never".
 constexpr bool is_archivable(std::int64_t number) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   return number == kMax || number == kMax / 2 ||
          (number >= -kMaxArchivedTime && number <= kMaxArchivedTime);
 }
 
-// The last enumerator of an enumeration whose first one is 0, found by its argument:
+// Enumeration that begins at 0 and has a function last_value(), found by argument-dependent lookup:
 //   enum class Regime { held, forward, backward };
 //   constexpr Regime last_value(Regime) { return Regime::backward; }   // in a class: friend constexpr
 template <class E>
@@ -78,22 +81,25 @@ concept BoundedEnum = requires(E e) {
   { last_value(e) } -> std::same_as<E>;
 };
 
-// Common to writer and reader. Derived defines number(), plain() and `reading`.
+// Base class of writer and reader. Derived defines number(), plain() and `reading`. Not thread-safe.
 template <class Derived>
 class StateArchive {
  public:
+  // Writes or reads the values in order.
   template <class... T>
   void operator()(T&&... values) {
     (one(values), ...);
   }
 
-  // The first error, empty if there is none.
+  // Returns the first error, as the rest of a sentence about the archive; empty without one.
   const std::string& error() const { return error_; }
   bool good() const { return error_.empty(); }
+  // Records an error; only the first one counts.
   void refuse(std::string why) {
     if (good()) error_ = std::move(why);
   }
-  // A writer checks as well: a state that could not be read back is not written.
+  // Refuses the archive if `fits` is false; `what` names the value. Returns good(). Writers check as well, so
+  // that they write no state that cannot be read back.
   bool require(bool fits, const char* what) {
     if (!fits) refuse_range(what);
     return good();
@@ -152,7 +158,7 @@ class StateArchive {
       if constexpr (Derived::reading) {
         if (!self.holds(size)) return;
         value.clear();
-        // One by one: `size` elements take more memory than bytes, and may not be there.
+        // One by one, because `size` may be false: elements can need more memory than their bytes.
         for (; size > 0 && good(); --size) {
           value.push_back({});
           one(value.back());
@@ -164,13 +170,14 @@ class StateArchive {
   }
 
  private:
-  // Not inline: it is rare, and called for each number.
+  // Not inline, because it is rare and would bloat the code for each number.
   [[gnu::noinline]] void refuse_range(const char* what) {
     if (good()) error_.append("its ").append(what).append(" is out of range");
   }
   std::string error_;
 };
 
+// Serializes a state to bytes.
 class StateWriter : public StateArchive<StateWriter> {
  public:
   static constexpr bool reading = false;
@@ -178,7 +185,7 @@ class StateWriter : public StateArchive<StateWriter> {
     for (std::size_t i = 0; i < sizeof value; ++i)
       bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
   }
-  // The bytes of a C struct without pointers as they are in memory: only the same build can read them.
+  // Writes a C struct without pointers as its bytes in memory. Only the same build can read them.
   template <class T>
   void plain(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -192,6 +199,7 @@ class StateWriter : public StateArchive<StateWriter> {
   std::vector<std::uint8_t> bytes_;
 };
 
+// Restores a state from bytes, which must outlive the reader.
 class StateReader : public StateArchive<StateReader> {
  public:
   static constexpr bool reading = true;
@@ -220,6 +228,7 @@ class StateReader : public StateArchive<StateReader> {
     if (good() && size > bytes_.size()) refuse("it ends too early");
     return good();
   }
+  // Returns the number of unread bytes.
   std::size_t left() const { return bytes_.size(); }
 
  private:

@@ -1,4 +1,4 @@
-// The one place where JSON texts from outside are parsed, with a limit on nesting.
+// Parses JSON from outside, with a limit on nesting. All programs parse such texts here.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_BOUNDED_JSON_HPP
 #define KAZ_SHARED_BASE_BOUNDED_JSON_HPP
@@ -17,16 +17,16 @@
 
 namespace kaz {
 
-// More than any file of ours has. Copies, comparisons and texts of a parsed document recurse once a level,
-// and a stack takes some thousand.
+// Maximum nesting, more than any file of Kaz has. nlohmann::json recurses once per level when it copies,
+// compares or prints a document, and a stack holds only some thousand levels.
 inline constexpr std::size_t kJsonDepthMax = 64;
 
 enum class JsonComments { refused, ignored };
 
 namespace bounded_json_detail {
 
-// Receives the parser's own events, so that it and the parser cannot differ on what a bracket is. Stops the
-// parser by returning false; `why` is the reason.
+// Checks nesting and duplicate keys in the parser's own events, so that both always agree on the structure.
+// Returns false to stop the parser; why() is then the reason.
 template <class Json>
 class Guard final : public nlohmann::json_sax<Json> {
  public:
@@ -38,14 +38,15 @@ class Guard final : public nlohmann::json_sax<Json> {
   bool start_array(std::size_t) override { return open(); }
   bool end_array() override { return close(); }
   bool key(std::string& name) override {
-    return keys_.back().insert(name).second || stop("\"" + cut_text(name) + "\" is there twice");
+    return keys_.back().insert(name).second || stop("\"" + cut_text(name) + "\" occurs twice");
   }
   bool parse_error(std::size_t at, const std::string&,
                    const nlohmann::detail::exception& error) override {
-    constexpr int kOutOfRange = 406;  // a number
+    constexpr int kOutOfRange = 406;  // number overflow
     const auto before = text_.substr(0, std::min(text_.size(), at));
     const auto line = "line " + std::to_string(1 + std::ranges::count(before, '\n'));
-    return stop(line + (error.id == kOutOfRange ? " has a number that is too large" : " is no JSON"));
+    return stop(line + (error.id == kOutOfRange ? " has a number that is too large"
+                                                : " is not valid JSON"));
   }
   bool null() override { return true; }
   bool boolean(bool) override { return true; }
@@ -72,13 +73,13 @@ class Guard final : public nlohmann::json_sax<Json> {
 
   std::string_view text_;
   std::string why_;
-  std::vector<std::set<std::string>> keys_;  // of the objects and lists that are open
+  std::vector<std::set<std::string>> keys_;  // keys of the open objects and lists
 };
 
 }  // namespace bounded_json_detail
 
-// The value of a JSON text. Errors (usage), as the rest of a sentence about its source: no JSON, with the
-// line; too many levels; a number too large for a double; a key that is there twice.
+// Parses a JSON text. Returns Fault::usage for invalid JSON, too many levels, duplicate keys, or a number too
+// large for a double. The message is the rest of a sentence about the source.
 template <class Json = nlohmann::json>
 Result<Json> parse_bounded_json(std::string_view text,
                                 JsonComments comments = JsonComments::refused) {
@@ -89,7 +90,7 @@ Result<Json> parse_bounded_json(std::string_view text,
   return Json::parse(text, nullptr, false, ignored);
 }
 
-// A value as part of an error's sentence.
+// Returns a value as text for an error message, shortened.
 template <class Json>
 std::string json_sample(const Json& value) {
   return cut_text(value.dump(-1, ' ', false, Json::error_handler_t::replace));

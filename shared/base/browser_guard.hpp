@@ -1,11 +1,13 @@
-// Keeps web pages out of TCP ports that do not speak HTTP.
+// Rejects connections from web browsers at TCP ports that do not speak HTTP.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A page in the user's browser can send a request to any TCP port that this machine reaches, 127.0.0.1
-// included, with a body of its choice (a cross-protocol request). A page whose name is rebound to this
-// machine also chooses the method: any token of RFC 9110, which may be text of GDB's protocol. To a server
-// of raw bytes the header is noise, and the body is obeyed. So each TCP listener that does not speak HTTP
-// passes what a client sends through a BrowserGuard first, which knows how its own peers begin.
+// Cross-protocol request: a web page can make the user's browser send any body to any TCP port that this
+// machine reaches, including 127.0.0.1. With DNS rebinding it can also choose the method: any token of
+// RFC 9110, possibly text of GDB's protocol. A server of raw bytes would ignore the HTTP header as noise and
+// execute the body.
+//
+// So each TCP listener that does not speak HTTP first passes received bytes through a BrowserGuard. The guard
+// admits only connections that begin like its own clients.
 #pragma once
 
 #include <algorithm>
@@ -17,31 +19,30 @@
 
 namespace kaz {
 
-// For the user, after the client's name.
+// Message for the user, after the client's name.
 inline constexpr std::string_view kBrowserRefused =
     "was disconnected: it began as a web browser may, and not as a client of this port does; "
     "nothing "
     "was passed on";
 
-// One for each connection. Not thread-safe.
+// Checks the first bytes of one connection. Not thread-safe.
 class BrowserGuard {
  public:
   enum class Peer {
-    // A board's frame begins with 0, Telnet and the packets of servo buses with 255: any byte but those of
-    // text, with which HTTP begins, and 22, with which TLS does.
+    // Begins with any byte except text, which begins HTTP, and 22, which begins TLS. Frames to a board
+    // begin with 0; Telnet and servo bus packets begin with 255.
     frames,
-    // Begins with one packet, with or without '+' before it, and waits for the answer. A browser goes on with
-    // a space and a path. The first packet has up to kLongestFirst bytes, and no spaces or line ends.
+    // Begins with one GDB packet, optionally after '+', and waits for the reply. A browser would continue
+    // with a space and a path. The packet has up to kLongestFirst bytes, without spaces or line ends.
     gdb,
   };
   static constexpr std::size_t kLongestFirst = 1024;
 
   explicit BrowserGuard(Peer peer) : peer_(peer) {}
 
-  // `bytes`: what has come next. Returns what may be passed on, valid until the next call or until `bytes`
-  // end; nothing if a browser may be at the other end: pass nothing on and close the connection. The result
-  // is empty while GDB's first packet is not complete. There is no timeout: a client that sends a part of it
-  // and then no more has sent nothing.
+  // Checks the next received bytes. Returns the bytes to pass on, or nullopt if the peer may be a browser.
+  // The caller must then close the connection. The result is valid until the next call, and as long as
+  // `bytes`. It is empty while the first GDB packet is incomplete; there is no timeout for it.
   std::optional<std::span<const std::uint8_t>> admit(std::span<const std::uint8_t> bytes) {
     if (admitted_ || bytes.empty()) return bytes;
     if (peer_ == Peer::frames) {
@@ -54,17 +55,17 @@ class BrowserGuard {
     if (!admitted_) return std::span<const std::uint8_t>();
     return first_;
   }
-  // Whether something was passed on.
+  // Whether the connection was admitted.
   bool admitted() const { return admitted_; }
 
  private:
-  static constexpr std::uint8_t kTls = 22;  // a record of a handshake
+  static constexpr std::uint8_t kTls = 22;  // type of a handshake record
 
   static constexpr bool is_text(std::uint8_t byte) {
     return (byte >= 0x20 && byte < 0x7f) || (byte >= 9 && byte <= 13);
   }
 
-  // Sets admitted_ where first_ is a whole packet: "$...#xx".
+  // Whether first_ may begin a GDB packet. Sets admitted_ if it is a whole one: "$...#xx".
   bool may_be_gdb() {
     std::span<const std::uint8_t> rest = first_;
     if (rest.front() == '+') rest = rest.subspan(1);
@@ -72,13 +73,13 @@ class BrowserGuard {
     if (rest.front() != '$' || rest.size() > kLongestFirst) return false;
     const auto end = std::ranges::find(rest, std::uint8_t{'#'});
     if (std::any_of(rest.begin(), end, [](std::uint8_t byte) { return byte <= ' '; })) return false;
-    const auto behind = rest.end() - end;  // '#' and two digits
+    const auto behind = rest.end() - end;  // from '#' on: three bytes if complete
     admitted_ = behind == 3;
     return behind <= 3;
   }
 
   Peer peer_;
-  std::vector<std::uint8_t> first_;  // of GDB
+  std::vector<std::uint8_t> first_;  // start of a GDB connection
   bool admitted_ = false;
 };
 

@@ -1,4 +1,4 @@
-// A number with its noun, for messages: "1 case", "2 cases".
+// Text of a number with its noun, for messages: "1 case", "2 cases".
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

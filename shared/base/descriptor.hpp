@@ -1,4 +1,4 @@
-// A file descriptor that is closed with its owner.
+// RAII owner of a file descriptor.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,6 +8,7 @@
 
 namespace kaz {
 
+// Owns a file descriptor and closes it when destroyed. Movable.
 class Descriptor {
  public:
   Descriptor() = default;

@@ -1,7 +1,7 @@
-// Enums with names, as options, files and messages spell them.
+// Conversion between enum values and their names in options, files and messages.
 // SPDX-License-Identifier: Apache-2.0
 //
-// An enum T has constexpr const char* to_string(T) in its namespace, and an array of all its values.
+// An enum T needs constexpr const char* to_string(T) in its namespace, and an array of all its values.
 #ifndef KAZ_SHARED_BASE_ENUM_NAMES_HPP
 #define KAZ_SHARED_BASE_ENUM_NAMES_HPP
 
@@ -13,7 +13,7 @@
 
 namespace kaz {
 
-// The value with exactly this name; nullopt if there is none.
+// Returns the value with exactly this name, or nullopt.
 template <class T, std::size_t N>
 constexpr std::optional<T> parse_enum(const std::array<T, N>& values, std::string_view name) {
   for (const T value : values) {
@@ -22,7 +22,7 @@ constexpr std::optional<T> parse_enum(const std::array<T, N>& values, std::strin
   return std::nullopt;
 }
 
-// In the order of `values`.
+// Returns the names in the order of `values`.
 template <class T, std::size_t N>
 std::vector<std::string> enum_names(const std::array<T, N>& values) {
   std::vector<std::string> names;

@@ -1,8 +1,8 @@
-// Files that are read whole, that are written whole or not at all, and folders for temporary ones.
+// Reads whole files, writes files atomically, and creates temporary folders.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files and folders are made under a name that nobody had before (O_EXCL, mkdtemp): in a folder that others
-// can write to, such as /tmp, a link that somebody has put there under an expected name is not followed.
+// New files and folders get unused names (O_EXCL, mkdtemp). So in a folder that others can write to, such as
+// /tmp, a planted link under a guessed name is not followed.
 #ifndef KAZ_SHARED_BASE_FILES_HPP
 #define KAZ_SHARED_BASE_FILES_HPP
 
@@ -24,12 +24,13 @@
 
 namespace kaz {
 
-// Whether a write that failed with this errno lacks space: on the disk, in a quota, under a limit of size.
+// Whether this errno means lack of space: full disk, quota, or file size limit.
 inline bool lacks_space(int error) {
   return error == ENOSPC || error == EDQUOT || error == EFBIG;
 }
 
-// The error of a write to `path`. A full disk begins its sentence, which is_disk_full() recognizes.
+// Returns the error for a failed write to `path`. `what` is the operation, `error` its errno. is_disk_full()
+// recognizes the error of a full disk by the start of its message.
 inline tl::unexpected<Error> write_failure(const std::string& path, const std::string& what,
                                            int error) {
   if (lacks_space(error))
@@ -43,28 +44,31 @@ inline bool is_disk_full(const Error& error) {
   return error.message.starts_with("disk full while writing ");
 }
 
-// Puts a file's bytes on the disk. Some file systems report only then that it is full. False: errno says why.
+// Flushes a file to disk. Some file systems report a full disk only here. Returns false and sets errno on
+// failure.
 inline bool sync_file(int fd) {
-  return fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS;  // nothing to be synchronised there
+  return fsync(fd) == 0 || errno == EINVAL ||
+         errno == ENOSYS;  // such a file cannot be synchronized
 }
 
-// A new empty folder for this user alone, in TMPDIR or /tmp; `prefix` begins its name.
+// Creates an empty folder in TMPDIR or /tmp that only this user can access, and returns its path. Its name
+// begins with `prefix`.
 inline Result<std::string> make_temporary_folder(const std::string& prefix) {
   std::error_code error;
   const auto parent = std::filesystem::temp_directory_path(error);
-  // mkdtemp replaces the six X, which it requires.
+  // mkdtemp requires and replaces the six X.
   std::string name = (parent / (prefix + "XXXXXX")).string();
   if (error || mkdtemp(name.data()) == nullptr)
     return fail(Fault::environment, "cannot make a folder for temporary files in " +
                                         (error ? std::string("TMPDIR") : parent.string()) + ": " +
                                         (error ? error.message() : std::strerror(errno)) +
-                                        "; is TMPDIR a folder that can be written?");
+                                        "; set TMPDIR to a writable folder");
   return name;
 }
 
-// Opens a file for reading. Only a regular one: a pipe may block for ever, a device may have no end, and
-// opening some devices has effects. `hint` ends the sentence of an error: which file is expected.
-// Errors (usage): not there, not readable, no regular file.
+// Opens a regular file for reading. Rejects others: a pipe may block forever, a device may have no end, and
+// opening some devices has side effects. `hint` ends the error message and says which file is expected.
+// Returns Fault::usage if the file is missing, unreadable or not regular.
 inline Result<Descriptor> open_input(const std::string& path,
                                      const std::string& hint = "check the path") {
   const auto cannot = [&](const std::string& what) {
@@ -77,18 +81,19 @@ inline Result<Descriptor> open_input(const std::string& path,
   if (::stat(path.c_str(), &about) != 0) return unreadable();
   Descriptor file;
   if (S_ISREG(about.st_mode)) {
-    // Should another file take its place in between, it is not waited for either.
+    // O_NONBLOCK: open() must not block if a pipe has replaced the file since stat().
     file = Descriptor(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
     if (!file || ::fstat(file.get(), &about) != 0) return unreadable();
   }
   if (S_ISREG(about.st_mode)) return file;
   return cannot(S_ISDIR(about.st_mode)    ? "is a folder, not a file"
-                : S_ISFIFO(about.st_mode) ? "is a pipe, not a file: save its bytes in one"
+                : S_ISFIFO(about.st_mode) ? "is a pipe, not a file: save its bytes in a file"
                 : S_ISSOCK(about.st_mode) ? "is a socket, not a file"
                                           : "is a device, not a file");
 }
 
-// All bytes of the file at `path`, at most `max_bytes`. Errors (usage): those of open_input(), more bytes.
+// Returns all bytes of the file at `path`. Returns Fault::usage for the errors of open_input(), failed reads,
+// or more than `max_bytes`.
 inline Result<std::string> read_whole_file(const std::string& path, std::size_t max_bytes,
                                            const std::string& hint = "check the path") {
   const auto file = KAZ_TRY(open_input(path, hint));
@@ -106,12 +111,12 @@ inline Result<std::string> read_whole_file(const std::string& path, std::size_t 
     if (n == 0) return bytes;
     bytes.append(block.data(), static_cast<std::size_t>(n));
     if (bytes.size() > max_bytes)
-      return cannot("has more than " + too_large + ", which no such file needs");
+      return cannot("has more than " + too_large + ", the limit for this kind of file");
   }
 }
 
-// Renames `from`, whose bytes are on the disk, to `to`, and puts the folder's entry on the disk: without
-// that, the earlier file may be back after a power cut. False: errno says why.
+// Renames `from`, which must be flushed to disk, to `to`, and flushes the folder's entry. Without this, a
+// power failure may restore the previous file. Returns false and sets errno on failure.
 inline bool move_into_place(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) return false;
   const auto parent = std::filesystem::path(to).parent_path();
@@ -120,8 +125,9 @@ inline bool move_into_place(const std::string& from, const std::string& to) {
   return !folder || sync_file(folder.get());  // a folder without read permission cannot be opened
 }
 
-// Puts `bytes` at `path`. A file that was there stays until all of it is written; a symbolic link stays,
-// and the file that it points to is replaced.
+// Replaces the file at `path` atomically: an existing one stays until all bytes are on disk. A symbolic link
+// stays, and its target is replaced. Devices and pipes are written directly. Returns Fault::environment on
+// failure.
 inline Result<void> write_whole_file(const std::string& path, std::string_view bytes) {
   const auto cannot = [&](const char* what, int error) { return write_failure(path, what, error); };
   std::error_code no_link;
@@ -131,7 +137,7 @@ inline Result<void> write_whole_file(const std::string& path, std::string_view b
     if (no_link) break;
     target = (std::filesystem::path(target).parent_path() / to).string();
   }
-  // A device or a pipe takes the bytes itself; replacing it would take it from everybody.
+  // Devices and pipes are written directly, because a rename would remove them for all programs.
   const auto status = std::filesystem::status(target, no_link);
   const bool stream = std::filesystem::exists(status) &&
                       !std::filesystem::is_regular_file(status) &&
@@ -165,8 +171,7 @@ inline Result<void> write_whole_file(const std::string& path, std::string_view b
     return failure;
   }
   if (close(fd) != 0) return give_up("write");
-  if (!stream && !move_into_place(beside, target))
-    return give_up("put the file in its place");
+  if (!stream && !move_into_place(beside, target)) return give_up("move the file into place");
   return {};
 }
 

@@ -1,4 +1,4 @@
-// JSON in tests: reading and printing it are compiled once, not in each test, where they take 2 s.
+// JSON for tests. Parsing and printing are compiled once, because they cost 2 s of compile time per test.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <iosfwd>
@@ -7,14 +7,14 @@
 
 namespace kaz {
 
-// The value that `text` stands for; where it is not JSON, one whose is_discarded() is true.
+// Parses `text`. For invalid JSON, is_discarded() of the result is true.
 nlohmann::json parse_json(std::string_view text);
 
 }  // namespace kaz
 
 namespace nlohmann {
 
-// Called by GoogleTest for a value that is not the expected one.
+// GoogleTest calls this to print a JSON value in a failure message.
 void PrintTo(const json& value, std::ostream* out);
 
 }  // namespace nlohmann

@@ -1,4 +1,4 @@
-// A process that has no file descriptor left, for tests.
+// Test helper: exhausts the file descriptors of the process.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace kaz {
 
-// While it lives, this process can open no other descriptor (EMFILE).
+// During its lifetime, this process cannot open file descriptors (EMFILE).
 class NoDescriptors {
  public:
   NoDescriptors() {

@@ -1,4 +1,4 @@
-// Numbers as text.
+// Parses numbers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace kaz {
 
-// The number that the whole of `text` is, as std::from_chars reads it; nothing if it is none, too large for
-// the type, or not finite. `base`: of whole numbers; digits alone, no 0x.
+// Parses the whole of `text` as a number with std::from_chars. Returns nullopt if it is not a number, out of
+// the type's range, or not finite. `base` applies to integers; `text` must not have the prefix 0x.
 template <class Number>
 std::optional<Number> parse_number(std::string_view text, [[maybe_unused]] int base = 10) {
   Number value{};

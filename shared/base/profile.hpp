@@ -1,9 +1,10 @@
-// Where the time of a run goes: CPU and waiting time of each part of the program, and of each thread.
+// Profiler: CPU and waiting time of each part of the program and of each thread.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A ProfileScope names the part that its thread works for while it lives. Scopes nest: time belongs to the
-// innermost one, so the parts add up to the time of the outermost scopes. Without a Profile a scope costs one
-// load and a branch; with one, two clocks are read at each of its ends (docs/explanation/time.md: 1.55 us).
+// A ProfileScope assigns the time of its thread to a part of the program. Scopes nest, and time counts for
+// the innermost one. So the parts add up to the time of the outermost scopes. Without a Profile, a scope
+// costs one load and a branch. With one, it reads two clocks at both ends: 1.55 us
+// (docs/explanation/time.md).
 #ifndef KAZ_SHARED_BASE_PROFILE_HPP
 #define KAZ_SHARED_BASE_PROFILE_HPP
 
@@ -20,22 +21,22 @@
 
 namespace kaz {
 
+// Collects the times. parts() and threads() may be called from any thread.
 class Profile {
  public:
   struct Part {
     std::string name;
-    double cpu_s = 0;  // of the threads while they worked for it
-    double waiting_s =
-        0;  // wall time of those scopes without CPU time: for others, a lock, a file, a processor
-    std::uint64_t count = 0;
+    double cpu_s = 0;         // CPU time of all threads in its scopes
+    double waiting_s = 0;     // wall time minus CPU time: waits for a lock, a file, a processor
+    std::uint64_t count = 0;  // ended scopes
   };
   struct Thread {
-    std::string name;  // its outermost scope's; with a number from the second one on
+    std::string name;  // part of its outermost scope; numbered from the second such thread on
     double cpu_s = 0;  // in scopes
   };
 
-  // While it lives, the scopes of all threads count. One at a time; scopes that are open when it begins or
-  // ends do not count.
+  // Measures the scopes of all threads during its lifetime. At most one Profile may exist. Scopes that are
+  // open when it begins or ends do not count.
   Profile() {
     epoch().fetch_add(1);
     current().store(this);
@@ -44,7 +45,7 @@ class Profile {
   Profile(const Profile&) = delete;
   Profile& operator=(const Profile&) = delete;
 
-  // Of the scopes that have ended by now; those of most CPU time first.
+  // Returns the parts of ended scopes, by decreasing CPU time.
   std::vector<Part> parts() const {
     std::vector<Part> all;
     const std::lock_guard lock(mutex_);
@@ -62,6 +63,7 @@ class Profile {
     return all;
   }
 
+  // Returns the threads with scopes, by decreasing CPU time.
   std::vector<Thread> threads() const {
     std::vector<Thread> all;
     const std::lock_guard lock(mutex_);
@@ -80,7 +82,7 @@ class Profile {
 
  private:
   friend class ProfileScope;
-  // Written by one thread, read by any.
+  // Times of one part in one thread, which alone writes them. Any thread may read.
   struct Row {
     explicit Row(const char* part) : name(part) {}
     std::string name;
@@ -89,14 +91,14 @@ class Profile {
   };
   struct Table {
     std::string name;
-    std::deque<Row> rows;  // appended to under the profile's mutex
+    std::deque<Row> rows;  // appended under the profile's mutex
   };
 
   static std::atomic<Profile*>& current() {
     static std::atomic<Profile*> profile{nullptr};
     return profile;
   }
-  // Counts profiles, so that a thread recognises one at the address of an earlier one.
+  // Counts profiles, so that a thread detects a new one at the address of an earlier one.
   static std::atomic<std::uint64_t>& epoch() {
     static std::atomic<std::uint64_t> count{0};
     return count;
@@ -116,9 +118,10 @@ class Profile {
   }
 
   mutable std::mutex mutex_;
-  std::vector<std::shared_ptr<Table>> tables_;  // by thread
+  std::vector<std::shared_ptr<Table>> tables_;  // one per thread
 };
 
+// Assigns the time of its thread during its lifetime to a part.
 class ProfileScope {
  public:
   // `part` must outlive the scope.
@@ -141,7 +144,7 @@ class ProfileScope {
   ~ProfileScope() {
     if (row_ == nullptr) return;
     Local& local = this_thread();
-    if (local.epoch != epoch_) return;  // of an earlier profile: its rows are gone
+    if (local.epoch != epoch_) return;  // from an earlier profile, whose rows are gone
     const Moment now = Moment::now();
     charge(now, local.last);
     row_->count.fetch_add(1, std::memory_order_relaxed);

@@ -1,4 +1,4 @@
-// Random numbers that are the same on every machine and with every standard library.
+// Portable random numbers: the same on every machine and with every standard library.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace kaz {
 
-// SplitMix64 (Steele, Lea and Flood 2014): one step of the generator, and a good mixer of 64 bits.
+// One step of SplitMix64 (Steele, Lea and Flood 2014), also usable as a hash of 64 bits.
 constexpr std::uint64_t mix64(std::uint64_t x) {
   x += 0x9E3779B97F4A7C15u;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -15,7 +15,7 @@ constexpr std::uint64_t mix64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-// A sequence of numbers from one seed.
+// SplitMix64 generator. Not thread-safe.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -25,15 +25,16 @@ class Random {
     state_ += 0x9E3779B97F4A7C15u;
     return value;
   }
-  // 0 <= result < bound; bound > 0. The bias of at most bound / 2^32 does not matter here.
+  // Returns 0 <= result < bound; bound > 0. The bias is at most bound / 2^32.
   std::uint32_t below(std::uint32_t bound) {
     return static_cast<std::uint32_t>(((next() >> 32) * bound) >> 32);
   }
-  // 0 <= result < 1
+  // Returns 0 <= result < 1.
   double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+  // Returns true with the given probability.
   bool chance(double probability) { return uniform() < probability; }
 
-  // Complete state (archive.hpp).
+  // Saves or restores the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(state_);
@@ -43,8 +44,8 @@ class Random {
   std::uint64_t state_;
 };
 
-// A normal deviate (mean 0, sigma 1) that depends on nothing but its key, so that how often and in
-// which order they are drawn does not matter. Box and Muller 1958.
+// Returns a normal deviate (mean 0, sigma 1) that depends only on the three arguments, not on earlier calls.
+// Source: Box and Muller 1958.
 inline double keyed_normal(std::uint64_t seed, std::uint64_t tick, std::uint64_t channel) {
   const std::uint64_t key = mix64(mix64(mix64(seed) ^ tick) ^ channel);
   const double u = (static_cast<double>(key >> 11) + 1.0) * 0x1p-53;  // 0 < u <= 1

@@ -1,4 +1,4 @@
-// The error type of the C++ side: what went wrong, in one sentence, and whose fault it is.
+// Result<T>, the return type of C++ functions that can fail: a value, or an error with message and kind.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_RESULT_HPP
 #define KAZ_SHARED_BASE_RESULT_HPP
@@ -11,15 +11,16 @@
 
 namespace kaz {
 
-// The command line turns a fault into its exit code (the value here; docs/reference/exit-status.md).
+// Kind of an error. Its value is the exit status of a command (docs/reference/output.md).
 enum class Fault {
-  failed = 1,         // the task itself did not succeed: ball not caught, verify mismatch
+  failed = 1,         // the task failed: ball not caught, verify mismatch
   usage = 2,          // wrong options, unusable input file
-  environment = 3,    // no such port, port lost, no answer, no display
-  interrupted = 128,  // by a signal, whose number is added: 130 after Ctrl-C
+  environment = 3,    // no such port, port lost, no reply, no display
+  interrupted = 128,  // plus the signal's number: 130 after Ctrl-C
 };
 
-// One sentence: what went wrong, where (file, line, port), and what to do about it. No trailing newline.
+// An error. `message` is one sentence: what failed, where (file, line, port), and what to do. No trailing
+// newline.
 struct Error {
   Fault fault = Fault::environment;
   std::string message;
@@ -28,19 +29,20 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
+// Returns an error as a failed Result of any type.
 inline tl::unexpected<Error> fail(Fault fault, std::string message) {
   return tl::unexpected<Error>(Error{fault, std::move(message)});
 }
 
-// For libraries that do not know whose fault it is, such as the readers of images and the emulator: the
-// caller passes the message on with a fault of its own.
+// Same with the default fault. For libraries that cannot select one, such as the image parsers and the
+// emulator: the caller passes the message on with its own fault.
 inline tl::unexpected<Error> fail(std::string message) {
   return tl::unexpected<Error>(Error{.message = std::move(message)});
 }
 
 namespace try_detail {
 
-// The value of a result that has one: copied from an lvalue, moved from an rvalue.
+// Returns the value of a successful result, copied from an lvalue or moved from an rvalue.
 template <class T, class E>
 T value_of(const tl::expected<T, E>& result) {
   if constexpr (!std::is_void_v<T>) return *result;
@@ -54,15 +56,14 @@ T value_of(tl::expected<T, E>&& result) {
 
 }  // namespace kaz
 
-// The value of a Result; where it is an error, returns that error from the enclosing function or lambda,
-// whose return type must be a Result of any type:
+// Evaluates to the value of a Result. If it is an error, returns this error from the enclosing function or
+// lambda, whose return type must be a Result of any type:
 //
 //   const auto image = KAZ_TRY(load_image(path));  // Result<Image>: image is an Image
-//   KAZ_TRY(robot.enable());                       // Result<void>, or a value that is not needed
+//   KAZ_TRY(robot.enable());                       // Result<void>, or an unused value
 //
-// The expression is evaluated once. Write it as a whole initializer or statement as above, not as a part of
-// a larger expression, whose temporaries a return from its middle may leave undestroyed. (GCC and clang: a
-// statement expression.)
+// Evaluates the expression once. Use it as a whole initializer or statement as above. Within a larger
+// expression, the return may leave temporaries undestroyed. Uses a statement expression of GCC and clang.
 #define KAZ_TRY(...) KAZ_TRY_NUMBERED(__COUNTER__, __VA_ARGS__)
 #define KAZ_TRY_NUMBERED(number, ...) KAZ_TRY_JOINED(number, __VA_ARGS__)
 #define KAZ_TRY_JOINED(number, ...) KAZ_TRY_NAMED(kaz_try_##number, __VA_ARGS__)

@@ -1,4 +1,4 @@
-// The rates of serial ports, as termios names them: those that hosts can set and virtual ports report.
+// Baud rates of serial ports and their termios codes, for hosts and virtual ports.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_SERIAL_RATES_HPP
 #define KAZ_SHARED_BASE_SERIAL_RATES_HPP
@@ -9,10 +9,10 @@ namespace kaz {
 
 struct SerialRate {
   int baud;
-  speed_t code;  // of cfsetspeed()
+  speed_t code;  // for cfsetspeed()
 };
 
-// One list for both ends of a pty, so that a virtual port knows each rate that the host offers.
+// Both ends of a pty share this list, so that a virtual port recognizes each rate that a host can set.
 inline constexpr SerialRate kSerialRates[] = {
     {1200, B1200},     {2400, B2400},     {4800, B4800},     {9600, B9600},      {19200, B19200},
     {38400, B38400},   {57600, B57600},   {115200, B115200}, {230400, B230400},  {460800, B460800},

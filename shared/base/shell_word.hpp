@@ -1,4 +1,4 @@
-// A text as one word of a command line for a POSIX shell.
+// Quotes text as one word of a POSIX shell command.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_SHELL_WORD_HPP
 #define KAZ_SHARED_BASE_SHELL_WORD_HPP
@@ -8,7 +8,7 @@
 
 namespace kaz {
 
-// In single quotes where a shell would read something into it.
+// Returns `word`, in single quotes if it contains characters with a meaning to the shell.
 inline std::string shell_word(const std::string& word) {
   constexpr std::string_view plain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";

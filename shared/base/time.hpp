@@ -1,4 +1,4 @@
-// Time of the host: nanoseconds, and arithmetic that does not overflow.
+// Host time in nanoseconds, with arithmetic that does not overflow.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_TIME_HPP
 #define KAZ_SHARED_BASE_TIME_HPP
@@ -8,8 +8,7 @@
 
 namespace kaz {
 
-// Host time: nanoseconds on the one clock of the host (simulated in lockstep, CLOCK_MONOTONIC
-// otherwise).
+// Nanoseconds on the host's clock: simulated time in lockstep, CLOCK_MONOTONIC otherwise.
 using Time = std::chrono::nanoseconds;
 
 inline double seconds(Time t) {
@@ -19,7 +18,7 @@ inline Time from_seconds(double s) {
   return Time(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5)));
 }
 
-// a - b and a + b, clamped to the range of Time: clocks of other machines may report anything.
+// Return a - b and a + b, clamped to the range of Time: clocks of other machines may report any value.
 inline Time between(Time a, Time b) {
   std::int64_t ns = 0;
   if (__builtin_sub_overflow(a.count(), b.count(), &ns)) return a < b ? Time::min() : Time::max();

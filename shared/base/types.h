@@ -1,8 +1,8 @@
 // Fixed-width integers for code that is compiled for the H8S/2128 and for the PC.
 // SPDX-License-Identifier: Apache-2.0
 //
-// int is 16 bits on the H8, and its compiler has no <stdint.h>. Every arithmetic expression in shared/
-// that could overflow 16 bits must cast its operands first: `(s32)a * b`, never `(s32)(a * b)`.
+// The H8 compiler has 16-bit int and no <stdint.h>. An expression in shared/ that could overflow 16 bits must
+// cast its operands first: `(s32)a * b`, never `(s32)(a * b)`.
 #ifndef KAZ_SHARED_BASE_TYPES_H
 #define KAZ_SHARED_BASE_TYPES_H
 
@@ -18,7 +18,7 @@ typedef unsigned int u32;
 typedef signed int s32;
 #endif
 
-// Fails to compile where a width differs from the type's name.
+// Compile-time check of the widths.
 typedef char kz_check_u8[(sizeof(u8) == 1) ? 1 : -1];
 typedef char kz_check_u16[(sizeof(u16) == 2) ? 1 : -1];
 typedef char kz_check_u32[(sizeof(u32) == 4) ? 1 : -1];

@@ -1,4 +1,4 @@
-// For tests: takes XML apart.
+// Test helper: parses XML and finds its elements.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_XML_TESTING_HPP
 #define KAZ_SHARED_BASE_XML_TESTING_HPP
@@ -11,12 +11,12 @@
 
 namespace kaz {
 
-// Parses `xml` as XML; fails the test if it is none.
+// Parses `xml` into `to`. Fails the test if it is not XML.
 inline void parse_xml(const std::string& xml, tinyxml2::XMLDocument& to) {
   EXPECT_EQ(to.Parse(xml.data(), xml.size()), tinyxml2::XML_SUCCESS) << to.ErrorStr();
 }
 
-// Elements of this name, anywhere below.
+// Returns the elements with this name at any depth below a node.
 inline std::vector<const tinyxml2::XMLElement*> elements(const tinyxml2::XMLNode& below,
                                                          const std::string& name) {
   std::vector<const tinyxml2::XMLElement*> all;

@@ -1,4 +1,4 @@
-// Text as it stands in XML and HTML, between tags and in quoted attributes.
+// Escapes text for XML and HTML, between tags and in quoted attributes.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_XML_TEXT_HPP
 #define KAZ_SHARED_BASE_XML_TEXT_HPP
@@ -9,7 +9,8 @@
 
 namespace kaz {
 
-// Control characters that XML has no form for, and bytes that are no UTF-8, become \xNN.
+// Returns the escaped text. Control characters except \n, \r and \t, and bytes that are not UTF-8, become
+// \xNN.
 inline std::string xml_text(const std::string& text) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {

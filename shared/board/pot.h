@@ -1,15 +1,16 @@
-// From a potentiometer's code to the joint's angle; inline for the servo loop.
+// Converts a potentiometer's A/D code to a joint angle. Inline for the servo loop.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BOARD_POT_H
 #define KAZ_SHARED_BOARD_POT_H
 
 #include "shared/board/table.h"
 
-// Angle of 2^15 shares of a turn of the potentiometer: half its range, signed. A code is 64 shares.
+// Signed angle of half the potentiometer's range, 100 urad: the scale of kz_pot_angle_from.
 #define KZ_POT_SCALE(sign) ((s16)((sign) > 0 ? KZ_POT_HALF_SPAN : -KZ_POT_HALF_SPAN))
 
-// See kz_pot_angle. `code` counts as signed around mid-scale in shares of 2^15 of half the range;
-// so one multiplication has the angle in its upper half, and no shift is left.
+// Returns the joint angle in 100 urad at `code`, 0..1023, with pot_centre and pot_scale of the joint.
+// The offset from code 512 becomes a 15-bit fraction of half the range. The angle is then the upper half of
+// one product, so the H8 needs no shift loop.
 static inline s16 kz_pot_angle_from(u16 code, s16 centre, s16 scale) {
   const s16 share = (s16)((s16)(code - KZ_POT_CODES / 2) * 64);
   const s16 turned = (s16)((s32)share * scale * 2 >> 16);

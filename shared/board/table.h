@@ -1,4 +1,5 @@
-// The joint table as data: what the servo loop needs of joints.def and of the joints' limits.
+// Joint table for the servo loop: calibration, limits and A/D input of each joint.
+// Generated at compile time from joints.def and the limits of the URDF.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BOARD_TABLE_H
 #define KAZ_SHARED_BOARD_TABLE_H
@@ -14,20 +15,20 @@ extern "C" {
 #define KZ_POT_HALF_SPAN 16581
 
 typedef struct kz_board_joint {
-  s16 pot_centre;  // joint angle that stands for code 512, 100 urad (kz_pot_angle)
-  s16 pot_scale;   // +-KZ_POT_HALF_SPAN: angle of half the range of codes
-  s16 lower;       // limits of the joint (URDF), 100 urad
+  s16 pot_centre;  // joint angle at code 512, 100 urad (kz_pot_angle)
+  s16 pot_scale;   // angle of half the range of codes: +-KZ_POT_HALF_SPAN
+  s16 lower;       // mechanical limits (URDF), 100 urad
   s16 upper;
   u8 analog;    // index into kz_tick_input.analog
-  u8 mirrored;  // 1: a forward shaft is a negative joint angle
+  u8 mirrored;  // 1: turning the shaft forward decreases the joint angle
 } kz_board_joint;
 
 extern const kz_board_joint kz_board_joints[KZ_JOINTS];
 
-// Joint angle in 100 urad at a potentiometer's code 0..1023, of which one is 190/1024 degrees. The
-// converter rounds down, so a code stands for the middle of what it is made of: that of 512 begins
-// at the centre of joints.def, and kz_board_joints[].pot_centre is half a code beyond it. Without
-// that, each of two mirrored servos is off by half a code to its own side, and the robot curves.
+// Returns the joint angle in 100 urad at potentiometer code `code`, 0..1023, with the nominal calibration.
+// One code is 190/1024 degrees. The converter rounds down, so the angle of a code is the middle of its range.
+// Code 512 begins at the angle in joints.def; pot_centre is half a code beyond it. Without this half code, a
+// pair of mirrored servos would err in opposite directions, and the robot would walk in a curve.
 s16 kz_pot_angle(const kz_board_joint* joint, u16 code);
 
 #ifdef __cplusplus

@@ -1,12 +1,14 @@
-// Packets of DYNAMIXEL protocol 2.0.
+// Encoder and stream decoder for packets of DYNAMIXEL protocol 2.0.
 // SPDX-License-Identifier: Apache-2.0
 //
 //   FF FF FD 00 ID LENGTH(2) INSTRUCTION [ERROR] parameters... CRC(2)
 //
-// LENGTH counts from INSTRUCTION to CRC. An answer has the instruction `status` and an error byte. Between ID
-// and CRC each FF FF FD is followed by one more FD, which LENGTH and CRC count: so no header stands inside of
-// a packet. The joined answers of the fast reads have no such bytes. Source: ROBOTIS e-Manual, "DYNAMIXEL
-// Protocol 2.0"; docs/reference/servo-bus.md has it in full.
+// LENGTH is the size from INSTRUCTION to CRC. A reply has the instruction `status` and an error byte.
+//
+// Byte stuffing: from INSTRUCTION on, each FF FF FD is followed by another FD, so no header occurs inside a
+// packet. LENGTH and CRC include these bytes. The joined replies of fast reads are not stuffed.
+//
+// Source: ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0". docs/reference/servo-bus.md has the details.
 #pragma once
 
 #include <cstddef>
@@ -25,13 +27,13 @@ enum class Instruction : std::uint8_t {
   ping = 0x01,
   read = 0x02,
   write = 0x03,
-  reg_write = 0x04,  // stored until `action`
+  reg_write = 0x04,  // executed by `action`
   action = 0x05,
   factory_reset = 0x06,
   reboot = 0x08,
-  clear = 0x10,   // the turns counted
-  backup = 0x20,  // of EEPROM and gains, and back
-  status = 0x55,  // an answer
+  clear = 0x10,   // clears the counted turns
+  backup = 0x20,  // stores EEPROM registers and gains, or restores them
+  status = 0x55,  // a reply
   sync_read = 0x82,
   sync_write = 0x83,
   fast_sync_read = 0x8A,
@@ -40,21 +42,21 @@ enum class Instruction : std::uint8_t {
   fast_bulk_read = 0x9A,
 };
 
-// Low seven bits of the error byte.
+// Error code in the low seven bits of a status packet's error byte.
 enum class Failure : std::uint8_t {
   none = 0,
-  result = 1,  // the instruction could not be carried out
+  result = 1,  // execution of the instruction failed
   instruction = 2,
   crc = 3,
-  range = 4,   // of the register
-  length = 5,  // part of a register
-  limit = 6,   // of a register that limits this one
-  access = 7,  // read-only, locked, or no register
+  range = 4,   // value out of the register's range
+  length = 5,  // data end within a register
+  limit = 6,   // value beyond the limit set by another register
+  access = 7,  // read-only or locked register, or none at the address
 };
-// In the error byte besides: hardware_error_status is not 0.
+// Flag in the error byte: hardware_error_status is not 0.
 inline constexpr std::uint8_t kAlert = 0x80;
 
-// Bits of hardware_error_status and shutdown.
+// Bits of the registers hardware_error_status and shutdown.
 enum HardwareError : std::uint8_t {
   kVoltageError = 1,
   kTemperatureError = 4,
@@ -66,26 +68,27 @@ enum HardwareError : std::uint8_t {
 struct Packet {
   std::uint8_t id = 0;
   std::uint8_t instruction = 0;
-  std::uint8_t error = 0;  // of a status packet
+  std::uint8_t error = 0;  // only in status packets
   std::vector<std::uint8_t> parameters;
   bool is_status() const { return instruction == static_cast<std::uint8_t>(Instruction::status); }
   bool operator==(const Packet&) const = default;
 };
-// What a reader takes; the manual has no limit, ROBOTIS's SDK has this one.
+// Maximum LENGTH that PacketReader accepts. The manual has no limit; this is the one of ROBOTIS's SDK.
 inline constexpr std::size_t kMaxLength = 1024;
 
-// CRC-16 of polynomial 8005, from `crc` on.
+// Returns the CRC-16 with polynomial 8005 after `bytes`, starting at `crc`.
 std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t crc = 0);
 
-// The packet as it stands on the wire.
+// Encodes a packet: adds header, length, stuffing and CRC.
 std::vector<std::uint8_t> wire_of(const Packet& packet);
 
+// Returns a request packet.
 inline Packet request(std::uint8_t id, Instruction instruction,
                       std::vector<std::uint8_t> parameters = {}) {
   return {id, static_cast<std::uint8_t>(instruction), 0, std::move(parameters)};
 }
 
-// A number as two bytes of parameters, low byte first.
+// Bytes of a 16-bit number; low byte first on the wire.
 inline std::uint8_t low(std::size_t value) {
   return static_cast<std::uint8_t>(value);
 }
@@ -93,22 +96,24 @@ inline std::uint8_t high(std::size_t value) {
   return static_cast<std::uint8_t>(value >> 8);
 }
 
-// Bytes of the joined answer to a fast read before the first servo's: header, id, length, instruction.
+// The joined reply to a fast read begins with this many bytes: header, id, length, instruction.
 inline constexpr std::size_t kFastHead = 8;
-// Of one servo besides its data: error, id, CRC.
+// In that reply, each servo adds this many bytes to its data: error, id, CRC.
 inline constexpr std::size_t kFastFrame = 4;
 
-// Finds packets in a stream of bytes.
+// Stream decoder: finds packets in received bytes. Not thread-safe.
 class PacketReader {
  public:
   enum class Event { none, packet, bad_checksum, bad_length };
   using Counts = PacketCounts;
 
+  // Processes one byte. Returns the event that it completes, or Event::none.
   Event take(std::uint8_t byte);
-  // After Event::packet, until the next byte; after bad_checksum what it seems to have been.
+  // The last packet; valid after Event::packet until the next byte. After bad_checksum: unverified content.
   const Packet& packet() const { return packet_; }
-  // Drops the packet under way: a gap between its bytes is too long, or a byte had no stop bit.
+  // Drops an incomplete packet and counts it. Call it after a timeout between bytes or a framing error.
   void reset();
+  // Whether a packet, or what may be its header, is incomplete.
   bool inside() const { return !bytes_.empty(); }
   const Counts& counts() const { return counts_; }
 
@@ -116,8 +121,8 @@ class PacketReader {
   Event finish(Event event);
   void decode();
 
-  std::vector<std::uint8_t> bytes_;  // from the header
-  std::size_t wanted_ = 0;           // of the whole packet; 0: its length has not come
+  std::vector<std::uint8_t> bytes_;  // packet so far, from the header
+  std::size_t wanted_ = 0;           // size of the whole packet; 0: unknown yet
   Packet packet_;
   Counts counts_;
 };

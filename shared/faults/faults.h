@@ -1,14 +1,14 @@
-// Faults by name, schedules of them as text, and schedules at random.
+// Injected faults: the vocabulary, schedules as text, and random schedules.
 // SPDX-License-Identifier: Apache-2.0
 //
-// One vocabulary (faults.def) for simulator, tests and, where it can be, a real port. A schedule is
-// text, one fault a line; docs/reference/faults.md:
+// Simulator, tests and real ports share one vocabulary (faults.def); real ports support only some faults.
+// A schedule is text with one fault per line (docs/reference/simulator.md):
 //
 //   at 1.250 s for 0.2 s pot_open joint 3
 //   at 2 s for 500 ms link_drop 0.05 to board   # 5 % of the bytes from the host
 //   at 4 s power_reset
 //
-// Times count from the start of the simulation or of the port that the schedule is passed to.
+// Times count from the start of the simulation or port that gets the schedule.
 #pragma once
 
 #include <chrono>
@@ -44,16 +44,18 @@ constexpr Way last_value(Way) {
   return Way::to_host;
 }
 
+// Entry of faults.def.
 struct Kind {
   Name id;
   std::string_view name;
   Target target;
-  std::string_view parameter, unit;  // parameter "": none
-  double low, high, initial;
+  std::string_view parameter, unit;  // empty: no parameter, no unit
+  double low, high, initial;         // bounds and default of the parameter
   Where where;
   std::string_view text;
 };
 
+// All kinds, in the order of Name.
 std::span<const Kind> kinds();
 const Kind& kind_of(Name name);
 
@@ -61,15 +63,16 @@ inline constexpr Time kForEver = Time::max();
 
 struct Fault {
   Name name{};
-  Time at{};
+  Time at{};  // time of its beginning
   Time length = kForEver;
-  int joint = -1;       // number of joints.def; -1 where the target is none
-  Way way = Way::both;  // of link faults
-  double value = 0;     // in the unit of its kind
+  int joint = -1;       // index in joints.def; -1 if the target is not a joint
+  Way way = Way::both;  // link faults only
+  double value = 0;     // parameter, in the unit of its kind
   bool operator==(const Fault&) const = default;
 
-  // Whether joint and value are in the range of its kind.
+  // Whether joint and value are valid for its kind.
   bool is_possible() const;
+  // Whether the fault is active at `t`, from `at` on for `length`.
   bool active(Time t) const { return t >= at && (length == kForEver || t - at < length); }
   template <class A>
   void transfer(A& a) {
@@ -78,17 +81,18 @@ struct Fault {
   }
 };
 
-// Parses one line of a schedule without its comment. Without `at` the fault begins at `now`. Errors name
-// what was expected and what was found instead.
+// Parses one line of a schedule, which must have no comment. Without `at`, the fault begins at `now`. Returns
+// Fault::usage with the expected and the found text if the line is invalid.
 Result<Fault> parse(std::string_view line, Time now = Time::zero());
-// Inverse of parse().
+// Returns the line from which parse() reads `fault`.
 std::string text_of(const Fault& fault);
 
+// List of faults in any order.
 class Schedule {
  public:
   Schedule() = default;
   explicit Schedule(std::vector<Fault> faults) : faults_(std::move(faults)) {}
-  // Errors name file and line.
+  // Read a schedule. Errors name `path` or `name`, and the line. load() also rejects a file without faults.
   static Result<Schedule> load(const std::string& path);
   static Result<Schedule> parse(std::string_view text, const std::string& name);
 
@@ -96,13 +100,14 @@ class Schedule {
   void clear() { faults_.clear(); }
   std::span<const Fault> faults() const { return faults_; }
   bool empty() const { return faults_.empty(); }
+  // Returns the text that parse() reads, one fault per line.
   std::string text() const;
-  // Those that begin at `end` or later.
+  // Returns the faults that begin at `end` or later.
   std::vector<Fault> not_begun(Time end) const;
-  // The name of the first fault that only the simulator can do; nothing if there is none.
+  // Returns the name of the first fault that only the simulator can inject, or nullopt.
   std::optional<std::string_view> only_simulated() const;
 
-  // Complete state (archive.hpp).
+  // Saves or restores the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(faults_);
@@ -113,14 +118,16 @@ class Schedule {
 };
 
 struct RandomOptions {
-  Time length = std::chrono::seconds(10);  // faults begin within it
-  double per_second = 1;                   // mean rate of faults
-  Time longest = std::chrono::milliseconds(500);
+  Time length = std::chrono::seconds(10);         // all faults begin within this time
+  double per_second = 1;                          // mean rate of faults, 1/s
+  Time longest = std::chrono::milliseconds(500);  // maximum duration of a fault
+  // Kinds to draw: line, joint and board faults.
   bool line = true, joints = true, power = true;
 };
-// "1 fault never began, as the run ended before it: at 100 s power_reset"; "" of none.
+// Returns a message such as "1 fault never began, as the run ended before it: at 100 s power_reset", or an
+// empty text without faults.
 std::string not_begun_text(std::span<const Fault> faults);
-// The same seed and options give the same schedule.
+// Draws a schedule. The same seed and options give the same schedule.
 Schedule random_schedule(std::uint64_t seed, const RandomOptions& options);
 
 }  // namespace kaz::faults

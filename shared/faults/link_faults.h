@@ -1,4 +1,4 @@
-// Effects of faulty lines on bytes, in one direction.
+// Applies link faults to the bytes of one direction of a serial line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,27 +16,29 @@ struct LineByte {
   bool framing_error = false;
 };
 
-// What arrives for one byte sent: up to three bytes, namely noise, the byte and its duplicate.
+// Result for one sent byte: up to three bytes arrive, namely noise, the byte and its duplicate.
 struct LineBytes {
   std::array<LineByte, 3> bytes{};
   std::size_t count = 0;
-  Time delay{};  // after the time at which they would come
+  Time delay{};  // additional delay
 };
 
-// A byte of 8N1 whose sender is `error` faster than its receiver, as the receiver samples it in the
-// middle of its own bits. The line is idle (high) behind the byte.
+// Returns the 8N1 byte that a receiver samples if the sender is faster by the fraction `error`. It samples in
+// the middle of its own bits. The line is idle (high) after the byte.
 LineByte sampled(std::uint8_t value, double error);
 
+// Random link faults. Not thread-safe.
 class LinkFaults {
  public:
   // `way` is to_board or to_host. The same seed, schedule and bytes give the same bytes.
   LinkFaults(std::uint64_t seed, Way way)
       : random_(mix64(seed ^ static_cast<std::uint64_t>(way) << 32)), way_(way) {}
 
-  // The byte that would arrive at `t`, on the schedule's scale.
+  // Applies the active faults of `schedule` to a byte that would arrive at `t`. `t` counts from the start of
+  // the schedule.
   LineBytes pass(const Schedule& schedule, Time t, LineByte byte);
 
-  // Complete state (archive.hpp).
+  // Saves or restores the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(random_);

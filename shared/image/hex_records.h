@@ -1,4 +1,4 @@
-// What Motorola S-records and Intel HEX share: lines of hex digits, one record each.
+// Base class of the parsers of Motorola S-records and Intel HEX: one record of hex digits per line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,25 +12,29 @@
 
 namespace kaz::h8s {
 
+// Parses one file; use an object once.
 class HexRecords {
  public:
   virtual ~HexRecords() = default;
+  // Returns the image, or an error that names file and line.
   Result<Image> parse(std::string_view text);
 
  protected:
-  // `name` is used in messages and must outlive it; `segment` names the segments; `end` is how the
-  // last record is called.
+  // `name` names the file in messages and must outlive the object. `segment` names the segments. `end` names
+  // the end record in messages.
   HexRecords(const std::string& name, std::string segment, std::string end)
       : name_(name), segment_(std::move(segment)), end_(std::move(end)) {}
 
-  // One line without the blanks at its end, never empty.
+  // Parses a record: a line without trailing blanks, never empty.
   virtual Result<void> record(std::string_view line) = 0;
 
+  // Returns an error at the present line.
   tl::unexpected<Error> error(const std::string& what) const;
-  // The bytes that the digits of `line` from `first` on stand for.
+  // Converts the hex digits of `line` from index `first` on to bytes.
   Result<std::vector<std::uint8_t>> digits(std::string_view line, std::size_t first) const;
+  // Reads a big-endian number of up to four bytes.
   static std::uint32_t big(std::span<const std::uint8_t> bytes);
-  // What follows the bytes before becomes one segment with them.
+  // Adds data to the image. Data right after the previous data extend the same segment.
   void append(std::uint32_t address, std::span<const std::uint8_t> data);
   void entry(std::uint32_t address) { image_.entry = address; }
   void ended() { ended_ = true; }

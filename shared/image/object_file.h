@@ -1,4 +1,4 @@
-// What COFF and ELF share: a file of big-endian fields at offsets, and contents for the memory.
+// Base class of the parsers of COFF and ELF: big-endian fields at offsets, and contents of segments.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,28 +13,32 @@ namespace kaz::h8s {
 
 class ObjectFile {
  public:
-  // Both must outlive it; `name` is used in messages.
+  // Both arguments must outlive the object. `name` names the file in messages.
   ObjectFile(std::span<const std::uint8_t> bytes, const std::string& name)
       : bytes_(bytes), name_(name) {}
 
  protected:
-  // Against files made to exhaust memory.
+  // Maximum length of a name, against files made to exhaust memory.
   static constexpr std::size_t kLongestName = 1024;
 
+  // Whether `size` bytes at offset `at` lie inside the file.
   bool fits(std::size_t at, std::size_t size) const {
     return at <= bytes_.size() && size <= bytes_.size() - at;
   }
-  // Callers have checked that the field lies inside the file.
+  // Read a number at offset `at`. Precondition: it lies inside the file.
   unsigned u16(std::size_t at) const {
     return static_cast<unsigned>(bytes_[at] << 8 | bytes_[at + 1]);
   }
   std::uint32_t u32(std::size_t at) const {
     return static_cast<std::uint32_t>(u16(at)) << 16 | static_cast<std::uint32_t>(u16(at + 2));
   }
+  // Returns an error that names the file and the offset.
   tl::unexpected<Error> error(std::size_t at, const std::string& what) const;
-  // Names go into messages: one that holds anything but printable characters shows them as '?'.
+  // Returns the text at offset `at`, up to a zero byte. Control characters become '?' because texts go into
+  // messages.
   std::string text(std::size_t at, std::size_t max_length) const;
-  // A segment of the image, described at `at`; `what` names it in messages.
+  // Adds `segment` with `size` bytes at file offset `offset`. For messages: `at` is the offset of its header,
+  // `what` its name. Returns an error for contents outside the file or above 32 MB in all.
   Result<void> add(std::size_t at, const std::string& what, Segment segment, std::size_t offset,
                    std::size_t size);
 
@@ -44,7 +48,7 @@ class ObjectFile {
 
  private:
   const std::string& name_;
-  std::uint64_t contents_ = 0;  // bytes of all segments so far: they may share the file's
+  std::uint64_t contents_ = 0;  // bytes of all segments so far, which may overlap in the file
 };
 
 }  // namespace kaz::h8s

@@ -1,4 +1,4 @@
-// JPEG encoder and decoder. The only user of libjpeg.
+// JPEG encoder and decoder, the only user of libjpeg.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,18 +11,17 @@
 namespace kaz::picture {
 
 struct JpegSettings {
-  int quality = 85;  // 1..100
-  bool optimized_tables =
-      true;  // Huffman tables of the picture instead of the standard's: smaller, slower
+  int quality = 85;              // 1..100
+  bool optimized_tables = true;  // Huffman tables for this picture: smaller file, slower
 };
 
-// Samples of 8 bits. Errors: usage if `pixels` are not valid or a side exceeds 65500 px; failed with
-// libjpeg's message.
+// Encodes 8-bit samples. Returns Fault::usage if `pixels` is not valid or a side exceeds 65500 px, or
+// Fault::failed with libjpeg's message.
 Result<std::vector<std::uint8_t>> encode_jpeg(const PixelView& pixels,
                                               const JpegSettings& settings = {});
 
-// Grey becomes equal parts. Strict: data that end early or are damaged are an error, where libjpeg warns and
-// makes up the rest. Without Huffman tables (MJPEG of cameras) those of the standard are used.
+// Decodes to 8-bit RGB; gray becomes R = G = B. Returns an error for truncated or damaged data, where libjpeg
+// only warns and fills in pixels. Pictures without Huffman tables (MJPEG of cameras) use the standard ones.
 Decoded decode_jpeg(std::span<const std::uint8_t> bytes, const SizeLimits& limits = {});
 
 }  // namespace kaz::picture

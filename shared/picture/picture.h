@@ -1,4 +1,4 @@
-// Pixels in memory, as the PNG and JPEG codecs take and return them.
+// Pixels in memory, for the PNG and JPEG codecs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,11 +12,11 @@
 
 namespace kaz::picture {
 
-// Pixels of somebody else: rows from top to bottom, channels interleaved, no padding.
+// Non-owning view of pixels: rows from top to bottom, channels interleaved, no padding.
 struct PixelView {
   int width = 0, height = 0;
-  int channels = 3;  // 1: grey, 3: RGB
-  int bits = 8;      // per sample, 8 or 16; of 16 the high byte comes first
+  int channels = 3;  // 1: gray, 3: RGB
+  int bits = 8;      // per sample: 8, or 16 with the high byte first
   std::span<const std::uint8_t> samples;
 };
 
@@ -25,7 +25,7 @@ inline std::size_t bytes_per_row(const PixelView& pixels) {
          static_cast<std::size_t>(pixels.bits / 8);
 }
 
-// Neither empty nor of another number of bytes than its size needs; channels and bits as above.
+// Whether the picture is not empty, has supported channels and bits, and as many bytes as its size needs.
 inline bool valid(const PixelView& pixels) {
   return pixels.width > 0 && pixels.height > 0 && (pixels.channels == 1 || pixels.channels == 3) &&
          (pixels.bits == 8 || pixels.bits == 16) &&
@@ -38,8 +38,8 @@ struct RgbPicture {
   std::vector<std::uint8_t> rgb;
 };
 
-// Sizes that a decoder accepts. Checked on the header, before memory for pixels is allocated: a file of a
-// few bytes may claim any size.
+// Limits of the sizes that a decoder accepts. A small file may claim any size, so decoders check the header
+// before they allocate memory for pixels.
 inline constexpr int kMaxSide = 16384;                               // px
 inline constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 26;  // 200 MB of RGB
 struct SizeLimits {
@@ -47,18 +47,19 @@ struct SizeLimits {
   std::uint64_t max_pixels = kMaxPixels;
 };
 
+// Whether a picture of this size, px, is within the limits and not empty.
 inline bool within(const SizeLimits& limits, std::uint64_t width, std::uint64_t height) {
   const auto side = static_cast<std::uint64_t>(limits.max_side);
   return width >= 1 && height >= 1 && width <= side && height <= side &&
          width * height <= limits.max_pixels;
 }
 
-// Why bytes could not be decoded. No sentence yet: the caller knows the file's name and its limits.
+// Cause of a decoding failure. The caller makes the error message, with the file's name and the limits.
 struct DecodeError {
   enum class Kind {
-    invalid,  // not of the format, or ends early; `reason` is the library's
-    damaged,  // complete, but the library warned; `reason` is its warning
-    size      // out of the limits; `width` and `height` as the header claims
+    invalid,  // wrong format or truncated; `reason` is the library's message
+    damaged,  // complete, but with a warning of the library: `reason`
+    size      // outside the limits; `width` and `height` are from the header
   };
   Kind kind = Kind::invalid;
   std::string reason;

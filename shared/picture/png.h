@@ -1,4 +1,4 @@
-// PNG encoder and decoder. The only user of libpng.
+// PNG encoder and decoder, the only user of libpng.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,22 +11,22 @@
 namespace kaz::picture {
 
 struct PngSettings {
-  int level = 6;        // of zlib: 0 stores, 9 compresses most
-  bool filters = true;  // libpng selects one per row; without them: faster, larger files
-  bool srgb = false;    // adds the sRGB chunk (and gAMA and cHRM for old readers): samples are sRGB
-  const char* software = nullptr;  // what has made the picture, as a text in the file
+  int level = 6;        // zlib level: 0 stores, 9 compresses most
+  bool filters = true;  // libpng selects one per row; false: faster, larger files
+  bool srgb = false;    // samples are sRGB: adds the chunk sRGB, and gAMA and cHRM for old readers
+  const char* software = nullptr;  // if not null: value of the text chunk "Software"
 };
 
-// The same bytes for the same pixels and settings, as long as libpng and zlib are the same. 16-bit samples
-// are stored as they are, without a gamma chunk: they may be any quantity.
-// Errors: usage if `pixels` are not valid; failed with libpng's message.
+// Encodes a picture. Equal pixels and settings give equal bytes with the same versions of libpng and zlib.
+// 16-bit samples may be any quantity, so they are stored unchanged, without a gamma chunk.
+// Returns Fault::usage if `pixels` is not valid, or Fault::failed with libpng's message.
 Result<std::vector<std::uint8_t>> encode_png(const PixelView& pixels,
                                              const PngSettings& settings = {});
 
-// libpng warns only, and returns the pixels, where e.g. the checksum behind the last pixel is wrong.
+// Treatment of libpng's warnings, for example of a wrong checksum after the last pixel.
 enum class PngWarnings { ignored, are_errors };
 
-// Any PNG as 8-bit RGB: grey becomes equal parts, 16 bits become 8, transparent pixels are composed on black.
+// Decodes any PNG to 8-bit RGB: gray becomes R = G = B, 16 bits become 8, transparency is blended with black.
 Decoded decode_png(std::span<const std::uint8_t> bytes, const SizeLimits& limits = {},
                    PngWarnings warnings = PngWarnings::ignored);
 

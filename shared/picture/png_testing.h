@@ -1,4 +1,4 @@
-// Reads the samples of a PNG as they are stored, for tests: decode_png converts to 8-bit RGB.
+// Test helper: reads the stored samples of a PNG. decode_png would convert them to 8-bit RGB.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,11 +16,11 @@ namespace kaz::picture {
 
 struct StoredPng {
   int width = 0, height = 0, channels = 0, bits = 0;
-  bool srgb = false, gamma = false;   // has the chunk sRGB, gAMA
-  std::vector<std::uint8_t> samples;  // as PixelView has them
+  bool srgb = false, gamma = false;   // whether the chunks sRGB and gAMA are present
+  std::vector<std::uint8_t> samples;  // layout as in PixelView
 };
 
-// Nothing if libpng reports an error.
+// Returns the stored samples, or nullopt if libpng reports an error.
 inline std::optional<StoredPng> stored_png(std::span<const std::uint8_t> bytes) {
   struct Reader {
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -28,7 +28,7 @@ inline std::optional<StoredPng> stored_png(std::span<const std::uint8_t> bytes) 
     std::span<const std::uint8_t> rest;
 
     ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
-    // libpng reports errors by longjmp into here: nothing with a destructor may live in this frame.
+    // libpng reports errors by longjmp into this frame, so no object here may have a destructor.
     bool read() {
       if (setjmp(png_jmpbuf(png)) != 0) return false;
       png_set_read_fn(png, this, [](png_structp p, png_bytep to, png_size_t size) {

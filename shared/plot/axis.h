@@ -1,4 +1,4 @@
-// An axis of a plot, linear or logarithmic: where a value lies along it, its ticks and their labels.
+// Axis of a plot, linear or logarithmic: maps values to positions, and chooses ticks and labels.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,27 +11,27 @@ class Axis {
  public:
   struct Tick {
     double at = 0;      // 0..1 along the axis
-    std::string label;  // empty: a grid line only
+    std::string label;  // empty: only a grid line
   };
-  // Where an end of a linear axis lies.
+  // Position of an end of a linear axis.
   enum class End {
     exact,      // at the given value
-    margin,     // 2 % outside of it, so that data at the end keep clear of the frame
+    margin,     // 2 % of the range outside of it, so that data do not touch the frame
     whole_step  // at the next multiple of the tick step
   };
 
-  // About `count` ticks, 1, 2 or 5 times a power of ten apart. The ends may be any numbers: equal, in the
-  // wrong order or not finite (no data), they are replaced by a range that can be drawn.
+  // Returns an axis with about `count` ticks, 1, 2 or 5 times a power of ten apart. Ends that are equal, in
+  // reverse order or not finite (no data) are replaced by a valid range.
   static Axis linear(double low, double high, int count, End low_end, End high_end);
-  // For positive values, with a margin of 2 %. Ends that are not positive, or in the wrong order, are
-  // replaced by 1 and 10.
+  // Returns an axis for positive values, with a margin of 2 %. Ends that are not positive and finite, or in
+  // reverse order, are replaced by 1 and 10.
   static Axis logarithmic(double low, double high);
 
-  // False for values that have no place on the axis: not finite, or not positive on a logarithmic one.
+  // Whether the axis can show the value: finite, and positive on a logarithmic axis.
   bool shows(double value) const;
-  double at(double value) const;  // 0..1 between the ends
+  double at(double value) const;  // position: 0 to 1 between the ends
   const std::vector<Tick>& ticks() const { return ticks_; }
-  // By what the labels are multiplied: "10⁶"; empty: by nothing.
+  // Common factor of the labels, such as "10⁶"; empty: 1.
   const std::string& factor() const { return factor_; }
 
  private:
@@ -40,7 +40,7 @@ class Axis {
   void add_linear_ticks(int count);
 
   bool logarithmic_ = false;
-  double unit_ = 1;            // of the labels
+  double unit_ = 1;            // factor of the labels
   double low_ = 0, high_ = 1;  // ends, scaled
   std::vector<Tick> ticks_;
   std::string factor_;

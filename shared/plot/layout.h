@@ -1,4 +1,4 @@
-// Layout of a page of plots.
+// Lays out a page of plots and paints it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,13 +13,15 @@ namespace kaz::plot {
 
 class Layout {
  public:
-  // Refers to `page`, which must outlive it.
+  // `page` must outlive the layout.
   explicit Layout(const PlotPage& page);
 
+  // Size of the page, px.
   Point size() const { return {static_cast<double>(page_.width_px), height_}; }
   void paint(Painter& painter) const;
 
  private:
+  // A plot with its axis and position.
   struct Placed {
     const LinePlot* plot;
     Axis y;

@@ -1,4 +1,4 @@
-// The legend of a plot: its entries, and where they are.
+// Legend of a plot: collects entries, places and paints them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,11 +12,11 @@ namespace kaz::plot {
 class Legend {
  public:
   Legend() = default;
-  // Right-aligned in the line of the title where that has room, else in lines beneath it. `width_px`: of
-  // the plot's frame.
+  // Places the entries right-aligned in the title's line if they fit, otherwise in lines below it. `width_px`
+  // is the width of the plot's frame.
   Legend(const LinePlot& plot, double width_px, double title_width_px);
 
-  double height() const { return height_; }  // of the lines beneath the title, px
+  double height() const { return height_; }  // height of the lines below the title, px
   void paint(Painter& painter, Point title_baseline) const;
 
  private:
@@ -25,7 +25,7 @@ class Legend {
     Mark mark;
     std::string label;
     Color color;
-    Point offset = {};  // from the title's baseline
+    Point offset = {};  // from the start of the title's baseline, px
     double width() const;
   };
   void collect(const LinePlot& plot);

@@ -1,4 +1,4 @@
-// The shapes that a plot is drawn with: implemented for SVG (svg.cpp) and for pixels (tools/figure).
+// Drawing interface of plots, implemented for SVG (svg.cpp) and for pixels (tools/figure).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -27,18 +27,18 @@ struct TextStyle {
   Color color;
   Anchor anchor = Anchor::start;
   bool bold = false;
-  bool upwards = false;  // turned by 90 degrees, read from below
+  bool upwards = false;  // rotated by 90 degrees, reads upward
 };
 
 inline constexpr double kDashPx = 6, kDashGapPx = 4;
 
-// Alpha: 0 is invisible, 1 opaque.
+// Draws shapes; coordinates in px, y downward. Alpha: 0 is invisible, 1 opaque.
 class Painter {
  public:
   virtual ~Painter() = default;
   virtual void rectangle(const Rectangle& area, Color fill, double alpha) = 0;
   virtual void line(std::span<const Point> points, Color color, double width_px, bool dashed) = 0;
-  // Discs as one shape: where they overlap, they are no darker.
+  // Draws discs as one shape: overlaps are no darker.
   virtual void dots(std::span<const Point> centers, Color color, double diameter_px,
                     double alpha) = 0;
   virtual void text(Point baseline, const std::string& text, const TextStyle& style) = 0;

@@ -1,4 +1,4 @@
-// What a page of line plots shows. Drawn by svg.h, and as PNG by tools/figure.
+// Description of a page of line plots. svg.h draws it as SVG, tools/figure as PNG.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,17 +20,17 @@ struct Series {
   enum class Style { line, dashed, points };
   std::string label;  // in the legend, if not empty
   Color color;
-  // Equal lengths. A point that is not finite, or not positive on a logarithmic axis, is not drawn; it
-  // interrupts the line.
+  // Coordinates, equal lengths. A point that is not finite, or not positive on a logarithmic axis, is not
+  // drawn and interrupts the line.
   std::vector<double> x, y;
-  double width_px = 1.8;  // of lines
+  double width_px = 1.8;  // width of lines
   Style style = Style::line;
 };
 
 inline constexpr std::array kStyles{Series::Style::line, Series::Style::dashed,
                                     Series::Style::points};
 
-// As files name them.
+// Returns the style's name in files.
 constexpr const char* to_string(Series::Style style) {
   switch (style) {
     case Series::Style::line:
@@ -43,14 +43,14 @@ constexpr const char* to_string(Series::Style style) {
   return "points";
 }
 
-// A range of x with a tinted background.
+// Range of x with a tinted background.
 struct Span {
   double from = 0, to = 0;
   Color color = kGreen;
-  std::string label;  // in the legend, if not empty; once for spans of the same label
+  std::string label;  // in the legend, if not empty; once for spans with the same label
 };
 
-// Dashed, over the whole width.
+// Dashed line over the whole width.
 struct HorizontalLine {
   double y = 0;
   Color color = kGrey;
@@ -58,20 +58,20 @@ struct HorizontalLine {
 };
 
 struct LinePlot {
-  std::string title, y_label;  // labels with their unit: "torque, Nm"
+  std::string title, y_label;  // with unit: "torque, Nm"
   std::vector<Series> series;
   std::vector<Span> spans;
   std::vector<HorizontalLine> lines;
-  std::optional<double> y_min, y_max;  // otherwise from the data
-  std::string caption;                 // beneath the plot, wrapped
+  std::optional<double> y_min, y_max;  // ends of the y axis; if empty, from the data
+  std::string caption;                 // below the plot, wrapped
 };
 
-// One above the other on a common x axis.
+// Plots on top of each other with a common x axis.
 struct PlotPage {
   std::string title, x_label;
   std::vector<LinePlot> plots;
   int width_px = 960;
-  // Of each plot with its title and the labels of its ticks; a long legend and a caption come on top.
+  // Height of each plot including title and tick labels. A long legend and a caption add to it.
   int plot_height_px = 260;
   bool x_logarithmic = false;
 };

@@ -1,4 +1,4 @@
-// Colors and sizes that all plots share.
+// Colors and sizes shared by all plots.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

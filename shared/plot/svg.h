@@ -1,4 +1,4 @@
-// Plots as SVG.
+// Draws plots as SVG.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace kaz::plot {
 
-// SVG 1.1, for a file of its own or inside an HTML page. Text stays text: it can be searched, and is drawn in
-// the reader's font.
+// Returns SVG 1.1 for a separate file or inside an HTML page. Text remains text: readers can search it, and
+// their own font draws it.
 std::string plot_svg(const PlotPage& page);
 
 }  // namespace kaz::plot

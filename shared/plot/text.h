@@ -1,4 +1,4 @@
-// Estimates of the size of text, without a font.
+// Estimates the size of text without a font.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,10 +7,10 @@
 
 namespace kaz::plot {
 
-// An estimate on the safe side for common sans-serif fonts, in px: the reader's font is not known.
+// Returns an upper estimate of the text's width, px, for common sans-serif fonts; the reader's is unknown.
 double text_width(const std::string& utf8, double size_px, bool bold = false);
 
-// Broken at spaces into lines of at most `width_px`; a longer word has a line of its own.
+// Breaks the text at spaces into lines of at most `width_px`. A longer word gets its own line.
 std::vector<std::string> wrapped(const std::string& text, double width_px, double size_px);
 
 }  // namespace kaz::plot

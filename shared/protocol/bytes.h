@@ -1,11 +1,11 @@
-// Big-endian numbers in bytes, for messages that are laid out by hand instead of by messages.h.
+// Reads and writes big-endian numbers, for messages that are not packed by messages.h.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_BYTES_H
 #define KAZ_SHARED_PROTOCOL_BYTES_H
 
 #include "shared/base/types.h"
 
-// kz_put_* return the place behind what they wrote.
+// kz_put_* return the address after the written bytes.
 static inline u8* kz_put_u8(u8* to, u8 value) {
   to[0] = value;
   return to + 1;

@@ -1,4 +1,4 @@
-// The CRC's step, inline for those who run it on every byte.
+// One byte of the CRC-16 of kz_crc16 (frame.h), inline for code that processes every byte.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_CRC16_H
 #define KAZ_SHARED_PROTOCOL_CRC16_H
@@ -12,6 +12,7 @@ extern "C" {
 // Entry n is the remainder of n * x^16.
 extern const u16 kz_crc16_table[256];
 
+// Returns the CRC `crc` after one more byte.
 static inline u16 kz_crc16_step(u16 crc, u8 byte) {
   return (u16)((u16)(crc << 8) ^ kz_crc16_table[(u16)(crc >> 8) ^ byte]);
 }

@@ -1,4 +1,4 @@
-// Names, codes and fields of all messages as data: for hosts that print, log, fuzz or dissect.
+// Reflection of all messages: names, codes and fields, for hosts that print, log, fuzz or dissect.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_MESSAGE_INFO_H
 #define KAZ_SHARED_PROTOCOL_MESSAGE_INFO_H
@@ -14,12 +14,12 @@ typedef struct kz_field_info {
   const char* name;
   const char* unit;
   const char* text;
-  const char* mask;  // field that says which elements are present; NULL: all
-  long long low;     // a request with a number below it is refused; the lowest of the type if not
-  long long high;    // the same above
+  const char* mask;  // name of the field with the mask of present elements; NULL: all
+  long long low;     // lower bound of a request's value; without bounds, that of the type
+  long long high;    // upper bound likewise
   u8 size;           // bytes of one number
-  u8 count;          // numbers, at most
-  u8 bounded;        // 1: the table gives bounds
+  u8 count;          // maximum number of elements
+  u8 bounded;        // 1: messages.def gives bounds
 } kz_field_info;
 
 typedef struct kz_message_info {
@@ -29,30 +29,29 @@ typedef struct kz_message_info {
   u8 field_count;
   u8 code;
   u8 kind;      // KZ_KIND_*
-  u8 size_max;  // bytes of fields, at most
+  u8 size_max;  // maximum size of the fields, bytes
 } kz_message_info;
 
 extern const kz_message_info kz_messages[];
 extern const u8 kz_message_count;
 
-// NULL if no message has this code.
+// Returns the message with this code, or NULL.
 const kz_message_info* kz_message_find(u8 code);
 
-// KZ_KIND_* of the message with this code; KZ_KIND_NONE if there is none.
+// Returns the KZ_KIND_* of the message with this code, or KZ_KIND_NONE.
 u8 kz_kind_of(u8 code);
-// Whether a request changes nothing, so that it does not matter how often and when it is done.
+// Returns 1 if a request changes nothing and can be repeated at any time.
 u8 kz_is_query(u8 request);
-// Whether the board writes flash for a request: its reply takes up to 3 s.
+// Returns 1 if the board writes flash for a request. Its reply then takes up to 3 s.
 u8 kz_writes_flash(u8 request);
-// Whether the board receives nothing for a while after a request: it writes flash or restarts.
+// Returns 1 if the board stops receiving for a while after a request: it writes flash or restarts.
 u8 kz_interrupts_service(u8 request);
 
-// "out of range" for KZ_REFUSED_RANGE; never NULL.
+// Returns the text of a refusal: "value out of range" for KZ_REFUSED_RANGE. Never NULL.
 const char* kz_refusal_text(u8 reason);
-// "emergency stop" for KZ_SHUTDOWN_STOP; never NULL.
+// Returns the text of a shutdown: "emergency stop" for KZ_SHUTDOWN_STOP. Never NULL.
 const char* kz_shutdown_text(u8 reason);
-// "HOLDING" for KZ_STATUS_HOLDING: name of the flag with this one bit; NULL if there is
-// none.
+// Returns the name of a status flag, one bit: "HOLDING" for KZ_STATUS_HOLDING. NULL if unknown.
 const char* kz_status_name(u16 flag);
 
 #ifdef __cplusplus

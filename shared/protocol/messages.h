@@ -1,4 +1,5 @@
-// Messages as C structs, and their codec, made from messages.def.
+// Messages of the wire protocol as C structs, with their codec, generated from messages.def.
+// docs/reference/protocol.md specifies the protocol.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_MESSAGES_H
 #define KAZ_SHARED_PROTOCOL_MESSAGES_H
@@ -12,59 +13,59 @@ extern "C" {
 #endif
 
 #define KZ_PROTOCOL_VERSION 3
-// Hosts also accept this version: equal messages, but a repeated `stop` is answered without being executed.
+// Oldest version that hosts accept. Its messages are the same, but a repeated `stop` is not executed again.
 #define KZ_PROTOCOL_VERSION_OLDEST 2
-#define KZ_REPLY 0x80         // bit of the type: from board to host
-#define KZ_ADDRESS_DEFAULT 1  // a board whose id block is empty
+#define KZ_REPLY 0x80         // bit of the type in messages from board to host
+#define KZ_ADDRESS_DEFAULT 1  // address of a board without a stored one
 #define KZ_ADDRESS_LAST 14
 #define KZ_ADDRESS_ALL 15
-#define KZ_KEY 0x4B5A  // "KZ": required by requests that must not happen by accident
+#define KZ_KEY 0x4B5A  // "KZ": guards requests that must not happen by accident
 #define KZ_ALL_JOINTS 0x3FFFF
 
-// Requests that may be under way at once: one being answered, one waiting.
+// Maximum number of outstanding requests: one being answered, one waiting.
 #define KZ_REQUESTS_UNDER_WAY 2
-// A repetition is recognised among so many requests done last.
+// Number of latest requests in which a repetition is recognized.
 #define KZ_REQUESTS_REMEMBERED 4
 
-// Status: flags in the lower byte, in the upper one the reason why motors went off (KZ_SHUTDOWN_*).
+// Status word: flags in the lower byte, the latched KZ_SHUTDOWN_* reason in the upper.
 #define KZ_STATUS_ENABLED 0x0001       // at least one motor is on
-#define KZ_STATUS_MOVING 0x0002        // at least one ramp is still under way
-#define KZ_STATUS_HOLDING 0x0004       // the link watchdog holds the joints where they were
-#define KZ_STATUS_UNLOCKED 0x0008      // bench unlock
-#define KZ_STATUS_RAW_DRIVE 0x0010     // a motor is driven without its loop
-#define KZ_STATUS_TELEMETRY 0x0020     // periodic frames are sent
-#define KZ_STATUS_UNCALIBRATED 0x0040  // no valid calibration in flash: nominal values
-#define KZ_STATUS_MISSED_TICK 0x0080   // a tick took too long; until `clear`
+#define KZ_STATUS_MOVING 0x0002        // at least one ramp is running
+#define KZ_STATUS_HOLDING 0x0004       // the link watchdog holds the joints at their commands
+#define KZ_STATUS_UNLOCKED 0x0008      // the bench unlock is active
+#define KZ_STATUS_RAW_DRIVE 0x0010     // a raw drive runs: a motor without its loop
+#define KZ_STATUS_TELEMETRY 0x0020     // telemetry is on
+#define KZ_STATUS_UNCALIBRATED 0x0040  // nominal calibration: no valid copy in flash
+#define KZ_STATUS_MISSED_TICK 0x0080   // a tick took too long; latched until `clear`
 
-// Reasons, latched until `clear`: only the first of several is kept. LINK_LOST with HOLDING leaves the
-// motors on; everything else switches them off.
+// Reasons of a shutdown. Only the first one is latched, until `clear`. LINK_LOST with HOLDING leaves the
+// motors on; all others switch them off.
 #define KZ_SHUTDOWN_NONE 0
 #define KZ_SHUTDOWN_STOP 1          // the host's emergency stop
-#define KZ_SHUTDOWN_LINK_LOST 2     // no valid request came for too long
-#define KZ_SHUTDOWN_POT 3           // potentiometer open or short; detail: joint
-#define KZ_SHUTDOWN_UNDERVOLTAGE 4  // supply
-#define KZ_SHUTDOWN_OVERVOLTAGE 5   // supply
-#define KZ_SHUTDOWN_TEMPERATURE 6   // motor drivers
-#define KZ_SHUTDOWN_REFERENCE 7     // the converter does not read its reference right
+#define KZ_SHUTDOWN_LINK_LOST 2     // timeout of the link watchdog
+#define KZ_SHUTDOWN_POT 3           // potentiometer open or shorted; detail: joint
+#define KZ_SHUTDOWN_UNDERVOLTAGE 4  // supply too low
+#define KZ_SHUTDOWN_OVERVOLTAGE 5   // supply too high
+#define KZ_SHUTDOWN_TEMPERATURE 6   // motor drivers too hot
+#define KZ_SHUTDOWN_REFERENCE 7     // the A/D converter misreads its reference
 #define KZ_SHUTDOWN_STALL 8         // high load at standstill; detail: joint
 #define KZ_SHUTDOWN_OVERLOAD 9      // load over time (I2t); detail: joint
-#define KZ_SHUTDOWN_SELF_TEST 10    // the test at start failed; only a reset helps
+#define KZ_SHUTDOWN_SELF_TEST 10    // a test at start failed; only a reset clears it
 
-// What the link watchdog does.
+// Reactions of the link watchdog.
 #define KZ_REACTION_LIMP 1  // motors off
-#define KZ_REACTION_HOLD 2  // motors stay on, commands stop where they are
+#define KZ_REACTION_HOLD 2  // motors stay on, ramps end at the present commands
 
 // Joint flags.
 #define KZ_JOINT_ON 0x01
-#define KZ_JOINT_MOVING 0x02    // its ramp is under way
+#define KZ_JOINT_MOVING 0x02    // its ramp is running or about to start
 #define KZ_JOINT_POT 0x04       // its potentiometer is out of range
-#define KZ_JOINT_STALLED 0x08   // high load at standstill at present
-#define KZ_JOINT_HOT 0x10       // more than half of the heat at which motors go off
-#define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit: drive further out is cut
+#define KZ_JOINT_STALLED 0x08   // high load at standstill now
+#define KZ_JOINT_HOT 0x10       // more than half of the heat that switches motors off
+#define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit; outward drive is cut
 
-// Capabilities.
+// Capabilities in `identify_reply`.
 #define KZ_CAPABILITY_TELEMETRY 0x0001    // not on a shared line
-#define KZ_CAPABILITY_CALIBRATION 0x0002  // can be stored
+#define KZ_CAPABILITY_CALIBRATION 0x0002  // calibration can be stored
 #define KZ_CAPABILITY_RAW_DRIVE 0x0004
 #define KZ_CAPABILITY_LOADER 0x0008
 
@@ -78,47 +79,47 @@ extern "C" {
 // Tests at start.
 #define KZ_TEST_RAM 0x01
 #define KZ_TEST_FLASH 0x02      // CRC of the application
-#define KZ_TEST_CONVERTER 0x04  // reads its reference right
-#define KZ_TEST_SUPPLY 0x08     // does not fail: without motor supply the board runs, motors off
+#define KZ_TEST_CONVERTER 0x04  // A/D converter, by its reference
+#define KZ_TEST_SUPPLY 0x08     // never fails: without motor supply the board runs with motors off
 
-// Where the calibration came from.
+// Source of the calibration.
 #define KZ_CALIBRATION_NOMINAL 0  // no valid copy in flash
-#define KZ_CALIBRATION_A 1
-#define KZ_CALIBRATION_B 2
+#define KZ_CALIBRATION_A 1        // block A of flash
+#define KZ_CALIBRATION_B 2        // block B of flash
 
-// Bounds of settings.
+// Upper bounds of settings.
 #define KZ_KP_MAX 20480           // 80 /rad
 #define KZ_KD_MAX 4096            // 1 s/rad
 #define KZ_DEAD_BAND_MAX 1000     // 0.1 rad
-#define KZ_FRICTION_MAX 64        // a quarter of full duty
+#define KZ_FRICTION_MAX 64        // quarter of full duty
 #define KZ_RAMP_MAX 120           // 12 rad/s, near the motors' no-load speed
-#define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad
+#define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad around the nominal value
 
-// Gains after a reset. They do not hunt across the play of the gear, whatever the joint bears
-// (docs/howto/bench.md, step.hunting); behaviours set their own.
+// Gains after a reset. With them no joint oscillates across its gear backlash, at any load
+// (docs/howto/bench.md, step.hunting). Behaviors set their own.
 #define KZ_KP_DEFAULT 4096  // 1/256 /rad: 16 /rad
-#define KZ_KP_HAND 205      // 0.8 /rad: a jaw gives way
+#define KZ_KP_HAND 205      // 0.8 /rad: the jaws of the hands stay compliant
 #define KZ_KD_DEFAULT 369   // 1/4096 s/rad: 0.09 s/rad
 
-#define KZ_JOINTS_PER_REPLY 9  // joints that a `joints_reply` has room for
+#define KZ_JOINTS_PER_REPLY 9  // maximum number of joints in a `joints_reply`
 
-// In a detail: no joint and no field.
+// Detail without a joint or field.
 #define KZ_NO_DETAIL 255
 
 // Reasons of a refusal.
 #define KZ_REFUSED_UNKNOWN_TYPE 1  // no request has this type
-#define KZ_REFUSED_LENGTH 2        // more or fewer bytes than the type's fields
-#define KZ_REFUSED_RANGE 3     // a value out of its range; detail: number of the field, or joint
-#define KZ_REFUSED_LIMIT 4     // a target outside the joint's soft limits; detail: joint
-#define KZ_REFUSED_DISABLED 5  // a target for a joint that is off; detail: joint
-#define KZ_REFUSED_FAULT 6     // a shutdown is latched, or its cause present; detail: its reason
-#define KZ_REFUSED_BUSY 7      // too many requests under way
-#define KZ_REFUSED_ARMED 8     // only while all motors are off
-#define KZ_REFUSED_LOCKED 9    // only under `unlock`
-#define KZ_REFUSED_SHARED_LINE 10  // not on a line with other boards
-#define KZ_REFUSED_STORE 11        // flash could not be written
+#define KZ_REFUSED_LENGTH 2        // size of the fields does not match the type
+#define KZ_REFUSED_RANGE 3         // value out of range; detail: index of the field, or joint
+#define KZ_REFUSED_LIMIT 4         // target outside the joint's soft limits; detail: joint
+#define KZ_REFUSED_DISABLED 5      // target for a joint that is off; detail: joint
+#define KZ_REFUSED_FAULT 6         // a shutdown is latched or its cause present; detail: reason
+#define KZ_REFUSED_BUSY 7          // too many outstanding requests, or an action is pending
+#define KZ_REFUSED_ARMED 8         // only allowed while all motors are off
+#define KZ_REFUSED_LOCKED 9        // only allowed while unlocked
+#define KZ_REFUSED_SHARED_LINE 10  // not allowed on a line with other boards
+#define KZ_REFUSED_STORE 11        // writing flash failed
 
-// The kinds of messages.def. KZ_KIND_NONE: no message has this type.
+// Kinds of messages (messages.def). KZ_KIND_NONE: no message has this type.
 enum kz_kind {
   KZ_KIND_NONE,
   KZ_KIND_QUERY,
@@ -135,13 +136,13 @@ enum kz_kind {
   KZ_KIND_TELEMETRY
 };
 
-// Codes: KZ_TYPE_<name>.
+// KZ_TYPE_<name>: code of each message.
 enum kz_type {
 #define KZ_MESSAGE(name, code, kind, text) KZ_TYPE_##name = code,
 #include "shared/protocol/messages.def"
 };
 
-// Bytes of fields at most: KZ_SIZE_<name>.
+// KZ_SIZE_<name>: maximum size of the fields, bytes.
 enum kz_size {
 #define KZ_MESSAGE(name, code, kind, text) KZ_SIZE_##name = 0
 #define KZ_FIELD(type, name, unit, text) +(int)sizeof(type)
@@ -151,7 +152,7 @@ enum kz_size {
 #include "shared/protocol/messages.def"
 };
 
-// struct kz_<name> for each message. One without fields has a dummy member, always 0.
+// struct kz_<name>: the fields of each message. A message without fields has a dummy member, always 0.
 #define KZ_MESSAGE(name, code, kind, text) \
   typedef struct kz_##name kz_##name;      \
   struct kz_##name {
@@ -164,11 +165,14 @@ enum kz_size {
   ;
 #include "shared/protocol/messages.def"
 
-// kz_pack_<name> writes the bytes behind the header and returns how many (at most KZ_SIZE_<name>).
-// kz_unpack_<name> returns 1 if the length is right for the message, else 0. Bits of a mask above
-// the highest joint, or beyond the maximum that the message takes, have no number; numbers of joints
-// outside the mask become 0.
-// kz_check_<name> returns the number of the first field that is out of its bounds, or KZ_IN_BOUNDS.
+// kz_pack_<name> writes the fields, which follow the header, and returns their size (at most KZ_SIZE_<name>).
+//
+// kz_unpack_<name> reads the fields. Returns 1, or 0 if `length` is wrong for the message.
+//
+// A masked field has one number per mask bit, up to the maximum of the message. Mask bits above the highest
+// joint have none. Unpacking sets the numbers of other joints to 0.
+//
+// kz_check_<name> returns the index of the first field that is out of bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255
 #define KZ_MESSAGE(name, code, kind, text)                                     \
   u8 kz_pack_##name(const struct kz_##name* message, u8* fields);              \

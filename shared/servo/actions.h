@@ -1,4 +1,4 @@
-// Actions between two ticks: writing flash, reset, start of the loader.
+// Actions between two ticks: write flash, reset, start the loader.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_ACTIONS_H
 #define KAZ_SHARED_SERVO_ACTIONS_H
@@ -9,11 +9,12 @@
 extern "C" {
 #endif
 
-// Takes the result of the action that the previous tick requested.
+// Completes the action of the previous tick: clears it and sets the outcome of the request that started it.
+// Reads its result from input->result.
 void kz_action_finish(kz_servo* servo, const kz_tick_input* input);
 
-// Returns the pending action once all that has to be sent before it has left the transmitter; until then
-// KZ_ACTION_NONE.
+// Returns the pending action (KZ_ACTION_*) once all earlier replies have been sent and the transmit buffer is
+// empty. Returns KZ_ACTION_NONE until then.
 u8 kz_action_start(kz_servo* servo, const kz_tick_input* input);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// Requests for the bench: unlock, raw drive, flash, reset.
+// Bench functions of the servo tick: the timers of unlock and raw drive, and the raw drive itself.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_BENCH_H
 #define KAZ_SHARED_SERVO_BENCH_H
@@ -9,11 +9,12 @@
 extern "C" {
 #endif
 
-// One millisecond of the times of unlock and raw drive. To be called while unlocked_ms is not 0:
-// without it there is no raw drive.
+// Advances the timers of unlock and raw drive by one tick and the missed ones. Call it in every tick while
+// unlocked_ms is not 0; raw drive requires the unlock.
 void kz_bench_update(kz_servo* servo, const kz_tick_input* input);
 
-// Drives the motor of the raw drive, after the joints' loops; raw_ms is not 0.
+// Sets duty and direction of the raw-driven motor. Shuts down if its potentiometer stays out of range.
+// Call it after kz_joints_update, while raw_ms is not 0.
 void kz_bench_drive(kz_servo* servo);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// A board for tests: the tick with a host line, potentiometers and a supply around it.
+// Test fixture: the servo tick with a host line and simulated A/D codes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,8 +22,8 @@ struct Reply {
   Bytes fields;
 };
 
-// The fields of a reply: fields_of<kz_state_reply, kz_unpack_state_reply>(reply). The length has to
-// be right.
+// Returns the unpacked fields of a reply: fields_of<kz_state_reply, kz_unpack_state_reply>(reply).
+// Fails the test if the length is wrong.
 template <class Message, u8 (*unpack)(Message*, const u8*, u8)>
 Message fields_of(const Reply& reply) {
   Message message = {};
@@ -35,7 +35,7 @@ class TestBoard {
  public:
   static constexpr u16 centre_code = 512;
   static constexpr u16 image_crc = 0xABCD;
-  static constexpr u16 healthy_supply_code = 667;  // 10.005 V at 15 mV a code
+  static constexpr u16 healthy_supply_code = 667;  // 10.005 V at 15 mV per code
 
   static kz_startup valid_startup() {
     kz_startup startup;
@@ -53,12 +53,12 @@ class TestBoard {
     input.analog[KZ_ANALOG_REFERENCE] = KZ_REFERENCE_CODE;
     input.analog[KZ_ANALOG_TEMPERATURE] = 250;  // 25.0 degC
     input.tx_room = 63;
-    ticks(4);  // then everything has been measured
+    ticks(4);  // measures every input once
   }
 
   void set_pot(int joint, u16 code) { input.analog[kz_board_joints[joint].analog] = code; }
 
-  // One millisecond, with as many bytes from the host as the snapshot takes.
+  // Runs one tick, with up to KZ_RX_PER_TICK pending bytes from the host. Collects replies and actions.
   void tick() {
     input.rx_count = 0;
     while (input.rx_count < KZ_RX_PER_TICK && !to_board_.empty()) {
@@ -91,7 +91,7 @@ class TestBoard {
     to_board_.insert(to_board_.end(), wire.begin(), wire.end());
   }
 
-  // Sends and runs until the reply is there, at most 50 ms.
+  // Sends a request and runs until its reply or refusal arrives. Returns nullopt after 50 ms.
   std::optional<Reply> exchange(u8 type, const Bytes& fields, u8 address = KZ_ADDRESS_DEFAULT) {
     replies.clear();
     send(type, ++sequence, fields, address);
@@ -107,7 +107,8 @@ class TestBoard {
     return std::nullopt;
   }
 
-  // The reason of the refusal of a request, 0 if it was done, -1 if nothing came. `detail` is kept.
+  // Sends a request. Returns 0 if it was executed, the reason (KZ_REFUSED_*) if refused, -1 without a valid
+  // reply. Stores the refusal's detail in `detail`.
   int outcome(u8 type, const Bytes& fields) {
     const auto reply = exchange(type, fields);
     if (!reply) return -1;
@@ -151,7 +152,7 @@ class TestBoard {
   int heartbeat(u8 watchdog_10ms = 0, u8 reaction = 0) {
     return outcome(KZ_TYPE_heartbeat, {watchdog_10ms, reaction});
   }
-  // The fields of the reply to a request; all zeros, and a failed test, if it was refused.
+  // Returns the fields of the reply to a request. If it was refused, fails the test and returns zeros.
   template <class Message, u8 (*unpack)(Message*, const u8*, u8)>
   Message query(u8 type, const Bytes& fields = {}) {
     const auto reply = exchange(type, fields);
@@ -234,7 +235,7 @@ class TestBoard {
   kz_tick_input input = {};
   kz_tick_output output;
   std::vector<Reply> replies;
-  std::vector<u8> actions;  // requested by the ticks
+  std::vector<u8> actions;  // KZ_ACTION_* that ticks requested
   u8 action_result = KZ_RESULT_DONE;
   u8 sequence = 0;
   u8 detail = 0;

@@ -1,4 +1,4 @@
-// Dispatch of requests: from type and bytes to what a request does.
+// Dispatch of requests to their handlers, by type.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_COMMANDS_H
 #define KAZ_SHARED_SERVO_COMMANDS_H
@@ -10,8 +10,9 @@
 extern "C" {
 #endif
 
-// Does the request of this type whose fields are given. Either all of it is done or nothing.
-// `parameter` becomes what its reply is about, where the reply depends on the request's fields.
+// Checks and executes a request: `type`, and `length` bytes of fields. A refused request changes nothing.
+// Where the reply depends on the fields, sets `*parameter` to the mask of joints or the joint that they
+// select.
 kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length, u32* parameter);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// The state of the servo as a list of fields, to compare, print and record it.
+// Reflection of struct kz_servo: a list of its fields, to compare, print and record the state.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_FIELDS_H
 #define KAZ_SHARED_SERVO_FIELDS_H
@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// `count` times a number of `size` bytes: element i is at offset + i * stride from the start of
-// struct kz_servo, little-endian on the PC and big-endian on the H8, at the same place on both.
+// A field: `count` numbers of `size` bytes each. Element i is at byte offset + i * stride of struct kz_servo,
+// on the H8 and on the PC. It is big-endian on the H8 and little-endian on the PC.
 typedef struct kz_state_field {
   const char* name;  // "enabled", "joint.angle", "receiver.crc"
   u16 offset;
@@ -23,10 +23,10 @@ typedef struct kz_state_field {
 extern const kz_state_field kz_state_fields[];
 extern const u8 kz_state_field_count;
 
-// Bytes of struct kz_servo on the H8.
+// Size of struct kz_servo on the H8, bytes.
 extern const u16 kz_state_size_h8;
 
-// Of the sources that this program was built from; an image's header has that of its own.
+// CRC-32 of the firmware sources from which this program was built. A firmware image has its own build id.
 extern const u32 kz_build_id;
 
 #ifdef __cplusplus

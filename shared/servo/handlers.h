@@ -1,4 +1,4 @@
-// Handlers of the requests that change something, and how they come out.
+// Handlers of requests that change state, and their outcomes.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_HANDLERS_H
 #define KAZ_SHARED_SERVO_HANDLERS_H
@@ -9,17 +9,17 @@
 extern "C" {
 #endif
 
-// KZ_REFUSED_* in the upper byte (0: the request is done), its detail in the lower.
+// Outcome of a request. Upper byte: KZ_REFUSED_*, or 0 if executed. Lower byte: detail of the refusal.
 typedef u16 kz_outcome;
 #define KZ_REFUSE(reason, detail) ((kz_outcome)((u16)((u16)(reason) << 8) | (u16)(detail)))
 #define KZ_DONE ((kz_outcome)KZ_NO_DETAIL)
-// Known only after the action between this tick and the next: kz_requests_finish.
+// Outcome not known yet: kz_requests_finish sets it after the action between this tick and the next.
 #define KZ_PENDING 255
 #define KZ_LATER KZ_REFUSE(KZ_PENDING, KZ_NO_DETAIL)
 
-// kz_do_<name> for each command of messages.def (motion.c, settings.c, telemetry.c, bench.c). Its
-// fields are within the bounds of the table; those of a BULK_COMMAND are as they came. A handler does
-// all of a request or nothing: it changes nothing before all has been checked.
+// kz_do_<name> for each command of messages.def (motion.c, settings.c, telemetry.c, bench.c). The caller has
+// checked the fields against the bounds of the table; a BULK_COMMAND gets the unchecked bytes instead.
+// `request` is null if the message has no fields. A handler checks everything before it changes anything.
 #define KZ_HANDLER_QUERY(name)
 #define KZ_HANDLER_JOINT_QUERY(name)
 #define KZ_HANDLER_COMMAND(name) kz_outcome kz_do_##name(kz_servo* servo, const kz_##name* request);

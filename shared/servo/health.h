@@ -1,4 +1,4 @@
-// Supply, temperature of the motor drivers, reference of the converter.
+// Monitors the supply, the temperature of the motor drivers and the A/D reference.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_HEALTH_H
 #define KAZ_SHARED_SERVO_HEALTH_H
@@ -9,12 +9,12 @@
 extern "C" {
 #endif
 
-// Supply, temperature of the drivers, reference of the converter: measured, and watched while motors
-// are on (health.c).
+// Marks all three as not measured yet, which kz_health_active_fault reports as a fault.
 void kz_health_init(kz_servo* servo);
-// Where servo->phase & 3 is not 0.
+// Checks one of the three quantities. Shuts down if it stays out of range while motors are on.
+// Call it in every tick with servo->phase & 3 != 0.
 void kz_health_update(kz_servo* servo, const kz_tick_input* input);
-// KZ_SHUTDOWN_* of what is out of its range at present.
+// Returns the KZ_SHUTDOWN_* of a quantity that is out of range now, or KZ_SHUTDOWN_NONE.
 u8 kz_health_active_fault(const kz_servo* servo);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// Clamps a drive by the soft limits and converts it to duty and direction; inline for the loop.
+// Limits a motor drive near soft limits and converts it to duty and direction. Inline for the servo loop.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_JOINT_DRIVE_H
 #define KAZ_SHARED_SERVO_JOINT_DRIVE_H
@@ -6,22 +6,23 @@
 #include "shared/servo/servo.h"
 
 #define KZ_DUTY_MAX 255
-#define KZ_DRIVE_SHIFT 11  // a drive has 2048 to a count of duty
+#define KZ_DRIVE_SHIFT 11  // drives are in 1/2048 of a count of duty
 
-// Rates are 1/64 of 100 urad/ms, so a distance of 100 urad allows a rate of 1 with T = 64 ms.
-#define KZ_NEAR_LIMIT 1000  // 100 urad: within this distance T is halved
-// At lower rates, below 0.5 rad/s, no drive is clamped: more than the noise of one A/D code causes.
+// A rate has units of 1/64 of 100 urad/ms. So, with T = 64 ms, a distance of 100 urad allows a rate of 1.
+#define KZ_NEAR_LIMIT 1000  // 100 urad; within this distance T is halved
+// Rates up to this one, 0.5 rad/s, are not braked: the noise of one A/D code stays below it.
 #define KZ_SLOW 320
-// Braking gain: full drive at 4 rad/s above the speed allowed, in 1/2048 of a count for a unit of rate.
+// Braking gain, drive per unit of rate: full drive at 4 rad/s above the allowed speed.
 #define KZ_BRAKE 204
 
-// Excess of `rate` towards a limit at `distance` over the rate allowed there.
+// Returns by how much `rate`, toward a limit at `distance` (100 urad), exceeds the allowed rate; 0 if not.
 static inline u16 kz_excess_rate(u16 distance, u16 rate) {
   distance = (u16)(distance + (distance < KZ_NEAR_LIMIT ? distance : KZ_NEAR_LIMIT));
   return (u16)(rate > distance ? rate - distance : 0);
 }
 
-// `drive`, in 1/2048 of a count of duty, clamped and braked by the soft limits (joint_loop.h).
+// Returns `drive` after the soft limits: cut if it points outward at a limit, and braked (joint_loop.h).
+// Units: 1/2048 of a count of duty.
 static inline s32 kz_hold_back(const kz_joint* joint, s32 drive) {
   const s16 angle = joint->angle;
   const s16 rate = joint->rate;
@@ -41,7 +42,8 @@ static inline s32 kz_hold_back(const kz_joint* joint, s32 drive) {
   return drive;
 }
 
-// Sets duty and direction of the joint's motor, `drive` rounded to whole counts.
+// Sets duty and direction of the joint's motor. Rounds `drive` (1/2048 of a count) and saturates at
+// KZ_DUTY_MAX.
 static inline void kz_put_drive(kz_joint* joint, s32 drive) {
   u32 strength;
   u8 forward = joint->mirrored;
@@ -55,7 +57,7 @@ static inline void kz_put_drive(kz_joint* joint, s32 drive) {
   if (strength >= (u32)KZ_DUTY_MAX << KZ_DRIVE_SHIFT) {
     joint->duty = KZ_DUTY_MAX;
   } else {
-    // The upper half: no shift on the H8.
+    // The upper half needs no shift loop on the H8.
     joint->duty = (u8)(strength << (16 - KZ_DRIVE_SHIFT) >> 16);
   }
   joint->forward = forward;

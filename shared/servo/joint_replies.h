@@ -1,4 +1,4 @@
-// Parts of replies that are written straight to the sender's bytes.
+// Writers of replies with a number per joint, directly into the sender's buffer.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_JOINT_REPLIES_H
 #define KAZ_SHARED_SERVO_JOINT_REPLIES_H
@@ -9,17 +9,17 @@
 extern "C" {
 #endif
 
-// Tick and status, with which every reply but that to `identify` begins. Returns the place behind.
+// Writes tick and status, the start of every reply except that to `identify`. Returns the end of the output.
 u8* kz_put_head(const kz_servo* servo, u8* to);
 
-// Those with a number for each joint, written straight to the sender's bytes (joint_replies.c).
-// They are not packed from a structure: that would go over the joints twice. All return the place
-// behind what they wrote.
+// Write the fields of one reply, tick and status included, and return the end of the output. They do not pack
+// a structure, because this would loop over the joints twice.
 u8* kz_put_state(const kz_servo* servo, u8* to);
 u8* kz_put_read_targets(const kz_servo* servo, u32 mask, u8* to);
 u8* kz_put_calibration(const kz_servo* servo, const kz_tick_input* input, u8* to);
 
-// `joints_reply` is made in two ticks: first what was measured, then load and flags.
+// Write `joints_reply` in two ticks: first angles, speeds and drives, then load and flags.
+// kz_put_joints_rest continues at the end of the first part.
 u8* kz_put_joints(const kz_servo* servo, u32 mask, u8* to);
 u8* kz_put_joints_rest(const kz_servo* servo, u32 mask, u8* to);
 

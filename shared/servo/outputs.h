@@ -1,4 +1,4 @@
-// From the state of the joints to the pins.
+// Converts joint state to pin outputs.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_OUTPUTS_H
 #define KAZ_SHARED_SERVO_OUTPUTS_H
@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-// Duties, directions and the driver-enable bit. All of it is 0 while no joint is on.
+// Writes duties, directions and the driver-enable bit: all zero while no joint is on and no raw drive runs.
 void kz_outputs_write(const kz_servo* servo, kz_tick_output* output);
 
 #ifdef __cplusplus

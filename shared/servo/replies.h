@@ -1,4 +1,4 @@
-// The fields of every reply.
+// Writes the fields of every reply and sends them.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_REPLIES_H
 #define KAZ_SHARED_SERVO_REPLIES_H
@@ -9,17 +9,21 @@
 extern "C" {
 #endif
 
-// Writes the fields of the reply to a request that was done; returns how many bytes.
+// Writes the fields of the reply to an executed request; for a SPLIT_REPLY, their first part. Returns the
+// size in bytes.
 u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* answer, u8* fields);
 
-// Second part of a SPLIT_REPLY, behind `bytes` bytes of fields. Returns how many bytes there are then.
+// Appends the second part of a SPLIT_REPLY to `bytes` bytes of fields. Returns the total size in bytes.
 u8 kz_reply_rest(const kz_servo* servo, const kz_answer* answer, u8* fields, u8 bytes);
+// Returns 1 if the request's reply is a SPLIT_REPLY, which takes two ticks to write.
 u8 kz_reply_takes_two(u8 request_type);
 
-// Whether writing it takes so long that a tick does not also start ramps or write another one.
+// Returns 1 for a LARGE_REPLY or SPLIT_REPLY. Writing one takes so long that the tick must not also start
+// ramps or write another.
 u8 kz_reply_is_large(u8 request_type);
 
-// Sends the fields that are already in the sender's body, behind its header.
+// Adds the header to the fields that the caller wrote to sender.body + KZ_HEADER_SIZE, and starts sending.
+// The sender must be idle.
 void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes);
 
 #ifdef __cplusplus

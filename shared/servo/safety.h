@@ -1,4 +1,4 @@
-// Link watchdog, missed ticks, active faults: what switches the motors off without a request.
+// Link watchdog, missed ticks and active faults: conditions that switch the motors off without a request.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_SAFETY_H
 #define KAZ_SHARED_SERVO_SAFETY_H
@@ -9,13 +9,13 @@
 extern "C" {
 #endif
 
-// One millisecond of the link watchdog and the missed ticks. Before the joints, as kz_health_update.
+// Advances the link watchdog and counts missed ticks. Call it in every tick, before the joints.
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input);
 
-// KZ_SHUTDOWN_* of a fault that is present and would switch motors off sooner or later: of the board, or
-// of the potentiometer of a joint of the mask. KZ_SHUTDOWN_NONE if there is none.
+// Returns the KZ_SHUTDOWN_* of a fault that is present and would soon switch motors off, or KZ_SHUTDOWN_NONE.
+// Checks the board's health and the potentiometers of the joints in the mask.
 u8 kz_active_fault(const kz_servo* servo, u32 mask);
-// Whether the cause of the latched shutdown is still there.
+// Returns nonzero if the cause of the latched shutdown is still present.
 u8 kz_cause_present(const kz_servo* servo);
 
 #ifdef __cplusplus

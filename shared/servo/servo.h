@@ -1,4 +1,4 @@
-// State of the servo tick, written by shared/servo alone; public for comparison (fields.h).
+// State of the servo tick. Only shared/servo writes it; it is public for comparison and recording (fields.h).
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_SERVO_H
 #define KAZ_SHARED_SERVO_SERVO_H
@@ -14,51 +14,52 @@ extern "C" {
 
 #define KZ_FIRMWARE_VERSION 0x0002  // major * 256 + minor
 
-// Values after reset; gains are in protocol/messages.h.
+// Defaults after reset. Those of the gains are in protocol/messages.h.
 #define KZ_RAMP_DEFAULT 60  // 100 urad/ms: 6 rad/s
 #define KZ_WATCHDOG_DEFAULT_MS 90
 
-// Protection.
-#define KZ_POT_LOWEST 4      // below: short or open
+// Limits of the protection, and for how long a value may exceed them.
+#define KZ_POT_LOWEST 4      // A/D code; below: short or open
 #define KZ_POT_HIGHEST 1019  // above: open or short
 #define KZ_POT_FAULT_MS 20
 #define KZ_SUPPLY_LOWEST_MV 4000    // the servos' original supply is 4.8 V
 #define KZ_SUPPLY_HIGHEST_MV 13000  // the motor drivers take 12 V
 #define KZ_SUPPLY_FAULT_MS 20
-#define KZ_TEMPERATURE_HIGHEST_DC 850  // 0.1 degC: the drivers switch off by themselves at 100 degC
+#define KZ_TEMPERATURE_HIGHEST_DC 850  // 0.1 degC; the drivers switch off by themselves at 100 degC
 #define KZ_TEMPERATURE_FAULT_MS 20
 #define KZ_REFERENCE_CODE 512
 #define KZ_REFERENCE_TOLERANCE 16  // codes around 512
 #define KZ_REFERENCE_FAULT_MS 20
 
-// No field needs padding before it on either machine (the H8 aligns everything to 2 bytes), so that
-// the offsets are the same on both; a test holds the PC's layout against this.
+// State of one joint.
+// No field needs padding before it on either machine (the H8 aligns to 2 bytes), so offsets are the same on
+// both. A test checks the PC's layout.
 //
 //   pot_centre, pot_scale  calibration of the potentiometer (board/table.h)
 //   angle       measured joint angle, 100 urad
-//   rate        speed, 1/64 of 100 urad/ms, first-order filter with coefficient 1/8 a tick
-//   target      where the ramp goes, 100 urad
-//   command     angle that the loop controls to, 100 urad
-//   ramp_*      straight ramp of `command` to the target: `left` of `time` ticks remain, each of them
-//               adds `whole`, and also `extra` (+1 or -1) whenever `rest` has used up `room`, which
-//               starts at `time` each time; sums modulo 2^16
-//   ramp_limit  max change of `command` in a tick, for ramps that start from now on
-//   lower, upper  soft limits, inside those of the mechanics, 100 urad
+//   rate        speed, 1/64 of 100 urad/ms; first-order filter with coefficient 1/8 per tick
+//   target      end of the ramp, 100 urad
+//   command     setpoint of the loop, 100 urad
+//   ramp_*      linear ramp of `command` to the target. `left` of `time` ticks remain. Each adds `whole`,
+//               and `extra` (+1 or -1) whenever `rest` has used up `room`, which then grows by `time`.
+//               Sums are modulo 2^16.
+//   ramp_limit  maximum change of `command` per tick, for ramps that start from now on
+//   lower, upper  soft limits within the mechanical ones, 100 urad
 //   dead_band, friction  as in the message `gains`
-//   target_ms   time for the ramp to `target` that has not started yet
-//   kp, kd      gains, scaled to 1/2048 of a count of duty for half a unit of error, a unit of rate
+//   target_ms   duration of the ramp to `target` that has not started yet
+//   kp, kd      gains, in 1/2048 of a count of duty per two units of error and per unit of rate
 //   friction_drive  `friction` in 1/256 of a count of duty
 //   duty        high counts of the PWM, 0..255
 //   forward     direction output
-//   pot_bad_ms  for how long the potentiometer's code has been out of range
+//   pot_bad_ms  time with the potentiometer out of range, up to KZ_POT_FAULT_MS; also 1 if not measured yet
 //   pot_input   index into kz_tick_input.analog
-//   mirrored    a forward shaft is a negative joint angle
+//   mirrored    1: turning the shaft forward decreases the joint angle
 //   constrained KZ_CONSTRAINED_* (joint_loop.h)
 //   on          bit of `enabled`
 //   heat        I2t heat of the motor (protection.h)
-//   stall_angle where it was when it began not to move under high load, 100 urad
-//   load        torque as a share of the stall torque, 0..255
-//   stalled     for how many times 4 ms it has not moved under high load
+//   stall_angle reference angle of the stall detection, 100 urad
+//   load        torque as a share of the stall torque at 10 V, 0..255
+//   stalled     time at standstill under high load, in periods of KZ_PROTECTION_MS
 #define KZ_JOINT_FIELDS(FIELD) \
   FIELD(u32, heat)             \
   FIELD(s16, pot_centre)       \
@@ -93,38 +94,40 @@ extern "C" {
   FIELD(u8, constrained)       \
   FIELD(u8, on)
 
+// State of the board.
+//
 //   tick            number of the present tick
 //   enabled         joints that are on, bit n: joint n
 //   fresh_targets   joints whose ramp to `target` has not started yet
-//   shutdown_tick   when `shutdown` was latched
+//   shutdown_tick   tick in which `shutdown` was latched
 //   image_crc, start_8states, reset_cause, tests_*, shared_line, address, calibration
-//                   as found at start (kz_startup)
+//                   from kz_startup
 //   frames .. refusals       counters of `statistics_reply`
-//   bad_check .. idle        damaged frames by cause, up to 65535
-//   missed_tick, holding, uncalibrated  KZ_STATUS_MISSED_TICK and so on, or 0
-//   shutdown        latched KZ_SHUTDOWN_* reason, shutdown_detail with it
+//   bad_check .. idle        damaged frames by cause, saturated at 65535
+//   missed_tick, holding, uncalibrated  the status flag of that name (KZ_STATUS_*), or 0
+//   shutdown        latched KZ_SHUTDOWN_* reason; its detail is shutdown_detail
 //   reaction        KZ_REACTION_* of the link watchdog
-//   silent_ms       since the last valid frame for this board
-//   watchdog_ms     limit for it
+//   silent_ms       time since the last valid request
+//   watchdog_ms     timeout of the link watchdog
 //   supply_mv, supply_lowest_mv, temperature_dc, reference  as in `health_reply`
-//   supply_bad_ms, hot_ms, reference_bad_ms  for how long that has been out of its range
-//   phase           counts ticks, for what is not done in every one
-//   memory_next     where in `remembered` the next request goes
-//   queued          requests in `queue`
-//   replying        1 while the sender sends the reply to a request that counts as under way
-//   prepared        not 0: the first part of the reply to queue[0] is in the sender's body, so
-//                   many bytes of fields; the rest follows in the next tick
-//   tx_throttled    1: this tick is loaded: large replies wait for the next, few bytes are sent
-//   refuse_busy     1: a request came that will be refused, its busy_type and busy_sequence
-//   extras          not 0: something of the next four lines is active (else a tick skips them all)
-//   telemetry_ms    period, 0: no telemetry; telemetry_left_ms of it are left
-//   telemetry_selection, telemetry_due  KZ_TELEMETRY_*: of each period; to be sent in this one
+//   supply_bad_ms, hot_ms, reference_bad_ms  time out of range, saturated; also 1 if not measured yet
+//   phase           tick counter for work that is not done in every tick
+//   memory_next     index in `remembered` for the next request
+//   queued          number of entries in `queue`
+//   replying        1 while the sender sends a reply from `queue`
+//   prepared        bytes of the first part of the reply to queue[0], already in the sender's body; the rest
+//                   follows in the next tick. 0: no such part
+//   tx_throttled    1: this tick is loaded, so large replies wait and few bytes are sent
+//   refuse_busy     1: the request busy_type, busy_sequence must be refused as BUSY
+//   extras          0: no telemetry, unlock, raw drive or action is active, so the tick skips them
+//   telemetry_ms    period, 0: no telemetry. telemetry_left_ms: time left of the period
+//   telemetry_selection, telemetry_due  KZ_TELEMETRY_* of every period, and of this one those not sent yet
 //   telemetry_sequence  number of the next frame
-//   telemetry_dropped   frames that the wire had no time for
+//   telemetry_dropped   frames that were dropped because the line was too slow
 //   unlocked_ms     time left of the bench unlock
-//   raw_ms          time left of the raw drive of motor raw_joint at raw_duty; raw_begun: it runs
-//   action          KZ_ACTION_* that a request wants; acting: requested in the previous tick
-//   new_address, new_shared_line  what KZ_ACTION_STORE_ADDRESS is to store
+//   raw_ms          time left of the raw drive of raw_joint at raw_duty. raw_begun: 1 once it runs
+//   action          pending KZ_ACTION_*. acting: 1 if the previous tick requested it
+//   new_address, new_shared_line  values that KZ_ACTION_STORE_ADDRESS stores
 #define KZ_SERVO_FIELDS(FIELD)   \
   FIELD(u32, tick)               \
   FIELD(u32, enabled)            \
@@ -190,11 +193,11 @@ extern "C" {
   FIELD(u8, busy_sequence)       \
   FIELD(u8, phase)
 
-// A request that was done or refused, as far as its reply and its repetitions need it.
+// An executed or refused request: the data for its reply and for recognizing repetitions.
 //
-//   parameter         what its reply is about: a mask of joints, or a joint
-//   crc               of its whole body: distinguishes a repetition from another request with that number
-//   reason, detail    of the refusal; reason 0: it was done
+//   parameter         mask of joints, or joint, that the reply reports
+//   crc               CRC of the whole body: distinguishes a repetition from another request with that number
+//   reason, detail    refusal; reason 0: executed; KZ_PENDING (handlers.h): waits for an action
 #define KZ_ANSWER_FIELDS(FIELD) \
   FIELD(u32, parameter)         \
   FIELD(u16, crc)               \
@@ -204,7 +207,7 @@ extern "C" {
   FIELD(u8, detail)             \
   FIELD(u16, spare)
 
-// One more than may be under way: `stop` is taken even then.
+// One more than the limit for other requests, so that `stop` always fits.
 #define KZ_QUEUE (KZ_REQUESTS_UNDER_WAY + 1)
 
 #define KZ_DECLARE_FIELD(type, name) type name;
@@ -218,15 +221,15 @@ typedef struct kz_answer {
 } kz_answer;
 
 typedef struct kz_servo {
-  kz_answer remembered[KZ_REQUESTS_REMEMBERED];  // what was done last, a ring
-  kz_answer queue[KZ_QUEUE];                     // to be answered, the oldest first
+  kz_answer remembered[KZ_REQUESTS_REMEMBERED];  // latest requests, a ring
+  kz_answer queue[KZ_QUEUE];                     // requests without a reply yet, oldest first
   KZ_SERVO_FIELDS(KZ_DECLARE_FIELD)
   kz_joint joint[KZ_JOINTS];
   kz_receiver receiver;
   kz_sender sender;
 } kz_servo;
 
-// servo->joint[number], without a multiplication of 32 bits, which the H8 does not have.
+// Return &servo->joint[number] without a 32-bit multiplication, which the H8 does not have.
 static inline kz_joint* kz_joint_at(kz_servo* servo, u8 number) {
   return (kz_joint*)((u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
 }
@@ -234,7 +237,7 @@ static inline const kz_joint* kz_joint_of(const kz_servo* servo, u8 number) {
   return (const kz_joint*)((const u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
 }
 
-// A counter that stays at its highest value.
+// Increments a counter that saturates at 65535.
 static inline void kz_count(u16* counter) {
   if (*counter < 0xFFFF) ++*counter;
 }

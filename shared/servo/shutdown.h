@@ -1,4 +1,4 @@
-// Switching all motors off, and the latched reason for it.
+// Switches all motors off and latches the reason.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_SHUTDOWN_H
 #define KAZ_SHARED_SERVO_SHUTDOWN_H
@@ -9,13 +9,14 @@
 extern "C" {
 #endif
 
-// Switches all motors off and latches a KZ_SHUTDOWN_* reason with the joint that caused it (KZ_NO_DETAIL
-// if none did). Only the first reason is kept.
+// Switches all motors off and latches `reason` (KZ_SHUTDOWN_*) unless one is latched already. `detail` is the
+// joint that caused it, or KZ_NO_DETAIL.
 void kz_shutdown(kz_servo* servo, u8 reason, u8 detail);
 
-// Latches reason and joint without switching anything off, unless a reason is latched already.
+// Latches reason and joint like kz_shutdown, without switching anything off.
 void kz_latch_shutdown(kz_servo* servo, u8 reason, u8 detail);
 
+// Returns 1 while a joint is on or a raw drive runs.
 u8 kz_motors_on(const kz_servo* servo);
 
 #ifdef __cplusplus

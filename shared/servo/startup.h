@@ -1,4 +1,4 @@
-// State of the board before its first tick: factory values, and tests of the first A/D codes.
+// Initializes struct kz_startup: factory values and self-tests of the first A/D codes.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_STARTUP_H
 #define KAZ_SHARED_SERVO_STARTUP_H
@@ -9,11 +9,11 @@
 extern "C" {
 #endif
 
-// A board as it comes from the factory: nominal calibration, default address, tests passed.
+// Sets factory values: nominal calibration, default address, no tests done.
 void kz_startup_nominal(kz_startup* startup);
 
-// Tests of the converter by its reference, and of the supply (which is not said to have failed:
-// without motor supply the board runs, motors off). `analog` as in kz_tick_input.
+// Records the tests of converter and supply. Only the converter can fail, by its reference: without motor
+// supply the board runs with motors off. `analog` is as in kz_tick_input.
 void kz_startup_test_analog(kz_startup* startup, const u16* analog);
 
 #ifdef __cplusplus

@@ -1,17 +1,22 @@
-// Logs in flash, of the calibration and of the address: what is valid there, what to write next.
+// Log-structured storage of calibration and address in flash: finds the valid copy and plans the next one.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block of flash is a log of lines, written one after the other and erased only as a whole. So
-// many lines in a row as a copy has parts, all of one sequence number, are a copy; the newest whole
-// one counts. With two blocks a block is only erased while the other one holds the newest copy:
-// whenever power is lost, the old copy or the new one is there.
+// A block of flash is a log of lines, written in order and erased as a whole. A copy consists of consecutive
+// lines, one per part, with the same sequence number. The newest complete copy counts. With two blocks, a
+// block is erased only while the other one holds the newest copy. So after a power loss at any time, the old
+// or the new copy is valid.
 //
-// Everything works on images of the blocks, and so runs on the PC too. Who really writes: the
-// firmware (firmware/memory.c) and the native engine.
+// The functions work on images of the blocks, also on the PC. firmware/memory.c and the native engine write
+// the lines.
 //
-// A line, big-endian: u16 sequence, u8 part, u8 erases of its block, 24 bytes of data, u8 erases of
-// the other block (so that the count outlives an erasure that power ended), u8 0xFF, and u16 kz_crc16
-// (start 0xFFFF) of the 30 bytes before.
+// Layout of a line, big-endian:
+//   u16  sequence number
+//   u8   part
+//   u8   erasures of its block
+//   24 bytes of data
+//   u8   erasures of the other block: keeps its count if power fails during an erasure
+//   u8   0xFF
+//   u16  kz_crc16 (start 0xFFFF) of the 30 bytes before
 #ifndef KAZ_SHARED_SERVO_STORE_H
 #define KAZ_SHARED_SERVO_STORE_H
 
@@ -23,56 +28,58 @@
 extern "C" {
 #endif
 
-#define KZ_STORE_LINE 32   // bytes: what the flash programs at once
-#define KZ_STORE_LINES 32  // of a block
+#define KZ_STORE_LINE 32   // bytes; the flash programs a whole line at once
+#define KZ_STORE_LINES 32  // lines per block
 #define KZ_STORE_BLOCK (KZ_STORE_LINE * KZ_STORE_LINES)
-#define KZ_STORE_DATA 24        // bytes of a line that are its user's
-#define KZ_STORE_ENDURANCE 100  // guaranteed erasures of a block
+#define KZ_STORE_DATA 24        // bytes of user data per line
+#define KZ_STORE_ENDURANCE 100  // erasures of a block that the chip guarantees
 
 #define KZ_CALIBRATION_BLOCKS 2
-#define KZ_CALIBRATION_PARTS 3  // lines of a copy, 6 joints each
+#define KZ_CALIBRATION_PARTS 3  // lines per copy, 6 joints each
 #define KZ_ADDRESS_BLOCKS 1
 #define KZ_ADDRESS_PARTS 1
 
-// Contents of a log.
+// Contents of a log, as found by kz_store_scan.
 typedef struct kz_store {
-  u16 sequence;  // of the newest copy; 0: there is none
-  u16 last;      // newest number of any valid line, of copies or not; 0: there is none
+  u16 sequence;  // sequence number of the newest copy; 0: no copy
+  u16 last;      // newest number of any valid line, also of incomplete copies; 0: no valid line
   u8 blocks;     // 1 or 2
-  u8 parts;      // lines of a copy
-  u8 block;      // of the newest copy, 0 if there is none
-  u8 line;       // its first line
-  u8 used[2];    // lines of each block up to the last that is not blank
-  u8 erases[2];  // how often each block has been erased, at most 255
+  u8 parts;      // lines per copy
+  u8 block;      // block of the newest copy, 0 if there is no copy
+  u8 line;       // first line of the newest copy
+  u8 used[2];    // lines of each block up to the last one that is not blank
+  u8 erases[2];  // erasures of each block, saturated at 255
 } kz_store;
 
-// Where the next copy goes.
+// Destination of the next copy.
 typedef struct kz_store_plan {
   u16 sequence;  // 1..65535
   u8 block;
-  u8 line;   // its first line
-  u8 erase;  // the block is to be erased first
+  u8 line;   // first line of the copy
+  u8 erase;  // 1: erase the block first
 } kz_store_plan;
 
-// Reads a log of `parts` lines a copy in the images of its one or two blocks, 1 KB each.
+// Scans a log with `parts` lines per copy. `images` are its `blocks` (1 or 2) blocks, 1 KB each.
 void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts);
 
-// Behind the newest copy if its block has room, else at the start of the other block, which is
-// erased. A log of one block is erased when it is full, and holds no copy until the new one is written.
+// Plans the next copy. It follows the used lines of the newest copy's block if there is room. Otherwise it
+// begins the other block, which must be erased first. A log with one block is erased when full. It then has
+// no valid copy until the new one is written.
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
-// Line number `part` of the copy: 32 bytes to be programmed at line plan->line + part.
+// Writes part `part` of the planned copy to `line`: 32 bytes, to be programmed at line plan->line + part.
+// `data` has KZ_STORE_DATA bytes.
 void kz_store_encode(u8* line, const kz_store* store, const kz_store_plan* plan, u8 part,
                      const u8* data);
 
-// The data of a part of the newest copy. Only if there is one.
+// Returns the data of a part of the newest copy: KZ_STORE_DATA bytes in `images`. Requires sequence != 0.
 const u8* kz_store_data(const kz_store* store, const u8* const* images, u8 part);
 
-// Calibration of joints 6 part .. 6 part + 5 as data of a line.
+// Packs the calibration of joints 6 part .. 6 part + 5 as data of a line. The arrays have KZ_JOINTS elements.
 void kz_store_pack_calibration(u8* data, u8 part, const s16* centre, const s16* scale);
 
-// Puts into `startup` what the logs hold: calibration, address, shared_line. What is not there, or
-// makes no sense, stays as it is (kz_startup_nominal).
+// Copy the stored calibration, or address and shared_line, to `startup`. Without a valid copy or with an
+// invalid address, `startup` keeps its values (kz_startup_nominal).
 void kz_store_load_calibration(const kz_store* store, const u8* const* images, kz_startup* startup);
 void kz_store_pack_address(u8* data, u8 address, u8 shared_line);
 void kz_store_load_address(const kz_store* store, const u8* const* images, kz_startup* startup);

@@ -1,4 +1,4 @@
-// Telemetry: which frames are due, at the period that the host requested.
+// Telemetry schedule: decides which frames are due, at the period that the host set.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_TELEMETRY_H
 #define KAZ_SHARED_SERVO_TELEMETRY_H
@@ -9,10 +9,11 @@
 extern "C" {
 #endif
 
-// To be called each tick while telemetry_ms is not 0. When a period is over its frames become due;
-// those of the period before that have not begun are dropped.
+// Call it in every tick while telemetry_ms is not 0. At the end of a period its frames become due. Frames of
+// the previous period that have not started are dropped and counted.
 void kz_telemetry_update(kz_servo* servo);
 
+// Ends telemetry. Frames that are due are not sent.
 void kz_telemetry_end(kz_servo* servo);
 
 #ifdef __cplusplus

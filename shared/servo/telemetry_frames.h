@@ -1,4 +1,4 @@
-// Frames of telemetry.
+// Writes telemetry frames.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_TELEMETRY_FRAMES_H
 #define KAZ_SHARED_SERVO_TELEMETRY_FRAMES_H
@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-// Starts the next frame that is due (telemetry_due is not 0). The sender is idle.
+// Starts sending the next frame that is due. telemetry_due must not be 0, and the sender must be idle.
 void kz_telemetry_send(kz_servo* servo, const kz_tick_input* input);
 
 #ifdef __cplusplus

@@ -1,10 +1,9 @@
-// The servo tick: all that the board computes each millisecond, from snapshot and state alone.
+// The servo tick: the board's computation of one millisecond, from snapshot and state alone.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Equal sequences of kz_tick_input give equal sequences of kz_tick_output and equal state, on the
-// H8S/2128 and on the PC (design, section 3). So nothing here reads a register, a clock or memory
-// it does not own: whatever is measured (how long the last tick took, the CRC of the image) comes
-// in through the snapshot.
+// Equal sequences of kz_tick_input give equal sequences of kz_tick_output and equal state, on the H8S/2128
+// and on the PC. So this code reads no register, no clock and only its own memory. All measurements, such as
+// the length of the last tick or the CRC of the image, enter through the snapshot or kz_startup.
 #ifndef KAZ_SHARED_SERVO_TICK_H
 #define KAZ_SHARED_SERVO_TICK_H
 
@@ -16,11 +15,13 @@
 extern "C" {
 #endif
 
-// Brings the state to that after reset: motors off, nothing received. Writes the outputs for it.
+// Sets `servo` to its state after reset, with motors off, and `output` to zeros. Latches
+// KZ_SHUTDOWN_SELF_TEST if a test in `startup` failed.
 void kz_servo_init(kz_servo* servo, const kz_startup* startup, kz_tick_output* output);
 
-// One tick. `output` is that of the tick before, or all zeros, and is written whole. Motors are off
-// (enable bit 0, all duties 0) until the host enables a joint, and again after any fault.
+// Runs one tick. `output` must still hold the output of the previous tick, or that of kz_servo_init; all of
+// it is replaced. Motors are off (enable bit and duties 0) until a request enables a joint or starts a raw
+// drive, and again after a shutdown.
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output);
 
 #ifdef __cplusplus

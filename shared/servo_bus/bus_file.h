@@ -1,7 +1,7 @@
-// bus.json, beside a robot's URDF: which servo drives which joint.
+// Reads bus.json, which assigns servos on a bus to the joints of a robot. It stands beside the robot's URDF.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Read by the virtual bus and by a host at a real one. docs/reference/servo-bus.md describes it.
+// The virtual bus and hosts of real buses read it. docs/reference/servo-bus.md specifies its format.
 #pragma once
 
 #include <map>
@@ -16,17 +16,17 @@ namespace kaz::servo_bus {
 struct BusServo {
   std::string joint;
   int id = 0;
-  const Model* model = nullptr;
-  double zero = 0;        // the sensor's step at the joint's angle 0
-  bool reversed = false;  // steps fall as the angle grows
+  const Model* model = nullptr;  // never null in a parsed file
+  double zero = 0;               // sensor step at joint angle 0
+  bool reversed = false;         // steps decrease with the joint angle
 
-  // Step of the sensor at an angle (rad), and back; not wrapped.
+  // Convert between joint angle (rad) and sensor steps, without wrapping.
   double steps_at(double angle) const { return zero + sign() * angle * model->steps_per_rad(); }
   double angle_at(double steps) const { return sign() * (steps - zero) / model->steps_per_rad(); }
   double sign() const { return reversed ? -1 : 1; }
 };
 
-// A register of every servo, as it was written when the robot was set up.
+// EEPROM register value that all servos have after the robot's setup.
 struct BusSetting {
   std::string name;
   int value = 0;
@@ -34,20 +34,23 @@ struct BusSetting {
 
 struct BusFile {
   Protocol protocol = Protocol::feetech;
-  long baud = 0;
+  long baud = 0;  // a rate that servos of this protocol support
   double supply_volts = 0;
-  double supply_ohm = 0;  // of battery and wires together
+  double supply_ohm = 0;  // resistance of battery and wires
   std::vector<BusSetting> settings;
   std::vector<BusServo> servos;
 };
 
-// `path`: for errors, which name it. Ids may occur twice: a virtual bus with such a fault is worth having.
+// Parses the text of a bus.json. `path` only names the file in errors. Returns Fault::usage for invalid text.
+// Duplicate ids are valid, so that a virtual bus can have this fault.
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text);
-// bus.json beside the URDF.
+// Returns the path of bus.json beside the URDF.
 std::string bus_file_path(const std::string& urdf_path);
+// Reads and parses bus.json beside the URDF. Returns Fault::usage if it is missing or invalid.
 Result<BusFile> load_bus_file(const std::string& urdf_path);
 
-// The text of such a file, which must be one, with other zeros, by joint; all else stays as it is.
+// Returns `text` with the zeros (sensor steps) of the joints in `zeros` replaced; other values are kept.
+// Precondition: parse_bus_file accepts `text`.
 std::string with_zeros(const std::string& text, const std::map<std::string, double>& zeros);
 
 }  // namespace kaz::servo_bus

@@ -1,4 +1,4 @@
-// For tests: the register corpus, rows of shared/feetech/corpus and shared/dynamixel/corpus.
+// Test helper: reads the register corpus in shared/feetech/corpus and shared/dynamixel/corpus.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,11 +19,12 @@ struct CorpusRow {
   std::uint16_t address = 0;
   std::uint8_t size = 0, sign_bit = 0;
   bool writable = false, eeprom = false;
-  std::optional<int> factory;  // none: changes by itself
+  std::optional<int> factory;  // empty: the register changes by itself
   int min = 0, max = 0;
   std::string what;
 };
 
+// Returns the corpus of a known model. Fails the test if its file is missing.
 inline std::vector<CorpusRow> corpus_of(const std::string& model) {
   const std::string folder(name_of(find_model(model)->protocol));
   std::ifstream file("shared/" + folder + "/corpus/" + model + ".csv");

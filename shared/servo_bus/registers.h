@@ -1,4 +1,5 @@
-// Register tables of servos that people own: one .def file per model is their only source.
+// Register tables of servo models, and conversion of register values.
+// Each model family has one .def file (shared/feetech, shared/dynamixel).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,34 +12,37 @@
 
 namespace kaz::servo_bus {
 
-// What passes over the wire: shared/feetech, shared/dynamixel.
+// Wire protocol of a servo.
 enum class Protocol : std::uint8_t { feetech, dynamixel };
+// Returns "feetech" or "dynamixel".
 std::string_view name_of(Protocol protocol);
-// Of servos as they are sold, baud.
+// Returns the factory setting of the baud rate.
 long factory_baud(Protocol protocol);
 
 struct Register {
   std::string_view name;
   std::uint16_t address = 0;
-  std::uint8_t size = 1;  // bytes, 1, 2 or 4
-  // Bit of the sign; 0: unsigned. Feetech has the magnitude below it, DYNAMIXEL two's complement.
+  std::uint8_t size = 1;  // bytes: 1, 2 or 4
+  // Sign bit; 0: unsigned. Feetech uses sign and magnitude, DYNAMIXEL two's complement.
   std::uint8_t sign_bit = 0;
   bool writable = false;
-  bool eeprom = false;  // kept without power; else RAM
-  int initial = 0;
-  int min = 0, max = 0;  // what can be written
+  bool eeprom = false;   // keeps its value without power; false: RAM
+  int initial = 0;       // factory value
+  int min = 0, max = 0;  // range of writable values
   std::string_view unit;
-  std::string_view effect;
-  std::string_view source;
-  int count = 1;                 // so many in a row
-  int initial_step = 0;          // from one of them to the next
-  std::string_view values = {};  // "0 1 3": these alone can be written; empty: all from min to max
+  std::string_view effect;       // in brackets if not simulated
+  std::string_view source;       // letters, explained in the .def file
+  int count = 1;                 // number of consecutive registers of this kind
+  int initial_step = 0;          // difference of the factory values of consecutive ones
+  std::string_view values = {};  // "0 1 3": the only writable values; empty: all from min to max
 
+  // Address after the register.
   int end() const { return address + size * count; }
+  // Whether the value can be written. Ignores `writable`.
   bool allows(int value) const;
 };
 
-// A model that is another one but for some initial values.
+// Factory value that differs between models with a common register table.
 struct Change {
   std::string_view model, name;
   int initial = 0;
@@ -48,36 +52,39 @@ struct Model {
   std::string_view name;  // "sts3215"
   std::string_view title;
   Protocol protocol = Protocol::feetech;
-  int number = 0;           // in the register of the model's number
-  bool big_endian = false;  // of registers of several bytes
-  int steps = 0;            // of the position sensor over span_rad
+  int number = 0;           // content of the model number register
+  bool big_endian = false;  // byte order of registers
+  int steps = 0;            // steps of the position sensor over span_rad
   double span_rad = 0;
-  bool full_turn = false;               // the sensor goes on from its last step to its first
-  bool sync_read = false;               // Feetech: also 0A and 0B, as newer models have
-  int protection_unit_ms = 0;           // Feetech: of the register `protection_time`
-  int position_p_unit = 0;              // DYNAMIXEL: what the register is divided by
-  double current_unit_a = 0;            // DYNAMIXEL: 0 if it measures no current
-  double free_rpm_per_volt = 0;         // DYNAMIXEL: without load
-  std::span<const long> bauds;          // by the code in the register `baud_rate`
-  std::span<const Register> registers;  // by address
+  bool full_turn = false;        // the sensor wraps; Feetech: also has instructions 0A and 0B
+  bool sync_read = false;        // supports sync read
+  int protection_unit_ms = 0;    // Feetech: unit of the register `protection_time`
+  int position_p_unit = 0;       // DYNAMIXEL: divisor of `position_p_gain`
+  double current_unit_a = 0;     // DYNAMIXEL: unit of current, A; 0: not measured
+  double free_rpm_per_volt = 0;  // DYNAMIXEL: no-load speed
+  std::span<const long> bauds;   // index: code in the register `baud_rate`
+  std::span<const Register> registers;  // sorted by address
 
-  // Null: this model has none of that name.
+  // Returns the register with this name, or null.
   const Register* find(std::string_view name) const;
-  // The register that holds the byte at `address`; null: none.
+  // Returns the register that contains the byte at `address`, or null.
   const Register* at(std::size_t address) const;
-  // Of the `index`-th of a row, as from the factory.
+  // Returns the factory value of the register; `index` selects one of consecutive registers.
   int initial(const Register& reg, int index = 0) const;
+  // Address after the last register.
   std::size_t end() const {
     return registers.empty() ? 0 : static_cast<std::size_t>(registers.back().end());
   }
   double steps_per_rad() const { return steps / span_rad; }
 };
 
+// Returns all known models.
 std::span<const Model> models();
-// Null: unknown.
+// Returns the model with this name, or null.
 const Model* find_model(std::string_view name);
 
-// Value of a register's bytes, and back. A value that does not fit is limited.
+// Convert between a register's bytes on the wire and its value. Too few bytes decode to 0. Values that do not
+// fit are clamped when encoded.
 int decode(const Model& model, const Register& reg, std::span<const std::uint8_t> bytes);
 std::vector<std::uint8_t> encode(const Model& model, const Register& reg, int value);
 
