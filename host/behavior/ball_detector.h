@@ -1,4 +1,4 @@
-// Source of ball observations for behaviours, and its implementation by the vision pipeline.
+// Source of ball observations for behaviors, and its implementation by the vision pipeline.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,16 +16,16 @@ namespace kaz::behavior {
 class BallDetector {
  public:
   virtual ~BallDetector() = default;
-  // Results of all images processed since the last call, in order of exposure, those without a ball
-  // included. Never blocks. Fails when no more images will come; the message contains the reason.
+  // Returns the results of all images processed since the last call, in order of exposure, including those
+  // without a ball. Never blocks. Fails when no more images will come; the message contains the reason.
   virtual Result<std::vector<vision::BallObservation>> poll(Time now) = 0;
 };
 
-// Submits the camera's pairs to the pipeline and collects the results of its module "color".
+// Submits the camera's image pairs to the pipeline and collects the results of its module "color".
 class PipelineBallDetector final : public BallDetector {
  public:
-  // `camera` stamps its pairs with the posture (host/camera/capture.h). The pipeline may have other
-  // modules; without "color" poll() fails. Both must outlive this.
+  // `camera` must stamp its pairs with the posture (host/camera/capture.h). The pipeline may contain other
+  // modules. Without "color", poll() fails. Both must outlive this.
   PipelineBallDetector(vision::Camera& camera, vision::Pipeline& pipeline);
   PipelineBallDetector(const PipelineBallDetector&) = delete;
   PipelineBallDetector& operator=(const PipelineBallDetector&) = delete;

@@ -1,11 +1,11 @@
 // Position of a ball on the floor, from one camera, while the robot walks.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ball's centre is one radius above the floor, so its position is the intersection of the viewing ray
+// The ball's center is one radius above the floor, so its position is the intersection of the viewing ray
 // with that plane. This is far more accurate than the distance from the ball's apparent size, which only
-// serves as a plausibility check. The camera's pose over the floor follows from the angles of the
-// supporting leg, whose sole is flat on the floor (host/robot/kinematics.h); they include the sway of
-// walking. Units: m, rad.
+// serves as a plausibility check. The camera pose over the floor follows from the joint angles of the
+// supporting leg, whose sole is flat on the floor (host/robot/kinematics.h). It therefore includes the sway
+// of walking. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -16,18 +16,19 @@
 
 namespace kaz::behavior {
 
-// On the floor, x ahead and y left.
+// A point on the floor. Axes: x ahead, y left.
 struct FloorPoint {
-  Eigen::Vector2d from_middle{0, 0};         // origin: midpoint of the ankles, feet side by side
-  Eigen::Vector2d from_hips{0, 0};           // origin: below the trunk's origin
-  Eigen::Vector2d along{1, 0};               // unit vector of the ray's projection on the floor
-  double sigma_along = 0, sigma_across = 0;  // standard deviations along the ray and across
+  Eigen::Vector2d from_middle{0, 0};  // origin: midpoint of the ankles, with the feet side by side
+  Eigen::Vector2d from_hips{0, 0};    // origin: below the trunk's origin
+  Eigen::Vector2d along{1, 0};        // unit vector of the ray's projection on the floor
+  double sigma_along = 0, sigma_across = 0;  // standard deviations along the ray and across it
 };
-// Nothing if there is no detection, the posture at the exposure is unknown, the ray descends by less than
-// 8 degrees, or the distance from the apparent size contradicts (a ball that is lifted or in a hand).
+// Computes the position of the observed ball of this radius (m). Returns nothing if there is no detection,
+// the posture at the exposure is unknown, or the ray descends by less than 8 degrees. Also returns nothing
+// if the distance from the apparent size disagrees, as for a ball that is lifted or in a hand.
 std::optional<FloorPoint> on_floor(const vision::BallObservation& seen, double radius);
 
-// Head angles that point the left camera at a point, m from the midpoint of the ankles.
+// Returns the head angles that point the left camera at a point, m from the midpoint of the ankles.
 host::Gaze gaze_at_floor(const host::JointAngles& angles, const Eigen::Vector3d& from_middle);
 
 // Tracks the ball in the odometry frame, which is fixed to the floor.
@@ -35,18 +36,18 @@ class BallPlace {
  public:
   explicit BallPlace(double radius);
 
-  // True if it was used: the odometry at its exposure must be known.
+  // Returns true if the observation was used. `places` must contain the odometry at its exposure.
   bool observe(const vision::BallObservation& seen, const PlaceHistory& places);
   void forget() { track_.forget(); }
 
   bool known() const { return track_.known(); }
   Time last_seen() const { return known() ? track_.latest() : Time{}; }
-  // Predicted position at time t relative to `robot`, frame below the hips. The ball is assumed to roll
+  // Predicted position at time `t` relative to `robot`, origin below the hips. The ball is assumed to roll
   // on for 0.3 s after the last observation. Precondition: known().
   Eigen::Vector2d from_hips(Time t, const motion::Place& robot) const;
-  // The same in the odometry frame. Precondition: known().
+  // Predicted position in the odometry frame. Precondition: known().
   Eigen::Vector2d at(Time t) const;
-  double speed() const;  // m/s over the floor
+  double speed() const;  // m/s over the floor; 0 while the ball is unknown
 
  private:
   double radius_;

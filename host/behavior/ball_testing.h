@@ -1,4 +1,4 @@
-// For tests: a ball on a known path, and eyes that see it as the robot's would.
+// Test double of BallDetector: a ball on a known path, observed as by the robot's camera.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,18 +10,18 @@
 
 namespace kaz::behavior {
 
-// Pictures at 30 Hz, 320 x 240, 80 degrees wide, seen from where the head truly was at the
-// exposure. Each is known `latency` after its exposure and stamped with the posture that the
-// robot's history has for it.
+// Simulates observations at 30 Hz, 320 x 240 px, 80 degrees wide, from the true head pose at each exposure.
+// An observation is available `latency` after its exposure. It carries the posture from the robot's
+// history. `board` and `robot` must outlive this.
 class TestBall final : public BallDetector {
  public:
   struct Options {
-    Time latency = std::chrono::milliseconds(35);  // 15 of the camera and 20 of vision
-    double noise_px = 0.3;                         // standard deviation, each axis
-    double distance_noise = 0.03;                  // share
+    Time latency = std::chrono::milliseconds(35);  // 15 ms camera, 20 ms vision
+    double noise_px = 0.3;                         // standard deviation on each axis
+    double distance_noise = 0.03;                  // standard deviation, relative
     std::uint64_t seed = 1;
   };
-  using Path = std::function<Eigen::Vector3d(Time)>;  // m, in the trunk's frame
+  using Path = std::function<Eigen::Vector3d(Time)>;  // m, trunk frame
   TestBall(const host::TestBoard& board, const host::Robot& robot, Path path)
       : TestBall(board, robot, std::move(path), Options{}) {}
   TestBall(const host::TestBoard& board, const host::Robot& robot, Path path,
@@ -29,14 +29,16 @@ class TestBall final : public BallDetector {
 
   Result<std::vector<vision::BallObservation>> poll(Time now) override;
 
-  // Angle between the left eye's axis and the ball: the truth at a time not later than now.
+  // True angle between the left optical axis and the ball. `t` must not be in the future.
   double error_rad(Time t) const;
-  // Share of the milliseconds from `begin` to `end` in which that is at most `limit_rad`.
+  // Share of the time from `begin` to `end`, in steps of 1 ms, with error_rad() at most `limit_rad`.
   double share_within(double limit_rad, Time begin, Time end) const;
 
+  // False: the image shows no ball.
   std::function<bool(Time)> visible = [](Time) { return true; };
+  // If set, poll() returns this error.
   std::optional<Error> failure;
-  std::function<bool(Time)> lost = [](Time) { return false; };  // no images
+  std::function<bool(Time)> lost = [](Time) { return false; };  // true: no image comes
 
  private:
   Eigen::Vector3d in_eye(Time t) const;
@@ -48,7 +50,7 @@ class TestBall final : public BallDetector {
   Path path_;
   Options options_;
   std::uint64_t random_;
-  std::uint64_t next_ = 0;  // number of the next picture
+  std::uint64_t next_ = 0;  // sequence number of the next image
 };
 
 }  // namespace kaz::behavior

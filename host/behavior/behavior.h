@@ -1,12 +1,12 @@
-// Behaviours: closed-loop programs for a robot, the same for real and virtual ones.
+// Behaviors: closed-loop programs for a robot, the same for real and virtual robots.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A behaviour is a function of Context. It blocks only in calls of the robot and the clock, which fail
-// when the link fails, the camera stops or the program is interrupted; it returns that error at once.
-// It leaves the motors as they are: the caller of run() calls Robot::disable_all() at the end.
+// A behavior is a function of Context. It blocks only in calls of the robot and the clock. These fail when
+// the link fails, the camera stops or the program is interrupted. The behavior then returns that error at
+// once. It leaves the motors as they are: the caller of run() calls Robot::disable_all() at the end.
 //
-// A new behaviour is one source file, which defines its `const Behavior`, and one line in
-// behaviors.def; or a shared object (plugin.h). docs/reference/host.md shows an example.
+// A new behavior is one source file, which defines its `const Behavior`, and one line in behaviors.def.
+// Alternatively it is a shared object (plugin.h). docs/howto/own-behavior.md shows an example.
 #pragma once
 
 #include <cstdint>
@@ -24,34 +24,38 @@
 
 namespace kaz::behavior {
 
-// What somebody asks of a behaviour while it runs.
+// Source of requests from outside to a running behavior.
 class Requests {
  public:
   virtual ~Requests() = default;
-  // Those that came since the last call, one line each. What is taken is recorded with `now`.
+  // Returns the requests that arrived since the last call, one line each. `now` is the time stamp in the
+  // recording.
   virtual std::vector<std::string> take(Time now) = 0;
 };
 
+// Everything that a behavior works with. The references are valid until run() returns.
 struct Context {
   host::Robot& robot;
   host::Clock& clock;
-  BallDetector* detector;  // null without a camera; never null for behaviours with needs_camera
+  // Null without a camera; never null for behaviors with needs_camera.
+  BallDetector* detector;
   Sink& sink;
   OptionValues options;
-  std::uint64_t seed = 1;  // of random choices
-  // Joint names of a robot other than Kaz, on the first channels of the board; empty for Kaz.
+  std::uint64_t seed = 1;  // seed of random choices
+  // Joint names of a robot other than Kaz, by channel of the board; empty for Kaz.
   std::vector<std::string> other_joints = {};
-  double ball_radius_m = 0.020;       // of the ball that `detector` detects
-  std::string camera = "the camera";  // as messages name it
-  // Without an image for this long a behaviour fails. Before that it waits, standing (kLostCamera).
+  double ball_radius_m = 0.020;       // radius of the ball that `detector` detects
+  std::string camera = "the camera";  // name of the camera in error messages
+  // Timeout of the camera. A behavior fails after this time without an image. Before that, it stands and
+  // waits (ControlCycle::kLostCamera).
   Time camera_patience = std::chrono::seconds(2);
-  // Null without a camera and for behaviours without needs_floor.
+  // Null without a camera, and for behaviors without needs_floor.
   FloorDetector* floor = nullptr;
-  // Null where nobody can ask for anything.
+  // Null if the run has no source of requests.
   Requests* requests = nullptr;
 };
 
-// Result of a behaviour. Measurements are written to result.json; their names contain the units.
+// Result of a behavior. Measurements are written to result.json; their names contain the units.
 struct Outcome {
   bool success = false;
   std::string sentence;  // for display: "the ball was found after 1.4 s"
@@ -62,19 +66,19 @@ struct Outcome {
 
 struct Behavior {
   std::string_view name;      // "track-ball"
-  std::string_view text;      // one line
+  std::string_view text;      // description, one line
   bool needs_camera = false;  // run() uses Context::detector
   std::span<const Option> options = {};
-  // An outcome without success: the task failed. An Error: it could not be completed (link, camera,
-  // usage); one of Fault::failed counts as a failure.
+  // Returns an Outcome without success if the task failed. Returns an Error if it could not be completed
+  // (link, camera, usage). An Error with Fault::failed counts as a failure of the task.
   Result<Outcome> (*run)(Context& context) = nullptr;
   bool needs_floor = false;     // run() uses Context::floor
   bool takes_requests = false;  // run() uses Context::requests
 };
 
-// All behaviours of behaviors.def, in its order.
+// All behaviors of behaviors.def, in its order.
 std::span<const Behavior> behaviors();
-// Fails (usage) with a sentence that lists the names.
+// Errors (usage): unknown name; the message lists the names.
 Result<Behavior> find_behavior(std::string_view name);
 
 #define KAZ_BEHAVIOR(source, behavior) extern const Behavior behavior;

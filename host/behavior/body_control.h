@@ -1,7 +1,7 @@
-// Whole-body control for behaviours: legs, arms and head in one exchange per control cycle; ball tracking.
+// Whole-body control for behaviors: legs, arms, head and ball tracking in one exchange per control cycle.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The legs follow motion::Motion, or all joints but the neck's follow a pose; the head holds a gaze or
+// The legs follow motion::Motion, or all joints except the neck's follow a pose. The head holds a gaze or
 // tracks the ball. Each cycle reads posture, inertial data and ball observations. 18 targets and their
 // reply take 14 ms at 115,200 baud, so cycles last 10 to 20 ms.
 #pragma once
@@ -18,26 +18,29 @@ namespace kaz::behavior {
 
 class BodyControl {
  public:
-  // Enables the motors, moves into the crouch and zeroes the gyro (Walker::begin). Fails like it, and
-  // (usage) without a camera.
+  // Enables the motors, moves into the crouch and zeroes the gyro (Walker::begin). Fails like
+  // Walker::begin, and (usage) without a camera. The context must outlive the result.
   static Result<BodyControl> begin(Context& context, std::string_view behavior);
 
-  // Gaze from the next cycle on: fixed, or tracking the ball (while its position is unknown, the last
-  // gaze is held).
+  // Sets a fixed gaze, from the next cycle on.
   void set_gaze(const host::Gaze& gaze) { gaze_ = gaze, tracks_ball_ = false; }
+  // Tracks the ball, from the next cycle on. While its position is unknown, the last gaze is held.
   void track_ball() { tracks_ball_ = true; }
 
-  // Runs one control cycle with the leg targets of Motion. If the robot falls, the motors are disabled
-  // and fallen() returns true. While the camera is lost (ControlCycle::kLostCamera) it does not return:
-  // Motion is stopped, and the robot stands.
+  // Runs one control cycle with the leg targets of Motion. If the robot falls, the motors are disabled and
+  // fallen() returns true. While the camera is lost (ControlCycle::kLostCamera), it stops Motion, stands,
+  // and does not return.
   Result<void> step();
-  // Runs one control cycle with these angles for all joints but the neck's; Motion is suspended. Poses
-  // must start at home() and return to it; then call restart() before the next step().
+  // Runs one control cycle with these angles for all joints except the neck's, while Motion is suspended. A
+  // sequence of poses must start at home() and return to it. Call restart() before the next step() without
+  // a pose.
   Result<void> step(const host::JointAngles& pose);
+  // Runs step() for this time, or until the robot falls.
   Result<void> stay(Time duration);
-  // Steps until Motion is idle, then stands for `after`.
+  // Runs step() until Motion is idle, then stands for `after`.
   Result<void> finish(Time after = std::chrono::milliseconds(300));
-  // Resets odometry, heading and ball track, after a sequence of poses. Stands until the gyro is zeroed.
+  // Resets odometry, heading and ball track after a sequence of poses. Stands until the gyro is zeroed, 2.6
+  // s.
   Result<void> restart();
 
   motion::Motion& motion() { return motion_; }
@@ -48,22 +51,22 @@ class BodyControl {
   void phase(std::string_view phase) { context_->sink.phase(now(), behavior_, phase); }
 
   // ---- Observations
-  const std::vector<vision::BallObservation>& observations() const {  // of this cycle
+  const std::vector<vision::BallObservation>& observations() const {  // from this cycle
     return input_.observations;
   }
   Time newest_exposure() const { return newest_exposure_; }
-  // No image for 0.4 s.
+  // True if no image came for 0.4 s.
   bool blind() const { return now() - newest_exposure_ > kFrozen; }
-  // Number of consecutive images in which the ball was detected.
+  // Number of consecutive images with an observation that ball() used.
   int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
-  // The newest observation that was used for it.
+  // The newest observation that ball() used.
   const std::optional<vision::BallObservation>& newest_ball() const { return newest_ball_; }
-  // Odometry of the last seconds; anew after restart().
+  // Odometry of the last 2 to 4 s; restart() clears it.
   const PlaceHistory& places() const { return places_; }
-  // m; x ahead, y left, from the point below the hips. Precondition: ball().known().
+  // Position of the ball, m; x ahead, y left, origin below the hips. Precondition: ball().known().
   Eigen::Vector2d ball_now() const { return ball_.from_hips(now(), motion_.place()); }
-  // Images came, but no detection in those of the last `time`.
+  // True if images came, but the newest is more than `time` later than the last observation of the ball.
   bool unseen_for(Time time) const { return newest_exposure_ - ball_.last_seen() > time; }
 
  private:
@@ -89,7 +92,7 @@ class BodyControl {
   int consecutive_ = 0;
   Time newest_exposure_{};
   Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
-  double left_g_ = 0, tipped_s_ = 0;         // fall detection during poses
+  double left_g_ = 0, tipped_s_ = 0;         // fall detection in step(pose)
 };
 
 }  // namespace kaz::behavior

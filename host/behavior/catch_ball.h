@@ -1,4 +1,4 @@
-// Search, approach, pick up and hold, for behaviours that end with it.
+// Search, approach, pick up and hold a ball, for behaviors that end with it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,13 +8,14 @@ namespace kaz::behavior {
 
 struct CatchOptions {
   int tries = 4;
-  int turns = 3;      // quarter turns of the body in the search
-  double hold_s = 3;  // for which the ball is held
+  int turns = 3;      // quarter turns of the body during the search
+  double hold_s = 3;  // required holding time
+  // Body turns go to the left; so does the first head sweep if both ends are equally near.
   bool left_first = false;
 };
 
-// A ball in view is approached at once, else it is searched for. Precondition: the robot stands in the
-// crouch (BodyControl::begin).
+// Approaches a ball in view at once, otherwise searches for one first. Precondition: the robot stands in
+// the crouch (BodyControl::begin).
 Result<Outcome> catch_ball(BodyControl& body, const CatchOptions& options);
 
 }  // namespace kaz::behavior

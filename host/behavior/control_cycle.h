@@ -1,4 +1,4 @@
-// The control cycle of a behaviour: every 10 ms targets are sent, state and observations are read.
+// Control cycle of a behavior: every 10 ms, sends targets and reads state and ball observations.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,12 +15,12 @@ namespace kaz::behavior {
 class ControlCycle {
  public:
   static constexpr Time kPeriod = std::chrono::milliseconds(10);
-  // Duration of the board's ramp to a target: longer than the period, so that the motion is continuous.
+  // Duration of the board's ramp to a target. It exceeds the period, so that the motion is continuous.
   static constexpr Time kRamp = std::chrono::milliseconds(12);
-  // Delay from a behaviour's decision to the start of the board's ramp: 19 bytes on the wire, half a
-  // tick until they are processed, one tick until the pins follow.
+  // Delay from a behavior's decision to the start of the board's ramp. It consists of 19 bytes on the wire,
+  // half a tick until they are processed, and one tick until the pins follow.
   static constexpr Time kSendDelay = std::chrono::microseconds(3150);
-  // Without an image for this long the behaviours that look for the ball stand still until the next one.
+  // After this time without an image, behaviors that use the camera stand still until the next image.
   static constexpr Time kLostCamera = std::chrono::seconds(1);
 
   // The context must outlive this.
@@ -30,14 +30,15 @@ class ControlCycle {
     Time now{};
     host::Posture posture;  // measured a few milliseconds before `now`
     std::vector<vision::BallObservation> observations;
-    // The link was lost and has been restored: these targets were not sent, ramps in progress have
-    // ended, and the joints hold where they are (robot.h).
+    // Set if the link was lost and restored. The targets of this call were then not sent, ramps in progress
+    // have ended, and the joints hold their positions (host/robot/robot.h).
     std::optional<host::Resumption> resumed;
   };
-  // Sends the targets (empty: only reads the state), waits for the start of the next cycle, and returns
-  // the newest state and observations. `ramp`: time in which the targets are reached.
-  // Fails when robot, clock or camera fail, when the board has switched the motors off, and when no
-  // image came for Context::camera_patience.
+  // Sends the targets, waits for the start of the next cycle, and returns the newest state and
+  // observations. Empty `targets` only read the state. `ramp`: time to reach the targets.
+  //
+  // Fails when robot, clock or camera fail, or when the board has switched the motors off. Also fails when
+  // no image came for Context::camera_patience.
   Result<Input> next(std::span<const host::JointTarget> targets, Time ramp = kRamp);
 
  private:
@@ -46,14 +47,14 @@ class ControlCycle {
   Time last_image_;
 };
 
-// Fails (usage) if the robot lacks one of these joints, with their names and what to do. On a robot other
-// than Kaz the targets would move the joints that happen to be on these channels, so behaviours that name
-// joints of Kaz call it before hold_still().
+// Fails (usage) if the robot lacks one of these joints; the message lists them. On another robot, channels
+// belong to other joints, which the targets would move. So behaviors that name joints of Kaz call this
+// before hold_still().
 Result<void> require_joints(const Context& context, std::string_view behavior,
                             std::initializer_list<host::Joint> joints);
 
-// Sets the gains for walking (20 /rad, 0.15 s/rad; neck 12, hands 0.8 /rad) and enables all motors at
-// their present angles: how every behaviour begins.
+// Sets the gains for walking (20 /rad, 0.15 s/rad; neck 12 /rad, hands 0.8 /rad) and enables all motors at
+// their present angles. Every behavior begins with this.
 Result<void> hold_still(host::Robot& robot);
 
 }  // namespace kaz::behavior

@@ -1,4 +1,4 @@
-// Source of the floor in pictures for behaviours, and its implementation by the vision pipeline.
+// Source of floor pictures for behaviors, and its implementation by the vision pipeline.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@ class Pipeline;
 
 namespace kaz::behavior {
 
-// Of one pair: planes, among them the floor with its edges as the left picture has them, and depth.
+// Results for one image pair: depth, and planes, among them the floor with its edges as in the left image.
 struct FloorPicture {
   vision::PlaneSegments planes;  // planes.info is the frame information
   vision::DepthImage depth;
@@ -26,14 +26,14 @@ struct FloorPicture {
 class FloorDetector {
  public:
   virtual ~FloorDetector() = default;
-  // Results since the last call, the newest eight at most, in order of exposure. They arrive while the
-  // BallDetector of the same Context is polled. Never blocks. Fails when vision failed; the message contains
-  // the reason.
+  // Returns the results since the last call, at most the newest eight, in order of exposure. They arrive
+  // while the BallDetector of the same Context is polled. Never blocks. Fails when vision failed; the
+  // message contains the reason.
   virtual Result<std::vector<FloorPicture>> take() = 0;
 };
 
-// Collects the results of the pipeline's module "floor"; without it take() fails. The pipeline must outlive
-// this.
+// Collects the results of the pipeline's module "floor"; without it, take() fails. The pipeline must
+// outlive this.
 class PipelineFloorDetector final : public FloorDetector {
  public:
   explicit PipelineFloorDetector(vision::Pipeline& pipeline);

@@ -4,9 +4,9 @@
 
 namespace kaz::behavior {
 
-// Which side of the trunk is down.
+// Side of the trunk that is down.
 enum class Lying { on_face, on_back, on_left, on_right, upright };
-// From the specific force at rest along the trunk's x (forward) and y (left), in g.
+// Classifies by the specific force at rest along the trunk's x (forward) and y (left), in g.
 Lying lying_from(double forward_g, double left_g);
 
 }  // namespace kaz::behavior

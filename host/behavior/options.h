@@ -1,4 +1,4 @@
-// Options of a behaviour: named numbers and choices with defaults.
+// Options of a behavior: named numbers, choices and texts, with defaults.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,30 +14,32 @@ namespace kaz::behavior {
 struct Option {
   std::string_view name;     // "seconds"
   std::string_view initial;  // default value
-  // "keep|straight|home"; empty: a number in [min, max]. Of a text (is_valid) its form, for messages.
+  // "keep|straight|home"; empty: the value is a number in [min, max]. With is_valid: describes the form,
+  // for messages.
   std::string_view choices = {};
   double min = 0, max = 0;
-  std::string_view text = {};  // one line, with the unit
-  bool whole = false;     // a number without fraction
-  // Makes it a text: false for one of another form.
+  std::string_view text = {};  // description, one line, with the unit
+  // Only numbers without a fraction are valid.
+  bool whole = false;
+  // If set, the value is a text, and this returns whether it is valid.
   bool (*is_valid)(std::string_view value) = nullptr;
 };
 
-// The valid values: "keep|straight|home", "1 to 20".
+// Returns the valid values, for messages: "keep|straight|home", "1 to 20".
 std::string valid_values(const Option& option);
 
 class OptionValues {
  public:
-  // The defaults overridden by `given`. Fails (usage) for an unknown name, a text that is not a number (of a
-  // `whole` option: no whole one), and a value outside its range or choices; the message lists the valid
-  // ones.
+  // Returns the defaults overridden by `given`. Errors (usage): an unknown name, or a value that is no
+  // number, not whole where it must be, or outside its range or choices. The message lists the valid ones.
   static Result<OptionValues> parse(std::span<const Option> options,
                                     const std::map<std::string, std::string>& given);
 
-  // Precondition: `name` is among the options that were parsed, and of this kind; else they throw
-  // std::out_of_range with a sentence.
+  // Precondition: `name` is one of the parsed options and has this type. Otherwise they throw
+  // std::out_of_range with a message.
   double number(std::string_view name) const;
-  const std::string& choice(std::string_view name) const;  // or text
+  // Value of a choice or of a text.
+  const std::string& choice(std::string_view name) const;
 
  private:
   std::map<std::string, double, std::less<>> numbers_;

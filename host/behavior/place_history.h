@@ -1,4 +1,4 @@
-// Where the robot was, by odometry, over the last seconds: for pictures, whose results come later.
+// Odometry of the last seconds, for images whose results arrive later.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,11 +11,14 @@
 
 namespace kaz::behavior {
 
+// Keeps the newest 200 entries, 2 to 4 s of control cycles.
 class PlaceHistory {
  public:
-  // In order of time; others are ignored.
+  // Entries not later than the newest are ignored.
   void add(Time t, const motion::Place& place);
-  // Interpolated; after the newest entry that one. Nothing before the oldest.
+  // Returns the place at `t`, interpolated between entries. After the newest entry, it is that one; before
+  // the oldest, nothing. The standard deviations are not interpolated: they are those of the entry before
+  // `t`.
   std::optional<motion::Place> at(Time t) const;
   void clear() { places_.clear(); }
 

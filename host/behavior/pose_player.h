@@ -1,4 +1,4 @@
-// Plays poses on a robot: what `play` and `pose` have in common.
+// Plays poses on a robot. Shared by the behaviors `play` and `pose`.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,37 +11,41 @@
 
 namespace kaz::behavior {
 
-// Names of the robot's joints, by number.
+// Returns the names of the robot's joints, by joint number.
 std::vector<std::string> joint_names(const Context& context);
 
 class PosePlayer {
  public:
-  static constexpr double kSlow_rad_per_s = 0.8;  // to the first pose
+  static constexpr double kSlow_rad_per_s = 0.8;  // speed of the approach to the first pose
 
-  // The context must outlive this. Motors must be on.
+  // The context must outlive this. The motors must be on before play().
   explicit PosePlayer(Context& context) : context_(context), cycle_(context) {}
 
-  // Errors (usage): beyond the limits of angle or speed that the board states, with joint and time.
+  // Errors (usage): an angle or a speed exceeds the board's limits; the message names the joint. Other
+  // errors are the link's.
   Result<void> check(const motion::PoseMotion& motion);
 
   struct Followed {
-    double farthest_rad = 0;  // of a joint from where it was to be, while the motion went on
-    int farthest = 0;         // that joint
-    double farthest_s = 0;    // and when, in the motion's time
-    double left_rad = 0;      // at the end, kSettle after it
-    int left = 0;             // the joint that is farthest from its place then
-    bool stopped = false;     // by `stop`, before the end
+    // Largest error of a joint during the motion, until its end.
+    double farthest_rad = 0;
+    int farthest = 0;       // joint with this error
+    double farthest_s = 0;  // time of this error within the motion
+    // Largest error of a joint in the last cycle: 0.5 s after the end unless stopped.
+    double left_rad = 0;
+    int left = 0;          // joint with this error
+    bool stopped = false;  // `stop` ended the motion early
   };
-  // Slowly to where the motion begins, then through it. `stop` is asked in each cycle. While the link is lost
-  // the motion waits.
+  // Moves slowly to the first pose, then plays the motion. `stop` is called in each cycle; true ends the
+  // motion. While the link is lost, the motion waits.
   Result<Followed> play(const motion::PoseMotion& motion, const std::function<bool()>& stop = {});
 
-  // One control cycle with these targets, or none.
+  // Runs one control cycle with these targets, which may be empty (ControlCycle::next).
   Result<ControlCycle::Input> cycle(std::span<const host::JointTarget> targets, Time ramp) {
     return cycle_.next(targets, ramp);
   }
 
  private:
+  // Returns false if `stop` ended it.
   Result<bool> approach(const motion::PoseMotion& motion, const std::function<bool()>& stop);
 
   Context& context_;

@@ -1,10 +1,10 @@
-// What may be asked of the behaviour `pose`, one line each.
+// Requests to the behavior `pose`, one line each.
 // SPDX-License-Identifier: Apache-2.0
 //
-//   target JOINT RAD   the joint turns there
-//   play JSON          a file of poses (motion/pose_sequence.h), on one line
-//   stop               what is played ends; every joint stays where it is
-//   end                the behaviour ends
+//   target JOINT RAD   turns the joint to this angle
+//   play JSON          plays a pose file (motion/pose_sequence.h), on one line
+//   stop               stops what is playing; every joint stays where it is
+//   end                ends the behavior
 #pragma once
 
 #include <string>
@@ -17,17 +17,16 @@ namespace kaz::behavior {
 struct PoseRequest {
   enum class Kind { target, play, stop, end };
   Kind kind = Kind::stop;
-  std::string text;      // the joint's name, or the poses
+  std::string text;      // name of the joint, or the pose file
   double angle_rad = 0;  // -pi to pi
 };
 
-// Of a run that nobody can make requests of.
+// Error message of a run without a source of requests.
 inline constexpr const char* kNoRequests =
-    "pose: joints are set on the page of --view, and of the virtual robot alone: give --view and "
-    "no "
-    "--robot; a robot at a port plays files: kaz run play --poses FILE";
+    "pose: only valid with --view and the virtual robot: give --view and no --robot; for a robot "
+    "at a port use kaz run play --poses FILE";
 
-// Errors (usage) state what was expected.
+// Errors (usage): the line is not one of the above; the message lists the valid forms.
 Result<PoseRequest> parse_pose_request(std::string_view line);
 
 }  // namespace kaz::behavior

@@ -1,4 +1,4 @@
-// Searches for a ball by moving the head (paper, section 4.2).
+// Searches for a ball by moving the head, as in the paper (README.md), section 4.2.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace kaz::behavior {
 
-// Resets the tracker and moves the head along the search pattern until the ball was detected in three
-// consecutive images (true) or `limit` has passed (false).
+// Resets the tracker and moves the head along the search pattern. Returns true once the ball was detected
+// in three consecutive images, or false after `limit`.
 Result<bool> search(HeadControl& head, Time limit, bool left_first);
 
 }  // namespace kaz::behavior

@@ -1,4 +1,4 @@
-// Path of the head during a search.
+// Path of the head during a search for a ball.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,20 +9,20 @@
 namespace kaz::behavior {
 
 // Pan sweeps from -80 to 80 degrees at three tilts and constant speed, repeated forever. With a field of
-// view of 80 x 64 degrees, tilts of 20, 52 and -15 degrees cover 47 degrees above the horizon to 84 below
-// it, the rows overlapping by half, and -120 to 120 degrees from side to side.
+// view of 80 x 64 degrees, the tilts of 20, 52 and -15 degrees overlap by half. Together they cover 47
+// degrees above the horizon to 84 below it, and -120 to 120 degrees sideways.
 class SearchPattern {
  public:
   static constexpr double kSweepDeg = 80;
   static constexpr double kTiltsDeg[] = {20, 52, -15};
 
-  // Starts at the present gaze `start` with the nearest row, toward the nearer end of the sweep
-  // (`left_first` decides if both are equally near). speed: rad/s, of the faster of the two joints.
+  // Starts at the present gaze `start` with the nearest row, toward the nearer end of the sweep.
+  // `left_first` decides if both are equally near. `speed`: rad/s, of the faster of the two joints.
   SearchPattern(const host::Gaze& start, double speed, bool left_first);
 
-  // Gaze `t` seconds after the start, t >= 0.
+  // Gaze at `t` seconds after the start, t >= 0.
   host::Gaze at(double t) const;
-  // Duration of one scan of all rows, s.
+  // Duration of the first scan of all rows, from the start, s.
   double once() const { return points_.back().time; }
 
  private:
@@ -30,7 +30,7 @@ class SearchPattern {
     double time;
     host::Gaze gaze;
   };
-  std::vector<Point> points_;  // first: the start; then both ends of each row
+  std::vector<Point> points_;  // the start, then both ends of each row
 };
 
 }  // namespace kaz::behavior

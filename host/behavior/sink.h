@@ -1,4 +1,4 @@
-// Sink of a behaviour's reports, cycle by cycle: for recordings, plots and live displays.
+// Observer of a behavior's reports, cycle by cycle: for recordings, plots and live displays.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,48 +16,52 @@ class LocalMap;
 
 namespace kaz::behavior {
 
-// One control cycle of the head. Angles in rad, pan positive to the left, tilt positive down.
+// One control cycle of the head. Angles in rad; pan is positive to the left, tilt positive down.
 struct CycleRow {
   Time time{};
   double pan_target = 0, tilt_target = 0;      // sent in this cycle
-  double pan_measured = 0, tilt_measured = 0;  // newest state
-  bool ball_known = false;                     // else ball_* are undefined
-  double ball_pan = 0, ball_tilt = 0;          // estimated angles that centre the ball at `time`
+  double pan_measured = 0, tilt_measured = 0;  // from the newest state
+  bool ball_known = false;                     // if false, ball_* are undefined
+  // Estimated angles that center the ball at `time`.
+  double ball_pan = 0, ball_tilt = 0;
 };
 
 // One processed image.
 struct PictureRow {
   Time exposure{};
-  Time known_at{};  // when the result reached the behaviour
+  Time known_at{};  // time at which the behavior received the result
   bool found = false;
-  double error_rad = 0;   // angle between the left optical axis and the ball; if found
-  double distance_m = 0;  // lens to ball; if found
+  // Angle between the left optical axis and the ball; if found.
+  double error_rad = 0;
+  double distance_m = 0;  // from lens to ball; if found
 };
 
-// A map as a behaviour has it. Frame: the foot frame of the start; x ahead, y left. m, rad.
+// Snapshot of a behavior's map. Frame: foot frame at the start; x ahead, y left. Units: m, rad. The
+// references are valid during the call only.
 struct MapReport {
   Time time{};
   const map::LocalMap& map;
   Eigen::Vector2d robot{0, 0};
   double heading_rad = 0;
-  const std::vector<Eigen::Vector2d>& path;   // corners, from start to goal; empty: none
-  const std::vector<Eigen::Vector2d>& trail;  // where it has been
+  // Corners from start to goal; empty if there is no path.
+  const std::vector<Eigen::Vector2d>& path;
+  const std::vector<Eigen::Vector2d>& trail;  // positions so far
   Eigen::Vector2d goal{0, 0};
 };
 
-// All calls come from the thread that runs the behaviour, in order of time.
+// All calls come from the thread that runs the behavior, in order of time.
 class Sink {
  public:
   virtual ~Sink() = default;
-  // A phase of the behaviour begins: "stand", "search", "track".
+  // Called when a phase of the behavior begins: "stand", "search", "track".
   virtual void phase(Time, std::string_view /*behavior*/, std::string_view /*phase*/) {}
   virtual void cycle(const CycleRow&) {}
   virtual void picture(const PictureRow&) {}
-  // The map has changed: after each plan, and at the end.
+  // Called after each plan and at the end.
   virtual void map(const MapReport&) {}
 };
 
-// Stores all reports in memory.
+// Stores phases, cycles and pictures in memory; ignores maps.
 class Recording final : public Sink {
  public:
   struct Phase {

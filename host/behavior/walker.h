@@ -1,4 +1,4 @@
-// Walking for behaviours: the leg targets of Motion in each control cycle, with targets for other joints.
+// Walking for behaviors: leg targets of Motion in each control cycle, with targets for other joints.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,9 +12,9 @@ namespace kaz::behavior {
 
 class Walker {
  public:
-  // Enables the motors, moves slowly into the crouch for walking and stands there until the gyro is
-  // zeroed, if the board has one: 2 to 8 s. Fails when robot or clock fail, and (usage) for a robot
-  // other than Kaz.
+  // Enables the motors, moves slowly into the crouch for walking and stands until the gyro is zeroed, if
+  // the board has one. Takes 2 to 8 s. Fails when robot or clock fail, and (usage) for a robot other than
+  // Kaz. The context must outlive the result.
   static Result<Walker> begin(Context& context, std::string_view behavior,
                               const motion::Settings& settings = {});
 
@@ -27,7 +27,7 @@ class Walker {
   // Runs one control cycle with the leg targets of Motion and `others` (head, arms). If the robot falls,
   // the motors are disabled and fallen() returns true.
   Result<void> step(std::span<const host::JointTarget> others = {});
-  // Steps until Motion is idle or has fallen, then stands for half a second.
+  // Runs step() until Motion is idle or the robot has fallen, then stands for 0.5 s.
   Result<void> finish();
 
   bool fallen() const { return motion_.state() == motion::State::fallen; }

@@ -1,7 +1,8 @@
-// The local map of a robot that walks: pictures entered where the robot was when they were exposed.
+// Local map of a walking robot: enters each picture at the robot's pose at its exposure.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frame: odometry's, which is the foot frame of the start: x ahead, y left, origin below the hips. m, rad.
+// Frame: that of odometry, which is the foot frame at the start: x ahead, y left, origin below the hips.
+// Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -19,39 +20,41 @@ class WalkingMap {
  public:
   explicit WalkingMap(map::LocalMap map) : map_(std::move(map)) {}
 
-  // Pictures of which posture or place are not known are left out. Errors: of LocalMap::update() but for
-  // these.
+  // Enters pictures into the map. Skips those with unknown posture or place, and those not newer than the
+  // newest entered. Errors: those of LocalMap::update() for the others.
   Result<void> enter(const std::vector<FloorPicture>& pictures, const PlaceHistory& places);
 
-  // Odometry's place as the floor's pattern has corrected it.
+  // Returns the place with the correction by floor-pattern matches; the standard deviations are those of
+  // odometry.
   motion::Place corrected(const motion::Place& place) const;
-  // Compares the floor's pattern in a picture of a standing robot with what was remembered, the oldest first,
-  // and corrects. True if any matched.
+  // Compares the floor pattern in a picture of the standing robot with the remembered views, oldest first,
+  // and corrects the pose. Returns true if any view matched.
   bool align(const FloorPicture& picture, const PlaceHistory& places);
-  // Remembers the pattern, to be compared with later.
+  // Remembers the floor pattern in the picture for later comparison, up to 60 views.
   void remember(const FloorPicture& picture, const PlaceHistory& places);
-  // Where patterns lie that a robot at `place` can look at, the oldest first: directions, rad, + to its left,
-  // each more than 25 degrees from those before.
+  // Returns the directions of remembered patterns that a robot at `place` can look at, oldest first: rad,
+  // positive to the left. Each differs by more than 25 degrees from those before it.
   std::vector<double> directions_of_patterns(const motion::Place& place) const;
+  // Number of calls of align() that corrected the pose.
   int corrections() const { return corrections_; }
 
   const map::LocalMap& map() const { return map_; }
   // Exposure of the newest picture entered; zero before the first.
   Time newest() const { return newest_; }
-  // Pictures entered that were exposed at `since` or later.
+  // Number of pictures entered that were exposed at `since` or later, among the newest 64.
   int entered_since(Time since) const;
 
  private:
   void fade(const motion::Place& place);
   struct Remembered {
     map::FloorView view;
-    int pose = 0;           // its number in the filter
-    Eigen::Vector3d drawn;  // where the robot was taken to be
+    int pose = 0;           // its number in the pose filter
+    Eigen::Vector3d drawn;  // estimated pose when it was remembered
   };
   map::FloorPictureView view_of(const FloorPicture& picture, const Eigen::Isometry3d& foot) const;
-  // `now`: where the robot is taken to be.
+  // `now`: the estimated pose of the robot.
   bool match(const Remembered& before, map::FloorMatcher& matcher, const Eigen::Vector3d& now);
-  // Pose of the foot at the exposure; nothing where posture or place are not known.
+  // Pose of the foot at the exposure; nothing if posture or place are unknown.
   std::optional<Eigen::Isometry3d> foot_at(const FloorPicture& picture,
                                            const PlaceHistory& places) const;
 
@@ -64,17 +67,18 @@ class WalkingMap {
   int corrections_ = 0;
 };
 
-// Pose of the supporting sole (vision/image/frame.h) in the map, from odometry's place and joint angles of
-// the same time.
+// Returns the pose of the supporting sole (vision/image/frame.h) in the map, from the place by odometry and
+// the joint angles of the same time. `joint_rad` must have KZ_JOINTS elements.
 Eigen::Isometry3d map_from_foot(const motion::Place& place, const std::vector<double>& joint_rad);
 
-// The floor ahead of a robot at `place`: how far it may walk straight ahead, as far as `until_m`.
+// Result of look_ahead().
 struct Ahead {
-  double clear_m = 0;  // nothing is in the way of the robot's middle so far
+  double clear_m = 0;  // distance that the robot's center can go straight ahead
   enum class By { nothing, obstacle, unknown } by = By::nothing;
-  Eigen::Vector2d where{0, 0};  // of what ends it
+  Eigen::Vector2d where{0, 0};  // position of what ends it
 };
-// `unknown_ends`: floor that was not seen ends it, too.
+// Returns how far a robot at `place` may walk straight ahead, at most `until_m`. `unknown_ends`: unseen
+// floor ends the way, too.
 Ahead look_ahead(const map::LocalMap& map, const motion::Place& place, double until_m,
                  bool unknown_ends);
 

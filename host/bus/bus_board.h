@@ -1,10 +1,10 @@
-// A bus of servos as a servo board: answers the protocol's requests by asking the servos.
+// Makes a bus of servos a servo board: answers protocol requests by commands to the servos.
 // SPDX-License-Identifier: Apache-2.0
 //
-// So Robot, and all that stands on it, drives robots of bus servos unchanged. What is the servos' own differs
-// from the firmware's board (docs/howto/servo-bus.md): the position loop and its gains, protection against
-// overload, and what happens when the host goes away, which is that they hold. Telemetry, calibration, raw
-// drive and the loader are refused.
+// Robot and all code above it drive bus servos through this class without changes. It differs from a firmware
+// board (docs/howto/own-arm.md): position loop, gains and overload protection are the servo's. If the host
+// disappears, the servos hold. Telemetry, raw drive, the loader, and writing calibration or address are
+// refused.
 #pragma once
 
 #include <array>
@@ -22,48 +22,49 @@
 
 namespace kaz::host {
 
-// A joint of the robot, in the order of its board's numbers.
+// A joint of the robot. Its index in the vector is its number on the board.
 struct BusJoint {
   servo_bus::BusServo servo;
-  double lower_rad = 0, upper_rad = 0;  // of its mechanics
+  double lower_rad = 0, upper_rad = 0;  // mechanical range
 };
 
 class BusBoard {
  public:
-  static constexpr double kMaxSpeed = 12;  // rad/s, of limits
+  static constexpr double kMaxSpeed = 12;  // maximum of speed limits, rad/s
 
-  // Asks each servo whether it is there, and is of its model and in position mode. `clock` is the link's.
-  // Errors (environment): one does not answer, with all that do not; (usage): another model or mode, more
-  // joints than a board has, an id twice, servos of two protocols.
+  // Checks that each servo answers, has the configured model and is in position mode. `clock` must be the
+  // link's; both must outlive the board. Fails (environment) if servos do not answer (lists all of them),
+  // reject a register, or stand far outside their range. Fails (usage) for a wrong model or mode, too many
+  // joints, a duplicate id, two protocols, or a range whose positions would wrap.
   static Result<BusBoard> open(Link& link, Clock& clock, std::vector<BusJoint> joints);
 
-  // Bytes of the host's. Frames among them wait for serve(), in order. A `stop`, or an `enable` with an empty
-  // mask, waits for nothing: earlier requests are discarded, and the host repeats those that it still needs.
+  // Parses bytes from the host and queues their frames for serve(). A `stop`, or an `enable` with an empty
+  // mask, discards earlier requests so that it need not wait. The host repeats those that it still needs.
   void take(std::span<const std::uint8_t> bytes);
   // Whether the next serve() switches all motors off.
   bool off_is_next() const { return !waiting_.empty() && switches_all_off(waiting_.front()); }
-  // Answers one frame that waits: the bytes of the answer, none for a frame of another board; nothing if none
-  // waits. Errors: the port's.
+  // Executes the oldest queued frame. Returns the reply's bytes, empty for a frame without a reply; nullopt
+  // if no frame is queued. Returns the port's errors.
   Result<std::optional<std::vector<std::uint8_t>>> serve();
   const BusDriver::Counts& counts() const { return driver_->counts(); }
-  // Servos that have not said that they are off, as still_on() of bus_driver.h.
+  // Lists servos that have not confirmed torque off; see still_on() in bus_driver.h.
   std::string still_on() const;
-  // The port was opened anew.
+  // Discards partial and queued frames after the port was reopened.
   void forget();
 
  private:
-  // Unconfirmed: it should be off, and its servo has not said so. It takes no targets, and counts as on.
+  // `unconfirmed`: should be off, but the servo has not confirmed it. Takes no targets and counts as on.
   enum class Power : std::uint8_t { off, on, unconfirmed };
   struct Joint {
     BusJoint of;
     Power power = Power::unconfirmed;
-    BusDriver::Torque said = BusDriver::Torque::silent;  // when it was last asked to be off
-    bool accepted = true;                                // what the last recover() wrote
-    int missing = 0;                                     // readings in a row that did not come
-    double angle = 0, speed = 0, duty = 0, target = 0;   // rad, rad/s, -1..1, rad
-    std::uint8_t trouble = 0;                            // ServoTrouble
-    s16 lower = 0, upper = 0;                            // 100 urad, soft limits
-    u16 ramp = 60;                                       // 100 urad/ms
+    BusDriver::Torque said = BusDriver::Torque::silent;  // reply to the last request to be off
+    bool accepted = true;  // whether the servo accepted the last recover()
+    int missing = 0;       // consecutive readings without a reply
+    double angle = 0, speed = 0, duty = 0, target = 0;  // rad, rad/s, -1..1, rad
+    std::uint8_t trouble = 0;                           // ServoTrouble
+    s16 lower = 0, upper = 0;                           // 100 urad, soft limits
+    u16 ramp = 60;                                      // 100 urad/ms
     u16 kp = KZ_KP_DEFAULT, kd = KZ_KD_DEFAULT, dead_band = 0;
     u8 friction = 0;
   };
@@ -77,22 +78,22 @@ class BusBoard {
     kz_receiver_init(&receiver_);
     start_ = clock.now();
   }
-  Result<void> look();  // reads all servos, unless that was just done
+  Result<void> look();  // reads all servos, unless the last reading is fresh
   Result<void> switch_to(std::uint32_t mask);
-  // Asks these to be off, and takes what they say; up to BusDriver::kReleaseWithin.
+  // Switches the joints' torque off and records the replies; see BusDriver::release.
   Result<void> release(std::vector<Joint*> joints, Time within = BusDriver::kReleaseWithin);
-  // One of those that are unconfirmed, once: within a control cycle.
+  // Tries once to release the next unconfirmed joint. Short enough for a control cycle.
   Result<void> release_next();
   Result<void> shut_down(u8 reason, u8 detail);
-  u8 cause(u8& detail) const;  // KZ_SHUTDOWN_* that is there now
+  u8 cause(u8& detail) const;  // present cause of a shutdown, KZ_SHUTDOWN_*; 0: none
   Result<Fields> answer(u8 type, const u8* body, u8 size, Refusal& refusal);
   Result<void> move(const kz_targets& targets);
   Result<void> reset();
   void set_limits(const kz_limits& limits);
-  // Of servos whose protection acted.
+  // Recovers servos whose protection has acted.
   Result<void> recover();
-  std::uint32_t on() const;      // joints that are not confirmed to be off
-  std::uint32_t driven() const;  // joints that take targets
+  std::uint32_t on() const;      // joints that are not confirmed off
+  std::uint32_t driven() const;  // joints that accept targets
   std::uint32_t there() const;   // joints that have a servo
   std::uint32_t tick() const;
   u16 status() const;
@@ -106,7 +107,7 @@ class BusBoard {
   std::vector<std::vector<std::uint8_t>> waiting_;  // bodies of frames
   std::vector<std::uint8_t> last_body_, last_answer_;
   Time start_{}, moving_until_{}, looked_{}, silent_due_{};
-  std::size_t released_ = 0;  // the joint that release_next() took last
+  std::size_t released_ = 0;  // the joint that release_next() tried last
   bool has_looked_ = false;
   u8 reason_ = 0, detail_ = KZ_NO_DETAIL;
   std::uint32_t shutdown_tick_ = 0;

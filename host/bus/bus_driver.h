@@ -1,8 +1,8 @@
-// What a board needs of servos on a bus, whatever their protocol.
+// Interface to servos on a bus, independent of their protocol.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions in steps of a servo's sensor, speeds in steps/s. A request that is not answered is sent once
-// more; then its answer is missing, and counted. Errors are the port's alone.
+// Positions are in steps of a servo's sensor, speeds in steps/s. A request without an answer is sent once
+// more; then it is counted as missing and the result is empty. All errors are the port's.
 #pragma once
 
 #include <cmath>
@@ -21,10 +21,10 @@ namespace kaz::host {
 
 // "servo 1 (pan)"
 std::string named(const servo_bus::BusServo& servo);
-// "--robot feetech:/dev/ttyACM0": for commands that a message suggests.
+// "--robot feetech:/dev/ttyACM0", for commands that a message suggests.
 std::string bus_option(servo_bus::Protocol protocol, const std::string& port_name);
 
-// Faults that a servo reports.
+// Faults that a servo reports; bits.
 enum ServoTrouble : std::uint8_t {
   kTroubleVoltage = 1,
   kTroubleSensor = 2,
@@ -48,51 +48,54 @@ class BusDriver {
   };
 
   virtual ~BusDriver() = default;
-  // `link` and `clock` must outlive it.
+  // `link` and `clock` must outlive the driver.
   static std::unique_ptr<BusDriver> make(servo_bus::Protocol protocol, Link& link, Clock& clock);
 
   struct Greeting {
-    std::optional<int> model, mode;  // the servo's own numbers; nothing: not answered
-    std::string_view refused = {};   // a register that the servo did not accept; empty: none
+    std::optional<int> model, mode;  // the servo's own numbers; empty: no answer
+    // A register that the servo did not accept; empty: all were accepted
+    std::string_view refused = {};
   };
-  // Makes a servo that is there ready to be driven. Nothing: it does not answer.
+  // Reads model and mode, and prepares the servo for targets. Returns nullopt if it does not answer.
   virtual Result<std::optional<Greeting>> greet(const Servo& servo) = 0;
-  // Of a model that has modes: the one that goes to positions.
+  // Number of the position mode, for models that have modes.
   virtual int position_mode() const = 0;
 
-  // One register, which the model must have. Nothing: it does not answer.
+  // Reads one register, which the model must have. Returns nullopt if the servo does not answer.
   virtual Result<std::optional<int>> read(const Servo& servo, std::string_view name) = 0;
-  // So many bytes from the register `first` on.
+  // Reads `count` bytes from the register `first` on. Returns nullopt if the servo does not answer.
   virtual Result<std::optional<std::vector<std::uint8_t>>> read_block(const Servo& servo,
                                                                       std::string_view first,
                                                                       std::size_t count) = 0;
-  // False: not acknowledged, or refused.
+  // Writes one register. Returns false if the servo does not acknowledge or rejects it.
   virtual Result<bool> write(const Servo& servo, std::string_view name, int value) = 0;
-  // One register of all servos, in one packet; nobody answers it.
+  // Writes one register of all servos in one packet, which no servo answers.
   virtual Result<void> write_all(Servos servos, std::string_view name, int value) = 0;
-  // Writes until the servo accepts: acknowledges, or has the value when it is read back. False: it does not.
+  // Writes until the servo acknowledges, or until the register reads back as `value`. Returns false after two
+  // tries.
   Result<bool> set(const Servo& servo, std::string_view name, int value);
 
-  // Nothing: it does not answer.
+  // Reads the state of all servos; empty for a servo that does not answer.
   virtual Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) = 0;
-  // Torque on, at this position, but only where the servo accepts the goal. False: it does not, or does not
-  // confirm its torque; the torque may then be on (a goal may switch it on), so release() the servo.
+  // Switches torque on at this position, but only if the servo accepts the position as goal. Returns false if
+  // it does not, or if it does not confirm its torque. The torque may then be on, because a goal may switch
+  // it on: call release().
   Result<bool> hold(const Servo& servo, double steps);
-  // A servo's answer about its torque; silent: no answer, or one without a value.
+  // A servo's answer about its torque. `silent`: no answer, or an answer without a value.
   enum class Torque : std::uint8_t { off, on, silent };
   static constexpr Time kReleaseWithin = std::chrono::milliseconds(150);
-  // Torque off: one packet to all, then each servo is read back and written to again until it says `off`.
-  // Ends after three rounds, or with the first servo whose turn begins after `within`; the first servo is
-  // always read back.
+  // Switches torque off with one packet to all servos. Then reads each servo back and writes again until it
+  // answers `off`. Ends after three rounds, or before the first servo whose turn starts after `within`. The
+  // first servo is always read back.
   Result<std::vector<Torque>> release(Servos servos, Time within = kReleaseWithin);
   struct Goal {
     const Servo* servo;
     double steps, speed;
   };
-  // With as few requests as it takes; nobody answers them.
+  // Sends goals in as few requests as possible; servos do not answer them.
   virtual Result<void> move(std::span<const Goal> goals) = 0;
-  // Lets servos whose protection acted be switched on again, at the positions that they have. For each:
-  // whether it accepted that. Their torque may be on: release() them.
+  // Allows servos whose protection has acted to be switched on again, at their present positions. Returns for
+  // each servo whether it accepted. Their torque may then be on: call release().
   virtual Result<std::vector<bool>> recover(std::span<const Goal> troubled) = 0;
 
   virtual const Counts& counts() const = 0;
@@ -101,9 +104,9 @@ class BusDriver {
   Clock& clock_;
 };
 
-// Servos that should be off and do not say so, a sentence with what to do: "pan (id 1) still has torque;
-// lift (id 2) does not confirm that its torque is off: cut the power". Empty: all said that they are off.
-// One of `torque` for each of `servos`.
+// Lists servos that should be off and have not confirmed it, with the remedy; empty if all are off. `torque`
+// has one entry per servo. Example: "pan (id 1) still has torque; lift (id 2) does not confirm that its
+// torque is off: cut the power".
 std::string still_on(BusDriver::Servos servos, std::span<const BusDriver::Torque> torque);
 
 }  // namespace kaz::host

@@ -1,8 +1,9 @@
-// Requests on a half-duplex bus, and their answers: one is under way at a time.
+// Requests and answers on a half-duplex bus, one at a time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Wire says what packets are like: Packet (with `id` and `parameters`, comparable), Reader, wire_of(packet),
-// and answers(packet, parameters): is it an answer with so many parameters, or one that says why not?
+// The template parameter Wire defines the packets: Packet (comparable, with `id` and `parameters`), Reader,
+// wire_of(packet), and answers(packet, parameters). The last one returns whether a packet is an answer with
+// this number of parameters, or one that reports an error.
 #pragma once
 
 #include <array>
@@ -21,14 +22,15 @@ class BusExchange {
  public:
   using Packet = typename Wire::Packet;
   using Answer = std::optional<Packet>;
-  // Longer than an adapter without low latency keeps an answer.
+  // Timeout of an answer. Longer than an adapter without low latency holds it back.
   static constexpr Time kAnswerWithin = std::chrono::milliseconds(30);
+  // Transmissions of query() for each request.
   static constexpr int kTries = 2;
 
   BusExchange(Link& link, Clock& clock) : link_(link), clock_(clock) {}
 
-  // What came before belongs to no request any more. Where the link cannot be read, or does not fall
-  // silent, the request leaves all the same: it may be the one that switches torque off.
+  // Discards earlier bytes and sends a request. If the link cannot be read, or does not become silent, the
+  // request is sent all the same: it may switch torque off. The error is returned after that.
   Result<void> send(const Packet& request) {
     const auto drained = drain(link_, clock_);
     come_.clear();
@@ -38,7 +40,8 @@ class BusExchange {
     return drained;
   }
 
-  // Nothing: it did not come in time, or damaged. An adapter may hand back the request itself.
+  // Returns nullopt if the answer is late, damaged, or from another servo. Skips the request itself, which
+  // some adapters echo.
   Result<Answer> receive(std::uint8_t id, std::size_t parameters, const Packet& request) {
     const Time deadline = clock_.now() + kAnswerWithin;
     std::array<std::uint8_t, 256> bytes{};
@@ -65,6 +68,7 @@ class BusExchange {
     }
   }
 
+  // Sends a request and receives its answer, with retries. Returns nullopt if no try succeeds.
   Result<Answer> query(const Packet& request, std::size_t parameters) {
     for (int i = 0; i < kTries; ++i) {
       KAZ_TRY(send(request));
@@ -75,7 +79,8 @@ class BusExchange {
     return Answer();
   }
 
-  // The answers to one request of them all, and of those that did not come to one of each.
+  // Queries all servos with one request, `together`, if given. Servos without an answer to it are then
+  // queried one by one with the request of `read_one`.
   template <class ReadOne>
   Result<std::vector<Answer>> query_all(BusDriver::Servos servos, const Answer& together,
                                         std::size_t parameters, ReadOne read_one) {
@@ -85,7 +90,7 @@ class BusExchange {
       for (std::size_t i = 0; i < servos.size(); ++i) {
         answers[i] =
             KAZ_TRY(receive(static_cast<std::uint8_t>(servos[i]->id), parameters, *together));
-        // Those behind it may be silent, too: each is requested by itself.
+        // After one missing answer the next ones may be missing, too. These servos are queried one by one.
         if (!answers[i]) break;
       }
     }
@@ -101,7 +106,7 @@ class BusExchange {
   Link& link_;
   Clock& clock_;
   typename Wire::Reader reader_;
-  std::vector<std::uint8_t> come_;  // not read into packets yet
+  std::vector<std::uint8_t> come_;  // received, but not parsed yet
   BusDriver::Counts counts_;
 };
 

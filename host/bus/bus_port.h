@@ -1,4 +1,4 @@
-// A port at which servos are, as a link to a board.
+// A link to the virtual board of a servo bus (bus_board.h) on a port.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,16 +14,18 @@ namespace kaz::host {
 
 class BusPort final : public PortLink {
  public:
-  // `port`: at the bus's rate. Errors: as BusBoard::open().
+  // `port` must have the bus's bit rate. Returns the errors of BusBoard::open(). `interrupt` may be null;
+  // else it must outlive the port.
   static Result<std::unique_ptr<BusPort>> open(std::unique_ptr<PortLink> port,
                                                std::vector<BusJoint> joints,
                                                const Interrupt* interrupt);
 
   std::string name() const override { return port_->name(); }
-  // Frames are exchanged in memory; what takes time is the bus behind them.
+  // Frames are exchanged in memory; only the bus behind them takes time.
   Time byte_time() const override { return Time{1}; }
+  // Queues requests. Executes them at once if they switch all motors off.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
-  // What the servos are asked happens here.
+  // Executes queued requests, and so communicates with the servos.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   Result<void> reopen() override;
   Result<void> set_dtr_rts(bool dtr, bool rts) override { return port_->set_dtr_rts(dtr, rts); }
@@ -31,7 +33,7 @@ class BusPort final : public PortLink {
   int descriptor() const override { return port_->descriptor(); }
   bool has_unsent() const override { return !answer_.empty() || port_->has_unsent(); }
   std::string still_on() const override { return board_->still_on(); }
-  // Of the bus: "2 of 4100 requests without an answer, 1 answer damaged".
+  // Statistics of the bus: "2 of 4100 requests without an answer, 1 answer damaged".
   std::string counts() const override;
 
  private:

@@ -1,4 +1,4 @@
-// Which servos are on a bus, and how well it carries: reads only, writes nothing.
+// Finds the servos on a bus and checks its transmission quality. Never writes to a servo.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,41 +15,43 @@ namespace kaz::host {
 
 struct ScannedServo {
   int id = 0;
-  int number = -1;                          // of its model, as it says itself; -1: it does not
-  const servo_bus::Model* model = nullptr;  // null: none of the tables has that number
-  // Counts over all pings and readings: requests sent, requests without an answer, damaged answers. `late`
-  // counts losses while this machine was late, which are undecided and not in `lost` or `damaged`.
+  int number = -1;                          // model number as reported by the servo; -1: unknown
+  const servo_bus::Model* model = nullptr;  // null: this number is not in the tables
+  // Counts over all pings and readings: requests sent, requests without an answer, and damaged answers.
+  // `late` counts losses while this machine was late. They are undecided, and not in `lost` or `damaged`.
   int requests = 0, lost = 0, damaged = 0, late = 0;
-  std::vector<double> round_trips_s;  // from the first byte sent to the last one received
-  // As the last reading had it; NAN, -1: not read.
+  std::vector<double> round_trips_s;  // from the first byte sent to the last byte received
+  // Last reading (lowest_volts: minimum of all); NAN or -1: not read.
   double volts = NAN, lowest_volts = NAN, celsius = NAN;
   double return_delay_s = NAN;
   int torque = -1;          // 0, 1
-  std::uint8_t errors = 0;  // Feetech's status byte; DYNAMIXEL's hardware_error_status
+  std::uint8_t errors = 0;  // Feetech: status byte; DYNAMIXEL: hardware_error_status
 };
 
 struct ScanOptions {
   int first_id = 0, last_id = 252;
-  int readings = 20;  // of each servo that is found
-  Time within{};      // of an answer, on top of what its bytes take; 0: 8 ms
+  int readings = 20;  // for each servo that is found
+  Time within{};      // timeout of an answer, plus transmission time; 0: 8 ms
+  // Called before each id of the first pass.
   std::function<void(int id)> progress = nullptr;
-  // The link and the clock of the scan, where they are real; may be null.
+  // Meter around the scan's link and clock, for real hardware; may be null.
   LatenessMeter* lateness = nullptr;
-  // Called for each id where nobody answered and this machine was late in all repetitions, as `excuse` says.
+  // Called for each id without an answer for which this machine was late in all repetitions. `excuse` is from
+  // LatenessMeter.
   std::function<void(int id, const std::string& excuse)> undecided = nullptr;
 };
 
-// At the link's rate, which is that of `baud`. Errors: the link's.
+// Scans at the link's bit rate, which must be `baud`. Returns the link's errors.
 Result<std::vector<ScannedServo>> scan_bus(Link& link, Clock& clock, servo_bus::Protocol protocol,
                                            long baud, const ScanOptions& options);
 
-// The rates that models of the protocol can be set to, the factory's first, then falling.
+// Bit rates of the protocol's models: the factory setting first, then in falling order.
 std::vector<long> bus_rates(servo_bus::Protocol protocol);
 
-// Sentences about a servo, each with what to do: errors that it reports, answers lost and damaged, two servos
-// under one id, a pause before answers.
+// Remarks on a servo with remedies: errors that it reports, lost and damaged answers, two servos with one id,
+// a delay before answers.
 struct ScanRemark {
-  bool wrong = false;  // else it works, and could be better
+  bool wrong = false;  // false: it works, but could be better
   std::string text;
 };
 std::vector<ScanRemark> remarks_on(const ScannedServo& servo, servo_bus::Protocol protocol);

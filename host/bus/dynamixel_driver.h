@@ -1,4 +1,4 @@
-// DYNAMIXEL servos of the X series on a bus, by protocol 2.0.
+// Driver of DYNAMIXEL X-series servos, protocol 2.0.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -44,17 +44,18 @@ class DynamixelDriver final : public BusDriver {
   Result<std::vector<Exchange::Answer>> read_blocks(Servos servos, std::string_view first,
                                                     std::size_t count);
 
-  // All servos in one packet, by a fast sync read, as newer firmware has it. Nothing: it did not come whole.
+  // Reads all servos with one packet by fast sync read, which newer firmware has. Returns nullopt if the
+  // answer is incomplete.
   using Blocks = std::vector<Exchange::Answer>;
   Result<std::optional<Blocks>> read_fast(Servos servos, const std::vector<std::uint8_t>& sync_read,
                                           std::size_t count);
 
   Exchange exchange_;
-  // Whether servos have the fast read. A firmware that is too old says no; else one answer says yes, and two
-  // silences before it no.
+  // Whether the servos support the fast read. A firmware version that is too old rules it out. Otherwise the
+  // first answer confirms it, and two missing answers before that rule it out.
   bool may_be_fast_ = true, was_fast_ = false;
   int fast_silences_ = 0;
-  Time circuit_due_{};  // when voltages and temperatures are read again
+  Time circuit_due_{};  // when voltages and temperatures are next read
 };
 
 }  // namespace kaz::host

@@ -1,4 +1,4 @@
-// Servos of Feetech's on a bus.
+// Driver of Feetech servos.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,14 +1,15 @@
-// The range of a joint that somebody turns by hand, and where it has to lie for its servo's position not to
-// wrap.
+// Measures a joint's range, turned by hand, and places it so that the servo's position cannot wrap.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A servo's position is its encoder's, shifted by a register, and within one turn. Where the end of the turn
-// lies inside of the joint's range, the position jumps from 4095 to 0 on the way, and a position loop goes
-// back the long way.
-//   STS:        position = (encoder - position_offset) mod 4096: the offset moves the end of the turn
-//   DYNAMIXEL:  position = encoder + homing_offset, in mode 3: the end stays at the encoder's 0
-//   SCS:        no offset; the sensor ends at 0 and 1023
-// Sources: docs/reference/servo-bus.md, dynamixel-bus.md.
+// A servo's position is its encoder reading within one turn, shifted by a register. If the end of the turn
+// lies inside the joint's range, the position jumps from 4095 to 0 there. A position loop then turns back the
+// long way.
+//
+//   STS:        position = (encoder - position_offset) mod 4096. The offset moves the end of the turn.
+//   DYNAMIXEL:  position = encoder + homing_offset, in mode 3. The end stays at the encoder's 0.
+//   SCS:        no offset. The sensor ends at 0 and 1023.
+//
+// Source: docs/reference/servo-bus.md.
 #pragma once
 
 #include <string>
@@ -17,7 +18,7 @@
 
 namespace kaz::host {
 
-// Readings of one joint's position, counted over the ends of turns.
+// Position readings of one joint, unwrapped over the ends of turns. In steps.
 class RangeSweep {
  public:
   explicit RangeSweep(const servo_bus::Model& model);
@@ -28,42 +29,42 @@ class RangeSweep {
   double low() const { return low_; }
   double high() const { return high_; }
   double width() const { return high_ - low_; }
-  // Two readings in a row were more than a quarter of a turn apart: what is between them is not known.
+  // Whether two consecutive readings were more than a quarter turn apart, so that the sweep is ambiguous.
   bool jumped() const { return jumped_; }
 
  private:
-  double turn_;  // steps; 0: its position does not wrap, or is counted by the servo
+  double turn_;  // steps; 0: the position does not wrap, or the servo counts turns
   double quarter_;
   double last_ = 0, now_ = 0, low_ = 0, high_ = 0;
   int readings_ = 0;
   bool jumped_ = false;
 };
 
-// What the servo's EEPROM has to say of its position.
+// Position registers in the servo's EEPROM.
 struct RangeRegisters {
-  int offset = 0;             // position_offset, homing_offset; 0 where there is none
-  int low = 0, high = 0;      // limits of goals
+  int offset = 0;             // position_offset or homing_offset; 0 if the model has none
+  int low = 0, high = 0;      // goal limits
   bool counts_turns = false;  // STS: bit 4 of phase
   bool operator==(const RangeRegisters&) const = default;
 };
 
 struct RangePlan {
-  std::string fault;         // why the joint is not calibrated, and what to do; empty: it is
-  bool wrapped = false;      // the end of a turn was inside of the range
-  double low = 0, high = 0;  // positions at the stops afterwards, steps
-  RangeRegisters registers;  // afterwards
-  double zero = 0;           // of bus.json
+  std::string fault;         // why the joint cannot be calibrated, with the remedy; empty: it can
+  bool wrapped = false;      // the end of a turn was inside the range
+  double low = 0, high = 0;  // positions at the stops with the new registers, steps
+  RangeRegisters registers;  // new values
+  double zero = 0;           // for bus.json, steps
 };
 
-// Steps between the range and the end of a turn.
+// Minimum distance in steps between the range and the end of a turn.
 inline constexpr double kRangeMargin = 40;
 
-// Share of the range that the joint has by its robot file, 0..1.
+// Share of the joint's range, by its robot file, that was swept so far: 0..1.
 double range_share(const servo_bus::BusServo& servo, double lower_rad, double upper_rad,
                    const RangeSweep& sweep);
 
-// The stops are those of the robot file, lower_rad and upper_rad: the middle of one range is that of the
-// other. A sweep that is narrower or wider by 10 % and 10 degrees is a fault.
+// Plans registers and zero. The middle of the swept range becomes that of the robot file's range, lower_rad
+// to upper_rad. Sets RangePlan::fault if the widths differ by more than 10 % and more than 10 degrees.
 RangePlan plan_range(const servo_bus::BusServo& servo, double lower_rad, double upper_rad,
                      const RangeRegisters& now, const RangeSweep& sweep);
 

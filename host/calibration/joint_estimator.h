@@ -1,14 +1,16 @@
 // Calibration of all joints from readings at known angles and from equations between joint angles.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Unknown are the terms of each potentiometer (pot_model.h) and what the caller adds, such as the zero of an
-// accelerometer. Each is normally distributed about zero before anything is measured; an equation
-//   sum w_i angle_{j_i}(code_i) + sum v_n x_n = value + noise,  noise of one sigma
+// The unknowns are the terms of each potentiometer (pot_model.h) and those that the caller adds, such as
+// the zero of an accelerometer. Before any measurement, each is normally distributed about zero. An
+// equation
+//   sum w_i angle_{j_i}(code_i) + sum v_n x_n = value + noise,  noise with standard deviation sigma
 // is linear in them. The estimate is the mean of the posterior (Bayesian linear regression, Bishop 2006,
-// 3.3), so what no equation determines stays at its expectation, and its uncertainty is counted.
+// 3.3). So an unknown that no equation determines stays at its expectation, and its uncertainty is counted.
 //
-// The board stores a line for each joint. It is the one with the least mean square error over the joint's
-// range. What is left of the curve, and what is uncertain, is the error that `JointEstimate` expects.
+// The board stores a line for each joint: the line with the least mean square error over the joint's range.
+// The expected error in `JointEstimate` includes the curve's deviation from this line and the remaining
+// uncertainty.
 #pragma once
 
 #include <utility>
@@ -20,29 +22,35 @@
 
 namespace kaz::calibration {
 
+// The angle of a joint at a potentiometer code, times a weight. A code may be a mean, so it need not be
+// whole.
 struct AngleTerm {
   int joint;
   double code;
   double weight = 1;
 };
 
+// A linear equation between joint angles and additional unknowns, with the standard deviation of its noise.
 struct Equation {
   std::vector<AngleTerm> angles;
   std::vector<std::pair<int, double>> others = {};  // number of the additional unknown, weight
-  double value = 0, sigma = 1;                      // rad, or the unit of the weights times rad
+  double value = 0, sigma = 1;                      // rad, or rad times the unit of the weights
 };
 
 struct JointEstimate {
   host::JointCalibration line;  // rounded to the board's 100 urad
-  double shift_rad = 0;         // of the angle in the middle of the joint's range, new less nominal
-  double expected_error_rad = 0;  // of the line: root mean square over the joint's range
-  double worst_error_rad = 0;     // one standard deviation where it is largest
-  int equations = 0;              // that contain the joint
+  // Change of the angle in the middle of the joint's range, from the nominal line to this one.
+  double shift_rad = 0;
+  // Expected error of the line, root mean square over the joint's range.
+  double expected_error_rad = 0;
+  double worst_error_rad = 0;  // standard deviation where it is largest
+  int equations = 0;           // number of equations that contain the joint
 };
 
+// Collects equations and solves for the calibration of all joints.
 class JointEstimator {
  public:
-  // `others`: one standard deviation of each additional unknown.
+  // `others`: prior standard deviation of each additional unknown.
   explicit JointEstimator(const std::vector<double>& others = {});
 
   void add(const Equation& equation);
@@ -50,9 +58,9 @@ class JointEstimator {
 
   struct Solution {
     std::array<JointEstimate, KZ_JOINTS> joints;
-    // Mean of the posterior: kPotTerms for each joint, then the additional unknowns.
+    // Mean of the posterior: kPotTerms for each joint, in rad, then the additional unknowns.
     Eigen::VectorXd unknowns;
-    // Largest residual of an equation, in its sigmas: above 4 something was measured wrongly.
+    // Largest residual of an equation, in units of its sigma. Above 4, a measurement was wrong.
     double worst_residual = 0;
     double angle(int joint, double code) const;  // rad
   };
@@ -60,7 +68,7 @@ class JointEstimator {
 
  private:
   Eigen::VectorXd row_of(const Equation& equation) const;
-  Eigen::VectorXd prior_;  // standard deviations
+  Eigen::VectorXd prior_;  // prior standard deviations
   Eigen::MatrixXd information_;
   Eigen::VectorXd right_;
   std::vector<Equation> equations_;

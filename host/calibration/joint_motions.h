@@ -1,7 +1,5 @@
-// What `kaz calibrate joints` moves, as data: the presses against stops, and the postures on the floor.
+// Motions of `kaz calibrate joints`, as data: the presses against stops, and the postures on the floor.
 // SPDX-License-Identifier: Apache-2.0
-//
-// Angles in degrees, spread and roll of a limb outward from the body, as for get-up.
 #pragma once
 
 #include <span>
@@ -17,25 +15,26 @@ struct Press {
   Stop stop;
 };
 
-// One posture of the suspended robot; the joints of `presses` then go on against their stops, all at once.
+// A posture of the suspended robot. From it, the joints of `presses` move on against their stops, all at
+// once.
 struct StopStep {
   host::JointAngles posture{};  // rad
-  std::vector<Press> presses;   // empty: on the way
+  std::vector<Press> presses;   // empty: only a posture on the way
 };
 
-// What the wizard asks about at once.
+// Motions that the user confirms together before they start.
 struct MotionGroup {
   const char* name;  // "arms"
-  const char* text;  // what moves, for whoever stands by
+  const char* text;  // description of the motion for the user
   std::vector<StopStep> steps;
 };
 
-// Head and hands, arms, legs: both stops of every joint once.
+// Returns the groups head and hands, arms, legs. They press each joint against both stops once.
 std::span<const MotionGroup> stop_groups();
 
-// Standing on both soles: crouches, leans, and the weight to each side.
+// Returns stances on both soles: crouches, leans, and the weight shifted to each side.
 std::span<const motion::Stance> floor_stances();
-// All joints for a stance, arms as in motion::home().
+// Returns all joint angles for a stance, rad, with the arms as in motion::home().
 host::JointAngles posture_of(const motion::Stance& stance);
 
 }  // namespace kaz::calibration

@@ -1,14 +1,15 @@
 // Readings for the calibration of joints: moves the robot to stops and postures, and averages codes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The board reports angles by the calibration in use; codes are recovered from them (protocol, Calibration).
+// The board reports angles in terms of its calibration in use. Codes are recovered from them
+// (docs/reference/protocol.md).
 //
-// At the stops. A board does not drive a joint beyond the limits of its angles, and the stops are outside. So
-// the calibration in RAM is replaced by one with 0.85 of the nominal scale, under which every stop is well
-// inside the limits; with low gains and a target 6 degrees beyond, a joint presses at a third of its torque.
-// Nothing but the joint's own stop should end its motion: the caller checks the place.
+// Stops lie outside the joint limits, and a board does not drive a joint beyond its limits. So the
+// calibration in RAM is replaced by one with 0.85 of the nominal scale. Under it, every stop is well inside
+// the limits. With low gains and a target 6 degrees beyond the stop, a joint presses with a third of its
+// torque. Only its own stop may end its motion: the caller ensures free space.
 //
-// The caller puts gains, limits and calibration back.
+// The caller restores gains, limits and calibration.
 #pragma once
 
 #include <functional>
@@ -21,61 +22,67 @@
 
 namespace kaz::calibration {
 
+// Reading of one joint at one stop.
 struct StopReading {
   int joint = 0;
   Stop stop = Stop::lower;
-  double code = 0;    // mean
+  double code = 0;    // mean code
   double spread = 0;  // standard deviation of the codes
-  std::string fault;  // why it is no reading of the stop, one sentence; empty if it is one
+  std::string fault;  // why the reading is not one of the stop, one sentence; empty: valid
 };
 
+// Mean codes of all joints and mean specific force in one posture.
 struct FloorReading {
-  std::array<double, KZ_JOINTS> codes{};  // means
-  bool has_force = false;                 // the board has an accelerometer
+  std::array<double, KZ_JOINTS> codes{};  // mean codes
+  bool has_force = false;                 // false: the board has no accelerometer
   double forward_m_per_s2 = 0, left_m_per_s2 = 0;
-  double time_s = 0;  // since the first reading
+  double time_s = 0;  // since the start of read_floor()
 };
 
-// Share of the work that is done, and what is done.
+// Progress callback: the completed share of the work (0 to 1), and the current step. Must not be empty.
 using OnReading = std::function<void(double share, const std::string& what)>;
 
-// Motors off for all, the calibration for stops in use.
+// Switches all motors off and sets the calibration for stops in RAM.
 Result<void> prepare_for_stops(host::Robot& robot);
-// Runs the group on a suspended robot; `readings` grows by each press, also if the group then fails. Motors
-// are off afterwards. Errors: the link was lost, the board switched the motors off, interrupted.
+// Runs the group on a suspended robot, after prepare_for_stops(). Appends to `readings` after each press,
+// also if the group fails later. On success the motors are off. Errors: link lost, board reset, motors
+// switched off by the board, interrupted.
 Result<void> read_stops(host::Robot& robot, const MotionGroup& group, const OnReading& on,
                         std::vector<StopReading>& readings);
 
-// Motors off; `lines` are in use.
+// Switches all motors off and sets `lines` as the calibration in RAM.
 Result<void> use_lines(host::Robot& robot,
                        const std::array<host::JointCalibration, KZ_JOINTS>& lines);
-// From wherever it stands on the floor through floor_stances(); `lines` must be in use. Ends with straight
-// legs, on which it stands without power, and motors off.
+// Moves the robot through floor_stances(), from any stance on the floor. `lines` must be in use. Ends with
+// straight legs, on which the robot stands without power, and motors off.
 Result<void> read_floor(host::Robot& robot,
                         const std::array<host::JointCalibration, KZ_JOINTS>& lines,
                         const OnReading& on, std::vector<FloorReading>& readings);
 
-// Mean codes of all joints at rest, motors off or holding; `lines` are in use.
+// Reads the mean codes of all joints at rest, with the motors off or holding. `lines` must be in use.
 Result<FloorReading> read_here(host::Robot& robot,
                                const std::array<host::JointCalibration, KZ_JOINTS>& lines);
 
 // ---- Equations
 
-// How well a reading at a stop gives its angle: stops are milled to 0.1 degrees, and yield by less.
+// Standard deviation of the angle at a stop, rad. Stops are milled to 0.1 degrees and yield by less.
 inline constexpr double kStopSigma = 0.1 * kDegree;
-// The same of a stored line: once the floor or a gauge has corrected it, it is off there.
+// Standard deviation at a stop of a stored line, rad. Floor readings or a gauge may have moved the line
+// there.
 inline constexpr double kStoredSigma = 0.2 * kDegree;
 
-// Readings without fault.
+// Adds the readings without fault.
 void add_stops(JointEstimator& to, const std::vector<StopReading>& readings);
-// As if both stops had been read, from a stored calibration that passes near them.
+// Adds both stops of a joint as read through a stored calibration, which passes near them.
 void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line);
 
-// Additional unknowns of add_floor(), in g: for each reading how far the accelerometer's zero, forward and to
-// the left, has moved since the reading before, at the first one since 0.
+// Returns the prior standard deviations (g) of the additional unknowns of add_floor(), in pairs for each
+// reading: forward and left. Each unknown is the change of the accelerometer's zero since the reading
+// before; at the first reading, since 0.
 std::vector<double> floor_unknowns(const std::vector<FloorReading>& readings);
-// Closure of the legs: both soles are flat on one plane, and its normal is where the accelerometer points.
-// `about`: where the equations are linearised.
+// Adds the closure of the legs: both soles lie on one plane. With has_force, its normal is also the
+// direction of the specific force. `to` must have floor_unknowns() as additional unknowns. `about`:
+// solution at which the equations are linearized.
 void add_floor(JointEstimator& to, const std::vector<FloorReading>& readings,
                const JointEstimator::Solution& about);
 

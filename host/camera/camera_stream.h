@@ -1,4 +1,4 @@
-// What a published camera sends, checked: header of the stream, head of a pair.
+// Parses and validates a published camera's messages: stream header and pair header.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,15 +14,17 @@ struct CameraStream {
   Time latency{};  // from the middle of the exposure to the delivery of the pair
 };
 
-// The longest latency, and the furthest that an exposure may lie ahead of the reader's clock, which is
-// the publisher's: CLOCK_MONOTONIC of one machine.
+// Maximum latency, and maximum time by which an exposure may be ahead of the reader's clock. Both ends use
+// CLOCK_MONOTONIC of one machine.
 inline constexpr Time kMaxCameraLatency = std::chrono::seconds(10);
 inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 
-// Errors (environment), each one sentence with `path`: no camera stream, another version, invalid camera
-// parameters (sizes, intrinsics or baseline not finite or out of range).
+// Fails (environment) if the header is not a camera stream, has another version, or declares an invalid
+// camera. A camera is invalid if its size, intrinsics, baseline or latency is out of range. Messages contain
+// `path`.
 Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& path);
-// Errors (environment): no pair, an exposure before the clock's start or far after `now`.
+// Fails (environment) if the header is not a pair's, or if the exposure is before the clock's start or far
+// after `now`.
 Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream& stream, Time now,
                                 const std::string& path);
 

@@ -1,8 +1,8 @@
-// The capture module: stamps each stereo pair with the posture of the robot when it was exposed.
+// The capture module: adds the robot's posture at the exposure to each stereo pair.
 // SPDX-License-Identifier: Apache-2.0
 //
 // First in the chain of vision modules (paper, section 4.1, "Frame Information Messaging"): its FrameInfo
-// accompanies every later result.
+// accompanies all later results.
 #pragma once
 
 #include <deque>
@@ -14,17 +14,17 @@ namespace kaz::host {
 
 class Capture final : public vision::Camera {
  public:
-  // A pair whose exposure is newer than every state read from the board waits for a newer state,
-  // but not longer than this; then it goes on with posture_known = false.
+  // Maximum wait of a pair whose exposure is newer than all states from the board. The pair then continues
+  // with posture_known = false.
   static constexpr Time kPatience = std::chrono::milliseconds(50);
 
-  // Camera and robot must outlive this. Their time scales must be the same.
+  // `camera` and `robot` must outlive this object and have the same time scale.
   Capture(vision::Camera& camera, Robot& robot) : camera_(camera), robot_(robot) {}
 
   const vision::CameraModel& model() const override { return camera_.model(); }
 
-  // The camera's next pair with `joint_rad`, `foot_from_eye` and `posture_known` filled in. Errors
-  // are the camera's.
+  // Returns the camera's next pair with `joint_rad`, `foot_from_eye` and `posture_known` set. Returns the
+  // camera's error once no pair waits.
   Result<std::optional<vision::StereoPair>> poll() override;
 
  private:

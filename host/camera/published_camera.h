@@ -1,4 +1,4 @@
-// Stereo pairs from another process, by way of a Unix socket (shared/base/camera_stream.hpp).
+// Stereo pairs from another process over a Unix socket (shared/base/camera_stream.hpp).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,16 +16,16 @@ namespace kaz::host {
 
 class PublishedCamera final : public vision::Camera {
  public:
-  // Size of the queue of pairs; if poll() is called too rarely, the oldest are dropped.
+  // Size of the queue of pairs. If poll() is called too rarely, the oldest pairs are dropped.
   static constexpr std::size_t kMostWaiting = 4;
 
-  // Without a whole pair for this long, the camera has stopped: several times the longest interval of a
-  // publisher (camera.json), so that one on a busy machine is waited for.
+  // Timeout: without a complete pair for this long, the camera has stopped. Several times the longest
+  // interval of a publisher (camera.json), to tolerate a busy machine.
   static constexpr Time kSilence = std::chrono::seconds(5);
 
-  // Connects and waits up to `patience` for the stream's header. Errors, each one sentence: nothing
-  // is published at `path`, left over from a program that ended, no socket, permission, path too
-  // long, no camera stream, another version, pictures of an impossible size, silence.
+  // Connects and waits up to `patience` for the stream's header. `silence` replaces kSilence. Fails if `path`
+  // is missing, too long, not a socket, not permitted, or left behind by an ended program. Also fails if no
+  // header comes in time, or if the header is invalid (camera_stream.h).
   static Result<std::unique_ptr<PublishedCamera>> connect(const std::string& path,
                                                           Time patience = std::chrono::seconds(2),
                                                           Time silence = kSilence);
@@ -34,17 +34,17 @@ class PublishedCamera final : public vision::Camera {
   PublishedCamera& operator=(const PublishedCamera&) = delete;
 
   const vision::CameraModel& model() const override { return stream_.model; }
-  // From the exposure to the time when poll() returns a pair, as declared by the publisher.
+  // Time from the exposure until poll() returns a pair, as the publisher declares it.
   Time latency() const { return stream_.latency; }
 
-  // The error "camera PATH stopped: ..." once the publisher has ended or was silent for too long, and all
-  // its pairs were returned.
+  // Returns a pair when its latency has passed. Fails with "camera PATH stopped: ..." once the publisher has
+  // ended or timed out, and all its pairs were returned.
   Result<std::optional<vision::StereoPair>> poll() override;
 
  private:
   PublishedCamera(std::string path, int socket, const CameraStream& stream, Time silence);
   void read_pairs();
-  // Of the next pair; false: stopped.
+  // Reads `part` of the next pair. Returns false if the camera has stopped.
   bool read(std::span<std::uint8_t> to, const char* part, Time deadline);
   void stop(Error error);
 
@@ -55,7 +55,7 @@ class PublishedCamera final : public vision::Camera {
   std::mutex mutex_;
   std::deque<vision::StereoPair> waiting_;
   std::optional<Error> stopped_;
-  std::thread reader_;  // last: it uses all of the above
+  std::thread reader_;  // last, because it uses all members above
 };
 
 }  // namespace kaz::host

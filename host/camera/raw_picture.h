@@ -1,4 +1,4 @@
-// From the bytes of a camera to RGB: YUYV, RGB24, GREY and MJPEG, as V4L2 defines them.
+// Converts camera pictures to RGB: YUYV, RGB24, GREY and MJPEG, as V4L2 defines them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,8 +19,8 @@ enum class PixelFormat { yuyv, rgb24, mjpeg, grey };
 std::string_view pixel_format_name(PixelFormat format);
 std::optional<PixelFormat> pixel_format_by_name(std::string_view name);
 
-// Encoding of YUYV. Weights of red and blue in Y: ITU-R BT.601 (cameras, as a rule) or BT.709.
-// Limited range: Y from 16 to 235, the differences from 16 to 240; else all from 0 to 255.
+// Encoding of YUYV. The weights of red and blue in Y are those of ITU-R BT.601 (most cameras) or BT.709.
+// Limited range: Y from 16 to 235, color differences from 16 to 240. Full range: all from 0 to 255.
 struct YuvMeaning {
   bool bt709 = false;
   bool full_range = false;
@@ -29,13 +29,12 @@ struct YuvMeaning {
 struct RawLayout {
   PixelFormat format = PixelFormat::yuyv;
   int width = 0, height = 0;       // px; even width for yuyv
-  std::size_t bytes_per_line = 0;  // without effect for mjpeg
+  std::size_t bytes_per_line = 0;  // ignored for mjpeg
   YuvMeaning yuv;
 };
 
-// Converts to RGB. Grey becomes R = G = B. MJPEG may be without Huffman tables, which most cameras omit:
-// then the tables of the JPEG standard (annex K.3) are used. Errors: too few
-// bytes, damaged bytes, another size.
+// Converts to RGB. Gray becomes R = G = B. Most cameras omit the Huffman tables from MJPEG; then those of the
+// JPEG standard (annex K.3) are used. Fails if bytes are missing or damaged, or if a JPEG has another size.
 Result<void> convert_picture(std::span<const std::uint8_t> bytes, const RawLayout& layout,
                              vision::Image& image);
 

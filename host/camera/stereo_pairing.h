@@ -1,4 +1,4 @@
-// Which picture of the left camera belongs to which of the right one: the nearest in time.
+// Pairs pictures of the left and right camera that are nearest in time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@ enum class EyeSide : std::uint8_t { left, right };
 
 // A picture in the camera's format.
 struct RawFrame {
-  Time exposure{};  // middle of it, host clock
+  Time exposure{};  // middle of the exposure, host clock
   std::vector<std::uint8_t> bytes;
 };
 
@@ -24,21 +24,22 @@ struct RawPair {
   RawFrame left, right;
   // Exposure of the pair: the mean of both.
   Time exposure() const { return left.exposure + (right.exposure - left.exposure) / 2; }
-  Time gap() const;  // between both, never negative
+  Time gap() const;  // time between both exposures, never negative
 };
 
 class StereoPairing {
  public:
-  // Size of the queue of each side; the oldest are dropped.
+  // Size of each side's queue; the oldest pictures are dropped.
   static constexpr std::size_t kMostWaiting = 8;
 
-  // `tolerance`: maximum difference of the exposures of a pair. Up to half the period of the cameras the
-  // first partner within it is also the nearest, so that pairing need not wait for the next picture.
+  // `tolerance`: maximum time between the exposures of a pair. Up to half the cameras' period, the first
+  // partner within it is also the nearest. Pairing then need not wait for the next picture.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
-  // A picture that is not newer than the last one of its side is skipped and counted.
+  // Queues a picture. One that is not newer than the last one of its side is dropped and counted.
   void add(EyeSide side, RawFrame frame);
-  // The next pair, oldest first. Drops pictures that can have no partner any more.
+  // Returns the next pair, oldest first; nullopt if none is complete. Drops pictures that can no longer have
+  // a partner.
   std::optional<RawPair> next();
 
   Time tolerance() const { return tolerance_; }
@@ -52,7 +53,7 @@ class StereoPairing {
     std::uint64_t alone = 0, out_of_order = 0;
     void drop_first();
   };
-  // True if of two waiting pictures of `line` the second is nearer to `t`.
+  // Whether the second waiting picture of `line` is nearer to `t` than the first.
   static bool second_is_nearer(const Line& line, Time t);
   const Line& of(EyeSide side) const { return lines_[static_cast<std::size_t>(side)]; }
 

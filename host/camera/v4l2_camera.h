@@ -1,9 +1,9 @@
-// Two cameras at this machine as one stereo camera, over Linux's video interface (V4L2).
+// Two cameras of this machine as one stereo camera, over Linux's video interface (V4L2).
 // SPDX-License-Identifier: Apache-2.0
 //
 // A thread reads the pictures of both devices, pairs them by time, converts and rectifies them. The cameras
-// need not be synchronised; the two pictures of a moving object are then exposed at times up to the
-// tolerance apart, which causes errors of its depth.
+// need not be synchronized. Pictures of a moving object may then be exposed up to the tolerance apart, which
+// causes depth errors.
 #pragma once
 
 #include <array>
@@ -23,43 +23,44 @@
 namespace kaz::host {
 
 struct V4l2Source {
-  std::string left, right;  // as /dev/video0; names under /dev/v4l/by-path outlive a reboot
+  std::string left, right;  // such as /dev/video0; names in /dev/v4l/by-path survive a reboot
   double rate_hz = 30;
   std::optional<PixelFormat> format;
 };
 
 inline constexpr std::string_view kV4l2 = "v4l2:";
 
-// "v4l2:LEFT,RIGHT[,fps=N][,format=yuyv|rgb24|mjpeg|grey]". Errors: usage.
+// Parses "v4l2:LEFT,RIGHT[,fps=N][,format=yuyv|rgb24|mjpeg|grey]". Returns usage errors.
 Result<V4l2Source> parse_v4l2_source(const std::string& text);
 
 struct V4l2Options {
-  // Between the two pictures of a pair; 0: half the time between two pictures of the slower camera.
+  // Maximum time between the two pictures of a pair; 0: half the picture interval of the slower camera.
   Time tolerance{};
-  // Time-out: a device without pictures for this long has stopped; so have both if there was no pair for
-  // this long. Far longer than exposures in the dark.
+  // Timeout: a device without pictures for this long has stopped. Both have stopped if no valid pair came for
+  // this long. Much longer than exposures in the dark.
   Time silence = std::chrono::seconds(2);
 };
 
 struct V4l2Statistics {
-  std::uint64_t pairs = 0;            // returned by poll(), or queued
+  std::uint64_t pairs = 0;            // delivered to the queue of poll()
   std::uint64_t not_taken = 0;        // pairs dropped because poll() was called too rarely
   std::uint64_t without_partner = 0;  // pictures of either side
-  std::uint64_t damaged = 0;          // pictures marked so by the driver, cut off, not decodable
-  std::uint64_t out_of_order = 0;     // pictures whose time was not after the one before
-  std::uint64_t lost = 0;             // by the driver, for lack of a buffer
-  std::uint64_t ahead = 0;            // pictures stamped with a time after their arrival
+  std::uint64_t damaged = 0;          // pictures marked by the driver, truncated, or not decodable
+  std::uint64_t out_of_order = 0;     // pictures not newer than the previous one
+  std::uint64_t lost = 0;             // pictures lost by the driver, for lack of a buffer
+  std::uint64_t ahead = 0;            // pictures with a time stamp after their arrival
   Time largest_gap{};                 // between the pictures of a pair
   Time tolerance{};
-  std::array<Stamp, 2> stamps{};  // of left and right
+  std::array<Stamp, 2> stamps{};  // left and right
 };
 
 class V4l2Camera final : public vision::Camera {
  public:
-  // Size of the queue of pairs; if poll() is called too rarely, the oldest are dropped.
+  // Size of the queue of pairs. If poll() is called too rarely, the oldest pairs are dropped.
   static constexpr std::size_t kMostWaiting = 4;
 
-  // Opens both at the calibration's size and starts them. Errors: V4l2Device::open(), start().
+  // Opens both devices at the calibration's size and starts them. Returns the errors of V4l2Device::open()
+  // and start().
   static Result<std::unique_ptr<V4l2Camera>> open(const V4l2Source& source,
                                                   const vision::StereoCalibration& calibration,
                                                   const V4l2Options& options = {});
@@ -68,13 +69,13 @@ class V4l2Camera final : public vision::Camera {
   V4l2Camera& operator=(const V4l2Camera&) = delete;
 
   const vision::CameraModel& model() const override { return model_; }
-  // Rectified pairs with their pixels. The error "camera PATH stopped: ..." once a device has stopped and
-  // all earlier pairs were returned.
+  // Returns rectified pairs with their pixels. Fails with "camera PATH stopped: ..." once a device has
+  // stopped and all earlier pairs were returned.
   Result<std::optional<vision::StereoPair>> poll() override;
   V4l2Statistics statistics() const;
   // Text for users: "412 pairs, 3 pictures without partner, ...".
   std::string summary() const;
-  // Of the left and right device: "640 x 480 yuyv, 30 Hz".
+  // Mode of one device: "640 x 480 yuyv, 30 Hz".
   std::string mode(EyeSide side) const;
 
  private:
@@ -84,25 +85,25 @@ class V4l2Camera final : public vision::Camera {
   void read_devices();
   bool take_all(EyeSide side, bool must_have_some);
   void deliver(const RawPair& raw);
-  void count();  // under the lock
+  void count();  // requires the lock
   bool still_alive();
   void stop(Error error);
 
   const Devices devices_;
-  const int wake_;  // eventfd: ends the thread
+  const int wake_;  // eventfd that ends the thread
   const vision::CameraModel model_;
   const vision::Rectifier rectifier_;
   const Time silence_;
-  StereoPairing pairing_;         // of the thread
-  std::array<Time, 2> heard_{};   // of the thread
-  Time paired_{};                 // of the thread: when the last valid pair came
-  vision::StereoImages scratch_;  // of the thread
-  std::uint64_t sequence_ = 0;    // of the thread
+  StereoPairing pairing_;         // thread only
+  std::array<Time, 2> heard_{};   // thread only
+  Time paired_{};                 // thread only; when the last valid pair came
+  vision::StereoImages scratch_;  // thread only
+  std::uint64_t sequence_ = 0;    // thread only
   mutable std::mutex mutex_;
   std::deque<vision::StereoPair> waiting_;
   V4l2Statistics statistics_;
   std::optional<Error> stopped_;
-  std::thread reader_;  // last: it uses all of the above
+  std::thread reader_;  // last, because it uses all members above
 };
 
 }  // namespace kaz::host

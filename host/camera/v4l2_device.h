@@ -1,14 +1,13 @@
-// One video device of Linux (V4L2): agrees on a mode, streams through mapped buffers.
+// One Linux video device (V4L2): negotiates a mode and streams through mapped buffers.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The kernel's own interface (linux/videodev2.h), single-planar capture, memory-mapped buffers. A
-// picture's time is the buffer's time stamp on CLOCK_MONOTONIC, which is the host's clock
-// (docs/explanation/time.md).
-// A stamp is either of the start of exposure or of the end of the frame, as the buffer's flag indicates;
-// half of the exposure time, where the camera reports it (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the
-// start), is added or taken off to get the middle. A picture cannot be exposed after it arrived: where a
-// driver reports so, it gets the time of arrival, and is counted. The readout time of a rolling shutter is
-// not available from any interface and is ignored.
+// Uses the kernel interface (linux/videodev2.h) with single-planar capture and memory-mapped buffers. A
+// picture's time is the buffer's time stamp on CLOCK_MONOTONIC, the host's clock (docs/explanation/time.md).
+// The buffer's flag shows whether a stamp marks the start of the exposure or the end of the frame. Half the
+// exposure time is added or subtracted to get the middle, if the camera reports it
+// (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the start). A picture cannot be exposed after its arrival. If a
+// driver reports that, the picture gets its time of arrival and is counted. No interface reports the readout
+// time of a rolling shutter, so it is ignored.
 #pragma once
 
 #include <cstddef>
@@ -23,47 +22,48 @@
 namespace kaz::host {
 
 struct V4l2Wanted {
-  int width = 0, height = 0;          // px, exactly these
-  double rate_hz = 30;                // pictures a second; the nearest rate of the camera is used
+  int width = 0, height = 0;          // px, exactly this size
+  double rate_hz = 30;                // pictures per second; the camera's nearest rate is used
   std::optional<PixelFormat> format;  // empty: the best format that reaches the rate
 };
 
-// Error message, one sentence, for a failure of `doing` (as in "asking for its format") at `path`: no such
-// device, no permission, busy, unplugged, no bandwidth left.
+// Error message for a failure of `doing` (such as "asking for its format") at `path`: no such device, no
+// permission, busy, unplugged, or no bandwidth left.
 Error v4l2_error(const std::string& path, const std::string& doing, int error_number);
 
-// Meaning of a driver's time stamps. `arrival`: they are not of CLOCK_MONOTONIC; the time at which the
-// picture was read from the driver is used instead.
+// Meaning of a driver's time stamps. `arrival`: the stamps are not on CLOCK_MONOTONIC, and the time at which
+// the picture was read is used instead.
 enum class Stamp : std::uint8_t { start_of_exposure, end_of_frame, arrival };
-// Middle of an exposure that took `exposure_time`, zero if that is unknown.
+// Middle of an exposure with this `exposure_time`, zero if unknown.
 Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);
 
 class V4l2Device {
  public:
-  // Opens the device and negotiates a mode. Errors, a sentence each: those of v4l2_error(); no video device;
-  // a node without pictures; planes in several buffers only; no supported format; not that size.
+  // Opens the device and negotiates a mode. Returns the errors of v4l2_error(). Also fails if it is not a
+  // video device, or if the node has no pictures. Also fails if it has only multi-planar pictures, no
+  // supported format, or not this size.
   static Result<std::unique_ptr<V4l2Device>> open(const std::string& path,
                                                   const V4l2Wanted& wanted);
   ~V4l2Device();
   V4l2Device(const V4l2Device&) = delete;
   V4l2Device& operator=(const V4l2Device&) = delete;
 
-  // Starts the stream. Errors: busy, no bandwidth on the bus, no memory for buffers.
+  // Starts the stream. Fails if the device is busy, or if bus bandwidth or buffer memory is exhausted.
   Result<void> start();
 
   enum class Taken { picture, damaged, nothing };
-  // Never blocks. `damaged`: the driver flagged the buffer as corrupt, or it is empty. An error means that
-  // no more pictures will come (unplugged, fatal error of the driver).
+  // Takes a picture without blocking. `damaged`: the driver flagged the buffer as corrupt, or it is empty. An
+  // error means that no more pictures will come (unplugged, or fatal driver error).
   Result<Taken> take(RawFrame& frame);
 
   const std::string& path() const { return path_; }
-  int descriptor() const { return descriptor_; }  // readable when take() has something
+  int descriptor() const { return descriptor_; }  // readable when take() has a picture
   const RawLayout& layout() const { return layout_; }
   double rate_hz() const { return rate_hz_; }  // as negotiated; 0 if the driver does not report it
-  // Pictures that the driver lost, by the gaps in its sequence numbers.
+  // Pictures that the driver lost, from gaps in its sequence numbers.
   std::uint64_t lost() const { return lost_; }
-  Stamp stamp() const { return stamp_; }  // of the last picture
-  // Pictures whose stamp was of a time after their arrival.
+  Stamp stamp() const { return stamp_; }  // the last picture's
+  // Number of pictures with a time stamp after their arrival.
   std::uint64_t ahead() const { return ahead_; }
 
  private:
@@ -72,7 +72,7 @@ class V4l2Device {
     std::size_t size = 0;
   };
   V4l2Device(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
-  int control(unsigned long request, void* argument) const;  // 0, or the error's number
+  int control(unsigned long request, void* argument) const;  // 0 or errno
   Result<void> check_kind() const;
   std::vector<std::uint32_t> formats() const;
   std::string sizes(std::uint32_t format) const;

@@ -1,4 +1,4 @@
-// Ways to a board's reset and mode pins.
+// Ways to reset a board and to set its mode pins.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,14 +15,14 @@ namespace kaz::host {
 class BoardReset {
  public:
   virtual ~BoardReset() = default;
-  // Resets the board, into boot mode or into the program in its flash.
+  // Resets the board into boot mode, or into the program in its flash.
   virtual Result<void> reset(bool boot) = 0;
   virtual std::string name() const = 0;
 };
 
-// DTR is wired to RES (active: in reset), RTS to the mode pins (active: boot mode). Resets last 25 ms:
-// RES needs 20 states while the oscillator runs. Opening a port makes both active: until the first reset()
-// the board is held in reset.
+// Resets by modem lines. DTR is wired to RES (active: in reset), RTS to the mode pins (active: boot mode).
+// A reset lasts 25 ms; RES needs 20 states while the oscillator runs. Opening a port activates both lines,
+// so the board is held in reset until the first reset(). `port` and `clock` must outlive this.
 class ModemLineReset final : public BoardReset {
  public:
   ModemLineReset(ModemLines& port, Clock& clock) : port_(port), clock_(clock) {}
@@ -34,7 +34,8 @@ class ModemLineReset final : public BoardReset {
   Clock& clock_;
 };
 
-// The control socket of `kaz sim` (docs/reference/simulator.md): "mode boot", "reset".
+// Resets through the control socket of `kaz sim` (docs/reference/simulator.md): "mode boot" or "mode run",
+// then "reset".
 class ControlSocketReset final : public BoardReset {
  public:
   explicit ControlSocketReset(std::string path) : path_(std::move(path)) {}
@@ -45,7 +46,8 @@ class ControlSocketReset final : public BoardReset {
   std::string path_;
 };
 
-// Manual: a person sets a switch and presses a button; `prompt_user` shows what to do and returns when done.
+// Manual reset: the user sets a switch and presses a button. `prompt_user` shows what to do and returns
+// when it is done.
 class ManualReset final : public BoardReset {
  public:
   explicit ManualReset(std::function<Result<void>(const std::string& prompt)> prompt_user)

@@ -1,4 +1,4 @@
-// Diagnostics of flashing: what failed, what was expected and received, likely causes, next step.
+// Diagnostics of flashing: what failed, the values expected and received, likely causes, and the next step.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,14 +10,14 @@
 namespace kaz::host {
 
 struct Diagnostic {
-  std::string what;                 // "the board did not answer in boot mode"
+  std::string what;                 // problem: "boot mode failed at H'55"
   std::string expected;             // "H'00 in answer to H'00 at 9600 baud"
-  std::string came;                 // what came instead: "nothing in 2.0 s"
+  std::string came;                 // bytes or values received: "4b 80 00"
   std::vector<std::string> causes;  // most likely first
-  std::string next;                 // a command, or what to do
+  std::string next;                 // next step, for example a command
 };
 
-// Several lines without a final newline; text from outside breaks none of them.
+// Returns several lines without a final newline. Line breaks within the members become spaces.
 std::string text_of(const Diagnostic& diagnostic);
 tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic);
 

@@ -1,9 +1,9 @@
 // Flashes an H8S/2128: boot mode or resident loader, then erase, write, verify, read, run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Uses Link and Clock, so that it runs against a port and in simulated time. All errors have a text of
-// several lines (diagnostic.h). Success is reported only after verification: three independent checksums of
-// the flash are compared with those of the image.
+// Uses Link and Clock, so that it runs against a port and in simulated time. Error texts have several lines
+// (diagnostic.h). Success is reported only after verification: three independent checksums of the flash are
+// compared with those of the image.
 #pragma once
 
 #include <cstdint>
@@ -24,76 +24,87 @@ namespace kaz::host {
 
 struct FlashProgress {
   std::string phase;                  // "boot", "erase", "write", "verify"
-  std::uint32_t done = 0, total = 0;  // bytes; blocks while erasing
-  double bytes_per_s = 0;  // since the phase began; 0: not measured, or none while erasing
+  std::uint32_t done = 0, total = 0;  // in bytes; in blocks while erasing
+  // Since the phase began; 0 before it is measured, and while erasing.
+  double bytes_per_s = 0;
 };
-// "write 512 of 33088 bytes, 8.1 KB/s"; the rate only where it was measured
+// Returns "write 512 of 33088 bytes, 8.1 KB/s"; without the rate if it is 0.
 std::string progress_text(const FlashProgress& progress);
 
 struct FlasherOptions {
   BootOptions boot;
-  int baud = 115200;                          // of the writer
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board whose firmware is to start its loader
-  bool force = false;  // the image may be for another board, or no Kaz application
-  // Link and clock of the flasher where they are real: what fails while this machine is late is
-  // repeated. May be null.
+  int baud = 115200;  // while the flash writer runs
+  // Address of the board whose firmware starts its loader.
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
+  // Accepts an image for another board, or one that is no Kaz application.
+  bool force = false;
+  // Measures this machine's lateness at the flasher's link and clock, in real time. Steps that failed while
+  // it was late are repeated. May be null.
   LatenessMeter* lateness = nullptr;
   std::function<void(const FlashProgress&)> progress;
-  std::function<void(const std::string&)> note;  // one line for the user
+  std::function<void(const std::string&)> note;  // called with one line for the user
 };
 
-// Times of the part (32-byte generation), for the minimum duration of flashing.
+// Times of the chip (32-byte generation), for the lower bound on the duration of flashing.
 struct FlashTimes {
   static constexpr double erase_pulse_s = 0.0051, erase_setup_s = 0.00024;
-  // SWE 10, PSU 50, P 150, alpha 10, beta 10, PV 4, 16 words of 2, 4 and SWE off 100 us.
+  // Sum in us: SWE 10, PSU 50, P 150, alpha 10, beta 10, PV 4, 16 words of 2, 4, and SWE off 100.
   static constexpr double program_line_s = 0.00037;
 };
 
 struct FlashReport {
-  std::uint32_t bytes = 0;        // of the image
+  std::uint32_t bytes = 0;        // size of the image
   std::uint32_t written = 0;      // bytes
   int erased = 0, unchanged = 0;  // blocks
   int repeated = 0;               // requests
   bool verified = false;
-  double seconds = 0;      // from the first byte to the board until everything is verified
-  double min_seconds = 0;  // lower bound by wire and flash cells: docs/howto/flash.md
+  // From the first byte to the board until everything is verified.
+  double seconds = 0;
+  // Lower bound by wire and flash cells (docs/howto/flash.md).
+  double min_seconds = 0;
   double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
 
-// Checks that `image` is valid. Through boot mode it needs vectors and loader too, which are erased there.
-// `force`: it may be no Kaz application. Error (usage): it is damaged, not enough or foreign.
+// Checks that `image` is a valid Kaz application. Boot mode erases vectors and loader, so for
+// `through_boot` the image must contain them. `force`: it need not be a Kaz application. Errors (usage): it
+// is damaged, incomplete or foreign.
 Result<void> check_image(const FlashImage& image, bool through_boot, bool force);
 
 class Flasher {
  public:
-  // `program` is the flash writer (firmware's writer.bin). All must outlive it.
+  // `program` is the flash writer (firmware's writer.bin). Link, clock and program must outlive this.
   Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program, FlasherOptions options);
 
-  // check_image(), and that it is for the board that was found. Error (failed): it is for another.
+  // Runs check_image() and compares the image's board id with that of the board found. Errors: those of
+  // check_image(), and (failed) if the image is for another board.
   Result<void> check(const FlashImage& image, bool through_boot) const;
 
-  // Starts the loader of a board whose firmware or loader answers at 115,200 baud; `found` then contains
-  // its id. False: no answer, as from an erased board.
+  // Starts the loader of a board whose firmware or loader answers at 115,200 baud. Afterwards, found()
+  // returns its id. Returns false if there is no answer, as from an erased board.
   Result<bool> enter_loader();
-  // Through boot mode: erases the whole flash. Retries after line errors. A board id known from
-  // enter_loader() is kept.
+  // Loads the flash writer through boot mode, which erases the whole flash. Retries after line errors. A
+  // board id known from enter_loader() is kept.
   Result<void> enter_boot(BoardReset& reset);
 
   const std::optional<WriterInfo>& found() const { return info_; }
   std::optional<std::uint16_t> board_id() const { return board_id_; }
 
-  // Erases the blocks that differ, writes everything except the application's header, verifies it, then
-  // writes and verifies the header. Through the loader the blocks of vectors and loader are unchanged, and of
-  // a Kaz application, such as a copy of a board's flash, those of calibration and address, too.
+  // Erases the blocks that differ, writes and verifies everything except the application's header, then
+  // writes and verifies the header.
+  //
+  // Through the loader, the blocks of vectors and loader stay unchanged. If the image is a Kaz application,
+  // such as a copy of a board's flash, calibration and address stay unchanged, too.
   Result<FlashReport> write(const FlashImage& image);
-  // Errors (failed): which block differs.
+  // Compares the flash with the image. Errors (failed): the message names the first range or blocks that
+  // differ.
   Result<FlashReport> verify(const FlashImage& image);
   Result<void> erase(const std::vector<int>& blocks);
   Result<std::vector<std::uint8_t>> read(FlashRange range);
-  // Leaves the writer through the reset vector, or by a reset.
+  // Leaves the writer through the reset vector, or by `reset` if it is not null.
   Result<void> run(BoardReset* reset);
 
-  // State of the board after a failure, and the remedy; empty while nothing was changed.
+  // Returns the state of the board after a failure, and the remedy. Empty if the flash was not changed, and
+  // after success.
   std::string left_behind() const;
 
  private:
@@ -106,7 +117,8 @@ class Flasher {
   Result<void> erase_block(int block);
   Result<void> compare(const std::vector<FlashRange>& ranges, const FlashImage& image);
   bool kept(std::uint32_t address) const;
-  // Calibration or address, which no image of a Kaz application changes through the loader.
+  // Whether the address lies in calibration or address blocks, which a Kaz application never changes
+  // through the loader.
   bool is_setting(std::uint32_t address, const FlashImage& image) const;
   void report_line(const std::string& line) const;
   void report_progress(const char* phase, std::uint32_t done, std::uint32_t total);
@@ -118,7 +130,7 @@ class Flasher {
   WriterLink writer_;
   std::optional<WriterInfo> info_;
   std::optional<std::uint16_t> board_id_;
-  bool blank_ = false;  // boot mode has just erased everything
+  bool blank_ = false;  // boot mode has erased everything, and no block is written yet
   State state_ = State::untouched;
   Time started_{};
   double min_seconds_ = 0;

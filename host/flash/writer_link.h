@@ -1,4 +1,4 @@
-// Talks to the flash writer in a board's RAM (shared/flash/protocol.h): frames, repetitions, windows.
+// Requests to the flash writer in a board's RAM (shared/flash/protocol.h): frames, retries, windows.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,60 +23,64 @@ struct WriterRequest {
 
 struct WriterReply {
   std::uint8_t type = 0, number = 0, status = 0;
-  std::vector<std::uint8_t> data;  // after the status
+  std::vector<std::uint8_t> data;  // bytes after the status and a reserved byte
 };
 
 struct WriterInfo {
   int protocol = 0;
   bool by_loader = false;
-  std::optional<std::uint16_t> board_id;  // unknown in boot mode
+  std::optional<std::uint16_t> board_id;  // empty: unknown, as in boot mode
 };
 
-// Three sums over a stretch of flash.
+// Three checksums over a range of flash.
 struct WriterSums {
   std::uint16_t crc = 0xffff, plain = 0, sums = 0;
   void add(std::uint8_t byte);
   bool operator==(const WriterSums&) const = default;
 };
 
-// Big-endian, appended.
+// Appends `value` in `bytes` bytes, big-endian.
 void append(std::vector<std::uint8_t>& to, std::uint32_t value, int bytes);
+// Returns the meaning of a KZ_WRITER_* status.
 std::string status_text(int status);
 
 class WriterLink {
  public:
-  // All must outlive it. `lateness`: the same link and clock where they are real; tries during
-  // which this machine was late then do not count, up to LatenessMeter::kRepetitions of an
-  // exchange. May be null.
+  // All must outlive this. `lateness` measures lateness at the same link and clock, in real time; may be
+  // null. Tries during which this machine was late do not count, up to LatenessMeter::kRepetitions of an
+  // exchange.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 
-  // One request, repeated until a reply comes. Errors: none came, the link's. A status is no error.
+  // Sends a request and repeats it until a reply arrives. `patience` is the timeout of a try; it doubles
+  // after three tries. Errors: no reply, or a link error. A reply with an error status is returned.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
-  // Sends requests in order, up to WINDOW of them outstanding, repeating each as needed. `answered`
-  // is called with each reply in order; an error from it ends the exchange. `next` is called when there is
-  // room for another request.
+  // Sends requests in order, up to KZ_WRITER_WINDOW of them outstanding, and repeats each as needed.
+  // `patience` is the shortest timeout; it grows with the response time, up to four times. `next` is called
+  // when there is room for another request and returns nothing at the end. `answered` is called with each
+  // reply in order; an error from it ends the exchange.
   Result<void> exchange_all(
       const std::function<std::optional<WriterRequest>()>& next, Time patience,
       const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);
 
   Result<WriterInfo> info(Time patience = std::chrono::milliseconds(250), int tries = 6);
+  // Switches the writer and the link to `baud`. `brr`: value for the writer's bit rate register.
   Result<void> set_rate(int baud, std::uint8_t brr);
   Result<WriterSums> sums(std::uint32_t address, std::uint32_t length);
 
-  // Present rate of the link; set_rate() returns to it if the writer does not follow.
+  // Records the present rate of the link, to which set_rate() returns if the writer does not follow.
   void rate_is(int baud) { rate_ = baud; }
   int repeated() const { return repeated_; }
 
  private:
   Result<void> send(const WriterRequest& request, std::uint8_t number);
-  // A valid frame, or nothing until `deadline`.
+  // Returns a valid frame, or nothing at `deadline`.
   Result<std::optional<WriterReply>> receive(Time deadline);
   bool parse(WriterReply& reply);
-  // Waits until the line is quiet. Replies received meanwhile count: the board may only be slow.
+  // Waits until the line is quiet. Replies received meanwhile are kept, because the board may only be slow.
   Result<void> settle();
   void begin_try();
-  // Whether the try since begin_try() is to be repeated without counting; uses up one of `left`.
+  // Whether the try since begin_try() is repeated without counting; uses up one of `left`.
   bool excused(int& left) const;
   tl::unexpected<Error> no_answer(int tries) const;
 

@@ -16,20 +16,20 @@
 
 namespace kaz::host {
 
-// A clock, a link and a board. Time passes when somebody waits. Motors are first-order: speed
-// follows duty by the motor's line, with Coulomb friction (design, section 4) and the inertia of
-// rotor and head.
+// A clock, a link and a board. Simulated time advances only while a caller waits.
+// Motors are first-order systems: a linear speed-torque curve, Coulomb friction, and the inertia of rotor and
+// head.
 class TestBoard final : public Clock, public Link {
  public:
   using Angles = std::array<double, KZ_JOINTS>;  // rad
 
   struct Options {
     Time tick_offset = std::chrono::microseconds(123456);  // host time of tick 0
-    double crystal_ppm = 0;                                // board's millisecond longer by this
-    // Delay added to each chunk of bytes, uniform in 0..this, from a generator seeded with `seed`.
+    double crystal_ppm = 0;  // the board's millisecond is longer by this
+    // Delay added to each chunk of bytes: uniform from 0 to this, from a generator seeded with `seed`.
     Time latency_to_board{}, latency_to_host{};
     std::uint64_t seed = 1;
-    bool state_byte_time = true;  // byte_time() is known
+    bool state_byte_time = true;  // false: byte_time() returns 0 (unknown)
   };
   TestBoard() : TestBoard(Options{}) {}
   explicit TestBoard(const Options& options);
@@ -41,28 +41,29 @@ class TestBoard final : public Clock, public Link {
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
 
-  // True host time at which a tick started; ticks are counted from the first start, across reset().
+  // True host time at which a tick started. Ticks are counted from the first start, across reset().
   Time start_of_tick(std::uint32_t tick) const;
-  // Power cycle: motors off, ticks from 0, bytes in transit are lost.
+  // Simulates a power cycle: motors off, ticks from 0, bytes in transit lost.
   void reset();
   std::uint32_t board_tick() const { return next_tick_ - reset_at_; }
-  // True joint angles (rad) at a time not later than now, interpolated between ticks.
+  // True joint angles (rad) at `t`, which must not be later than now(). Interpolates between ticks.
   Angles angles_at(Time t) const;
   void set_angle(int joint, double rad) { angle_[static_cast<std::size_t>(joint)] = rad; }
   bool motors_on() const { return motors_on_; }
 
-  // Bytes that the next read returns at once.
+  // Appends bytes that the next read returns at once.
   void inject(std::span<const std::uint8_t> bytes);
 
   using Bytes = std::vector<std::uint8_t>;
-  // If set, each write to the board, and each whole frame from it, passes through these.
+  // If set, filters each write to the board, and each complete frame from it.
   std::function<Bytes(Bytes)> to_board, to_host;
-  // If set, called after each tick with its start.
+  // If set, called after each tick with the tick's start time.
   std::function<void(Time)> after_tick;
-  bool mute = false;                        // the board is off
-  std::optional<Error> link_failure;        // what reads and writes return from now on
-  std::optional<double> supply_volts;       // instead of 10 V
-  std::array<std::uint16_t, 3> inertial{};  // codes of yaw rate, forward and left; 0: not fitted
+  bool mute = false;                   // the board is off
+  std::optional<Error> link_failure;   // if set, read and write return this error
+  std::optional<double> supply_volts;  // replaces the supply voltage of 10 V
+  // Converter codes of yaw rate, forward and left; 0: not fitted
+  std::array<std::uint16_t, 3> inertial{};
 
  private:
   static constexpr Time kByte = std::chrono::nanoseconds(86805);

@@ -1,4 +1,4 @@
-// Non-blocking reads and writes on a descriptor, waiting in poll(): what serial ports and TCP share.
+// Non-blocking reads and writes on a descriptor, shared by serial ports and TCP links.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,13 +16,12 @@ namespace kaz::host {
 
 class ByteStream {
  public:
-  // `name` and `closed` are for messages: "/dev/ttyUSB0", and the sentence for a descriptor whose other
-  // end is gone. `interrupt` may be null; else it must outlive the stream, and makes `read` fail once
-  // requested.
+  // `name` ("/dev/ttyUSB0") and `closed` (a sentence for a closed other end) appear in error messages.
+  // `interrupt` may be null. Otherwise it must outlive the stream, and a request makes `read` fail.
   ByteStream(std::string name, std::string closed, const Interrupt* interrupt)
       : name_(std::move(name)), closed_(std::move(closed)), interrupt_(interrupt) {}
 
-  // Takes a non-blocking descriptor in place of the one before, whose unsent bytes are dropped.
+  // Takes ownership of a non-blocking descriptor and closes the previous one. Drops unsent bytes.
   void attach(Descriptor fd);
   void detach() { attach(Descriptor()); }
   int descriptor() const { return descriptor_.get(); }
@@ -31,10 +30,10 @@ class ByteStream {
   bool is_open() const { return static_cast<bool>(descriptor_); }
   Error closed() const { return Error{Fault::environment, closed_}; }
 
-  // Fails when the other end is gone, and from then on; or when it has taken no byte of the last 64 KB.
-  // Bytes that the other end of a socket sent before it closed can still be read.
+  // Queues `bytes` and writes as many as the descriptor accepts. Fails if the other end is closed, or if more
+  // than 64 KiB would be unsent. After a failed write, bytes that a socket has received remain readable.
   Result<void> write(std::span<const std::uint8_t> bytes);
-  // As Link::read.
+  // As Link::read. Also sends queued bytes while it waits.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline);
 
  private:
@@ -44,11 +43,11 @@ class ByteStream {
   const Interrupt* interrupt_;
   Descriptor descriptor_;
   bool socket_ = false;
-  std::vector<std::uint8_t> pending_;  // what the descriptor has not taken yet
+  std::vector<std::uint8_t> pending_;  // bytes that the descriptor has not accepted yet
 };
 
-// Waits until `descriptor` has `events` (POLLIN, POLLOUT), an error or a hang-up, or the deadline has come;
-// returns what it has, 0 at the deadline. Fails if interrupted. For `name` see above.
+// Waits until `descriptor` has one of `events` (POLLIN, POLLOUT), an error or a hang-up, or until `deadline`.
+// Returns the poll() events, or 0 at the deadline. Fails if interrupted. `name` appears in error messages.
 Result<short> wait_for(int descriptor, short events, Time deadline, const Interrupt* interrupt,
                        const std::string& name);
 

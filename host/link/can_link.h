@@ -1,20 +1,24 @@
 // Link over a CAN bus: each frame of the wire protocol is one ISO-TP message.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What stands between two zeros of the line (stuffed body and check, docs/reference/protocol.md) is the
-// message; the zeros stay behind, and the receiving end puts them back. So the board's check covers the
-// whole path.
+// A message contains the bytes between two zeros of the serial line: stuffed body and check
+// (docs/reference/protocol.md). The zeros are not transmitted; the receiver adds them again. So the check of
+// the protocol covers the whole path.
 //
-//   requests to address a   identifier kCanRequests + a, a = 1..14
-//   replies from address a  identifier kCanReplies + a; on both, flow control for the other
-//   requests to all boards  identifier kCanRequests + 15, without flow control, as its receivers are several
+//   identifier             carries
+//   kCanRequests + 1..14   requests to this address
+//   kCanReplies + 1..14    replies from this address
+//   kCanRequests + 15      requests to all boards
 //
-// A frame whose address is none of these (damaged, or a test's) goes to all boards, each of which ignores
-// it, as on a line. What cannot cross: pauses between bytes, and framing and parity errors; bytes without
-// a zero behind them; the bit rate of the line.
+// The two identifiers of an address form a pair, and each carries flow control for the other. A broadcast has
+// no flow control because it has several receivers.
 //
-// The kernel gives a transfer up a second after its receiver has stopped answering; here after kGiveUp,
-// so that a board that is gone for a while is not deaf for longer.
+// A frame with any other address (damaged, or from a test) goes to all boards, each of which ignores it, as
+// on a serial line. A CAN link cannot transfer pauses between bytes, framing and parity errors, the bit rate,
+// or bytes without a zero after them.
+//
+// The kernel aborts a transfer one second after its receiver stops answering. CanLink aborts it after
+// kGiveUp, so that a board that returns is reachable sooner.
 #pragma once
 
 #include <array>
@@ -34,43 +38,46 @@ inline constexpr std::uint32_t kCanRequests = 0x6A0, kCanReplies = 0x6B0;
 inline constexpr std::uint8_t kCanAll = 15;
 
 struct CanStatistics {
-  std::uint64_t frames_in = 0, frames_out = 0;  // of the wire protocol
-  std::uint64_t error_frames = 0;               // from the controller, of all kinds
+  std::uint64_t frames_in = 0, frames_out = 0;  // frames of the wire protocol
+  std::uint64_t error_frames = 0;               // error frames of all kinds from the controller
   std::uint64_t bus_off = 0, restarts = 0, overflows = 0;
-  std::uint64_t unfinished_out = 0;  // nobody, or nobody any more, took the message
-  std::uint64_t unfinished_in = 0;   // messages that were broken off, or out of order
-  std::uint64_t discarded = 0;  // bytes without a zero, and messages that no receiver waited for
-  std::string text() const;     // "3 error frames, bus-off once"; empty if all is well
+  std::uint64_t unfinished_out = 0;  // messages that no receiver accepted completely
+  std::uint64_t unfinished_in = 0;   // messages broken off or out of order
+  // Frames above 4095 bytes, and messages dropped from a full queue to one receiver.
+  std::uint64_t discarded = 0;
+  std::string text() const;  // "3 error frames, bus-off once"; empty if all counts but frames are 0
 };
 
 class CanLink final : public PortLink {
  public:
   enum class End {
-    host,  // sends requests, to all 14 addresses
-    board,  // sends replies of the boards with these addresses, and hears requests to them and to all
+    host,  // sends requests to all 14 addresses
+    // Sends replies of the boards with these addresses. Receives requests to them and to all boards.
+    board,
   };
   struct Options {
     End end = End::host;
-    std::vector<std::uint8_t> addresses = {};  // of End::board: 1..14, at least one
+    std::vector<std::uint8_t> addresses = {};  // for End::board: 1..14, at least one
     const Interrupt* interrupt = nullptr;      // may be null; else it must outlive the link
   };
+  // Time after which messages that no receiver accepts are dropped.
   static constexpr Time kGiveUp = std::chrono::milliseconds(200);
 
-  // Errors: those of CanSockets.
+  // Returns the errors of CanSockets.
   static Result<std::unique_ptr<CanLink>> open(std::unique_ptr<CanSockets> sockets,
                                                const Options& options);
 
   std::string name() const override { return "can:" + sockets_->interface(); }
-  // Error (environment): a bus has no such lines.
+  // Always fails (environment): a bus has no modem lines.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::bus; }
   int descriptor() const override { return events_.get(); }
   bool has_unsent() const override { return any_waiting() || !received_.empty(); }
-  // Fails when the interface is down or gone.
+  // Queues complete frames and sends as many as the bus accepts. Fails if the interface is down or gone.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
-  // Fails when the interface is down or gone, and at bus-off; each later call too, until reopen() succeeds.
+  // Fails if the interface is down, gone or bus-off, and from then on until reopen() succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
-  // Fails with the sentence of CanSockets::check until the interface carries frames again.
+  // Opens all sockets again. Fails with the error of CanSockets::check until the interface carries frames.
   Result<void> reopen() override;
 
   std::string counts() const override { return statistics_.text(); }
@@ -81,7 +88,7 @@ class CanLink final : public PortLink {
     IsoTpChannel ids;
     Descriptor socket;
     std::deque<std::vector<std::uint8_t>> waiting;
-    Time since{};  // when the first of them began to wait
+    Time since{};  // when its first message was queued
     bool used = false;
   };
 
@@ -105,7 +112,7 @@ class CanLink final : public PortLink {
   Descriptor events_;  // epoll of all sockets
   Descriptor errors_;
   std::array<Channel, kCanAll + 1> channels_;  // by address; 15: all
-  std::vector<std::uint8_t> message_;          // that is being written: no zero has come yet
+  std::vector<std::uint8_t> message_;          // message being written, not yet ended by a zero
   bool too_long_ = false;
   std::deque<std::uint8_t> received_;
   bool bus_off_ = false;

@@ -1,4 +1,4 @@
-// Sockets of one CAN interface: the kernel's, or a test's.
+// Sockets of one CAN interface: from the kernel, or from a test.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,10 +11,11 @@
 
 namespace kaz::host {
 
-// One direction pair of ISO-TP (ISO 15765-2, normal addressing, 11-bit identifiers).
+// A pair of identifiers of ISO-TP (ISO 15765-2, normal addressing, 11 bits).
 struct IsoTpChannel {
   enum class Mode {
-    pair,       // sends on tx_id, receives on rx_id; both carry flow control for the other
+    // Sends on tx_id, receives on rx_id. Both carry flow control for each other.
+    pair,
     broadcast,  // sends only, to any number of receivers, without flow control
     listen,     // receives such a broadcast
   };
@@ -22,22 +23,24 @@ struct IsoTpChannel {
   Mode mode = Mode::pair;
 };
 
-// Sockets are non-blocking and have the semantics of SOCK_SEQPACKET: one message per read and write.
+// Opens the sockets of one interface. Sockets are non-blocking and behave as SOCK_SEQPACKET: each read or
+// write transfers one message.
 class CanSockets {
  public:
   virtual ~CanSockets() = default;
   virtual std::string interface() const = 0;
-  // Whether the interface carries frames now. Errors (environment), one sentence each with the command that
-  // mends it: no such interface, no CAN interface, down, bus-off.
+  // Succeeds if the interface carries frames now. Fails (environment) if the interface does not exist, is not
+  // CAN, is down, or is bus-off. The message contains the command that repairs it.
   virtual Result<void> check() = 0;
-  // ISO-TP by the kernel: a message is what one frame of the board's line carries. Errors (environment): no
-  // module, the identifiers are in use by another program.
+  // Opens an ISO-TP socket of the kernel. One message is one frame of the wire protocol. Fails (environment)
+  // if the kernel module is missing, or if another program uses the identifiers.
   virtual Result<Descriptor> open_isotp(const IsoTpChannel& channel) = 0;
-  // Error frames alone: messages are struct can_frame with CAN_ERR_FLAG (linux/can/error.h).
+  // Opens a socket that receives error frames only, as struct can_frame with CAN_ERR_FLAG
+  // (linux/can/error.h).
   virtual Result<Descriptor> open_errors() = 0;
 };
 
-// SocketCAN. The interface need not exist yet; check() says whether it does.
+// SocketCAN. The interface need not exist yet; check() reports that.
 std::unique_ptr<CanSockets> kernel_can_sockets(const std::string& interface);
 
 }  // namespace kaz::host

@@ -1,4 +1,4 @@
-// For tests: pairs of SOCK_SEQPACKET in place of CAN sockets: one message per read, as theirs are.
+// For tests: pairs of SOCK_SEQPACKET sockets that replace CAN sockets.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,15 +17,15 @@
 
 namespace kaz::host {
 
-// What a bus would do with each channel's messages.
+// The bus side of each channel.
 struct TestBus {
-  // The far ends, by the identifier on which the near one sends.
+  // The remote ends, by the identifier on which the link sends.
   std::map<std::uint32_t, Descriptor> far;
   std::map<std::uint32_t, IsoTpChannel> opened;
   Descriptor errors;
-  std::optional<Error> state;  // what check() says
+  std::optional<Error> state;  // error that check() returns
 
-  // False: the socket does not take it.
+  // Sends an error frame to the link. Returns false if the socket does not accept it.
   bool error_frame(std::uint32_t classes, std::uint8_t controller = 0) {
     can_frame frame{};
     frame.can_id = CAN_ERR_FLAG | classes;
@@ -34,11 +34,12 @@ struct TestBus {
     return send(errors.get(), &frame, sizeof frame, MSG_DONTWAIT | MSG_NOSIGNAL) ==
            static_cast<ssize_t>(sizeof frame);
   }
+  // Sends a message to the link on channel `id`. Returns false if the socket does not accept it.
   bool deliver(std::uint32_t id, std::span<const std::uint8_t> message) {
     return send(far[id].get(), message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
            static_cast<ssize_t>(message.size());
   }
-  // Empty: there is none.
+  // Returns the next message that the link sent on `id`; empty if no message came.
   std::vector<std::uint8_t> received(std::uint32_t id) {
     std::vector<std::uint8_t> bytes(5000);
     const ssize_t n = recv(far[id].get(), bytes.data(), bytes.size(), MSG_DONTWAIT);

@@ -1,4 +1,4 @@
-// State of a network interface as its driver knows it now.
+// State of a CAN network interface, as its driver reports it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,17 +9,18 @@ namespace kaz::host {
 
 struct CanState {
   bool up = false;
-  // What the driver has set. IFF_RUNNING, of ioctl(), follows it up to a second later
-  // (net/core/link_watch.c of the kernel): too late just after `ip link set up`.
+  // As the driver sets it. IFF_RUNNING, as ioctl() reports it, follows up to a second later
+  // (net/core/link_watch.c of the kernel). That is too late just after `ip link set up`.
   bool carrier = true;
-  std::optional<std::uint32_t>
-      controller;  // can_state of linux/can/netlink.h; virtual ones have none
+  // `enum can_state` of linux/can/netlink.h. Virtual interfaces have no controller state.
+  std::optional<std::uint32_t> controller;
 
+  // Whether the controller is bus-off; without a controller state, whether the carrier is missing.
   bool bus_off() const;
 };
 
-// By rtnetlink(7); `index` as if_nametoindex() returns it. Empty where the interface is gone or a sandbox
-// forbids the question.
+// Queries rtnetlink(7). `index` is from if_nametoindex(). Empty if the interface is gone, or if a sandbox
+// forbids the query.
 std::optional<CanState> can_state(unsigned index);
 
 }  // namespace kaz::host

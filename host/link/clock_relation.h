@@ -1,22 +1,21 @@
-// Where a board's ticks lie in host time, with a bound on the error.
+// Relates a board's ticks to host time, with a bound on the error.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each exchange of a request and its reply encloses the start s of the tick that the reply names
-// (design, section 3: a tick reads the bytes that came before it, and what it answers leaves from
-// the next tick on):
+// Each request with its reply encloses the start s of the tick that the reply names. A tick reads only bytes
+// that arrived before its start. Its reply leaves with the next tick at the earliest. Hence
 //
 //   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //
-// so offset = s - tick * 1 ms lies in an interval [lo, hi]. Intervals of successive exchanges
-// intersect (K. Marzullo, "Maintaining the time in a distributed system", 1983): the exchanges with the
-// shortest waits set the bounds. Between exchanges the interval grows on both sides by kDriftBound times
-// the elapsed time, because the crystals of board and host differ. With q = (hi - lo) / 2 the result is
+// so offset = s - tick * 1 ms lies in an interval [lo, hi]. Intervals of successive exchanges are intersected
+// (K. Marzullo, "Maintaining the time in a distributed system", 1983), so the fastest exchanges set the
+// bounds. Between exchanges the interval grows on both sides by kDriftBound times the elapsed time, because
+// the crystals of board and host differ. With q = (hi - lo) / 2 the result is
 //
 //   host time of tick = (lo + hi) / 2 + tick * 1 ms, wrong by at most q + kDriftBound * |distance|
 //
-// with `distance` the time between that tick and the latest exchange. If the intersection is empty
-// the board has been reset, or its clock is no crystal (a simulator that lost time): the relation
-// starts anew.
+// where `distance` is the time between that tick and the latest exchange. An empty intersection means that
+// the board was reset, or that its clock is not a crystal (a simulator that lost time). The relation then
+// starts again from the latest exchange.
 #pragma once
 
 #include <cstdint>
@@ -28,27 +27,27 @@ namespace kaz::host {
 
 class ClockRelation {
  public:
-  // Crystals of 100 ppm at either end.
+  // Relative; for crystals of up to 100 ppm at both ends.
   static constexpr double kDriftBound = 200e-6;
 
-  // byte_time: how long one byte takes on the wire; zero if unknown (the bound is then wider).
+  // byte_time: duration of one byte on the wire; zero if unknown, which widens the bound.
   explicit ClockRelation(Time byte_time) : byte_time_(byte_time) {}
 
   struct Exchange {
     Time sent{};      // host time just before the request was written
-    Time received{};  // host time just after the last byte of the reply was read
+    Time received{};  // host time just after the reply's last byte was read
     int bytes_out = 0, bytes_in = 0;
     std::uint32_t tick = 0;
   };
   void add(const Exchange& exchange);
 
   bool known() const { return known_; }
-  // Host time at which `tick` started. `known()` must hold. Right across the wrap of the 32-bit
-  // counter for ticks within 24 days of the latest exchange.
+  // Host time at which `tick` started. Requires known(). Correct across the wrap of the 32-bit counter for
+  // ticks within 24 days of the latest exchange.
   Time host_time(std::uint32_t tick) const;
-  // Bound on the error of host_time at the latest exchange: q above.
+  // Bound on the error of host_time() for the tick of the latest exchange (q above).
   Time error_bound() const { return (high_ - low_) / 2; }
-  // How often the intersection was empty since the start.
+  // Number of empty intersections since construction.
   int restarts() const { return restarts_; }
 
  private:
@@ -56,7 +55,7 @@ class ClockRelation {
 
   Time byte_time_;
   bool known_ = false;
-  std::uint32_t origin_tick_ = 0;  // of the latest exchange; low_ and high_ enclose its start
+  std::uint32_t origin_tick_ = 0;  // tick of the latest exchange; low_ and high_ enclose its start
   Time latest_{};
   Time low_{}, high_{};
   int restarts_ = 0;

@@ -1,4 +1,4 @@
-// Empties a link before a request, so that old bytes are not taken for its answer.
+// Discards bytes received before a request, so that they are not taken for its reply.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace kaz::host {
 
-// Reads and discards what has come, without waiting for more. Errors: the link's; (environment) bytes still
-// come after 64 KiB or 100 ms, as from a device that sends on its own.
+// Reads and discards available bytes without waiting for more. Returns the link's errors. Fails (environment)
+// if bytes still arrive after 64 KiB or 100 ms, as from a device that sends on its own.
 Result<void> drain(Link& link, Clock& clock);
 
 }  // namespace kaz::host

@@ -1,4 +1,4 @@
-// Requests and their replies: with one board (Requester), or with several as one (BoardGroup).
+// Interface for requests and replies, with one board (Requester) or a group of boards (BoardGroup).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -29,10 +29,10 @@ struct Request {
 struct Reply {
   bool refused = false;  // the fields are those of kz_refused
   Fields fields;
-  // For the clock relation: of the transmission that was answered first. Not `timed` if the request
-  // was repeated, for then the reply may be to either transmission.
+  // The members below are for the clock relation and describe the answered transmission. `timed` is false if
+  // the request was repeated, because the reply may then belong to either transmission.
   bool timed = false;
-  Time sent{};  // when its first byte could leave
+  Time sent{};  // when the first byte of the request could leave
   Time received{};
   int bytes_out = 0, bytes_in = 0;
 };
@@ -41,51 +41,53 @@ class Exchanger {
  public:
   virtual ~Exchanger() = default;
 
-  // Posts all requests and waits for all replies, which are in the order of the requests. Fails
-  // when one has no reply after all its tries, and when the link fails or is interrupted; then
-  // nothing is under way any more.
+  // Posts all requests and waits for all replies, returned in the order of the requests. Fails if a request
+  // gets no reply in all its tries, or if the link fails or is interrupted. After a failure no request is
+  // pending.
   virtual Result<std::vector<Reply>> exchange(std::span<const Request> requests) = 0;
 
-  // The same in two steps, so that requests leave while replies to earlier ones come.
+  // post() and collect() split exchange(), so that requests can leave while earlier replies arrive. post()
+  // queues a request and does not wait for its reply.
   using Ticket = std::uint64_t;
   virtual Result<Ticket> post(const Request& request) = 0;
-  // Waits for the reply until `deadline`; nothing if it has not come until then. Each ticket gives
-  // its reply once.
+  // Waits for the reply until `deadline`. Returns nullopt if it has not come by then. A ticket returns its
+  // reply once.
   virtual Result<std::optional<Reply>> collect(Ticket ticket, Time deadline) = 0;
 
-  // Sends ahead of all waiting and outstanding requests: for `stop`.
+  // Sends `request` ahead of all queued and pending requests and waits for its reply. For `stop`.
   virtual Result<Reply> exchange_at_once(const Request& request) = 0;
 
   // Writes a request without waiting for a reply.
   virtual Result<void> send(const Request& request) = 0;
 
-  // Reads until `deadline` or until a telemetry frame has come.
+  // Reads until `deadline` or until a telemetry frame arrives. Returns whether one arrived.
   virtual Result<bool> listen(Time deadline) = 0;
-  // Called with each telemetry frame: type, fields, when it was read.
+  // Receives each telemetry frame while any call reads: type, fields, and time at which it was read.
   using Telemetry = std::function<void(std::uint8_t, std::span<const std::uint8_t>, Time)>;
   virtual void on_telemetry(Telemetry receiver) = 0;
 
-  // Discards pending requests and partially received frames, and continues with other sequence numbers.
+  // Drops pending requests and partial frames. Continues with other sequence numbers.
   virtual void start_anew() = 0;
-  // While set, each request has so many tries: for looking whether a board is there at all.
+  // While set, limits the transmissions of each request, as when probing for a board. nullopt restores the
+  // default.
   virtual void limit_tries(std::optional<int> tries) = 0;
 
   virtual const LinkStatistics& statistics() const = 0;
-  // The last frames, one line each (frame_log.h).
+  // The last 64 frames of each board, one line each (frame_log.h).
   virtual std::string recent_frames() const = 0;
   virtual Link& link() = 0;
-  // For messages, of what failed last: the link's name, or that of one of several with the address.
+  // For error messages: the name of the link that failed last; in a group with the board's address.
   virtual std::string failed_name() { return link().name(); }
-  // Bytes received since the last valid frame, up to 64, for diagnosing what replies there.
+  // The first 64 bytes since the last valid frame, to diagnose an unknown device.
   virtual std::span<const std::uint8_t> noise() const = 0;
-  // The last failure was that no reply came, not that the link is gone.
+  // Whether the last failure was a missing reply and not a lost link.
   virtual bool timed_out() const = 0;
-  // A request of ours came back: the line echoes.
+  // Whether a request was received back, as on a line that echoes.
   virtual bool heard_echo() const = 0;
-  // When the last request was written; of several boards, to the one that has waited longest.
+  // When the last request was written. In a group: the oldest such time of all boards.
   virtual Time last_sent() const = 0;
-  // Whether one of several boards, other than the one whose ticks replies have, has started anew since
-  // the last call.
+  // Whether a board of a group has restarted since the last call. Always false for one board, where the ticks
+  // of the replies show it.
   virtual bool take_restart() { return false; }
 };
 

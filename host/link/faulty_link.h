@@ -1,11 +1,9 @@
-// A link whose line is faulty: the faults of docs/reference/faults.md on any port, real ones too.
+// A link that injects line faults (docs/reference/simulator.md) on any port, including real ones.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Only faults of the line; times count from the making of the link. Framing errors cannot be made
-// from here:
-// a byte sampled at a wrong speed passes with its wrong value. Bytes that are late for the board
-// leave when
-// the link is next written to or read from.
+// Supports only faults of the line. Framing errors cannot be injected here, so a byte sampled at a wrong
+// speed arrives with its wrong value. Delayed bytes to the board leave at the next write or read. Fault times
+// count from construction.
 #pragma once
 
 #include <deque>
@@ -33,9 +31,10 @@ class FaultyLink final : public Link {
     return link_.reopen();
   }
 
-  // A fault that begins now, or at its time from the making of the link.
+  // Adds a fault, whose start time is on the scale of age().
   void add(const faults::Fault& fault) { schedule_.add(fault); }
   const faults::Schedule& schedule() const { return schedule_; }
+  // Time since construction.
   Time age() const { return clock_.now() - start_; }
 
  private:

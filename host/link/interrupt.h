@@ -1,4 +1,4 @@
-// A request to stop, made by a signal handler or another thread, that wakes whoever waits.
+// A request to stop, from a signal handler or another thread, that ends all waiting.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,31 +11,32 @@
 
 namespace kaz::host {
 
-// Given at construction to the links and clocks of real time, and to those of interruptible.h. Once
-// requested, Clock::sleep_until and Link::read fail with `error()` at once, until withdraw(), except in a
-// CleanUp; Link::write still works, so that a program that is exiting can switch the motors off.
+// Passed at construction to the links and clocks of real time, and to those of interruptible.h. After
+// request(), Clock::sleep_until and Link::read fail with error() at once, until withdraw(). A CleanUp
+// suspends this. Link::write still works, so that a program that exits can switch the motors off.
 class Interrupt {
  public:
-  Interrupt();  // throws std::system_error if the process has no file descriptor left
+  Interrupt();  // throws std::system_error if no file descriptor is free
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  // From any thread, and from a signal handler (async-signal-safe).
+  // May be called from any thread and from a signal handler (async-signal-safe).
   void request() noexcept;
   bool requested() const noexcept { return requested_.load(std::memory_order_acquire); }
-  // Takes requests back, for a program that goes on. Not while another thread may request or wait.
+  // Withdraws a request, for a program that continues. No other thread may request or wait meanwhile.
   void withdraw() noexcept;
 
-  // Whether waiting ends: requested, and no clean-up is under way.
+  // Whether waits must end: requested, and no clean-up is active.
   bool ends_waiting() const noexcept;
 
-  // Becomes readable on request, and stays so: for poll(). -1, which poll() ignores, during a clean-up.
+  // For poll(): becomes readable on request and stays so. Returns -1, which poll() ignores, during a
+  // clean-up.
   int descriptor() const noexcept;
-  // How long poll() may wait at most of `left`: during a clean-up not beyond its end.
+  // Longest time that poll() may wait if `left` remains: during a clean-up, not beyond its end.
   Time max_wait(Time left) const noexcept;
 
-  // What an interrupted call returns: Fault::interrupted, "interrupted".
+  // The error of an interrupted call: Fault::interrupted, "interrupted".
   static Error error();
 
  private:
@@ -43,13 +44,13 @@ class Interrupt {
   bool cleaning() const noexcept;
 
   std::atomic<bool> requested_{false};
-  std::atomic<std::int64_t> clean_until_ns_{0};  // of the steady clock
+  std::atomic<std::int64_t> clean_until_ns_{0};  // on the steady clock; 0: no clean-up
   int descriptor_;
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
-// While it lives, and no longer than `longest`, waiting and reading work although the interrupt was or
-// will be requested: a board is put back as it was found, its replies included. One at a time.
+// Suspends an interrupt for its lifetime, at most for `longest`. Waits and reads work meanwhile, so that a
+// board can be restored and its replies read. Only one CleanUp may exist at a time.
 class CleanUp {
  public:
   explicit CleanUp(Interrupt& interrupt,

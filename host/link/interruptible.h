@@ -1,8 +1,8 @@
-// A link and a clock of simulated time that an interrupt ends, as it ends those of real time.
+// Interruptible link and clock for simulated time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// In simulated time waiting is computing. It is done in slices, so that a long wait ends soon too; what
-// happens in it does not depend on them.
+// In simulated time a wait is a computation. It runs in slices, so that an interrupt also ends a long wait
+// soon. The slices do not change the simulation.
 #pragma once
 
 #include <algorithm>
@@ -14,14 +14,14 @@
 
 namespace kaz::host {
 
-// Of simulated time: some 10 ms of this machine where an emulated board and its world are slow.
+// In simulated time. Takes about 10 ms of wall time if an emulated board and its world are slow.
 inline constexpr Time kInterruptSlice = std::chrono::milliseconds(10);
 
 class InterruptibleClock final : public Clock {
  public:
   InterruptibleClock(Clock& clock, const Interrupt& interrupt)
       : InterruptibleClock(clock, &interrupt) {}
-  // `interrupt` may be null: nothing ends it then.
+  // `interrupt` may be null; then waits are not interruptible. All references must outlive the clock.
   InterruptibleClock(Clock& clock, const Interrupt* interrupt)
       : clock_(clock), interrupt_(interrupt) {}
   Time now() const override { return clock_.now(); }
@@ -41,7 +41,7 @@ class InterruptibleClock final : public Clock {
 
 class InterruptibleLink final : public Link {
  public:
-  // `clock`: the one that the link's deadlines are of.
+  // `clock` must have the time scale of the link's deadlines. All references must outlive the link.
   InterruptibleLink(Link& link, const Clock& clock, const Interrupt& interrupt)
       : InterruptibleLink(link, clock, &interrupt) {}
   InterruptibleLink(Link& link, const Clock& clock, const Interrupt* interrupt)

@@ -1,10 +1,10 @@
-// Measures how late this program was at a link, lest its own lateness be blamed on a board.
+// Measures delays of this process at a link, so that they are not attributed to a board.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A busy machine lets a program wait for the processor. Its requests then leave late and replies
-// are read late; a board's watchdog may have reacted meanwhile, or a time-out ended. LatenessMeter
-// passes all calls on, and compares when each wait had to end with when it did. Waits for bytes are
-// cut into slices, because otherwise a late return with bytes would look like bytes that came late.
+// On a busy machine a process waits for the processor. It then sends requests late and reads replies late. A
+// board's watchdog may have reacted meanwhile, or a timeout may have expired. LatenessMeter forwards all
+// calls and compares the end of each wait with its deadline. Waits for bytes are sliced. Otherwise a late
+// return with bytes would look like late bytes.
 #pragma once
 
 #include <functional>
@@ -18,34 +18,34 @@ namespace kaz::host {
 class LatenessMeter final : public Link, public Clock {
  public:
   static constexpr Time kSlice = std::chrono::milliseconds(2);
-  // Shorter ones are ordinary: a timer's slack, a context switch.
+  // Shorter delays are normal (timer slack, context switches) and not added to total().
   static constexpr Time kNoticed = std::chrono::milliseconds(1);
-  // What excuses a failure: one so long; or all together so long and above this share of the time
-  // since begin().
+  // Thresholds of excuse(): one delay of kExcusing, or a total of kExcusing that also exceeds kExcusingShare
+  // of the time since begin().
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
-  // How often something that failed late is tried anew before it is given up as undecided.
+  // Maximum number of repetitions after a late failure, before the result is undecided.
   static constexpr int kRepetitions = 3;
 
-  // Time by which the program at the other end, if it is one of this machine, fell behind so far. Error: it
-  // does not reply, as it is stopped or has ended.
+  // Returns the total time by which a program at the other end of the link, on this machine, fell behind.
+  // Fails if that program does not reply because it is stopped or has ended.
   using TimeLost = std::function<Result<Time>()>;
-  // Link and clock must outlive it.
+  // `link` and `clock` must outlive it. `other_end` may be null.
   LatenessMeter(Link& link, Clock& clock, TimeLost other_end = nullptr);
 
-  // Begins anew: what was late until now does not count.
+  // Starts a new measurement and discards all earlier delays.
   void begin();
-  // The program has waited for somebody at the keyboard: the time since its last call is no lateness.
+  // Excludes the time since the last call, in which the program waited for user input.
   void waited() { left_ = clock_.now(); }
-  // Lateness since begin(): the longest, and the sum of those above kNoticed.
+  // Delays since begin(): the longest, and the sum of those above kNoticed.
   Time longest() const { return longest_; }
   Time total() const { return total_; }
-  // Why a failure since begin() proves nothing, as "this program was kept waiting for up to 34 ms,
-  // ..."; empty if it was punctual: then the failure is the board's. `at_least`: what is judged bears
-  // any number of shorter ones.
+  // Explains why a failure since begin() is inconclusive: "this program was kept waiting for up to 34 ms,
+  // ...". Empty if this process was on time, so that the failure is the board's. With `at_least`, the
+  // measured operation tolerates shorter delays, even many of them.
   std::string excuse(Time at_least = Time::zero()) const;
-  // Whether the last excuse() was that the program at the other end does not reply: nothing more can be
-  // decided.
+  // Whether the last excuse() found that the program at the other end does not reply. Further repetitions are
+  // then useless.
   bool other_end_gone() const { return other_end_gone_; }
 
   // Link and Clock
@@ -65,13 +65,13 @@ class LatenessMeter final : public Link, public Clock {
   Link& link_;
   Clock& clock_;
   TimeLost other_end_;
-  std::optional<Time> lost_before_;  // none: it did not reply
+  std::optional<Time> lost_before_;  // empty: the other end did not reply
   mutable bool other_end_gone_ = false;
   Time began_, left_, longest_{}, total_{};
 };
 
-// Calls `attempt` up to kRepetitions times more while its result is an error and the machine was late, by
-// more than the attempt bears. `meter` may be null.
+// Calls `attempt` again, up to kRepetitions times, while it fails and this process was late by more than
+// `bears`, the delay that an attempt tolerates. `meter` may be null: one attempt.
 template <class Attempt>
 auto repeat_if_late(LatenessMeter* meter, Attempt attempt, Time bears = Time::zero()) {
   for (int again = LatenessMeter::kRepetitions;; --again) {

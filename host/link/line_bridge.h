@@ -1,4 +1,4 @@
-// Joins a board's line with a bus or a network: bytes of one link leave on the other, both ways.
+// Forwards bytes in both directions between a board's line and a bus or network.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,15 +12,14 @@ namespace kaz::host {
 
 class LineBridge {
  public:
-  // One line for the user: a side was lost, and is there again. Without newline.
+  // Receives one line for the user, without newline: a side was lost or is available again.
   using Report = std::function<void(const std::string&)>;
 
-  // Both links, and `interrupt`, must outlive it.
+  // Both links and `interrupt` must outlive it.
   LineBridge(PortLink& board, PortLink& far, const Interrupt& interrupt, Report report);
 
-  // Until interrupted. A side that is lost is opened again as often as it takes; what comes for it
-  // meanwhile is dropped. Errors: neither of the links has any that ends it; only what a bug makes
-  // (usage).
+  // Runs until interrupted. Reopens a lost side every 50 ms and drops bytes for it meanwhile. Link failures
+  // do not end it, except those with Fault::usage, which it returns.
   Result<void> run();
 
   // "12345 bytes to the board, 23456 back, 12 dropped"
@@ -31,7 +30,7 @@ class LineBridge {
     PortLink& link;
     bool there = true;
     Time lost{}, next_try{};
-    std::uint64_t taken = 0, dropped = 0;  // bytes for it
+    std::uint64_t taken = 0, dropped = 0;  // bytes for this side
   };
   Result<void> wait();
   Result<void> carry(Side& from, Side& to);

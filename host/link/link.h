@@ -17,8 +17,8 @@ class Clock {
  public:
   virtual ~Clock() = default;
   virtual Time now() const = 0;
-  // Returns at `t` or, in real time, a little later. Fails if the simulation under it failed, or if
-  // the program was interrupted (interrupt.h).
+  // Returns at `t` or, in real time, slightly later. Fails if the simulation fails, or if the program is
+  // interrupted (interrupt.h).
   virtual Result<void> sleep_until(Time t) = 0;
 };
 
@@ -27,21 +27,19 @@ class Link {
  public:
   virtual ~Link() = default;
   virtual std::string name() const = 0;  // for messages: "/dev/ttyUSB0", "can0", "the simulator"
-  // Minimum duration of one byte on the wire; zero if unknown. Tightens the bounds of the clock relation
-  // (clock_relation.h).
+  // Minimum duration of one byte on the wire; zero if unknown. Tightens the bounds of clock_relation.h.
   virtual Time byte_time() const { return Time::zero(); }
-  // Another bit rate for both directions from now on; bytes still queued may leave at either.
+  // Sets the bit rate of both directions. Bytes still queued may leave at either rate.
   virtual Result<void> set_baud(int baud) {
     return fail(Fault::usage, name() + " cannot change its bit rate to " + std::to_string(baud));
   }
-  // Queues bytes for the wire; does not wait for them to leave.
+  // Queues bytes for the wire and does not wait until they leave.
   virtual Result<void> write(std::span<const std::uint8_t> bytes) = 0;
-  // Waits until at least one byte is there or `deadline` has come; returns how many were stored (0:
-  // none came). Fails when the link is gone for good (port closed or unplugged) or the program was
-  // interrupted.
+  // Waits for at least one byte or until `deadline`. Returns the number of bytes stored, 0 at the deadline.
+  // Fails if the link is lost (port closed or unplugged) or the program is interrupted.
   virtual Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) = 0;
-  // Reopens the port, e.g. after it was plugged in again. Called after `write` or `read` has failed,
-  // repeatedly until it succeeds. Buffered bytes are lost.
+  // Reopens the port, for example after it was plugged in again. Callers repeat it after a failed `write` or
+  // `read` until it succeeds. Buffered bytes are lost.
   virtual Result<void> reopen() { return {}; }
 };
 

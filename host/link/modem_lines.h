@@ -1,4 +1,4 @@
-// The two outputs of a serial port that may be wired to a board's reset and mode pins.
+// DTR and RTS: serial port outputs that may be wired to a board's reset and mode pins.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,11 +13,11 @@ namespace kaz::host {
 class ModemLines {
  public:
   virtual ~ModemLines() = default;
-  // True is the active level (low at a TTL adapter's pins). Both change at once.
+  // `true` is the active level (low at a TTL adapter's pins). Both lines change at once.
   virtual Result<void> set_dtr_rts(bool dtr, bool rts) = 0;
 };
 
-// What TIOCMSET is to be given where TIOCMGET gave `lines`: the other lines stay as they are.
+// Value for TIOCMSET, given `lines` from TIOCMGET. Leaves the other lines unchanged.
 constexpr int with_dtr_rts(int lines, bool dtr, bool rts) {
   return (lines & ~(TIOCM_DTR | TIOCM_RTS)) | (dtr ? TIOCM_DTR : 0) | (rts ? TIOCM_RTS : 0);
 }

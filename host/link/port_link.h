@@ -1,4 +1,4 @@
-// A link that a program opens by name, whatever carries its bytes: what verbs use.
+// A link that a program opens by its address, independent of the transport.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,29 +13,30 @@
 
 namespace kaz::host {
 
+// A Link with a descriptor for poll(), modem lines, and diagnostics.
 class PortLink : public Link, public ModemLines {
  public:
-  // Why a round trip may be slow.
+  // Explains a slow round trip.
   virtual LowLatency low_latency() const = 0;
-  // Readable, as poll() understands it, when `read` has something to do; -1 while the link is gone. It may be
-  // another one after reopen().
+  // Becomes readable for poll() when `read` has something to do; -1 while the link is lost. May change in
+  // reopen().
   virtual int descriptor() const = 0;
-  // Whether `read` has something to do that descriptor() does not show: bytes that the other end has not
-  // taken yet, which `read` sends, too, or bytes that have come already.
+  // Whether `read` has work that descriptor() does not indicate: unsent bytes, which `read` also sends, or
+  // bytes already received.
   virtual bool has_unsent() const { return false; }
-  // Whether all bytes that were written have left the port, as far as the system can report that.
+  // Whether all written bytes have left the port, as far as the system reports it.
   virtual bool drained() const { return !has_unsent(); }
-  // Discards bytes that were received and not read, or were written and have not left, where the link can.
+  // Discards received bytes that were not read, or written bytes that were not sent, if the link supports it.
   virtual void purge(bool /*received*/, bool /*unsent*/) {}
-  // What the link has counted besides bytes, as a sentence: "3 error frames, bus-off once"; empty if nothing.
+  // Counts of irregular events as a sentence, such as "3 error frames, bus-off once"; empty if none occurred.
   virtual std::string counts() const { return ""; }
-  // Of a bus of servos, those that have not confirmed that they are off, a sentence with what to do; else
+  // For a servo bus: a sentence that lists servos which have not confirmed torque off, with the remedy. Else
   // empty.
   virtual std::string still_on() const { return ""; }
 };
 
-// Opens the port. Errors, each one sentence: what each kind of link lists. `interrupt` may be null; else it
-// must outlive the link. Deadlines are on WallClock's scale.
+// Opens the port. Returns the errors of the link that it opens, one sentence each. `interrupt` may be null;
+// else it must outlive the link. Deadlines are on WallClock's scale.
 Result<std::unique_ptr<PortLink>> open_port(const PortAddress& address,
                                             const Interrupt* interrupt = nullptr);
 

@@ -1,4 +1,4 @@
-// The serving end of tcp: and rfc2217: one client at a time reaches the port of this machine.
+// Server for tcp: and rfc2217: clients, one at a time, of a port on this machine.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,33 +14,34 @@
 
 namespace kaz::host {
 
-// A link whose far end is whichever client is connected. Without one, what is written is dropped and
-// nothing is read. A second client is disconnected at once; but if the first has not used the port yet (raw:
-// sent no byte; RFC 2217: not agreed to option 44), the first one is. It never fails for good: a client that
-// leaves is waited for. Without a descriptor for a client that waits, the server tries again every 100 ms.
+// A link to the currently connected client. Without a client, written bytes are dropped and no bytes are
+// read. A second client is disconnected at once, unless the first one has not used the port yet. Then the
+// second replaces the first. A raw client uses the port with its first byte, an RFC 2217 client once it has
+// agreed to option 44. The link never fails permanently: it waits for the next client. If no descriptor is
+// free for a waiting client, the server retries every 100 ms.
 //
-// A client that begins like a web browser is disconnected (browser_guard.hpp). By RFC 2217 nothing reaches
-// `board` before the client has agreed to telnet option 44: bytes before that are dropped, commands ignored.
-// Nor do the board's bytes reach the client before.
+// A client that starts like a web browser is disconnected (browser_guard.hpp). With RFC 2217 no byte passes
+// in either direction before the client has agreed to telnet option 44. Until then its bytes are dropped and
+// its commands ignored.
 //
-// The order of a client's bytes and commands is kept. A command is obeyed by the first read() after the one
-// that returned the last byte before it, so the caller writes what read() returned to `board` before it
-// calls read() again, as LineBridge does. Rate and modem lines change once board.drained(); a client whose
-// bytes the port does not send within 5 s is disconnected. What a client sent before it left reaches `board`,
-// also where it left without reading what it was sent.
+// A client's bytes and commands stay in order. A command is executed by the first read() after the one that
+// returned the last byte before it. So the caller must write the bytes from read() to `board` before it calls
+// read() again, as LineBridge does. Rate and modem lines change once board.drained(). A client whose bytes
+// the port does not send within 5 s is disconnected. All bytes that a client sent before it left reach
+// `board`, even if the client left without reading.
 class PortServer final : public PortLink {
  public:
   enum class Protocol { raw, rfc2217 };
   struct Options {
     std::string host = "127.0.0.1";
-    std::uint16_t port = 0;  // 0: the kernel chooses
+    std::uint16_t port = 0;  // 0: the kernel selects it
     Protocol protocol = Protocol::raw;
     const Interrupt* interrupt = nullptr;  // may be null; else it must outlive the server
-    // One line for the user: a client came, left, was refused. Without newline.
+    // Receives one line for the user, without newline: a client connected, left, or was rejected.
     std::function<void(const std::string&)> report = [](const std::string&) {};
   };
-  // `board` is the port that rates and modem lines of rfc2217 are for; it must outlive the server. Errors:
-  // those of listen_tcp (tcp_socket.h).
+  // `board` receives the bit rates and modem lines of RFC 2217 and must outlive the server. Returns the
+  // errors of listen_tcp (tcp_socket.h).
   static Result<std::unique_ptr<PortServer>> open(PortLink& board, const Options& options);
 
   std::string name() const override { return name_; }  // as a client writes it
@@ -48,7 +49,7 @@ class PortServer final : public PortLink {
   bool has_client() const { return stream_.is_open(); }
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
-  // Readable also when a client comes. -1 while a command waits until the board's port is drained.
+  // Also readable when a client connects. -1 while a command waits until the board's port is drained.
   int descriptor() const override { return command_ ? -1 : events_.get(); }
   bool has_unsent() const override {
     return stream_.has_unsent() || !data_.empty() || !wire_.empty() || command_;
@@ -78,20 +79,20 @@ class PortServer final : public PortLink {
   std::uint16_t port_ = 0;
   Descriptor listener_, events_;
   bool listening_ = true;  // events_ watches listener_
-  Time accept_from_{};     // not before this
+  Time accept_from_{};     // no accept before this time
   ByteStream stream_;
-  bool leaving_ = false;  // the client takes no more bytes, but some of its own may be unread
+  bool leaving_ = false;  // the client accepts no more bytes, but some of its own may be unread
   std::string peer_;
   BrowserGuard guard_{BrowserGuard::Peer::frames};
   telnet::Reader reader_;
   telnet::Options negotiation_;
-  bool warned_ = false;                     // of bytes before option 44 was agreed to
-  std::vector<std::uint8_t> wire_;          // of the client, not parsed yet
+  bool warned_ = false;                     // reported bytes before option 44
+  std::vector<std::uint8_t> wire_;          // from the client, not parsed yet
   std::vector<std::uint8_t> data_;          // parsed, not read yet
-  std::optional<telnet::Command> command_;  // came after data_
-  Time drain_by_{};                         // the board's port must be drained by then
+  std::optional<telnet::Command> command_;  // received after data_
+  Time drain_by_{};                         // deadline for the board's port to be drained
   int baud_ = KZ_BAUD;
-  // The system switches both on when it opens a port; one without the lines reports them as on always.
+  // The system activates both when it opens a port. A port without these lines reports them as always on.
   bool dtr_ = true, rts_ = true;
 };
 

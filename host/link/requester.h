@@ -1,23 +1,23 @@
-// Requests to one board and their replies: sequence numbers, window, time-outs, repetitions.
+// Requests to one board and their replies: sequence numbers, window, timeouts, retries.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Requests leave in the order in which they were posted, KZ_REQUESTS_UNDER_WAY of them ahead of
-// their replies. A request is repeated with its own sequence number, so that the board recognises a
-// repetition and does not execute it twice: when its time-out has come (round_trip.h), or when a request
-// sent behind it is answered before it, for a board answers in order. A reply belongs to a request
-// if board address, type and sequence number fit; any other valid frame (late, duplicate, of
-// another board) is counted and discarded.
+// Requests leave in the order in which they were posted. KZ_REQUESTS_UNDER_WAY of them may be pending. A
+// retry keeps its sequence number, so that the board recognizes it and does not execute the request twice. A
+// request is repeated at its timeout (round_trip.h), or when a later request is answered first, because a
+// board answers in order. A reply must match a pending request in board address, type and sequence number.
+// All other valid frames (late, duplicate, from another board) are counted and discarded.
 //
-// A request that only switches motors off (`stop`, `enable` with mask 0, `unlock` with 0 seconds, `raw_drive`
-// with duty 0) takes a new number for each transmission: a board of protocol version 2 executes no repetition
-// (clause REQ-12). The reply to any of them counts. If the reply to `stop` or `enable` says that a motor is
-// on, the request is repeated once. No request takes a number of the last 16 requests.
+// Some requests only switch motors off: `stop`, `enable` with mask 0, `unlock` with 0 seconds, and
+// `raw_drive` with duty 0. Each of their transmissions takes a new number, because a board with protocol
+// version 2 executes no repetition (clause REQ-12). A reply to any of the transmissions counts. If the reply
+// to `stop` or `enable` reports a motor on, the request is repeated once. No request reuses one of the last
+// 16 numbers.
 //
-// An old command never overtakes a newer one: a request that changes something leaves only when
-// every earlier one that does is answered. So a repeated request has at most one query behind it, and
-// the board, which remembers KZ_REQUESTS_REMEMBERED requests, recognises it. Nor does a query return a state
-// from before the command that was posted ahead of it; if the query itself was lost, its reply may be from
-// after what follows it, as the tick in the reply shows.
+// An old command never overtakes a newer one. A request that changes something leaves only after all earlier
+// ones of this kind are answered. So at most one query follows a repeated request, and the board recognizes
+// the retry, because it remembers KZ_REQUESTS_REMEMBERED requests. A query never returns a state from before
+// a command that was posted ahead of it. If the query was lost, its reply may be newer than the requests
+// after it, as the tick in the reply shows.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ struct RequesterOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   RoundTrip::Bounds timeout{std::chrono::milliseconds(50), std::chrono::milliseconds(20),
                             std::chrono::milliseconds(200)};
-  Time flash_timeout = std::chrono::seconds(3);  // of requests that write to flash
+  Time flash_timeout = std::chrono::seconds(3);  // for requests that write to flash
   int retries = 5;                               // tries after the first
 };
 
@@ -93,7 +93,7 @@ class Requester final : public Exchanger {
   Ticket next_ticket_ = 1;
   std::uint64_t transmissions_ = 0;
   std::list<Waiting> queue_;  // in the order in which they may leave
-  Time wire_free_{};          // what was written until now has left by then, at the earliest
+  Time wire_free_{};          // earliest time at which all written bytes have left
   Time last_sent_{};
   std::optional<int> tries_limit_;
   RoundTrip round_trip_;

@@ -1,8 +1,8 @@
-// Link to a serial port on another machine by RFC 2217: rate, parity and modem lines cross too.
+// Link to a serial port on another machine by RFC 2217, with bit rate and modem lines.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Servers: `kaz serve-port`, ser2net, and others. Framing errors do not cross: the server passes on what its
-// port received.
+// Servers: `kaz serve-port`, ser2net and others. Framing errors are not transferred: the server forwards the
+// bytes that its port received.
 #pragma once
 
 #include <deque>
@@ -19,19 +19,19 @@ namespace kaz::host {
 
 class Rfc2217Link final : public PortLink {
  public:
-  // Connects, and sets the port to 8N1 at the address's rate without handshake. Errors: those of connect_tcp;
-  // what serves that port does not speak RFC 2217; it cannot set the rate. `interrupt` may be null; else it
-  // must outlive the link.
+  // Connects and sets the port to 8N1 at the address's rate, without handshake. Returns the errors of
+  // connect_tcp. Also fails if the server does not support RFC 2217 (environment), or cannot set the rate
+  // (usage). `interrupt` may be null; else it must outlive the link.
   static Result<std::unique_ptr<Rfc2217Link>> open(const PortAddress& address,
                                                    const Interrupt* interrupt = nullptr);
 
   std::string name() const override { return address_.name(); }
   Time byte_time() const override { return Time(10'000'000'000 / address_.baud); }
-  // Returns when the server has set it.
+  // Waits for the server's confirmation.
   Result<void> set_baud(int baud) override;
-  // DTR first, then RTS; both leave in one piece. Error (environment): the server's port has no such lines.
-  // RFC 2217 has no reply for that. `kaz serve-port` reports such lines as always on, so the error comes with
-  // the first line that is to be off.
+  // Sets DTR first, then RTS. Fails (environment) if the server's port has no such lines. RFC 2217 defines no
+  // reply for that. `kaz serve-port` reports missing lines as always on, so the error occurs when a line is
+  // to be off.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
   int descriptor() const override { return stream_.descriptor(); }
@@ -45,10 +45,10 @@ class Rfc2217Link final : public PortLink {
   Rfc2217Link(PortAddress address, const Interrupt* interrupt);
   Result<void> begin(Time patience);
   Result<void> set_up();
-  // Reads what is there until `deadline` or until something came. Error (environment): data_ would exceed
-  // its limit, because the other end floods the link.
+  // Reads until `deadline` or until bytes arrive; returns whether they did. Fails (environment) if data_
+  // exceeds its limit because the other end floods the link.
   Result<bool> pump(Time deadline);
-  // The value in the server's reply to `command`; nothing if none comes within a second.
+  // Sends `command` and returns the value in the server's reply; nullopt if no reply arrives within a second.
   Result<std::optional<std::uint32_t>> value_of(telnet::ComPort command,
                                                 std::span<const std::uint8_t> data);
 

@@ -1,4 +1,4 @@
-// For tests: a program that is kept waiting for the processor, in simulated time.
+// For tests: simulates a program that waits for the processor, in simulated time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace kaz::host {
 
-// Passes all calls on. While `stalls` is above 0, the first wait that ends `pause` after the stall
-// before lasts `length` longer.
+// Forwards all calls. While `stalls` is above 0, the first wait that ends at least `pause` after the previous
+// stall takes `length` longer.
 class StallingLine final : public Link, public Clock {
  public:
   StallingLine(Link& link, Clock& clock) : link_(link), clock_(clock) {}

@@ -1,4 +1,4 @@
-// Link over a TCP connection: bytes as they are.
+// Link over a TCP connection that transfers raw bytes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,18 +13,19 @@ namespace kaz::host {
 
 class TcpLink final : public PortLink {
  public:
-  // Errors: those of connect_tcp (tcp_socket.h). `interrupt` may be null; else it must outlive the link.
+  // Returns the errors of connect_tcp (tcp_socket.h). `interrupt` may be null; else it must outlive the link.
   static Result<std::unique_ptr<TcpLink>> open(const PortAddress& address,
                                                const Interrupt* interrupt = nullptr);
 
   std::string name() const override { return address_.name(); }
-  // Error (environment): bytes alone cross; rfc2217 has the lines.
+  // Always fails (environment): only rfc2217 transfers modem lines.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
   int descriptor() const override { return stream_.descriptor(); }
   bool has_unsent() const override { return stream_.has_unsent(); }
   Result<void> write(std::span<const std::uint8_t> bytes) override { return stream_.write(bytes); }
-  // Besides those of ByteStream: an error (environment) if the other end's first bytes are Telnet's.
+  // Returns the errors of ByteStream. Also fails (environment) if the other end's first bytes are telnet
+  // commands.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   Result<void> reopen() override;
 
@@ -34,7 +35,7 @@ class TcpLink final : public PortLink {
   PortAddress address_;
   const Interrupt* interrupt_;
   ByteStream stream_;
-  std::vector<std::uint8_t> first_;  // bytes of this connection, until it is known whose they are
+  std::vector<std::uint8_t> first_;  // first bytes of this connection, to detect a telnet server
 };
 
 }  // namespace kaz::host

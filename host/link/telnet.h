@@ -1,4 +1,4 @@
-// Telnet (RFC 854) with COM-PORT-OPTION (RFC 2217): bytes of a serial port, and commands between them.
+// Telnet (RFC 854) with COM-PORT-OPTION (RFC 2217): bytes of a serial port with commands between them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,50 +15,50 @@ inline constexpr std::uint8_t kSe = 240, kSb = 250, kWill = 251, kWont = 252, kD
 // Options: RFC 856, 857, 858, 2217
 inline constexpr std::uint8_t kBinary = 0, kEcho = 1, kSuppressGoAhead = 3, kComPort = 44;
 
-// Commands of a client, RFC 2217 section 3; a server's replies are 100 more.
+// Commands of a client, RFC 2217 section 3. A server's replies have codes 100 higher.
 enum ComPort : std::uint8_t {
   kSignature = 0,
-  kBaudRate = 1,  // 4 bytes, big-endian; 0 asks for it
+  kBaudRate = 1,  // 4 bytes, big-endian; 0 queries it
   kDataSize = 2,  // 5..8
-  kParity = 3,    // 1 none
-  kStopSize = 4,  // 1 one
-  kControl = 5,   // below
+  kParity = 3,    // 1: none
+  kStopSize = 4,  // 1: one
+  kControl = 5,   // see below
   kNotifyLineState = 6,
   kNotifyModemState = 7,
   kSuspend = 8,
   kResume = 9,
   kLineStateMask = 10,
   kModemStateMask = 11,
-  kPurge = 12,  // below
+  kPurge = 12,  // see below
   kReply = 100,
 };
 // Values of kControl.
 inline constexpr std::uint8_t kNoFlowControl = 1, kQueryDtr = 7, kDtrOn = 8, kDtrOff = 9,
                               kQueryRts = 10, kRtsOn = 11, kRtsOff = 12;
 
-// Bits of kPurge's value: what the server has received from its port, and what it has not sent to it yet.
+// Bits of kPurge: bytes that the server has received from its port, and bytes that it has not sent yet.
 inline constexpr std::uint8_t kPurgeReceived = 1, kPurgeUnsent = 2;
 
 struct Command {
-  std::uint8_t verb = 0;           // kWill, kWont, kDo, kDont, or kSb for one of COM-PORT-OPTION
-  std::uint8_t what = 0;           // the option; for kSb the command, ComPort
-  std::vector<std::uint8_t> data;  // of kSb
+  std::uint8_t verb = 0;           // kWill, kWont, kDo, kDont, or kSb for COM-PORT-OPTION
+  std::uint8_t what = 0;           // the option; for kSb a ComPort command
+  std::vector<std::uint8_t> data;  // for kSb
   bool operator==(const Command&) const = default;
 };
 
-// Takes bytes in pieces of any size, and keeps the order of data and commands. Its memory is bounded by the
-// largest piece.
+// Parser of a telnet stream that accepts pieces of any size. Keeps the order of data and commands. Its memory
+// is bounded by the largest piece.
 class Reader {
  public:
-  static constexpr std::size_t kMaxData =
-      64;  // of one command; longer ones are dropped and counted
+  // Maximum data of one command. Longer commands are dropped and counted.
+  static constexpr std::size_t kMaxData = 64;
 
-  // Takes bytes from the front of `wire` up to the end of the next command, and returns that; nothing if
-  // they end before. `wire` becomes what was not taken.
+  // Parses `wire` up to the end of the next command, and returns that command; nullopt if `wire` ends before.
+  // Removes the parsed bytes from `wire`.
   std::optional<Command> take(std::span<const std::uint8_t>& wire);
-  // The data since the last call: all of them came before the command that take() returned last.
+  // Returns the data since the last call. All of them came before the command that take() returned last.
   std::vector<std::uint8_t> take_data();
-  // Sub-negotiations that were too long, of another option, or broken off.
+  // Number of sub-negotiations that were too long, for another option, or broken off.
   std::uint64_t dropped() const { return dropped_; }
 
  private:
@@ -74,26 +74,27 @@ class Reader {
   std::uint64_t dropped_ = 0;
 };
 
-// What goes on the wire.
+// Append the wire format of data, an option command or a COM-PORT command to `wire`.
 void put_data(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& wire);
 void put_option(std::uint8_t verb, std::uint8_t option, std::vector<std::uint8_t>& wire);
 void put_com_port(std::uint8_t command, std::span<const std::uint8_t> data,
                   std::vector<std::uint8_t>& wire);
 std::vector<std::uint8_t> big_endian(std::uint32_t value);
-// Nothing below 4 bytes: 0.
+// Returns 0 if `data` has fewer than 4 bytes.
 std::uint32_t read_big_endian(std::span<const std::uint8_t> data);
 
 enum class End { client, server };
 
-// Either end's part of the negotiation: what both want is agreed to once, everything else declined once, so
-// that two ends never answer each other without end.
+// One end's option negotiation. Agrees once to each supported option and declines each other option once, so
+// that two ends never answer each other endlessly.
 class Options {
  public:
-  // Writes the offers and requests that this end sends first. A server leaves option 44 to its client:
-  // pyserial takes an early offer for the answer to its own, and then never sends its own.
+  // Writes this end's initial offers and requests. A server does not offer option 44 first. pyserial would
+  // take this offer for the reply to its own, and then never send its own.
   void begin(End end, std::vector<std::uint8_t>& wire);
+  // Processes an option command from the other end, and appends the reply to `wire` if one is due.
   void take(const Command& command, std::vector<std::uint8_t>& wire);
-  // Both ends have said that they speak RFC 2217; the other has said that it does not.
+  // com_port(): both ends support RFC 2217. refused(): the other end does not.
   bool com_port() const { return com_port_; }
   bool refused() const { return refused_; }
 

@@ -13,9 +13,8 @@ namespace kaz::host {
 
 class TtyLink final : public PortLink {
  public:
-  // Errors: those of open_serial_port (serial_port.h). `interrupt` may be null; else it must
-  // outlive the link, and makes `read` fail once it is requested. Deadlines are on WallClock's
-  // scale.
+  // Returns the errors of open_serial_port (serial_port.h). `interrupt` may be null. Otherwise it must
+  // outlive the link, and a request makes `read` fail. Deadlines are on WallClock's scale.
   static Result<std::unique_ptr<TtyLink>> open(const std::string& path, int baud = 115200,
                                                const Interrupt* interrupt = nullptr);
   TtyLink(const TtyLink&) = delete;
@@ -24,21 +23,20 @@ class TtyLink final : public PortLink {
   std::string name() const override { return path_; }
   Time byte_time() const override;
   Result<void> set_baud(int baud) override;
-  // Error (environment): a pseudo-terminal has no such lines.
+  // Fails (environment) if the port has no modem lines, as a pseudo-terminal.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return low_latency_; }
   int descriptor() const override { return stream_.descriptor(); }
   bool has_unsent() const override { return stream_.has_unsent(); }
   bool drained() const override;
   void purge(bool received, bool unsent) override;
-  // Fails when the port is gone, or when it has taken no byte of the last 64 KB.
+  // Fails if the port is lost, or if more than 64 KiB would be unsent.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
-  // A port that goes away during use (unplugged, or the simulator at its other end ended) is an
-  // error that says so; every later call fails too, until
-  // reopen() succeeds.
+  // Fails if the port disappears during use (adapter unplugged, or the simulator at the other end has ended),
+  // and from then on until reopen() succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
-  // Opens the same adapter again, whatever its path is now (serial_identity.h), or the same path where it is
-  // no USB adapter; fails as `open` does until it is there.
+  // Opens the same USB adapter again, even under another path (serial_identity.h). A port without USB adapter
+  // is opened at its old path. Fails as open() does while the port is missing.
   Result<void> reopen() override;
 
  private:
@@ -46,7 +44,7 @@ class TtyLink final : public PortLink {
   Result<std::string> path_now() const;
 
   std::string path_;
-  std::string identity_;  // of the USB adapter; empty: none
+  std::string identity_;  // the USB adapter's; empty if the port has none
   int baud_;
   LowLatency low_latency_;
   const Interrupt* interrupt_;

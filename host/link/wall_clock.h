@@ -1,4 +1,4 @@
-// The clock of a real robot: CLOCK_MONOTONIC.
+// Real-time clock for real robots: CLOCK_MONOTONIC.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,9 +12,9 @@ class WallClock final : public Clock {
   // `interrupt` may be null; else it must outlive the clock.
   explicit WallClock(const Interrupt* interrupt = nullptr) : interrupt_(interrupt) {}
 
-  // Nanoseconds on CLOCK_MONOTONIC, the scale of camera_stream.hpp's exposure times.
+  // CLOCK_MONOTONIC, the time scale of the exposure times in camera_stream.hpp.
   Time now() const override;
-  // Fails only when interrupted, and then without waiting any longer.
+  // Fails only if interrupted, and then at once.
   Result<void> sleep_until(Time t) override;
 
  private:

@@ -1,9 +1,9 @@
-// Where things meet the floor in a picture, column by column. Internal to host/map.
+// Contact line: where objects meet the floor in a picture, column by column. Internal to host/map.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Depth errs by centimetres a metre away, and a plain face has none but at its edges. The row in which a
-// thing meets the floor is exact to a pixel, and its ray meets the floor at the horizontal distance
-// h |r_xy| / -r_z, with h the height of the eye and r the ray, map frame.
+// Depth errs by centimeters at 1 m, and a plain face has depth only at its edges. But the row in which an
+// object meets the floor is exact to a pixel. Its ray meets the floor at the horizontal distance h |r_xy| /
+// -r_z, with the height h of the eye and the ray r, map frame.
 #pragma once
 
 #include <array>
@@ -16,50 +16,57 @@
 
 namespace kaz::map {
 
+// Call begin(), then enter_row() for each row from the lowest to the highest, with the points of the row
+// after it. At the end, call plain_faces().
 class ContactLine {
  public:
-  // A column between two that stand, whose own pixels have no depth.
+  // A column without depth between two columns with standing points.
   struct Filled {
-    Eigen::Vector3f ray;  // map frame, of depth 1
+    Eigen::Vector3f ray;  // map frame; its depth is 1 in the optical frame
+    // Horizontal distance from the eye to the foot of the face.
     float distance_m = 0;
-    float votes = 0;  // as of the columns at the face's ends
+    float votes = 0;  // interpolated between the columns at the ends of the face
     int points = 0;
   };
 
-  // `floor`: labels that are floor; all three must outlive the use.
+  // `floor`: true for labels that are floor. `planes` and `floor` must outlive the use.
   void begin(const vision::PlaneSegments& planes, const std::array<bool, 256>& floor,
              const Eigen::Isometry3d& map_from_eye);
-  // Rows from the lowest to the highest.
+  // Enters the floor pixels of row `v`. Call it from the lowest row to the highest.
   void enter_row(int v);
-  // Horizontal distance from the eye at which the floor ends in column u, below the rows to come, m; 0 where
-  // none was entered.
+  // Horizontal distance (m) from the eye to the end of the floor in column `u`, among the rows entered; 0
+  // if none is floor.
   float distance(int u) const;
-  // A point of the current row that stands there, at that height.
+  // Adds a point of the current row that stands at the end of the floor in its column, `height_m` above the
+  // floor.
   void add(int u, float votes, float height_m);
-  // Whether a point of the current row, farther from the eye than the floor's end below it, is one that
-  // the depth of the rim and of what is behind have mixed: what is there is lower than what stands before
-  // it, where that is known; else it is farther beyond the floor's end than things are deep.
+  // Returns whether the depth of a point of the current row is mixed from a rim and its background. The
+  // point must be farther away than the end of the floor below it. It is mixed if it is lower than the
+  // standing object in front of it. If no such object was added, it is mixed if it is farther beyond the
+  // floor's end than objects are deep.
   bool mixed(int u, float distance_m, float height_m) const;
 
-  // Between neighbouring columns that stand, `stride` or more apart: a face, if what is between ends the
-  // floor along a straight line and has no floor above it up to `low_m`, nor pixels of `own`.
+  // Fills plain faces between neighboring columns with standing points that are more than `stride` apart.
+  // Between them, the floor must end along a straight line. Above this line, up to the height `low_m`,
+  // there must be neither floor nor pixels of `own`. The result is valid until the next call.
   const std::vector<Filled>& plain_faces(int stride, double low_m,
                                          const std::vector<std::uint8_t>& own);
 
  private:
   struct Column {
-    int floor_row = -1;  // the highest so far
-    int row = -1;        // of the floor below the points
+    int floor_row = -1;  // highest so far
+    int row = -1;        // row of the floor below the first point
     float votes = 0;
     int points = 0;
-    int top_row = -1;  // of the floor below the highest of the points
-    float top_m = 0;   // its height
+    int top_row = -1;  // row of the floor below the newest points
+    float top_m = 0;   // largest height of these points
     float foot_m = 0;  // distance() there
   };
   bool floor_at(int u, int v) const;
   Eigen::Vector3f ray_above(int u, int v) const;
   float distance_above(int u, int v) const;
-  // The row of the floor's end within kStraight_px of `expected` with `rows` above it that are none; -1.
+  // Returns the row of the floor's end within kStraight_px of `expected` if the `rows` above it are neither
+  // floor nor `own`. Otherwise returns -1.
   int end_near(int u, double expected, int rows, const std::vector<std::uint8_t>& own) const;
 
   const vision::PlaneSegments* planes_ = nullptr;

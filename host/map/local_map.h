@@ -1,36 +1,39 @@
-// The local map: an occupancy grid of floor and obstacles around the robot.
+// Local map: an occupancy grid of floor and obstacles around the robot.
 // SPDX-License-Identifier: Apache-2.0
 //
-// After the paper, section 4.1 "Conversion of Coordinates to Generate Local Map" and "Map Merging":
-// the detections of each picture are transformed to the map by the camera pose at its exposure, and pictures
-// are merged cell by cell, with a confidence.
+// Follows the paper (README.md), section 4.1 "Conversion of Coordinates to Generate Local Map" and "Map
+// Merging". The detections of each picture are transformed to the map by the camera pose at its exposure.
+// Pictures are merged cell by cell, with a confidence.
 //
-// Frame of the map: x forward, y left, z up, as the foot frame (vision/image/frame.h) at the time the
-// map was begun; the floor is z = 0. Units m, px.
+// Map frame: x forward, y left, z up, as the foot frame (vision/image/frame.h) when the map was begun. The
+// floor is z = 0. Units: m, px.
 //
 // Each picture gives a cell at most one vote:
-// - Floor. The middle of each cell in view is projected into the picture; the cell is floor if the pixel
-//   belongs to the floor segment, and is not at a side of the picture, where what is cut off a thing may be
-//   called floor. Projecting cells to pixels, not pixels to cells, leaves no holes far
-//   away, where a pixel is larger than a cell, and clears nothing behind an obstacle.
-// - Obstacle. Each other pixel with a depth is a point. It votes for its cell if it is lower than the
-//   robot and above the floor by more than `obstacle_m` and by more than three sigma of its height. The
-//   vote is 1 if the points fill a quarter of a cell's width and height, and less if a neighbouring cell
-//   has more points. A point in a cell that is floor in the same picture is moved along its ray, by up to
-//   two sigma of its depth, to a cell that is not: stereo errors are along the ray, and an obstacle's face
-//   is not in front of its foot. A point within three sigma of where the floor below it ends in the picture
-//   stands there, at that end; and so does a plain face, without depth, between two edges that stand
-//   (contact_line.h).
-// - Hole. A pixel whose point is below the floor by more than `drop_m`, and three sigma, shows that there
-//   is no floor where its ray passes the floor's height: that cell is an obstacle.
-// Strays count for nothing: points that those above and below contradict, those that are too few for even a
-// low obstacle, and those beyond the floor's end that are lower than what stands there: a rim's depth mixed
-// with that of the floor behind it (contact_line.h).
-// The eye's tilt, roll and height are taken from the floor's plane where a tenth of the picture shows it: a
-// walking robot's posture errs by 0.65 degrees and 4 mm, one sigma: by 4 cm of the floor a metre away.
-// A vote's weight is min(1, cell_m / dz), with dz = z^2 / (fx baseline) disparity_error_px, one sigma of
-// the depth z. Votes add up as log-odds, so their order is irrelevant until a cell saturates: at 10 as an
-// obstacle, at -3, five votes, as floor.
+// - Floor. The center of each cell in view is projected into the picture. The cell is floor if the pixel
+//   belongs to the floor segment. Pixels at the sides of the picture do not count: a thing that is cut off
+//   there may be labeled floor. Projecting cells to pixels, not pixels to cells, leaves no holes far away,
+//   where a pixel is larger than a cell. It also clears nothing behind an obstacle.
+// - Obstacle. Each other pixel with a depth is a point. It votes for its cell if it is lower than the robot
+//   and higher than `obstacle_m`. It must also be above the floor by three sigma of its height. The vote is
+//   1 if the points fill a quarter of a cell's width and height. It is less if a neighboring cell has more
+//   points. Stereo errors are along the ray, and an obstacle's face is not in front of its foot. So a point
+//   whose cell is floor in the same picture is moved along its ray, by up to two sigma, to a cell without
+//   floor. A point within three sigma of the end of the floor below it stands at that end. So does a plain
+//   face, without depth, between two standing edges (contact_line.h).
+// - Hole. If a point is below the floor by more than `drop_m` and three sigma, its ray meets no floor at
+//   the floor's height. The cell there is an obstacle.
+//
+// Some points are strays and do not count. Points above and below contradict them, or they are too few for
+// even a low obstacle. Or they lie beyond the floor's end and lower than what stands there. Such a depth is
+// mixed from a rim and the floor behind it (contact_line.h).
+//
+// Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture
+// shows it. The posture of a walking robot errs by 0.65 degrees and 4 mm (one sigma), which is 4 cm of
+// floor at 1 m.
+//
+// The weight of a vote is min(1, cell_m / dz), with dz = z^2 / (fx baseline) disparity_error_px, one sigma
+// of the depth z. Votes add up as log-odds, so their order does not matter until a cell saturates. An
+// obstacle saturates at 10, floor at -3, which is five votes.
 #pragma once
 
 #include <cstddef>
@@ -52,74 +55,80 @@ enum class CellState { unknown, floor, obstacle };
 
 struct LocalMapOptions {
   double cell_m = 0.01;
-  double size_m = 4.0;        // side; the origin is in the middle. 2..2000 cells
+  double size_m = 4.0;        // side; the origin is in the middle; 2 to 2000 cells
   double farthest_m = 1.5;    // maximum distance from the eye along the floor
-  double obstacle_m = 0.015;  // objects below this height are no obstacles
-  double drop_m = 0.03;       // what is seen so far below the floor is a hole, or beyond an edge
-  double robot_m = 0.36;      // what is higher than this passes above the robot
-  // Points nearer to the foot's middle are the robot's own body; obstacles there are not cleared either.
+  double obstacle_m = 0.015;  // objects up to this height are no obstacles
+  // Depth below the floor from which a point shows a hole or an edge.
+  double drop_m = 0.03;
+  double robot_m = 0.36;  // things above this height pass above the robot
+  // Points nearer than this to the foot's origin belong to the robot. There, floor does not clear an
+  // obstacle that several pictures have shown.
   double own_m = 0.13;
   double disparity_error_px = 0.2;  // one sigma
 };
 
 struct Cell {
   CellState state = CellState::unknown;
-  double confidence = 0;  // 0..1: |2p - 1|, p the probability of an obstacle
+  double confidence = 0;  // 0..1: |2p - 1|, with the probability p of an obstacle
 };
 
-// A part of the robot's own body that the eyes may see: a capsule around the line from `from` to `to`, foot
-// frame (vision/image/frame.h) at the exposure, m.
+// A part of the robot that its eyes may see: a capsule around the line from `from` to `to`. Foot frame
+// (vision/image/frame.h) at the exposure, m.
 struct OwnPart {
   Eigen::Vector3d from, to;
   double radius_m = 0;
 };
 
-// State of a rectangle: free only if all of its cells are floor.
+// State of a rectangle: blocked if any of its cells is an obstacle, free if all are floor.
 enum class Footprint { free, blocked, unknown };
 
 struct MapCounts {
   std::uint64_t updates = 0;
-  std::uint64_t without_posture = 0;  // refused
-  std::uint64_t out_of_order = 0;     // refused
+  std::uint64_t without_posture = 0;  // rejected pictures
+  std::uint64_t out_of_order = 0;     // rejected pictures
 };
 
 class LocalMap {
  public:
-  // Errors: options out of range.
+  // Errors (usage): options out of range.
   static Result<LocalMap> make(const LocalMapOptions& options = {});
 
-  // Enters one pair's floor and depth. `info` (as a rule planes.info) holds camera and posture;
-  // `map_from_foot` is the pose of the foot at the exposure, its sole on z = 0. Pixels that show `own`, or
-  // lie within 10 px (of 320) of its outline, are no obstacles. After an error only counts() is changed.
-  // Errors: the posture at the exposure is not known; the exposure is not later than that of the last
-  // update; planes and depth of different exposures or sizes, no camera model, numbers that are not finite.
+  // Enters the floor and depth of one image pair. `info` (usually planes.info) contains camera and posture.
+  // `map_from_foot` is the pose of the foot at the exposure, with its sole on z = 0. Pixels that show
+  // `own`, or lie within 10 px (at a width of 320) of its outline, are no obstacles.
+  //
+  // Errors (failed): the posture at the exposure is unknown, or the exposure is not later than that of the
+  // last update. Errors (usage): planes and depth of different exposures or sizes, no camera model, or
+  // numbers that are not finite. After an error, only counts() has changed.
   Result<void> update(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
                       const vision::FrameInfo& info,
                       const Eigen::Isometry3d& map_from_foot = Eigen::Isometry3d::Identity(),
                       std::span<const OwnPart> own = {});
+  // Resets all cells, counts() and the time of the last update.
   void clear();
-  // Old evidence counts less: all log-odds times `share`, 0..1.
+  // Reduces the weight of old evidence: multiplies all log-odds by `share`, 0..1.
   void fade(double share);
 
-  // Cells by number; 0 is at the rear right corner. Outside the map all is unknown.
+  // Cells are numbered from 0 at the rear right corner. Everything outside of the map is unknown.
   int cells() const { return cells_; }  // along each side
   const LocalMapOptions& options() const { return options_; }
   Cell cell(int x, int y) const;
   Cell at(double x_m, double y_m) const { return cell(number(x_m), number(y_m)); }
-  int number(double m) const;     // of the cell in which this coordinate lies
-  double middle(int cell) const;  // m
-  // As cell(), but what only a single picture took for an obstacle is unknown.
+  // Number of the cell that contains this coordinate.
+  int number(double m) const;
+  double middle(int cell) const;  // center of a cell, m
+  // As the state of cell(), but an obstacle of only a single vote is unknown.
   CellState certain(int x, int y) const;
   CellState certain_at(double x_m, double y_m) const { return certain(number(x_m), number(y_m)); }
-  // Log-odds of an obstacle; 0 where unknown.
+  // Log-odds of an obstacle; 0 if unknown.
   double log_odds(int x, int y) const;
 
-  // State of the rectangle of `length_m` along its forward axis and `width_m`, with its centre at `pose`
-  // in the map. Cells count whose middle is inside.
+  // Returns the state of a rectangle, `length_m` long on its forward axis and `width_m` wide, with its
+  // center at `pose` in the map. It covers the cells whose center is inside.
   Footprint footprint(const Eigen::Isometry2d& pose, double length_m, double width_m) const;
 
-  // Floor green, obstacle red, unknown grey; paler where the confidence is lower. Forward is up, one pixel a
-  // cell.
+  // Returns a picture of the map, one pixel per cell: floor green, obstacle red, unknown gray; paler where
+  // the confidence is lower. Forward is up.
   vision::Image picture() const;
   const MapCounts& counts() const { return counts_; }
 
@@ -143,16 +152,16 @@ class LocalMap {
   int cells_ = 0;
   Time last_{};
   MapCounts counts_;
-  std::vector<std::int16_t> odds_;  // in steps of kStep
-  // Of the current update().
-  std::vector<std::uint32_t> seen_;    // number of the update that last showed floor here
-  std::vector<float> hits_;            // obstacles' votes
-  std::vector<std::uint16_t> points_;  // points of obstacles
+  std::vector<std::int16_t> odds_;  // log-odds in steps of kStep
+  // Members of the current update():
+  std::vector<std::uint32_t> seen_;    // number of the last update that showed floor here
+  std::vector<float> hits_;            // votes for an obstacle
+  std::vector<std::uint16_t> points_;  // number of obstacle points
   std::vector<std::uint32_t> touched_;
-  std::vector<int> row_u_, row_v_, row_vote_;  // of a row of cells
+  std::vector<int> row_u_, row_v_, row_vote_;  // for a row of cells
   ContactLine contact_;
-  std::vector<float> row_up_;      // of a row of pixels: height, m
-  std::vector<std::uint8_t> own_;  // by pixel, 1: shows the robot itself
+  std::vector<float> row_up_;      // heights in a row of pixels, m
+  std::vector<std::uint8_t> own_;  // by pixel; 1: shows the robot itself
 };
 
 }  // namespace kaz::map

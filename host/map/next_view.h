@@ -1,11 +1,11 @@
-// Which directions are worth a look: where floor that was not seen yet would come into view.
+// Directions in which a look shows the most unknown floor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Next best view, greedy: of the candidates the one whose view holds most unknown floor, weighted by how near
-// to the path it is; what it shows counts for no other; until none is worth the time. A view ends at the
-// first obstacle of the map.
+// Greedy next-best-view selection. It chooses the candidate whose view contains the most unknown floor,
+// weighted by the distance from the path. Floor in a chosen view no longer counts for the others. It stops
+// when no view is worth the time. A view ends at the first obstacle of the map.
 //
-// Frame: the map's. m, rad; directions + to the left of `heading_rad`.
+// Map frame. Units: m, rad; directions are relative to `heading_rad`, positive to the left.
 #pragma once
 
 #include <span>
@@ -19,13 +19,14 @@ namespace kaz::map {
 
 struct Viewpoint {
   Eigen::Vector2d eye{0, 0};
-  double heading_rad = 0;                     // of direction 0
-  double half_view_rad = 0;                   // of one look
-  double nearest_m = 0.25, farthest_m = 1.2;  // of the floor that it shows
+  double heading_rad = 0;                     // heading of direction 0
+  double half_view_rad = 0;                   // half the angle of one view
+  double nearest_m = 0.25, farthest_m = 1.2;  // range of the visible floor
 };
 
-// Of `candidates` those worth a look, the best first. `path`: corners of the way that is to be walked, two or
-// more; else all unknown floor counts alike. `worth_m2`: the least weighted area of unknown floor.
+// Returns those of `candidates` that are worth a look, best first. `path`: corners of the path to be
+// walked; with fewer than two, all unknown floor counts alike. `worth_m2`: the smallest weighted area of
+// unknown floor in a view.
 std::vector<double> directions_worth_a_look(const LocalMap& map, const Viewpoint& from,
                                             std::span<const double> candidates,
                                             std::span<const Eigen::Vector2d> path,

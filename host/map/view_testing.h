@@ -1,4 +1,4 @@
-// A scene of rectangles as the map gets it: depth from the rays, the floor as one segment.
+// Test scene of rectangles as input of the map: depth from rays, and the floor as one segment.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,9 +7,10 @@
 
 namespace kaz::map {
 
-inline constexpr double kTestHeight_m = 0.27;  // of the eye
+inline constexpr double kTestHeight_m = 0.27;  // height of the eye
 
-// Eye above the origin, `pan` to the left and `tilt` down of straight ahead.
+// Returns the pose of an eye above the origin, which looks `pan` to the left and `tilt` down from straight
+// ahead.
 inline Eigen::Isometry3d test_eye(double pan_rad, double tilt_rad) {
   Eigen::Isometry3d eye = Eigen::Isometry3d::Identity();
   eye.translation().z() = kTestHeight_m;
@@ -31,9 +32,9 @@ struct TestYard {
     Eigen::Vector3d middle, size;
   };
   std::vector<Box> boxes;
-  double floor_m = 6;  // side
+  double floor_m = 6;  // length of its side
 
-  // What is seen of it through `eye`, with noise of `sigma_px` of disparity.
+  // Returns the view through `eye`, with noise of `sigma_px` in the disparity.
   TestView seen(const Eigen::Isometry3d& eye, double sigma_px = 0, std::uint64_t number = 1,
                 int width = 320) const {
     using Eigen::Vector3d;

@@ -1,18 +1,17 @@
-// Balance while walking: a small network that corrects the gait from what the sensors have felt.
+// Balance while walking: a small neural network that corrects the gait from sensor readings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The hand-made gait (gait.h) follows time alone, and a push that carries the centre of mass near a
-// sole's edge topples it. The network sees, each control cycle, the phase, the accelerometer, the
-// gyro and by how much the legs' joints yield to their load, and answers with a correction of the
-// gait: how fast its phase runs, how far the trunk rolls beside its plan, how high and far the feet
-// step, how deep the robot crouches, how far it leans.
+// The gait (gait.h) follows time alone. A push that carries the center of mass close to a sole's edge
+// topples it. In each control cycle, the network corrects the speed of its phase, the roll of the trunk,
+// and the height and length of the steps. It also corrects the depth of the crouch and the lean. Its inputs
+// are the phase, accelerometer, gyro, and the deflection of the leg joints under load.
 //
 //   u = limit * tanh(W2 tanh(W1 x + b1) + b2),   x: kInputs numbers of about 1, u: kOutputs
 //
-// The robot has a left and a right that are alike, so the network is made alike, too: with M the
-// mirror of the inputs and N that of the outputs the correction is (u(x) + N u(M x)) / 2. Weights:
-// learned_balance.inc, written by ./tools/dev train-balance (docs/explanation/motion.md#balance).
-// Units: m, s, rad. Frames and signs as in gait.h.
+// The robot is symmetric, so the network is made symmetric, too. With the mirror matrices M of the inputs
+// and N of the outputs, the correction is (u(x) + N u(M x)) / 2. The weights are in learned_balance.inc,
+// written by ./tools/dev train-balance (docs/explanation/motion.md#balance). Units: m, s, rad. Frames and
+// signs as in gait.h.
 #pragma once
 
 #include <optional>
@@ -27,14 +26,14 @@
 
 namespace kaz::motion {
 
-// What is changed of the gait. The default changes nothing.
+// Correction of the gait. The default changes nothing.
 struct Correction {
   double phase_rate = 1;  // factor on the speed of the phase
-  double roll = 0;        // rad, of the trunk beyond the gait's, + to the right
+  double roll = 0;        // rad, of the trunk, added to the gait's, + to the right
   double lift = 1;        // factor on the height of a swing
   double stride = 1;      // factor on the strides
-  double height = 0;      // m, of the hips, beyond the stance's
-  double lean = 0;        // rad, of the trunk forward
+  double height = 0;      // m, of the hips, added to the stance's
+  double lean = 0;        // rad, of the trunk, + forward
 };
 
 class BalancePolicy {
@@ -44,16 +43,16 @@ class BalancePolicy {
   using Input = Eigen::Matrix<double, kInputs, 1>;
   using Output = Eigen::Matrix<double, kOutputs, 1>;
 
-  // W1 by rows, b1, W2 by rows, b2.
+  // `weights`: W1 by rows, b1, W2 by rows, b2.
   explicit BalancePolicy(std::span<const double, kWeights> weights);
 
-  // The one that Kaz comes with.
+  // Returns the policy that Kaz comes with.
   static BalancePolicy learned();
-  // A text like learned_balance.inc: kWeights numbers with commas or white space between, // begins
-  // a comment. Errors (usage): `name`, line, and what is wrong with it.
+  // Parses a text like learned_balance.inc: kWeights numbers, separated by commas or white space; // begins
+  // a comment. Errors (usage): the message contains `name`, the line and the fault.
   static Result<BalancePolicy> parse(const std::string& text, const std::string& name);
 
-  // -1..1 each.
+  // Returns the outputs, each -1..1.
   Output evaluate(const Input& x) const;
 
  private:
@@ -63,21 +62,22 @@ class BalancePolicy {
   Eigen::Matrix<double, kOutputs, 1> b2_;
 };
 
-// The policy's inputs over time: filters of the sensors, whose zeros are measured while the robot stands.
+// Computes the policy's inputs by filters of the sensors. Their zeros are measured while the robot stands.
 class Balance {
  public:
   explicit Balance(const BalancePolicy& policy) : policy_(policy) {}
 
   struct Sensed {
-    double dt = 0;       // s since the last
-    bool still = false;  // the robot stands: the zeros are measured
-    bool walks = false;  // else the correction fades
+    double dt = 0;       // s since the last call
+    bool still = false;  // the robot stands, so zeros are measured
+    bool walks = false;  // if false, the correction fades
     double phase = 0, amplitude = 0;
     double yaw_rate = 0;                     // rad/s
-    const host::Posture* posture = nullptr;  // with `inertial`
+    const host::Posture* posture = nullptr;  // must be set, with `inertial`
   };
+  // Returns the correction for the next cycle. Call it once per control cycle.
   Correction step(const Sensed& sensed);
-  // The leg targets that were sent in this cycle.
+  // Records the leg targets that were sent in this cycle. The deflection is computed from them.
   void sent(const JointAngles& angles) { sent_ = angles; }
 
  private:

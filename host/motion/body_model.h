@@ -1,9 +1,9 @@
-// All links of Kaz: where they are, and where the weight is, from joint angles.
+// Body model of Kaz: poses of all links and the center of mass from joint angles.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Numbers of shared/robot/kaz/kaz.urdf; a test holds every one against it. Frames as there: parallel
-// to the trunk's (x forward, y left, z up) at the zero posture, origin on the link's own joint. The
-// trunk's origin lies midway between the hips. Metres, kilograms, radians.
+// The numbers are those of shared/robot/kaz/kaz.urdf; a test compares them. Frames as there: parallel to
+// the trunk's (x forward, y left, z up) at the zero posture, with the origin on the link's own joint. The
+// trunk's origin lies midway between the hips. Units: m, kg, rad.
 #pragma once
 
 #include <array>
@@ -18,11 +18,12 @@ using host::JointAngles;
 using host::Side;
 
 struct Link {
-  int parent;              // joint number of the link that carries it; -1: the trunk
-  Eigen::Vector3d origin;  // of its joint, in the parent's frame
+  // Joint number of the parent link; -1: the trunk.
+  int parent;
+  Eigen::Vector3d origin;  // position of its joint, parent frame
   Eigen::Vector3d axis;
   double mass;
-  Eigen::Vector3d centre;  // of its mass, in its own frame
+  Eigen::Vector3d centre;  // center of mass, own frame
 };
 // The link that each joint moves, by joint number.
 const std::array<Link, KZ_JOINTS>& links();
@@ -33,21 +34,22 @@ inline constexpr double kTotalMass = 1.600;
 using Poses = std::array<Eigen::Isometry3d, KZ_JOINTS>;
 Poses forward(const JointAngles& angles);
 
-// Of the whole robot, in the trunk's frame.
+// Center of mass of the whole robot, trunk frame.
 Eigen::Vector3d centre_of_mass(const JointAngles& angles);
 
-// Limbs as capsules around the line from `from` to `to`, trunk frame, m: upper arms, forearms,
-// hands, thighs, shanks, feet. For what sees the robot itself; every collision shape of their links in the
-// URDF is inside (a test).
+// A limb as a capsule around the line from `from` to `to`, trunk frame, m. The map masks the robot itself
+// with these. A test checks that every collision shape of the links in the URDF is inside.
 struct Limb {
   Eigen::Vector3d from, to;
   double radius_m = 0;
 };
+// Returns upper arms, forearms, hands, thighs, shanks and feet.
 std::array<Limb, 12> limbs(const JointAngles& angles);
 
-// Middle of what the jaws enclose, in the frame of the link `l_elbow` or `r_elbow`: kaz-model's.
+// Center of the grasp between the jaws, in the frame of the link `l_elbow` or `r_elbow`, m
+// (docs/reference/robot.md).
 inline const Eigen::Vector3d kGrasp(0, 0, -0.093);
-// Pose of the hand in the trunk's frame: origin at the grasp's middle, axes of the forearm.
+// Pose of the hand in the trunk frame: origin at the center of the grasp, axes of the forearm.
 Eigen::Isometry3d trunk_from_grasp(const JointAngles& angles, Side hand);
 
 }  // namespace kaz::motion

@@ -1,12 +1,13 @@
-// The robot's heading by integration of the yaw gyro, whose zero is measured whenever it stands still.
+// Heading of the robot by integration of the yaw gyro, whose zero is measured while the robot stands.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The gyro turns with the trunk: it measures the rate about the trunk's z, which leans by pitch and
-// roll. While only yaw changes that is the rate about the vertical times cos(pitch) cos(roll).
+// The gyro turns with the trunk, which leans by pitch and roll: it measures the rate about the trunk's z
+// axis. While only yaw changes, this is the rate about the vertical times cos(pitch) cos(roll).
 //
-// Heading and the gyro's zero are estimated together (Kalman filter of two states). The zero is a random
-// walk; while the robot stands each sample measures it. What it had wandered meanwhile then shows, and
-// the heading is put right by as much as the filter lays on it. Radians, + to the left.
+// A Kalman filter with two states estimates the heading and the gyro's zero together. The zero is modeled
+// as a random walk, and each sample of a standing robot measures it. Such a sample also corrects the
+// heading, by the covariance of both, for the drift of the zero since the last stand. Units: rad, + to the
+// left.
 #pragma once
 
 #include "host/robot/inertial.h"
@@ -17,22 +18,22 @@ class Heading {
  public:
   Heading();
 
-  // `still`: the robot stands without a command, so that the rate is the gyro's zero. `upright`:
-  // cosine of the trunk's lean. Samples in order of time.
+  // Adds a sample, in order of time. `still`: the robot stands without a command, so the rate is the gyro's
+  // zero. `upright`: cosine of the trunk's lean.
   void add(const host::Inertial& sample, bool still, double upright);
 
   double rad() const { return heading_; }
-  // One sigma of what was turned since the first sample: noise, the zero as it was measured, and what
-  // it wandered since. Motion has the rest: lean and shaking of a walking trunk.
+  // One sigma of the rotation since the first sample: noise, error of the measured zero, and its drift
+  // since. Motion adds the share from lean and shaking of a walking trunk.
   double sigma_rad() const;
   double sigma_zero() const;  // rad/s
-  // For how long the zero has been measured, s.
+  // Time for which the zero was measured, s.
   double zeroed_s() const { return zeroed_s_; }
-  double rate() const { return rate_; }  // rad/s, without the zero
+  double rate() const { return rate_; }  // rad/s, zero subtracted
 
  private:
   double heading_ = 0, zero_ = 0, zeroed_s_ = 0, rate_ = 0;
-  // Covariance: of the heading, of both, of the zero.
+  // Covariance matrix: variance of the heading, covariance of both, variance of the zero.
   double heading_2_ = 0, both_ = 0, zero_2_;
   Time last_{};
   bool started_ = false;

@@ -1,8 +1,8 @@
 // Closed-form inverse kinematics of legs and arms.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Units: m, rad. Frame: trunk (x forward, y left, z up). There are no yaw joints: a leg has 4 degrees of
-// freedom (position of the ankle, pitch of the foot), an arm 3 (position of the grasp); the remaining
+// Units: m, rad. Frame: trunk (x forward, y left, z up). There are no yaw joints. A leg has 4 degrees of
+// freedom (position of the ankle, pitch of the foot), an arm 3 (position of the grasp). The remaining
 // orientation follows.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace kaz::motion {
 struct LegAngles {
   double hip_roll = 0, hip_pitch = 0, knee = 0, ankle_pitch = 0;
 };
-// `ankle`: position of its axis; `foot_pitch`: relative to the trunk, + toes down. The knee bends forward.
-// Nothing if the position is out of reach or a joint would exceed its limits.
+// `ankle`: position of its axis. `foot_pitch`: relative to the trunk, + toes down. The knee bends forward.
+// Returns nothing if the position is out of reach or a joint would exceed its limits.
 std::optional<LegAngles> leg_to(Side side, const Eigen::Vector3d& ankle, double foot_pitch);
 LegAngles leg_of(const JointAngles& angles, Side side);
 void set_leg(JointAngles& angles, Side side, const LegAngles& leg);
@@ -24,13 +24,14 @@ void set_leg(JointAngles& angles, Side side, const LegAngles& leg);
 struct ArmAngles {
   double sh_pitch = 0, sh_roll = 0, elbow = 0;
 };
-// `grasp`: position of the grasp's centre. The elbow bends forward. Nothing if it is out of reach, further
-// to the side than the shoulder's roll can bring the bent arm, or a joint would exceed its limits.
+// `grasp`: position of the grasp's center. The elbow bends forward. Returns nothing if the position is out
+// of reach, or if a joint would exceed its limits. The position may also be too far to the side for the
+// shoulder's roll with a bent arm.
 std::optional<ArmAngles> arm_to(Side side, const Eigen::Vector3d& grasp);
 ArmAngles arm_of(const JointAngles& angles, Side side);
 void set_arm(JointAngles& angles, Side side, const ArmAngles& arm);
 
-// Clamps each angle to its joint's limits.
+// Returns the angles, each clamped to its joint's limits.
 JointAngles within_limits(JointAngles angles);
 
 }  // namespace kaz::motion

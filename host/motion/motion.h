@@ -1,15 +1,15 @@
-// Standing, walking and turning: leg targets from posture and gyro, one step() per control cycle.
+// Standing, walking and turning: leg targets from posture and gyro. One step() per control cycle.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The caller calls step() in each control cycle (10 to 20 ms) with the newest posture and sends the leg
-// targets it returns, ramped over the time to the next cycle. Head and arms are the caller's: the gait
-// counts on the arms of home() or close to them. Commands may come at any time; a foot's stride changes
-// only when it passes below the hips, and from walking to turning it goes through standing (about one
-// cycle). Head, arms and Motion share one exchange() with the board.
+// The caller calls step() in each control cycle (10 to 20 ms) with the newest posture. It sends the
+// returned leg targets, ramped over the time to the next cycle. Head and arms are the caller's, so that all
+// share one exchange() with the board. The gait assumes arms at home() or close to it. Commands may come at
+// any time. A foot's stride changes only when it passes below the hips. The robot changes between walking
+// and turning through standing, in about one cycle.
 //
-// With gyro (Posture::inertial, after Robot::sense_inertial()) heading is measured and held. Without,
-// it is reckoned from the strides, which friction decides (docs/explanation/motion.md): rough.
-// Metres, radians, seconds; headings + to the left, 0 where it began.
+// With a gyro (Posture::inertial, after Robot::sense_inertial()), heading is measured and held. Without, it
+// is estimated from the strides. This is rough, because friction decides (docs/explanation/motion.md).
+// Units: m, rad, s. Headings are + to the left, 0 at the start.
 #pragma once
 
 #include <array>
@@ -26,14 +26,14 @@ namespace kaz::motion {
 
 struct Settings {
   Shape walk{};
-  // Turning slips both soles: slowly, and with the lean that holds on every floor
+  // Turning slips both soles. So it is slow, with a lean that holds on every floor
   // (docs/explanation/motion.md).
   Shape turn{.period = 2.2};
-  double stride = 0.040;     // m, of each foot relative to the hips; the maximum used
-  double reach = 0.012;      // m, of turning
-  bool use_gyro = true;      // false: as if the board had none
+  double stride = 0.040;     // m, largest stride of each foot relative to the hips
+  double reach = 0.012;      // m, largest sliding amplitude for turning
+  bool use_gyro = true;      // false: ignores the gyro
   bool hold_heading = true;  // while walking
-  // Corrects the gait while walking; needs gyro and accelerometer. None: the gait follows time alone.
+  // Corrects the gait while walking; needs gyro and accelerometer. Null: the gait follows time alone.
   std::shared_ptr<const BalancePolicy> balance = {};
 };
 
@@ -41,7 +41,8 @@ enum class State {
   standing,
   walking,
   turning,
-  fallen,  // for good: switch the motors off, set the robot up, make a new Motion
+  // Final: switch the motors off, set the robot up, and make a new Motion.
+  fallen,
 };
 
 class Motion {
@@ -50,30 +51,32 @@ class Motion {
 
   explicit Motion(const Settings& settings = {});
 
-  // Walks `distance` m ahead (negative: back), and holds the present heading plus `turned` rad. Heading
+  // Walks `distance` m ahead (negative: back) and holds the present heading plus `turned` rad. Heading
   // errors are corrected by unequal strides, at most 2 degrees a cycle.
   void walk(double distance, double turned = 0);
-  // Until stop(): with that stride (at most Settings::stride, negative: back), holding a heading.
+  // Walks until stop() with this stride (m, at most Settings::stride, negative: back) and holds a heading
+  // (rad).
   void walk_on(double stride, double heading);
-  // On the spot, by slip of the soles.
+  // Turns on the spot by `angle` rad, + to the left, by slip of the soles.
   void turn(double angle);
-  // To a stand, within a cycle and a half.
+  // Stops within a cycle and a half.
   void stop();
 
-  // `now`: when the next targets will have been reached. Joints: those of the legs.
+  // Returns the leg targets for the next cycle; in State::fallen, the measured angles. `now`: the time at
+  // which the targets will have been reached.
   LegTargets step(Time now, const host::Posture& posture);
 
   State state() const { return state_; }
-  // Standing, and nothing left to do. A turn that took too many cycles ends, too: see the heading.
+  // Standing, with no command left. A turn also ends after too many cycles: compare heading().
   bool idle() const { return state_ == State::standing && wish_ == Wish::stand; }
   bool has_gyro() const { return gyro_; }
-  // Standing still so long, s, while the gyro's zero was averaged: 4 s for a metre, 1 s for 45
-  // degrees.
+  // Time, s, for which the gyro's zero was averaged while standing. Needed: 4 s for a walk of 1 m, 1 s for
+  // a turn of 45 degrees.
   double zeroed_s() const { return heading_.zeroed_s(); }
   double heading() const;
   const Place& place() const { return odometry_.place(); }
-  double walked() const { return odometry_.walked(); }  // m since the start, back is negative
-  double roll() const { return roll_; }                 // rad, planned of the trunk
+  double walked() const { return odometry_.walked(); }  // m since the start; back is negative
+  double roll() const { return roll_; }                 // rad, planned roll of the trunk
   double phase() const { return phase_; }
   double amplitude() const { return steps_.amplitude; }
 

@@ -1,14 +1,14 @@
-// Poses in time, as people and the page of --view write them, and the smooth motion through them.
+// Poses over time, as a file or as the page of --view writes them, and the smooth motion through them.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A file of poses (docs/reference/poses.md) is JSON:
+// A pose file (docs/howto/watch.md) is JSON:
 //
 //   {"format": "kaz-poses-1",
 //    "poses": [{"time_s": 0, "angles_rad": {"r_sh_pitch": 0}},
 //              {"time_s": 1.5, "angles_rad": {"r_sh_pitch": -0.8, "neck_pan": 0.3}}]}
 //
-// A joint moves through the poses that name it, and does not move before the first and after the last of
-// these. A joint that none names is left where it is.
+// A joint moves through the poses that contain it. Before the first and after the last of these, it does
+// not move. A joint in no pose is left where it is.
 #pragma once
 
 #include <cstddef>
@@ -28,28 +28,29 @@ inline constexpr double kMaxPosesTime_s = 600;
 
 struct Pose {
   double time_s = 0;
-  std::vector<std::pair<std::string, double>> angles_rad;  // by joint
+  std::vector<std::pair<std::string, double>> angles_rad;  // joint name, angle
 };
 
 struct PoseSequence {
-  std::vector<Pose> poses;  // at least one, in the order of time
+  std::vector<Pose> poses;  // at least one, in order of time
 };
 
-// `name`: of the file, for messages. Errors (usage): it is no such file; times that do not increase.
+// Parses a pose file. `name`: the file's name in messages. Errors (usage): the text is not a valid pose
+// file, or times do not increase.
 Result<PoseSequence> parse_poses(std::string_view text, const std::string& name);
-// As parse_poses() reads it, on one line.
+// Returns the sequence as a pose file, on one line.
 std::string text_of(const PoseSequence& sequence);
 
-// Angles over time: monotone cubic pieces (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), at rest
-// at both ends. A joint is never outside the angles of the two poses that it is between.
+// Angles over time: monotone cubic pieces (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), at
+// rest at both ends. A joint never leaves the range between the two neighboring poses.
 class PoseMotion {
  public:
-  // `joints`: names by joint number. Errors (usage): one is not among them.
+  // `joints`: names by joint number. Errors (usage): the sequence contains another joint.
   static Result<PoseMotion> create(const PoseSequence& sequence,
                                    std::span<const std::string> joints);
 
   double end_s() const { return end_s_; }
-  // Where the joints are to be at that time, those that the poses name.
+  // Returns the targets at that time, for the joints that the poses contain.
   std::vector<host::JointTarget> at(double time_s) const;
 
   struct Extent {
@@ -57,12 +58,12 @@ class PoseMotion {
     double lowest_rad = 0, highest_rad = 0;
     double fastest_rad_per_s = 0, fastest_at_s = 0;
   };
-  // What is asked of each of these joints.
+  // Returns the extremes of angle and speed for each of these joints.
   std::vector<Extent> extents() const;
 
  private:
   struct Knot {
-    double time_s, angle_rad, slope;  // slope: rad/s
+    double time_s, angle_rad, slope;  // slope in rad/s
   };
   struct Track {
     int joint = 0;

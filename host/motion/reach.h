@@ -1,10 +1,10 @@
 // Trajectory for picking up a ball from the floor with one hand: joint angles over time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sequence: bend with the arm forward and the hand open, swing the arm down onto the ball, close, lift, stand
-// up. At each time the position of the hips is solved so that the centre of mass is over the planned point of
-// the soles (static balance). Units: m, s, rad. Frame: origin on the floor below the midpoint of the ankles,
-// x ahead, y left, z up.
+// Sequence: bend with the arm forward and the hand open, swing the arm down onto the ball, close, lift,
+// stand up. At each time, the hips are placed so that the center of mass is over the planned point of the
+// soles (static balance). Units: m, s, rad. Frame: origin on the floor below the midpoint of the ankles, x
+// ahead, y left, z up.
 #pragma once
 
 #include <optional>
@@ -16,9 +16,9 @@ namespace kaz::motion {
 
 class Pickup {
  public:
-  // `ball`: position of its centre on the floor. Nothing if it is out of reach.
+  // `ball`: position of its center on the floor. Returns nothing if it is out of reach.
   static std::optional<Pickup> plan(Side hand, const Eigen::Vector2d& ball, double radius);
-  // The same with the arm aimed at a new measurement of the ball; nothing if it is out of reach.
+  // Returns this plan with the arm aimed at a new position of the ball; nothing if it is out of reach.
   std::optional<Pickup> aimed_at(const Eigen::Vector2d& ball) const;
 
   // End time of each part: bent with the arm forward; arm down; hand closed; arm up; standing.
@@ -34,9 +34,10 @@ class Pickup {
   double closed() const { return closed_; }
   double stopped() const { return stopped_; }
 
-  // Angles of legs, arms and hands (not of the neck). Before 0 and after the end: standing.
+  // Returns the angles of legs, arms and hands (not of the neck). Before 0 and after the end: the first and
+  // the last pose, which stand.
   JointAngles at(double time_s) const;
-  // Abort: from at(from_s) back to home() with the hand open; time_s in 0..kGiveUp_s.
+  // Abort motion from at(from_s) back to home() with the hand open. `time_s`: 0 to kGiveUp_s.
   JointAngles back(double from_s, double time_s) const;
   static constexpr double kGiveUp_s = 3.4;
 
@@ -44,9 +45,9 @@ class Pickup {
   enum Part { kStart, kBent, kRest, kDown, kRested, kClosed, kFirm, kLifted, kEnd };
   struct Key {  // keyframe
     double time = 0;
-    double z = 0, pitch = 0,
-           com_x = 0;      // height of the hips, pitch of the trunk, x of the centre of mass
-    ArmAngles arm, other;  // the arm that picks up, and the other as counterweight
+    // Height of the hips, pitch of the trunk, x of the center of mass.
+    double z = 0, pitch = 0, com_x = 0;
+    ArmAngles arm, other;  // the arm that picks up; the other, as counterweight
     double hand = 0;
   };
   static JointAngles solve(const Key& key, Side hand, double* hips_x = nullptr);

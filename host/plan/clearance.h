@@ -9,31 +9,36 @@
 
 namespace kaz::plan {
 
+// Built for one grid, which must outlive this. With an infinite unknown_factor, unknown cells are
+// obstacles.
 class Clearance {
  public:
   Clearance(const Grid& grid, const PlanOptions& options);
 
-  // m, from the cell's middle to the nearest obstacle cell's edge, at least 0.
+  // Clearance, m: a lower bound on the distance from the cell's center to the nearest obstacle cell. It is
+  // the distance of the centers minus half a cell diagonal, at least 0.
   double m(int x, int y) const { return clear_m_[grid_.index(x, y)]; }
-  // Whether the robot may stand with its middle in this cell.
+  // Returns whether the robot may stand with its center in this cell.
   bool free(int x, int y) const { return grid_.inside(x, y) && free_[grid_.index(x, y)] != 0; }
-  // Factor on the time that is spent in this cell.
+  // Factor on the time spent in this cell.
   double factor(int x, int y) const {
     return grid_.state[grid_.index(x, y)] == map::CellState::unknown ? unknown_factor_ : 1;
   }
-  // Length of the line from `a` to `b`, weighted by factor(); infinite if it meets a cell that is not free.
+  // Returns the length of the line from `a` to `b`, weighted by factor(); infinite if it meets a cell that
+  // is not free.
   double weighted_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const;
-  // Whether free cells that touch, at a side or a corner, lead from one free cell to the other.
+  // Returns whether neighboring free cells (sides or corners) connect the two cells. Both must be free.
   bool connected(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
-  // Of the floor cells so connected with this free one, that nearest to `to`.
+  // Returns the floor cell nearest to `to` among those connected with `from`. It is empty if `from` is not
+  // free, or no floor is connected.
   std::optional<Eigen::Vector2i> nearest_connected(const Eigen::Vector2i& from,
                                                    const Eigen::Vector2d& to) const;
-  // The narrowest place of the widest way between two cells.
+  // Returns the narrowest place of the widest way between two cells, as NoPath::Why::enclosed.
   NoPath narrowest(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
   const Grid& grid() const { return grid_; }
 
  private:
-  // The obstacle cell nearest to this one.
+  // Returns the center of the obstacle cell nearest to this one.
   Eigen::Vector2d obstacle_near(const Eigen::Vector2i& cell) const;
   const Grid& grid_;
   double unknown_factor_;

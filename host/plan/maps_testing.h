@@ -1,4 +1,4 @@
-// Random maps for tests and benchmark of planners.
+// Random maps for tests and benchmarks of planners.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace kaz::plan {
 
-// 2 m by 2 m of floor, x from 0, y from -1.
+// Returns 2 m by 2 m of floor, x from 0, y from -1 m.
 inline Grid floor_grid() {
   Grid grid;
   grid.cells_x = grid.cells_y = 200;
@@ -16,7 +16,7 @@ inline Grid floor_grid() {
   return grid;
 }
 
-// All cells whose middle is in the rectangle.
+// Sets all cells whose center is in the rectangle.
 inline void fill(Grid& grid, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                  map::CellState state) {
   for (int x = 0; x < grid.cells_x; ++x) {
@@ -28,7 +28,7 @@ inline void fill(Grid& grid, const Eigen::Vector2d& from, const Eigen::Vector2d&
   }
 }
 
-// 2 to 15 boxes with sides of 1 to 50 cm, none within 15 cm of `a` and `b`.
+// Returns floor_grid() with 2 to 15 boxes with sides of 1 to 50 cm, none within 15 cm of `a` and `b`.
 inline Grid random_grid(Random& random, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   Grid grid = floor_grid();
   const auto draw = [&](double low, double high) { return low + (high - low) * random.uniform(); };

@@ -1,14 +1,15 @@
-// A second planner: ABIT* of OMPL, which samples poses instead of cells and headings.
+// Second planner: ABIT* of OMPL, which samples poses instead of cells and headings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ABIT* (Strub and Gammell, "Advanced BIT* (ABIT*): sampling-based planning with advanced graph-search
-// techniques", ICRA 2020) draws batches of poses and searches the graph of each pose and its nearest ones for
-// the fastest path, with the estimate that the grid planner uses. An edge is a turn towards the other pose, a
-// straight line and a turn to the other's heading; its cost is time, in one direction only. Whether it is
-// free is checked every half cell. The path found is straightened as the grid planner's.
+// ABIT* draws batches of poses and searches the graph of each pose and its nearest ones for the fastest
+// path. Source: Strub and Gammell, "Advanced BIT* (ABIT*): sampling-based planning with advanced
+// graph-search techniques", ICRA 2020. It uses the heuristic of the grid planner. An edge is a turn toward
+// the other pose, a straight line, and a turn to the other's heading. Its cost is time, in one direction
+// only. It is checked every half cell to be free. The path found is straightened like that of the grid
+// planner.
 //
-// It ends after a number of batches, or with a path that no other can be faster than. No clock is read: the
-// same seed gives the same path.
+// It ends after a number of batches, or with a path that no other can beat. It reads no clock, so the same
+// seed gives the same path.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +21,17 @@ namespace kaz::plan {
 
 struct OmplOptions {
   std::uint64_t seed = 1;
-  int batches = 3;              // at most, 1 or more: more take longer and find faster paths
-  int batches_until_found = 6;  // at most, while there is no path yet
-  int batch_size = 100;         // poses, 1 or more
+  // Maximum number, 1 or more. More batches take longer and find faster paths.
+  int batches = 3;
+  int batches_until_found = 6;  // maximum number without a path
+  int batch_size = 100;         // poses in a batch, 1 or more
 };
 
-// Its plan() has one more error (usage): turns of 45 degrees (any_heading off) are the grid planner's alone;
-// and one more answer, NoPath::Why::not_found. One planner may be used by one thread at a time.
-// Fails where Kaz was built without OMPL (environment), and for options out of their range (usage).
+// Errors: Kaz was built without OMPL (environment), or options are out of range (usage).
+//
+// The planner's plan() also fails (usage) without any_heading, because only the grid planner turns by 45
+// degrees, and (failed) if OMPL fails. It may return NoPath::Why::not_found. Only one thread at a time may
+// use a planner.
 Result<std::unique_ptr<Planner>> make_ompl_planner(const OmplOptions& options = {});
 
 }  // namespace kaz::plan

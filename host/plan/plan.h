@@ -1,13 +1,13 @@
-// Paths in the least time for a robot that walks straight ahead and turns on the spot.
+// Fastest paths for a robot that walks straight ahead and turns on the spot.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A turn of 45 degrees takes as long as a third of a metre straight ahead, so the shortest path is seldom the
-// fastest, and the least-time paths of such a robot are turns and straight lines by turns (Furtuna and
+// A turn of 45 degrees takes as long as a third of a meter straight ahead, so the shortest path is seldom
+// the fastest. The least-time paths of such a robot alternate turns and straight lines. Source: Furtuna and
 // Balkcom, "Generalizing Dubins curves: minimum-time sequences of body-fixed rotations and translations in
-// the plane", IJRR 2010). The robot's outline is a disc around the middle between its feet: what is clear
-// of it can be turned in.
+// the plane", IJRR 2010. The robot's outline is a disc around the middle between its feet. So the robot can
+// turn wherever the disc is free.
 //
-// Frame: that of the grid; x forward, y left, headings from x towards y. Units m, rad, s.
+// Frame: that of the grid; x forward, y left, headings from x toward y. Units: m, rad, s.
 #pragma once
 
 #include <cstddef>
@@ -25,12 +25,11 @@
 
 namespace kaz::plan {
 
-// What a map says of the floor; cells by row of equal x. Outside of it all is unknown, and no path leads
-// there.
+// State of the floor by cells. Everything outside of the grid is unknown, and no path leads there.
 struct Grid {
   int cells_x = 0, cells_y = 0;
   double cell_m = 0.01;
-  Eigen::Vector2d corner{0, 0};       // of the cell 0, 0: its least x and y
+  Eigen::Vector2d corner{0, 0};       // least x and y of the cell 0, 0
   std::vector<map::CellState> state;  // [x * cells_y + y]
 
   map::CellState at(int x, int y) const {
@@ -49,11 +48,12 @@ struct Grid {
     return corner + cell_m * Eigen::Vector2d(x + 0.5, y + 0.5);
   }
 };
-// The square of `size_m` around the map's origin. What a single picture took for an obstacle is unknown.
+// Returns the square of `size_m` around the map's origin. An obstacle of only a single vote is unknown
+// (LocalMap::certain).
 Grid grid_of(const map::LocalMap& map, double size_m);
 
-// Obstacles of fewer than `cells` cells, corners touching, become unknown if all of them are farther than
-// `beyond_m` from `from`.
+// Sets obstacles of fewer than `cells` cells to unknown if all of these are farther than `beyond_m` from
+// `from`. Cells that touch at corners belong together.
 void forget_specks(Grid& grid, int cells, const Eigen::Vector2d& from, double beyond_m);
 
 struct Pose {
@@ -62,50 +62,54 @@ struct Pose {
 };
 struct Goal {
   Eigen::Vector2d position{0, 0};
-  std::optional<double> heading_rad;  // none: any
+  std::optional<double> heading_rad;  // empty: any
 };
 
+// The times are those of measured walks and turns (docs/results/README.md).
 struct PlanOptions {
-  double turn_s_per_rad = 6.6 / (45 * kDegree);  // docs/results/walking.md
+  double turn_s_per_rad = 6.6 / (45 * kDegree);
   double go_s_per_m = 6.6 / 0.33;
-  double radius_m = 0.16;  // of the disc: the hands in the crouch, and 2 cm of sway
-  // On the time in unknown cells, 1 or more. Infinite: they are obstacles, those outside of the grid are not.
+  double radius_m = 0.16;  // radius of the disc: the hands in the crouch, and 2 cm of sway
+  // Factor on the time in unknown cells, 1 or more. Infinite: unknown cells of the grid are obstacles.
   double unknown_factor = 2;
-  // Else turns are multiples of 45 degrees from the start's heading, but for the last to the goal's heading.
+  // If false, turns are multiples of 45 degrees from the start's heading, except the last one, to the
+  // goal's heading. The path then ends in the center of a cell.
   bool any_heading = true;
 };
 
 struct Leg {
   enum class Kind { turn, go };
   Kind kind = Kind::go;
-  double amount = 0;  // rad, to the left positive; m
+  double amount = 0;  // turn: rad, positive to the left; go: m
 };
 
 struct Path {
-  std::vector<Leg> legs;                 // none of zero length
-  std::vector<Eigen::Vector2d> corners;  // start, where it turns, goal
-  double seconds = 0;                    // of walking; in unknown cells without the factor
-  // Of the way on the planner's graph, before straight lines replace parts of it, with the factor. The grid
-  // planner's is from cell to cell: `seconds` is more by at most what start and goal lie beside the middles
-  // of their cells.
+  std::vector<Leg> legs;                 // none has zero length
+  std::vector<Eigen::Vector2d> corners;  // start, turning points, goal
+  // Duration without the factor of unknown cells.
+  double seconds = 0;
+  // Duration of the path on the planner's graph, with the factor, before straight lines replace parts of
+  // it. The grid planner's path is from cell center to cell center. So `seconds` exceeds it by at most the
+  // offsets of start and goal from their cell centers.
   double searched_seconds = 0;
-  std::size_t expanded = 0;  // states of the search
+  std::size_t expanded = 0;  // states that the search expanded
 };
 
-// Why there is none.
+// Reason why there is no path.
 struct NoPath {
-  // not_found: there is one, but a planner that draws samples did not find it.
+  // not_found: there is a path, but a sampling planner did not find it.
   enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed, not_found };
   Why why = Why::enclosed;
-  // The obstacle in the way; of the widest way to the goal, that at its narrowest place.
+  // The obstacle in the way. For enclosed and not_found: the obstacle at the narrowest place of the widest
+  // way to the goal. For start_outside and goal_outside: that position.
   Eigen::Vector2d where{0, 0};
-  double clear_m = 0;  // what is free there to each side
+  double clear_m = 0;  // free distance to each side there
 };
-// "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.16 m".
+// Returns the reason: "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.16 m".
 std::string text(const NoPath& none, const PlanOptions& options);
 
-// The middle of the floor cell nearest to `to` that the robot may stand in and reach from `from`, at least
-// from cell to cell. Nothing: it cannot stand at `from`.
+// Returns the center of the floor cell nearest to `to` that the robot can reach from `from`, at least from
+// cell to cell. It is empty if the robot cannot stand at `from`, or no floor is reachable.
 std::optional<Eigen::Vector2d> nearest_reachable(const Grid& grid, const Eigen::Vector2d& from,
                                                  const Eigen::Vector2d& to,
                                                  const PlanOptions& options);
@@ -116,7 +120,8 @@ class Planner {
  public:
   virtual ~Planner() = default;
   virtual std::string name() const = 0;
-  // Errors (usage): an empty grid, options out of their range, numbers that are not finite.
+  // Returns the fastest path found, or the reason why no path exists. Errors (usage): an empty grid,
+  // options out of range, or numbers that are not finite.
   virtual Result<Planned> plan(const Grid& grid, const Pose& start, const Goal& goal,
                                const PlanOptions& options) = 0;
 };

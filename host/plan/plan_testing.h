@@ -1,4 +1,4 @@
-// For tests of planners: tasks, and paths walked by brute force.
+// Test support for planners: tasks, and a brute-force check of paths.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,7 +23,7 @@ inline Planned planned(Planner& planner, const Grid& grid, const Pose& start, co
   return *result;
 }
 
-// What every planner has to do; instantiated for each.
+// Tests that every planner must pass; instantiated for each.
 class EachPlanner : public testing::TestWithParam<std::function<std::unique_ptr<Planner>()>> {
  protected:
   Planned planned(const Grid& grid, const Pose& start, const Goal& goal,
@@ -41,7 +41,7 @@ inline Path path_of(const Planned& found, const PlanOptions& options = {}) {
   return std::get<Path>(found);
 }
 
-// Where the legs lead to, and the least distance of the way from an obstacle's square, m.
+// End of the legs, and the least distance of the path from an obstacle cell's square, m.
 struct Walked {
   Pose end;
   double clear_m = 1e9;
@@ -75,7 +75,7 @@ inline Walked walked(const Grid& grid, const Pose& start, const Path& path) {
   return w;
 }
 
-// Start, goal and map: boxes by `seed`, every other goal with a heading.
+// Start, goal and a map of boxes by `seed`. Every other goal has a heading.
 struct Task {
   Pose start;
   Goal goal;
@@ -90,7 +90,7 @@ inline Task task_of(std::uint64_t seed) {
   return task;
 }
 
-// Walked by brute force: it ends where it shall, and nothing is nearer than allowed, up to a cell.
+// Checks that the path ends at the goal and that no obstacle is nearer than allowed, up to a cell.
 inline void expect_valid(const Task& task, const Path& path, const PlanOptions& options) {
   const Walked end = walked(task.grid, task.start, path);
   EXPECT_LT((end.end.position - task.goal.position).norm(), 1e-6);

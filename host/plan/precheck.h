@@ -1,4 +1,4 @@
-// What each planner checks before it searches. Internal to host/plan.
+// Checks that each planner makes before it searches. Internal to host/plan.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,12 +6,12 @@
 
 namespace kaz::plan {
 
-// The errors of Planner::plan().
+// Returns the errors of Planner::plan().
 Result<void> check(const Grid& grid, const Pose& start, const Goal& goal,
                    const PlanOptions& options);
 
-// Why no planner finds a path from start to goal. Nothing: there is one, at least from cell to cell, across
-// corners of cells, too.
+// Returns why no planner finds a path from start to goal. It is empty if a path exists, at least from cell
+// to cell, also across the corners of cells.
 std::optional<NoPath> no_path(const Clearance& clearance, const Pose& start, const Goal& goal);
 
 }  // namespace kaz::plan

@@ -1,4 +1,4 @@
-// Straight lines between corners of a way, and its legs. Internal to host/plan.
+// Replaces corners of a path by straight lines, and makes its legs. Internal to host/plan.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,9 +8,10 @@
 
 namespace kaz::plan {
 
-// The fastest way from start to goal by straight lines between some of `corners`, in their order; without
-// any_heading by all of them. `corners`: middles of cells, from the start's to the goal's, each in a straight
-// line that is free from the one before.
+// Returns the fastest path from start to goal by straight lines between points of the way through
+// `corners`, in order. Without any_heading, it passes all of them. `corners`: points from the start to the
+// goal, each reached from the one before by a free straight line. They are cell centers in the grid planner
+// and poses in the OMPL planner.
 Path straighten(const Clearance& clearance, const Pose& start, const Goal& goal,
                 const PlanOptions& options, const std::vector<Eigen::Vector2d>& corners);
 

@@ -1,20 +1,20 @@
-// Several boards as one: each request goes to the boards that it concerns, their replies become one.
+// A group of boards that acts as one: distributes each request and merges the replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// - Requests with a mask of joints are split by it; the others go to all boards. A board that a request does
-//   not concern gets a heartbeat with it, so that every request restarts every link watchdog.
-// - Board time is that of the first board, the reference; ticks of the others are related to it by the host's
-//   clock (clock_relation.h).
-// - A `state_reply` has the angles of all joints at the tick of the reference. The other boards' angles are
-//   interpolated between their last two states, or carried on by their speed for at most kMaxAhead, to that
-//   time. Its error is that of both clock relations, some 0.1 ms to 1 ms, times the speed of the joint.
-// - A flag of the status is set if it is of any board; ENABLED if all boards that were to switch motors
-//   on have them on. A shutdown of one board, but of its link watchdog, switches the motors of the others
-//   off.
-// - What one board refuses is refused; what another has done meanwhile stays done, but motors that were
-//   switched on by an `enable` are switched off again.
+// - Requests with a joint mask are split by board; all others go to every board. A board without a part of a
+//   request gets a heartbeat, so that every request restarts every link watchdog.
+// - Board time is that of the first board, the reference. The ticks of other boards are related to it through
+//   host time (clock_relation.h).
+// - A `state_reply` contains the angles of all joints at the reference's tick. Angles of other boards are
+//   interpolated between their last two states, or extrapolated by at most kMaxAhead. The error is that of
+//   both clock relations (about 0.1 ms to 1 ms) times the joint's speed.
+// - A status flag is set if any board sets it. ENABLED needs all boards on which motors were switched on,
+//   UNLOCKED needs all boards.
+// - A shutdown of one board, except by its link watchdog, switches off the motors of all boards.
+// - A request that one board refuses is refused. Other boards may have executed it. After a refused `enable`,
+//   the motors of all boards are switched off.
 //
-// Not of a group: telemetry and the setting of addresses, which are refused with a sentence.
+// Telemetry and `set_address` need a single board and are rejected (usage).
 #pragma once
 
 #include <map>
@@ -32,10 +32,13 @@ namespace kaz::host {
 
 class BoardGroup final : public Exchanger {
  public:
+  // Limit of extrapolation.
   static constexpr Time kMaxAhead = std::chrono::milliseconds(10);
+  // States further apart are not interpolated; the latest angle is used.
   static constexpr Time kMaxBetween = std::chrono::milliseconds(100);
 
-  // At least one board; each joint on exactly one (check_boards). `clock` and all links must outlive it.
+  // Requires at least one board, and each joint on exactly one board (check_boards). `clock` and all links
+  // must outlive the group.
   BoardGroup(std::vector<RobotBoard> boards, Clock& clock, int retries);
   ~BoardGroup() override;
 
@@ -44,13 +47,14 @@ class BoardGroup final : public Exchanger {
   Result<std::optional<Reply>> collect(Ticket ticket, Time deadline) override;
   Result<Reply> exchange_at_once(const Request& request) override;
   Result<void> send(const Request& request) override;
+  // Listens to the first board only. A group has no telemetry.
   Result<bool> listen(Time deadline) override;
   void on_telemetry(Telemetry) override {}
   void start_anew() override;
   void limit_tries(std::optional<int> tries) override;
   const LinkStatistics& statistics() const override;
   std::string recent_frames() const override;
-  // Only its name and reopen(), which opens again what has failed, are of use.
+  // Supports only name() and reopen(), which reopens lost links.
   Link& link() override;
   std::string failed_name() override;
   std::span<const std::uint8_t> noise() const override;

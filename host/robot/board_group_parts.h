@@ -1,4 +1,4 @@
-// Inside of BoardGroup: one of its boards, and a request that is under way to all.
+// Internals of BoardGroup: one board, and a request pending on all boards.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,7 +15,7 @@ struct BoardGroup::Member {
         requester(*of.link, clock, {.address = of.address, .retries = retries}),
         relation(of.link->byte_time()) {}
 
-  // Tick and times of a reply, for the clock relation.
+  // Updates clock relation, status and restart detection from a reply.
   void relate(std::uint8_t request, const Reply& reply);
 
   RobotBoard board;
@@ -25,21 +25,21 @@ struct BoardGroup::Member {
   std::uint16_t status = 0;
   bool restarted = false;
   std::uint32_t to_be_on = 0;  // joints that were switched on
-  bool to_be_off = false;      // switch_off() since then
-  bool link_lost = false;      // to be opened again
+  bool to_be_off = false;      // switch_off() was called since then
+  bool link_lost = false;      // link must be reopened
   struct State {
     Time time{};
     std::array<s16, KZ_JOINTS> angle{};
   };
   std::optional<State> before, latest;  // its last two states
-  // Of the latest state, moved to another time: on the line through both, or as it is where they are too far
-  // apart.
+  // Angle of the latest state, moved to time `t` on the line through both states. Unchanged if they are
+  // further apart than kMaxBetween.
   s16 angle_at(std::size_t joint, Time t) const;
 };
 
 struct BoardGroup::Exchange {
   struct Part {
-    bool concerned = false;  // else it got a heartbeat
+    bool concerned = false;  // false: it got a heartbeat
     Ticket ticket = 0;
     std::optional<Reply> reply;
   };

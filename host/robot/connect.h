@@ -8,24 +8,23 @@
 
 namespace kaz::host {
 
-// Succeeds if a Kaz board answers whose protocol version is KZ_PROTOCOL_VERSION_OLDEST to
-// KZ_PROTOCOL_VERSION. Else one error sentence for each
-// case: no reply; a reply of something other than a Kaz board, with its first bytes; the line echoes; another
-// protocol version or number of joints.
+// Succeeds if a Kaz board answers with a protocol version from KZ_PROTOCOL_VERSION_OLDEST to
+// KZ_PROTOCOL_VERSION. Errors, one sentence each: no reply, an echo, another device (with its first bytes),
+// another protocol version, another number of joints.
 Result<kz_identify_reply> identify_board(Exchanger& requester);
-// Lateness of either end that a healthy board's identification bears, with all tries of RequesterOptions: a
-// reply waits in the port until it is read, and one of an earlier try is taken too. So nothing fails before
-// all tries, 0.95 s, have passed; half of it.
+// Delay of host or board that identify_board() tolerates with the defaults of RequesterOptions. Late replies
+// wait in the port, and replies to earlier tries count. So a failure takes all tries (0.95 s); this is half
+// of that.
 inline constexpr Time kIdentifyBears = std::chrono::milliseconds(475);
 
-// "0.2", of identify_reply and of an image's header
+// "0.2", from identify_reply or an image header
 std::string firmware_version_text(std::uint16_t version);
-// "1a2b3c4d", of both too
+// "1a2b3c4d", from the same sources
 std::string build_text(std::uint32_t build_id);
 // "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
 std::string board_text(const kz_identify_reply& identity);
-// The safety fault of a firmware that this program still talks to, with the remedy, for behind "the board:";
-// empty if none is known.
+// Describes a known safety fault of a supported old firmware, with the remedy; to follow "the board:". Empty
+// if the firmware has no known fault.
 std::string firmware_fault(const kz_identify_reply& identity);
 
 }  // namespace kaz::host

@@ -1,4 +1,4 @@
-// Client of the simulator's control socket: reset, mode pins and other signals that a pty does not have.
+// Client of the simulator's control socket: reset, mode pins and other signals that a pty lacks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,10 +9,9 @@
 
 namespace kaz::host {
 
-// Sends one request (docs/reference/simulator.md) to the socket `path` and returns its reply, one JSON
-// object.
-// Errors (environment): nobody there, no reply within 5 s, or the request was refused; or the program was
-// interrupted. `interrupt` may be null.
+// Sends one request (docs/reference/simulator.md) to the socket `path` and returns the reply, a JSON object.
+// Fails (environment) if no server listens, no reply comes within 5 s, or the request is refused. Also fails
+// if interrupted. `interrupt` may be null.
 Result<std::string> query_control_socket(const std::string& path, const std::string& line,
                                          const Interrupt* interrupt = nullptr);
 

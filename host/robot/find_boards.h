@@ -12,22 +12,23 @@
 namespace kaz::host {
 
 struct FindOptions {
-  Time each = std::chrono::milliseconds(25);   // from one address to the next; a reply takes 3 ms
-  Time last = std::chrono::milliseconds(120);  // after the last one: adapters deliver late
-  int rounds = 2;                              // until a board has answered
+  // Wait after each address; a reply takes 3 ms.
+  Time each = std::chrono::milliseconds(25);
+  // Additional wait after the last address, because adapters deliver late.
+  Time last = std::chrono::milliseconds(120);
+  int rounds = 2;  // maximum; the search ends after the first round with a reply
 };
 
-// Sends `identify` to each address and returns those from which a reply came, ascending. Changes nothing
-// but a board's link watchdog, which each request restarts. Errors: the link is gone, the program was
-// interrupted.
+// Sends `identify` to each address and returns the addresses that answered, ascending. Restarts link
+// watchdogs and changes nothing else. Fails if the link is lost or the program is interrupted.
 Result<std::vector<std::uint8_t>> find_boards(Link& link, Clock& clock,
                                               const FindOptions& options = {});
 
 // "address 3", "addresses 1, 3 and 5"
 std::string addresses_text(const std::vector<std::uint8_t>& addresses);
 
-// `error`, of a board at `address` that did not answer; where boards answer at other addresses, one
-// sentence that names them and the option to use.
+// Explains `error`, no reply from the board at `address`. If boards answer at other addresses only, returns a
+// sentence with these addresses and the option to use. Else returns `error`.
 Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error);
 
 }  // namespace kaz::host

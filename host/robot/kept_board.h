@@ -1,8 +1,9 @@
-// A board as it was found, and the way back there: for runs that alter boards.
+// Saves and restores the state of a board, for runs that change boards.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Kept are address, link watchdog, gains, limits and calibration, in RAM and in flash. Not kept: motors,
-// which are off afterwards or left alone, and what a reset forgets: counters, a latched shutdown, telemetry.
+// Saves address, link watchdog, gains, limits and calibration, in RAM and in flash. Does not save which
+// motors are on: they are off afterwards, or left alone. Does not save state that a reset clears: counters, a
+// latched shutdown, telemetry.
 #pragma once
 
 #include <array>
@@ -23,55 +24,60 @@ struct KeptJoint {
   std::uint8_t friction = 0;
   std::uint16_t ramp = 0;
   std::int16_t lower = 0, upper = 0;
-  std::int16_t centre = 0, scale = 0;                // calibration in use
-  std::int16_t stored_centre = 0, stored_scale = 0;  // that of flash; only if `flash`
+  std::int16_t centre = 0, scale = 0;  // calibration in use
+  // Calibration in flash; only if BoardState::flash
+  std::int16_t stored_centre = 0, stored_scale = 0;
   bool operator==(const KeptJoint&) const = default;
 };
 
 struct BoardState {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  bool shared_line = false;  // other boards are on its line
+  bool shared_line = false;  // other boards share its line
   std::uint8_t watchdog_10ms = 0, reaction = 0;
-  bool flash = false;             // the calibration in flash is known
-  std::uint16_t stored_copy = 0;  // its number; 0: none is stored
+  bool flash = false;             // the calibration in flash was read
+  std::uint16_t stored_copy = 0;  // number of the stored copy; 0: none is stored
   std::array<KeptJoint, KZ_JOINTS> joints{};
   bool operator==(const BoardState&) const = default;
 };
 
-// Reads a board except its flash; changes nothing. Errors: nothing answers at the address (environment; the
-// sentence names boards at others), the link is gone, the program was interrupted.
+// Reads a board without its flash and changes nothing. Fails (environment) if no board answers at the
+// address; the message names boards at other addresses. Also fails if the link is lost or the program is
+// interrupted.
 Result<BoardState> read_board(Link& link, Clock& clock, std::uint8_t address);
-// Adds the calibration in flash. Motors go off and the board is reset: only after a reset the calibration in
-// use is the one in flash.
+// Adds the calibration in flash to `state`. Switches motors off and resets the board, because only after a
+// reset the calibration in use is the one in flash.
 Result<void> read_flash(Link& link, Clock& clock, BoardState& state);
 
-// Ends a sentence on a calibration that is stored and was not before: the command that erases it; or, where
-// the firmware has no image, which is that of a simulator with --mcu native, how long it stays.
+// Returns the end of a sentence about a newly stored calibration: the command that erases it. For firmware
+// without an image (`kaz sim --mcu native`) it states how long the calibration lasts instead.
 std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
                                  std::uint8_t address);
 
 struct PutBackOptions {
   Time patience = std::chrono::seconds(8);  // a loader takes 3 s, a write to flash up to 3 s
-  bool flash =
-      false;  // address and flash may have changed: begin with a reset, search all addresses
-  bool reset = false;  // begin with a reset, which clears a latched shutdown; implied by `flash`
-  bool motors_off = true;                 // false: motors are left as they are
-  bool settings = true;                   // watchdog, gains, limits, calibration in RAM
-  std::vector<std::uint8_t> others = {};  // other boards of the line: left alone
+  // Address and flash may have changed: start with a reset and search all addresses.
+  bool flash = false;
+  // Start with a reset, which clears a latched shutdown; implied by `flash`.
+  bool reset = false;
+  bool motors_off = true;                 // false: leave motors as they are
+  bool settings = true;                   // restore watchdog, gains, limits and calibration in RAM
+  std::vector<std::uint8_t> others = {};  // other boards on the line: leave them alone
 };
 
 struct PutBack {
-  std::uint8_t found_at = 0;      // the board's address at the beginning; 0: nowhere
-  std::uint16_t status = 0;       // of the board at the end
-  std::vector<std::string> done;  // what was put back: "address 3 to 1"
-  // What was not; empty: the board is as it was, and confirms that its motors are off if they were to be.
+  std::uint8_t found_at = 0;      // the board's address at the start; 0: not found
+  std::uint16_t status = 0;       // the board's, at the end
+  std::vector<std::string> done;  // items that were restored: "address 3 to 1"
+  // Items that were not restored. Empty: the board is as it was, and with `motors_off` it has confirmed that
+  // its motors are off.
   std::vector<std::string> left;
+  // Remarks for the user.
   std::vector<std::string> notes;
 };
 
-// Searches the board, which may be at any address, starting, in its loader or deaf, switches its motors
-// off, and puts `state` back. Tries until it succeeds or the time is over; a link that is gone is opened
-// again. `link` and `clock` must not be those that an interrupt has ended.
+// Finds the board, switches its motors off, and restores `state`. The board may be at any address (with
+// `flash`), starting, in its loader or unresponsive. Retries until success or timeout, and reopens a lost
+// link. `link` and `clock` must not be interrupted.
 PutBack put_back(Link& link, Clock& clock, const BoardState& state, const PutBackOptions& options);
 
 }  // namespace kaz::host

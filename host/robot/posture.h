@@ -1,4 +1,4 @@
-// Joints by number, and the angles of all of them at one time.
+// Joint numbers and names, and the angles of all joints at one time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -34,7 +34,7 @@ inline constexpr std::uint32_t kAllJoints = (std::uint32_t{1} << KZ_JOINTS) - 1;
 using JointAngles = std::array<double, KZ_JOINTS>;  // rad
 
 struct Posture {
-  Time time{};               // host time at which the board measured it
+  Time time{};               // host time of the measurement
   std::uint32_t tick = 0;    // board time, ms
   JointAngles angle{};       // rad, as measured by the potentiometers
   std::uint16_t status = 0;  // KZ_STATUS_*

@@ -1,4 +1,4 @@
-// The postures of the last seconds, by host time.
+// History of the last seconds' postures, by host time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,16 +11,17 @@ namespace kaz::host {
 
 class PostureHistory {
  public:
+  // Postures older than this, relative to the newest, are removed.
   static constexpr Time kSpan = std::chrono::seconds(5);
+  // Maximum distance of a query from the nearest posture.
   static constexpr Time kReach = std::chrono::milliseconds(100);
 
-  // A posture that is not newer than the newest known one replaces those it contradicts: the board
-  // was reset, or its clock relation improved.
+  // Adds a posture, and removes earlier entries that are not older than it. Such entries are wrong, because
+  // the board was reset or its clock relation has improved.
   void add(const Posture& posture);
 
-  // Angles interpolated linearly between the states before and after `t`; tick, status and supply
-  // are those of the nearer one. Nothing if `t` lies outside the history or more than kReach from
-  // both states.
+  // Interpolates angles linearly between the postures before and after `t`. Tick, status and supply are those
+  // of the nearer one. Returns nullopt if `t` is outside the history or more than kReach from both postures.
   std::optional<Posture> at(Time t) const;
 
   std::optional<Time> newest() const;

@@ -1,23 +1,26 @@
-// Robot: the host's client of a servo board, the interface of behaviours.
+// Robot: the host's client of a servo board, and the interface for behaviors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The same for a real and an emulated board (paper, section 3). Calls that query the board block until its
-// reply. Errors are one sentence each: the board stopped replying, the link is lost, the program was
-// interrupted, or the board refused (the sentence contains joint and reason). Values out of range are usage
-// errors. Not thread-safe.
+// Real and emulated boards have the same interface (paper, section 3). Calls that query the board block until
+// its reply. An error is one sentence: the board stopped replying, the link is lost, the program was
+// interrupted, or the board refused (with joint and reason). Arguments out of range are usage errors. Not
+// thread-safe.
 //
-// Link watchdog: the board stops moving (ConnectOptions::reaction) if it received nothing for
-// ConnectOptions::watchdog while motors are on. Every request resets it. To wait, use clock(), which sends
-// heartbeats meanwhile.
+// Link watchdog: if motors are on and no request arrives for ConnectOptions::watchdog, the board stops moving
+// (ConnectOptions::reaction). Every request restarts it. Use clock() for waits, because it sends heartbeats
+// meanwhile.
 //
-// Reconnection: when the port disappears, no reply comes, the board was reset, or its watchdog has expired,
-// the call that detects it searches for the board for ConnectOptions::reconnect, restores watchdog, gains
-// and limits, and enables the joints that were on. Enabling makes the present angle the target, so nothing
-// moves; motions in progress are discarded. Then
-//   - queries, enable, set_gains and set_limits are repeated: the caller sees it by take_resumption() only;
-//   - exchange() and receive_cycle() return the present posture; no target was sent;
-//   - all others fail with a sentence that explains it; the robot remains usable.
-// If a shutdown for another reason is latched, nothing is enabled: that is an error.
+// Reconnection: it starts when the port disappears, no reply comes, the board was reset, or its watchdog
+// expired. The call that detects this searches for the board for up to ConnectOptions::reconnect. It then
+// restores watchdog, gains and limits, and enables the joints that were on. Enabling sets the present angle
+// as target, so the robot does not move; motions in progress are discarded. The interrupted call then depends
+// on its kind:
+// - exchange() and receive_cycle() return the present posture. They do not send the targets again.
+// - set_targets, set_calibration, store_calibration, raw_drive, reset, start_loader and set_address fail with
+//   an explanation. The robot remains usable.
+// - All other calls are repeated once. Only take_resumption() reports the reconnection.
+//
+// If a shutdown for another reason is latched, no joint is enabled, and the call fails.
 #pragma once
 
 #include <memory>
@@ -37,12 +40,11 @@ namespace kaz::host {
 
 class Robot {
  public:
-  // Identifies the board; fails with one sentence if nothing, or something that is no Kaz board,
-  // answers (boards at other addresses are named), or if its protocol version is another.
-  // `link` and `clock` must outlive the robot.
+  // Identifies the board. Fails with one sentence if no Kaz board answers (with boards found at other
+  // addresses), or if its protocol version is not supported. `link` and `clock` must outlive the robot.
   static Result<Robot> connect(Link& link, Clock& clock, const ConnectOptions& options = {});
-  // Several boards that drive one robot (board_group.h); ConnectOptions::address is not used. Errors also:
-  // those of check_boards.
+  // Connects to several boards that drive one robot (board_group.h). Ignores ConnectOptions::address. Also
+  // returns the errors of check_boards.
   static Result<Robot> connect(std::span<const RobotBoard> boards, Clock& clock,
                                const ConnectOptions& options = {});
   Robot(Robot&&) noexcept;
@@ -50,52 +52,54 @@ class Robot {
   ~Robot();  // leaves the motors as they are; see disable_all
 
   const kz_identify_reply& identity() const;
-  // That of connect(); sleeping on it keeps the link watchdog content while motors are on.
+  // The clock of connect(). While motors are on, its sleep_until() sends heartbeats for the link watchdog.
   Clock& clock();
 
   // ---- Motion
 
-  // Motors on for the joints of the mask (bit n: joint n), off for all others. A joint that was off
-  // holds the angle it has. Clears a latched shutdown whose cause is gone. Fails unless the reply says so of
+  // Switches motors on for the joints of the mask (bit n: joint n), off for all others. A joint that was off
+  // holds its present angle. Clears a latched shutdown whose cause is gone. Fails unless the reply confirms
   // each joint.
   Result<void> enable(std::uint32_t mask);
-  // Straight ramps to the targets in `duration` (0..65 s; 0: as fast as the joint's ramp allows).
+  // Starts straight ramps to the targets within `duration` (0..65 s; 0: as fast as the joint's ramp allows).
   // All or none: refused if a target is outside its limits or its joint is off.
   Result<void> set_targets(std::span<const JointTarget> targets, Time duration);
-  // Where the joints of the mask are going; for a joint that is off, its angle. Others: 0.
+  // Target angles (rad) of the joints of the mask; the present angle if a joint is off. 0 for all other
+  // joints.
   Result<JointAngles> read_targets(std::uint32_t mask = kAllJoints);
-  // Also enters the answer into the history.
+  // Reads the posture and adds it to the history.
   Result<Posture> state();
-  // state() and set_targets() in one go: both requests leave together, so that a control cycle
-  // costs one round trip: 9 ms for two joints at 115,200 baud, 12 ms for all. The posture is that
-  // of a tick or two after the targets were taken.
+  // Sends set_targets() and state() together, so that a control cycle costs one round trip. At 115,200 baud
+  // this takes 9 ms for two joints and 12 ms for all. The posture is measured one or two ticks after the
+  // board took the targets. Without targets, the same as state().
   Result<Posture> exchange(std::span<const JointTarget> targets, Time duration);
-  // The same in two steps, for all 18 joints at 100 Hz: the next targets leave while the last
-  // posture comes. Postures come in the order of the cycles; nothing if the next has not come until
-  // `deadline`. Fails if a cycle is received that was not sent.
+  // exchange() in two steps, for all 18 joints at 100 Hz: the next targets leave while the last posture
+  // arrives. Postures come in the order of the cycles. receive_cycle() returns nullopt if the next posture
+  // has not come by `deadline`. It fails if no sent cycle is pending.
   Result<void> send_cycle(std::span<const JointTarget> targets, Time duration);
   Result<std::optional<Posture>> receive_cycle(Time deadline);
-  // True if the board has the option `imu`; then state() and exchange() also query it from now on and fill in
-  // Posture::inertial: 2 ms more on the wire. send_cycle() does not.
+  // Returns whether the board has the option `imu`. If so, state() and exchange() also query it from now on
+  // and set Posture::inertial, which takes 2 ms more on the wire. send_cycle() does not.
   Result<bool> sense_inertial();
-  // Angle, speed, duty, load and flags, in the order of the joints. More than 9 joints are two
-  // requests, of which the second is some ticks younger.
+  // Angle, speed, duty, load and flags, ordered by joint number. Uses two requests for more than 9 joints;
+  // the second one is some ticks younger.
   Result<std::vector<JointDetail>> joints(std::uint32_t mask);
 
   // ---- Safety
 
-  // All motors off at once, ahead of everything that waits; latched until clear() or enable(). Fails also
-  // where the board's reply says that motors are still on, as a bus of servos can.
+  // Switches all motors off at once, ahead of all queued requests; latched until clear() or enable(). Also
+  // fails if the reply reports motors still on, which can happen with a servo bus.
   Result<void> stop();
-  // Forgets a latched shutdown; motors stay off until enable(). Fails while its cause is present.
+  // Clears a latched shutdown; motors stay off until enable(). Fails while the cause is present.
   Result<void> clear();
-  // watchdog: new limit of the board's link watchdog, 10 ms..1 s; zero leaves it as it is.
+  // Sends a heartbeat, which restarts the link watchdog. Sets its limit to `watchdog` (10 ms..1 s; zero: no
+  // change) and its reaction, if given.
   Result<kz_heartbeat_reply> heartbeat(Time watchdog = Time::zero(),
                                        std::optional<Reaction> reaction = std::nullopt);
   Result<Health> health();
-  // fault_sentence of a status with a fault, with the joint or the voltage read by `health`.
+  // fault_sentence() for `status`, with the joint or voltage from a `health` query.
   std::string describe_fault(std::uint16_t status);
-  // The board's counts since its reset.
+  // The board's counters since its reset.
   Result<kz_statistics_reply> board_statistics();
   Result<SelfTest> self_test();
 
@@ -107,40 +111,42 @@ class Robot {
 
   // ---- Telemetry
 
-  // Frames of the selection (KZ_TELEMETRY_*) every `period` (5 ms..65 s; zero: none). They come
-  // while any call reads, and are kept, the newest 256, until they are taken.
+  // Requests frames of the selection (KZ_TELEMETRY_*) every `period` (5 ms..65 s; zero: none). Any call that
+  // reads also receives them. The newest 256 are kept until next_telemetry().
   Result<void> subscribe(Time period, std::uint8_t selection);
-  // The oldest frame that was not taken yet; nothing if none comes until `deadline`.
+  // Returns and removes the oldest frame; nullopt if no frame comes by `deadline`. Sends heartbeats while it
+  // waits.
   Result<std::optional<TelemetryFrame>> next_telemetry(Time deadline);
 
   // ---- Calibration of the potentiometers; all motors must be off
 
   Result<Calibration> calibration();
-  // In RAM; for the joints of the mask, from `joints` by joint number.
+  // Sets the calibration in RAM for the joints of the mask. `joints` is indexed by joint number.
   Result<void> set_calibration(std::uint32_t mask,
                                const std::array<JointCalibration, KZ_JOINTS>& joints);
-  // Writes what is in use to flash; takes up to 3 s.
+  // Writes the calibration in use to flash; takes up to 3 s.
   Result<StoredCalibration> store_calibration();
 
   // ---- Bench; all motors must be off
 
-  // Allows what only a bench needs, for 1..60 s; zero locks again.
+  // Allows bench requests for 1..60 s; zero locks them again.
   Result<void> unlock(int seconds);
-  // Drives one motor at a duty of -1..1 without its loop for 1 ms..2 s. Needs unlock(). Returns the
-  // board's tick, after which it begins.
+  // Drives one motor open loop at a duty of -1..1 for 1 ms..2 s. Needs unlock(). Returns the board's tick,
+  // after which it starts.
   Result<std::uint32_t> raw_drive(int joint, double duty, Time duration);
-  // Starts the board anew and waits until it answers; gains and limits are those after a reset.
+  // Resets the board and waits until it answers. Gains and limits return to their defaults. The link watchdog
+  // keeps the settings made through this object.
   Result<void> reset();
-  // The board leaves for its loader, and does not answer for 3 s.
+  // Starts the board's loader; the board does not answer for 3 s.
   Result<void> start_loader();
-  // Writes the board's address (1..14) to flash, in force after its next reset. Needs unlock().
+  // Writes the board's address (1..14) to flash; effective after its next reset. Needs unlock().
   Result<void> set_address(int address, bool shared_line);
 
   // ---- The link
 
-  // Returns each reconnection since connect() once, oldest first.
+  // Returns and removes the oldest reconnection that was not reported yet; nullopt if all were.
   std::optional<Resumption> take_resumption();
-  // Measured posture at an earlier time, interpolated between the two nearest states; nothing if the time is
+  // Measured posture at time `t`, interpolated between the two nearest states. Returns nullopt if `t` is
   // outside the history (the last 5 s) or more than 100 ms from any state.
   std::optional<Posture> posture_at(Time t) const;
   // Host time of the newest posture in the history.
@@ -149,12 +155,12 @@ class Robot {
   Time clock_error() const;
 
   const LinkStatistics& statistics() const;
-  // The last 64 frames, one line each: to be shown when the link fails (frame_log.h).
+  // The last 64 frames, one line each, to print when the link fails (frame_log.h).
   std::string recent_frames() const;
 
-  // Best effort, for the end of every program, interrupted or not: all motors off. Fails (environment)
-  // unless the board's reply confirms it, with the joints that are still on; the motors may then have
-  // power.
+  // Switches all motors off, with retries; for the end of every program, even if interrupted. Fails
+  // (environment) unless the board's reply confirms it; the message names joints that are still on. After a
+  // failure the motors may have power.
   [[nodiscard]] Result<void> disable_all() noexcept;
 
  private:
@@ -163,15 +169,14 @@ class Robot {
   std::unique_ptr<Parts> parts_;
 };
 
-// The reason of a shutdown in a status word.
+// Mask of the shutdown reason in a status word.
 inline constexpr std::uint16_t kMotorsOffFaults = 0xFF00;
 
-// Whose fault it is that the board has switched its motors off: the environment's if nothing reached the
-// board for its watchdog's time, or no shutdown is in `status`; else the robot's (Fault::failed).
+// Classifies a shutdown. Returns Fault::environment if the link watchdog expired or no shutdown is latched in
+// `status`. Else returns Fault::failed.
 Fault shutdown_fault(std::uint16_t status);
 
-// Nothing if no fault is latched in `status`; else a sentence that names them, `where` they are, and
-// what to do.
+// Describes the faults latched in `status`, their location `where`, and the remedy; nullopt without a fault.
 std::optional<std::string> fault_sentence(std::uint16_t status, const std::string& where = {});
 
 }  // namespace kaz::host

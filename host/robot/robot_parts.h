@@ -1,4 +1,4 @@
-// Inside of Robot: one board, what was set on it, and how it is found again.
+// Internals of Robot: the board, its settings, and reconnection.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace kaz::host {
 
-// A number for the wire, or nothing if it does not fit into the field.
+// Converts a number for the wire; nullopt if it does not fit the field.
 template <class Number>
 std::optional<Number> to_wire(double value) {
   const double rounded = std::round(value);
@@ -34,18 +34,18 @@ inline double angle_of(s16 wire) {
   return static_cast<double>(wire) / KZ_ANGLE_PER_RAD;
 }
 
-// Fails (usage) if the mask has no joint, or one that does not exist.
+// Fails (usage) if the mask is empty or contains a joint that does not exist.
 Result<void> check_mask(std::uint32_t mask);
 Result<void> check_joint(int joint);
 
-// What to do with a request during which the link was lost and found again.
+// Treatment of a request during which the link was lost and restored.
 enum class AfterLoss { repeat, report };
 
 struct Robot::Parts {
   Parts(std::span<const RobotBoard> boards, Clock& on_clock, const ConnectOptions& options);
 
-  // Sends requests and returns their replies; observes the replies and reconnects if the link is lost
-  // (`resumed` is then set).
+  // Sends requests and returns their replies. Observes the replies and reconnects if the link is lost; then
+  // `resumed` is set.
   Result<std::vector<Reply>> exchange(std::span<const Request> requests, AfterLoss after_loss);
   template <class Message, class Answer>
   Result<Answer> query(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
@@ -57,39 +57,42 @@ struct Robot::Parts {
     return read_reply(replies->front(), unpack);
   }
 
-  // Tick and status of a reply: is this still the board as we left it?
+  // Checks tick and status of a reply: detects a reset, an expired watchdog or a shutdown.
   void observe(std::uint8_t request, const Reply& reply);
+  // Converts a `state_reply` and adds it to the history.
   Result<Posture> take_state(const Reply& reply);
-  // The state, with inertial data if queried (`motion` not null).
+  // Converts a state and the inertial reply; `motion` is null if it was not queried.
   Result<Posture> take_sensed(const Reply& state, const Reply* motion);
-  // The replies of a cycle; `move` is null if no targets were sent.
   std::string describe_fault(std::uint16_t status);
-  // "pan, lift", by ConnectOptions::joint_names.
+  // "pan, lift", from ConnectOptions::joint_names.
   std::string names_of(std::uint32_t mask) const;
-  // "still on: pan, lift" of a reply that was to confirm that motors are off; empty: it does.
+  // "still on: pan, lift", from a reply that must confirm motors off; empty if it does.
   std::string still_on(std::uint32_t mask, std::uint16_t status) const;
+  // Evaluates the replies of a cycle; `move` is null if no targets were sent.
   Result<Posture> take_cycle(const Reply* move, const Reply& state,
                              std::span<const JointTarget> targets, const Reply* motion = nullptr);
   void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> fields, Time now);
 
-  // Called when `requester` has failed with `error` (null: it has not, but `link_fault` was observed).
-  // Success: the board is there again, motors as they were.
+  // Reconnects after `requester` failed with `error`, or with null if only `link_fault` was detected. After
+  // success the board answers and the motors are as before.
   Result<void> resume(const Error* error);
   Result<void> restore();
   Result<void> set_up();  // watchdog, gains, limits
   Result<void> switch_on(std::uint32_t mask);
-  // A final link error: appends the recent frames as ConnectOptions::frames_path requests.
+  // Completes the error of a permanent link failure: writes the recent frames as ConnectOptions::frames_path
+  // requests.
   Error for_good(Error error);
   Error not_done(std::span<const Request> requests) const;
-  // `error` of a refused `enable` or `clear`: names the joints whose potentiometers are at fault.
+  // Adds the joints with faulty potentiometers to the error of a refused `enable` or `clear`.
   Error with_joints(Error error, const Reply& reply);
-  // `error` of refused targets: with the limits that are in force, which the board is asked for.
+  // Queries the limits in force on the board and adds them to the error of refused targets.
   Error with_limits(Error error, const Reply& reply, std::span<const JointTarget> targets);
-  // Often enough for the watchdog that is in force, ours or the board's own.
+  // Period that satisfies the watchdog in force, set by this object or by the board.
   Time heartbeat_period() const;
+  // Sleeps until `until` and sends heartbeats while motors or telemetry are on.
   Result<void> keep_content(Time until);
 
-  // Sends heartbeats while it sleeps.
+  // Sends heartbeats during sleep_until().
   class KeepingClock final : public Clock {
    public:
     explicit KeepingClock(Parts& parts) : parts_(parts) {}
@@ -109,7 +112,7 @@ struct Robot::Parts {
   PostureHistory history;
   kz_identify_reply identity{};
 
-  // Settings sent to the board, to be restored after a reconnection.
+  // Settings sent to the board, restored after a reconnection.
   std::uint32_t on = 0;
   bool telemetry_on = false;
   bool inertial = false;  // queried with the state
@@ -120,7 +123,7 @@ struct Robot::Parts {
 
   std::optional<std::uint32_t> last_tick;
   std::optional<Resumption::Cause> link_fault;  // detected in a reply
-  bool resumed = false;                         // in the latest exchange()
+  bool resumed = false;                         // by the latest exchange()
   std::string frames_at_loss;
   std::deque<Resumption> resumptions;
 
@@ -130,7 +133,7 @@ struct Robot::Parts {
     std::vector<JointTarget> targets;
   };
   std::deque<Cycle> cycles;
-  bool found_again = false;  // in send_cycle; reported by receive_cycle
+  bool found_again = false;  // reconnected in send_cycle; receive_cycle reports it
   std::deque<TelemetryFrame> telemetry;
 };
 

@@ -10,7 +10,7 @@
 
 namespace kaz::host {
 
-// Throws std::runtime_error if the board cannot be identified.
+// Throws std::runtime_error if the board cannot be identified. `board` must outlive the robot.
 inline Robot connect_to(TestBoard& board) {
   auto robot = Robot::connect(board, board);
   if (!robot) throw std::runtime_error(robot.error().message);

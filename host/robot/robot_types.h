@@ -21,8 +21,8 @@ struct JointTarget {
   double angle_rad;
 };
 
-// duty = kp * error - kd * speed + friction * sign(error), nil within the dead band.
-// Begins with what the board has after a reset: 16 /rad (hands 0.8) and 0.09 s/rad.
+// duty = kp * error - kd * speed + friction * sign(error), 0 within the dead band.
+// The defaults are those of the board after a reset: 16 /rad (hands 0.8) and 0.09 s/rad.
 struct Gains {
   double kp_per_rad = KZ_KP_DEFAULT / 256.0;     // duty per rad, 0..80
   double kd_s_per_rad = KZ_KD_DEFAULT / 4096.0;  // duty per rad/s, 0..1
@@ -30,13 +30,13 @@ struct Gains {
   double friction = 0;                           // duty, 0..0.25
 };
 
-// The board clips limits to those of the joint's mechanics.
+// The board clips limits to the joint's mechanical range.
 struct Limits {
-  double ramp_rad_per_s = 6;  // highest speed of the commanded angle, 0.1..12
+  double ramp_rad_per_s = 6;  // maximum speed of the commanded angle, 0.1..12
   double lower_rad = -3.2767, upper_rad = 3.2767;
 };
 
-// As the board holds them: rounded to its units, limits cut to the mechanics.
+// As stored on the board: rounded to its units, limits clipped to the mechanical range.
 struct JointSettings {
   Gains gains;
   Limits limits;
@@ -46,31 +46,32 @@ struct JointDetail {
   int joint = 0;
   double angle_rad = 0;
   double speed_rad_per_s = 0;  // smoothed over 8 ms
-  double duty = 0;             // -1..1, positive turns the joint positively
-  double load = 0;             // torque as a share of the stall torque, estimated
+  double duty = 0;             // -1..1; positive duty turns the joint in positive direction
+  double load = 0;             // estimated torque as a share of the stall torque
   std::uint8_t flags = 0;      // KZ_JOINT_*
 };
 
 struct Health {
   std::uint32_t tick = 0;
   std::uint16_t status = 0;         // KZ_STATUS_*, KZ_SHUTDOWN_* in the upper byte
-  std::string shutdown;             // why the motors went off, in words; empty: they did not
-  std::optional<int> joint;         // that caused it
-  std::uint32_t shutdown_tick = 0;  // when
+  std::string shutdown;             // reason of a latched shutdown, in words; empty: none
+  std::optional<int> joint;         // that caused the shutdown
+  std::uint32_t shutdown_tick = 0;  // board time of the shutdown
   double supply_volts = 0, supply_lowest_volts = 0;
   double temperature_c = 0;  // motor drivers
-  double reference = 0;      // half of the converter's reference as it reads it: 0.5
+  // Half the converter's reference, as a share of full scale: nominally 0.5.
+  double reference = 0;
 };
 
-// angle = centre + scale * (code - 512) / 512
+// angle = center + scale * (code - 512) / 512
 struct JointCalibration {
   double centre_rad = 0, scale_rad = 0;
 };
 
 struct Calibration {
-  std::uint8_t source = 0;         // KZ_CALIBRATION_*: where the values at start came from
-  std::uint16_t sequence = 0;      // number of the stored copy; 0: none
-  int erases_a = 0, erases_b = 0;  // of the two blocks of flash: the part endures 100
+  std::uint8_t source = 0;         // KZ_CALIBRATION_*: source of the values at start
+  std::uint16_t sequence = 0;      // number of the stored copy; 0: none is stored
+  int erases_a = 0, erases_b = 0;  // erase cycles of the two flash blocks; rated for 100
   std::array<JointCalibration, KZ_JOINTS> joints{};
 };
 
@@ -81,20 +82,20 @@ struct StoredCalibration {
 
 struct SelfTest {
   std::uint8_t done = 0, failed = 0;  // KZ_TEST_*
-  std::string failed_names;           // "RAM, FLASH"; empty if none failed
+  std::string failed_names;           // "RAM, FLASH"; empty if all passed
   std::uint16_t image_crc = 0;
   double start_s = 0;  // from the start of the application to the first tick
 };
 
-// One telemetry frame. What it does not carry is empty.
+// One telemetry frame. Members that its selection lacks are 0 or empty.
 struct TelemetryFrame {
-  std::uint8_t selection = 0;  // KZ_TELEMETRY_*: which one
+  std::uint8_t selection = 0;  // KZ_TELEMETRY_*: the kind of frame
   std::uint32_t tick = 0;      // board time
   Time time{};                 // host time of that tick
   std::uint16_t status = 0;
   JointAngles values{};                  // STATE, COMMANDS: rad; DRIVES: duty, -1..1
   double supply_volts = 0;               // STATE, HEALTH
-  std::optional<int> joint;              // HEALTH: that caused the shutdown
+  std::optional<int> joint;              // HEALTH: joint that caused the shutdown
   double temperature_c = 0;              // HEALTH
   double tick_busy = 0, tick_worst = 0;  // HEALTH: shares of a tick
 };
@@ -110,42 +111,42 @@ constexpr const char* to_string(Reaction reaction) {
 // A reconnection after the link was lost.
 struct Resumption {
   enum class Cause : std::uint8_t {
-    link,      // the port was gone, or no reply came
+    link,      // the port disappeared, or no reply came
     watchdog,  // the board's link watchdog expired before the next request
     reset,     // the board was restarted
   };
   Cause cause = Cause::link;
-  Time lost{};            // when it was detected
+  Time lost{};            // when the loss was detected
   Time resumed{};         // when requests were answered again
   bool reported = false;  // ConnectOptions::on_lost was called
 };
 
-// A link that was lost, and for which a search begins.
+// A lost link, at the start of the search for it.
 struct Loss {
   Resumption::Cause cause = Resumption::Cause::link;
-  Time at{};        // when it was detected
-  Time at_most{};   // how long it is sought: ConnectOptions::reconnect
-  std::string why;  // the sentence of the link, or of the board
+  Time at{};        // when the loss was detected
+  Time at_most{};   // time limit of the search: ConnectOptions::reconnect
+  std::string why;  // error message of the link or the board
 };
 
 struct ConnectOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   int retries = 5;  // tries after the first
-  // The board's link watchdog, 10 ms..1 s; zero leaves it as it is. 90 ms: so that the reaction
-  // comes within 100 ms of the last request that the board has heard.
+  // Limit of the board's link watchdog, 10 ms..1 s; zero leaves limit and reaction unchanged. With 90 ms the
+  // reaction comes within 100 ms of the last request that the board received.
   Time watchdog = std::chrono::milliseconds(90);
   Reaction reaction = Reaction::hold;
-  // Time limit of reconnection; zero: no reconnection, a lost link is an error at once.
+  // Time limit of reconnection; zero: a lost link is an error at once.
   Time reconnect = std::chrono::seconds(3);
-  // Called once for each link that does not answer, before it is sought; not where the board has
-  // answered at once, as after a watchdog that had expired meanwhile.
+  // Called once for each link that does not answer, before the search. Not called if the board answers at
+  // once, as after an expired watchdog.
   std::function<void(const Loss&)> on_lost = {};
   // Called after each reconnection, in addition to Robot::take_resumption().
   std::function<void(const Resumption&)> on_resumed = {};
-  // Where the last 64 frames go when the link has failed for good: a file, which the error names,
-  // or "-" for standard error; empty: nowhere (Robot::recent_frames).
+  // Output of the last 64 frames after a permanent link failure: a file, which the error names, or "-" for
+  // standard error. Empty: no output (see Robot::recent_frames).
   std::string frames_path = {};
-  // Of the joints by number, for messages; empty: Kaz's.
+  // Joint names by number, for messages; empty: Kaz's names.
   std::vector<std::string> joint_names = {};
 };
 
@@ -153,11 +154,11 @@ struct ConnectOptions {
 struct RobotBoard {
   Link* link = nullptr;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  std::uint32_t joints = 0;  // mask
+  std::uint32_t joints = 0;  // mask of its joints
 };
 
-// Whether each joint is on exactly one board, and each board has a joint and an address of its own. Errors
-// (usage) name the joints.
+// Checks that each board has a joint, and that each joint is on exactly one board. Errors (usage) name the
+// joints.
 Result<void> check_boards(std::span<const RobotBoard> boards);
 
 // "the board was reset"

@@ -1,4 +1,4 @@
-// Requests and replies as the structs of messages.def, and the errors of refused requests.
+// Conversion of requests and replies to the structs of messages.def, and errors of refused requests.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,15 +9,17 @@
 
 namespace kaz::host {
 
-// The error of a refused request: one sentence with the joint, the reason and the remedy.
-// `targets`: those of the request, so that the sentence contains the value; empty for other requests.
+// Error of a refused request: one sentence with joint, reason and remedy. Pass the request's `targets`, so
+// that the message contains the value; empty for other requests.
 Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets);
 
-// That of a target outside the limits which are in force on the board, perhaps set by another program:
-// narrower than the joint's own they are named, with the way back. `joint` is one of the table.
+// Error of a target outside the limits in force on the board, which another program may have set. If they are
+// narrower than the joint's own limits, the message contains them and `recover`, a command that restores
+// them. `joint` must be in the table.
 Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set,
                          const std::string& recover);
 
+// Packs `message` into a request.
 template <class Message>
 Request make_request(std::uint8_t type, const Message& message,
                      u8 (*pack)(const Message*, u8* fields)) {
@@ -27,6 +29,8 @@ Request make_request(std::uint8_t type, const Message& message,
   return request;
 }
 
+// Unpacks a reply. Fails if the request was refused (refusal_error), or if the length does not fit the type
+// (environment).
 template <class Message>
 Result<Message> read_reply(const Reply& reply, u8 (*unpack)(Message*, const u8*, u8),
                            std::span<const JointTarget> targets = {}) {
@@ -37,10 +41,9 @@ Result<Message> read_reply(const Reply& reply, u8 (*unpack)(Message*, const u8*,
   }
   Message message{};
   if (!unpack(&message, reply.fields.bytes.data(), reply.fields.length)) {
-    return fail(
-        Fault::environment,
-        "the board sent a reply of a length that does not fit its type: firmware and program "
-        "do not fit each other");
+    return fail(Fault::environment,
+                "the board sent a reply whose length does not match its type: firmware and program "
+                "do not match");
   }
   return message;
 }
