@@ -1,7 +1,8 @@
-// A board as the bench talks to it: typed requests, and telemetry frames with their arrival times.
+// Access of the bench to a board: typed requests, and telemetry frames with their arrival times.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Below host::Robot, which makes good what the bench is to count: no link is sought again here.
+// It uses the layer below host::Robot, which would hide what the bench counts: a lost link is not recovered
+// here.
 #pragma once
 
 #include <functional>
@@ -13,25 +14,26 @@
 
 namespace kaz::hil {
 
-// Called now and then with the measurement in progress and the share of all that is done.
+// Called repeatedly with the running measurement and the completed share of all, 0 to 1.
 using BenchProgress = std::function<void(double share, const std::string& what)>;
 
-// A frame of telemetry that came.
+// A telemetry frame that arrived.
 struct Arrival {
   std::uint8_t type = 0;   // KZ_TYPE_telemetry_*
-  std::uint32_t tick = 0;  // of the board
+  std::uint32_t tick = 0;  // tick of the board
   Time at{};
-  double busy = 0, worst = 0;  // telemetry_health: shares of a tick
+  double busy = 0, worst = 0;  // only telemetry_health: shares of a tick
 };
 
 class BoardLine {
  public:
   BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address);
 
-  // Finds the board, ends a stream left running, measures, and leaves motors off, no stream, and no shutdown
-  // for want of requests that was not there before, also after errors. `what`: "its link was", for the error.
-  // Errors (environment): there is no board; its motors are on, which the measurement would switch off; it
-  // was reset meanwhile; those of `measure`.
+  // Finds the board, ends a stream that was left running, and runs `measure`. Afterwards, also after an
+  // error, the motors and the stream are off. A shutdown for missing requests that occurred meanwhile is
+  // cleared. `what` completes the message of a reset: "its link was" (measured). Errors (environment): no
+  // board; its motors are on, and the measurement would switch them off; it was reset meanwhile; those of
+  // `measure`.
   Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>
@@ -46,24 +48,24 @@ class BoardLine {
   Result<kz_statistics_reply> statistics();
   Result<kz_state_reply> state();
 
-  // Frames of the selection every `period_ms`, or none. The tick from which on.
+  // Streams frames of the selection every `period_ms`, or ends the stream (0). Returns the tick of the reply.
   Result<std::uint32_t> stream(int period_ms, std::uint8_t selection);
-  // Whether a stream is to be had at all: not on a shared line.
+  // Returns whether the board can stream; on a shared line it cannot.
   bool can_stream() const;
-  // Reads until then, and keeps the board's link watchdog content, which would end the stream; each
-  // time just after a frame, so that no reply delays the next frame.
+  // Reads until `t`, and feeds the board's link watchdog, which would otherwise end the stream. Heartbeats
+  // follow a frame, so that their replies do not delay the next frame.
   Result<void> listen_until(Time t);
-  // Those that came since the last call.
+  // Returns the frames that arrived since the last call.
   std::vector<Arrival> take_arrivals();
 
-  // Every reply contains the tick, which must not decrease.
+  // Checks the tick of a reply. A clear decrease means that the board was reset.
   void observe(const host::Reply& reply);
 
-  // Holds all joints where they are; refused while a shutdown is latched.
+  // Holds all joints where they are, or switches them off. The board refuses it while a shutdown is latched.
   Result<void> enable(bool on);
-  // Runs `load` with the joints on, held, and off again; again where the board has switched them off because
-  // no request came for its watchdog's time, as when this program was stopped: the load was not the one that
-  // was meant. Error (environment): it did so each time.
+  // Switches the joints on (held), runs `load`, and switches them off. Repeats this if the board switched
+  // them off because its watchdog got no request, as when this program was stopped. The load was then not the
+  // intended one. Error (environment): it happened in each run.
   Result<void> with_joints_on(const std::function<Result<void>()>& load);
 
   host::Requester& requester() { return requester_; }
@@ -72,7 +74,7 @@ class BoardLine {
 
  private:
   Result<void> begin();
-  // Whether the board has shut down for want of requests; forgotten then.
+  // Returns whether the board has shut down for missing requests, and clears this.
   Result<bool> clear_link_lost();
   void end() noexcept;
   void observe_tick(std::uint32_t tick);
@@ -87,16 +89,16 @@ class BoardLine {
   bool on_ = false, streaming_ = false, was_reset_ = false;
 };
 
-// Control cycles: 18 targets out, 18 angles back. With the joints off the board refuses the targets,
-// which takes as many bytes; with the joints on they are where the joints stood.
+// Load of control cycles: 18 targets out, 18 angles back. Targets are the present angles. With the joints
+// off, the board refuses the targets, which takes as many bytes.
 class CycleLoad {
  public:
-  // `state`: where the joints stand. `progress` gets the share of run() that is over, 0 to 1.
+  // `state` contains the present angles. `progress` gets the completed share of run(), 0 to 1.
   CycleLoad(BoardLine& line, const kz_state_reply& state, std::function<void(double)> progress);
-  // At `rate_hz`, or as fast as the link takes them (0), until `end`; then waits for the last reply.
+  // Runs cycles at `rate_hz`, or as fast as the link allows (0), until `end`. Then waits for the last reply.
   Result<void> run(double rate_hz, Time end);
-  int cycles() const { return cycles_; }  // whose angles came
-  double rate_hz() const;                 // of those, over the time of run()
+  int cycles() const { return cycles_; }  // number of cycles whose angles arrived
+  double rate_hz() const;                 // rate of these cycles over the time of run()
 
  private:
   struct Cycle {
@@ -105,7 +107,7 @@ class CycleLoad {
   Result<void> run_fast(Time end);
   Result<void> run_paced(Time period, Time end);
   Result<void> send();
-  Result<bool> receive(Time deadline);  // the oldest cycle
+  Result<bool> receive(Time deadline);  // receives the oldest cycle; false at the deadline
   void report_progress();
 
   BoardLine& line_;

@@ -1,4 +1,4 @@
-// What befell the line while something else was measured.
+// Line errors during a measurement, as text.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace kaz::hil {
 
-// Adds `what` to a list that begins with "on the line".
+// Appends `what` to a list that begins with "on the line".
 void add_trouble(std::string& trouble, const std::string& what);
-// As "on the line 3 replies did not come, 1 frame came damaged", by the host's counts before and after;
-// empty: nothing. Damage towards the board is among the replies that did not come.
+// Returns text like "on the line 3 replies did not come, 1 frame came damaged" for the difference of two
+// counts; empty: no trouble. Damage on the way to the board appears as missing replies.
 std::string line_trouble(const host::LinkStatistics& before, const host::LinkStatistics& after);
 
 }  // namespace kaz::hil

@@ -1,4 +1,4 @@
-// Speed and reliability of the link to a board: the group `link` of measurements.def.
+// Measures speed and reliability of the link to a board: group `link` of measurements.def.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,17 +10,16 @@ namespace kaz::hil {
 struct LinkBenchOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   int round_trips = 1000;
-  Time cycle_time = std::chrono::seconds(5);    // of control cycles as fast as the link takes them
-  Time stream_time = std::chrono::seconds(10);  // of telemetry every 10 ms
-  // Joints on, held where they are. Without it the board refuses the targets of the cycles, which
-  // are as long, and no motor is on.
+  Time cycle_time = std::chrono::seconds(5);    // control cycles as fast as the link allows
+  Time stream_time = std::chrono::seconds(10);  // telemetry every 10 ms
+  // Switches the joints on, held in place. Without it, the board refuses the targets of the cycles, which
+  // takes as many bytes, and no motor is on.
   bool allow_motion = false;
-  std::uint64_t seed = 1;  // of the pauses between round trips
+  std::uint64_t seed = 1;  // seed of the pauses between round trips
   BenchProgress progress;
 };
 
-// Errors: there is no board, its motors are on, the link is gone, the board was reset meanwhile
-// (environment).
+// Errors (environment): no board, its motors are on, the link is gone, or the board was reset meanwhile.
 Result<void> bench_link(host::Link& link, host::Clock& clock, const LinkBenchOptions& options,
                         BenchJudge& judge);
 

@@ -1,4 +1,4 @@
-// What the bench finds: values with unit, limits and verdict, and curves to look at.
+// Results of the bench: values with unit, limits and verdict, and plots.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,7 +21,7 @@ namespace kaz::hil {
 enum class BenchGroup { motor, link, tick };
 const char* text(BenchGroup group);  // "motor"
 
-// A line of measurements.def. A side without limit is infinite.
+// A line of measurements.def. A missing limit is infinite.
 struct MeasurementInfo {
   BenchGroup group;
   std::string name, unit;
@@ -29,24 +29,24 @@ struct MeasurementInfo {
   std::string text;
 };
 
-// All, in the order of the file. Names are unique.
+// Returns all lines in the order of the file. Names are unique.
 const std::vector<MeasurementInfo>& measurement_infos();
-// Null: there is none of this name.
+// Returns the line with this name, or null.
 const MeasurementInfo* find_measurement(const std::string& name);
 
 struct Measurement {
   const MeasurementInfo* of = nullptr;
   std::string subject;  // joint, "link" or "board"
   Verdict verdict = Verdict::left_out;
-  double value = 0;          // in of->unit; NaN where nothing could be measured
-  double error = 0;          // standard error of the value, 0: not known
-  double low = 0, high = 0;  // the limits that were applied
-  std::string message;       // why it failed, was skipped, or could not be judged
-  // What makes it undecided; not read back from JSON.
+  double value = 0;          // in of->unit; NaN if nothing could be measured
+  double error = 0;          // standard error of the value; 0: unknown
+  double low = 0, high = 0;  // applied limits
+  std::string message;       // reason of a failure, skip or undecided verdict, or a note
+  // Cause of an undecided verdict; not read back from JSON.
   enum class Doubt { none, machine, line, motor } doubt = Doubt::none;
 };
 
-// A curve or a cloud of points.
+// A curve or a scatter plot.
 struct Series {
   std::string name;
   using Style = plot::Series::Style;
@@ -55,75 +55,81 @@ struct Series {
 };
 
 struct Plot {
-  std::string id;                       // "stall": unique within a report together with the subject
+  std::string id;                       // "stall"; unique per subject in a report
   std::string subject;                  // joint, "link" or "board"
-  std::string title, x_label, y_label;  // labels with their unit: "motor voltage, V"
+  std::string title, x_label, y_label;  // labels with unit: "motor voltage, V"
   bool x_logarithmic = false;
   std::vector<Series> series;
-  std::string caption;  // what is to be seen, one sentence
+  std::string caption;  // description of the plot, one sentence
 };
 
-// Limits other than those of measurements.def, by measurement.
+// Limits that replace those of measurements.def, by measurement: (low, high).
 using Limits = std::map<std::string, std::pair<double, double>>;
-// From JSON: {"stall.torque_10v": {"low": 2.0, "high": 2.3}}, or the list of `kaz bench list --json`; a
-// side that is missing or null has no limit. Errors (usage): no JSON, unknown name or key, low above high.
+// Parses limits from JSON: {"stall.torque_10v": {"low": 2.0, "high": 2.3}}, or the list of `kaz bench list
+// --json`. A missing or null side has no limit. Errors (usage): not JSON, empty, unknown name or key,
+// repeated name, low above high.
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name);
 
 struct BenchReport {
   std::string board;    // "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
-  std::optional<std::uint64_t> seed = {};  // of the emulated board and stand; none at a port
+  std::optional<std::uint64_t> seed = {};  // seed of emulated board and stand; not set at a port
   Provenance from = {};                    // not read back from JSON
-  // What the bench was: disc on the shaft, supplies. Name with unit, and value; for `bench fit`.
+  // Conditions of the bench, for `bench fit`: name with unit, and value. For example the disc on the shaft
+  // and the supply.
   std::vector<std::pair<std::string, double>> conditions;
   std::vector<Measurement> measurements;
   std::vector<Plot> plots;
-  double seconds = 0;       // on the board's clock
-  std::string interrupted;  // why it ended before its time; empty: it did not
-  std::string signal;       // if a signal ended it: "SIGINT"
+  double seconds = 0;       // duration on the board's clock
+  std::string interrupted;  // reason of an early end; empty: it finished
+  std::string signal;       // signal that ended it: "SIGINT"
 
   int count(Verdict verdict) const;
-  // A measurement is undecided because of this.
+  // Returns whether any measurement is undecided for this reason.
   bool doubts(Measurement::Doubt doubt) const;
 };
 
-// Collects what is measured and judges it: a value inside its limits passes, NaN fails.
+// Collects and judges measurements: a value inside its limits passes, NaN fails. References must outlive this
+// object.
 class BenchJudge {
  public:
-  // Called for each measurement as it is entered, those of timed() at its end.
+  // Called for each measurement when it is entered; for those of timed() at its end.
   using Listener = std::function<void(const Measurement&)>;
-  // `lateness`: the link and the clock of the measurements, where they are real; may be null.
+  // `lateness` observes link and clock of the measurements if they are real; may be null.
   BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr,
              host::LatenessMeter* lateness = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)), lateness_(lateness) {}
 
-  // `name` of measurements.def; `note`: special conditions of it.
+  // Enters a value. `name` is that of measurements.def, `note` describes special conditions.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
-  // Fails whatever the limits, with these words alone: what is wrong is known, not only that a value is.
+  // Enters a failure regardless of the limits, with `finding` as its only message. For a known defect, rather
+  // than only a value out of range.
   void enter_finding(const std::string& subject, const std::string& name, double value,
                      const std::string& finding);
-  // Where the default limits are for another condition, which `note` names: only limits that were given
-  // apply; without them it is left out, with its value.
+  // Enters a value whose default limits belong to another condition, which `note` names. Only explicit limits
+  // apply; without them the measurement is left out, with its value.
   void enter_without_default_limits(const std::string& subject, const std::string& name,
                                     double value, double error, const std::string& note);
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
-  // What befell the line since the last call, as "3 replies did not come"; empty: nothing.
+  // Returns the line errors since the last call: "3 replies did not come"; empty: none.
   using LineTrouble = std::function<std::string()>;
-  // Runs a part that measures times with this machine's clock. If one of them fails and the machine
-  // was late, all that was entered is dropped and the part repeated; if it was late each time, they
-  // are undecided. With `at_least` every measurement of the part bears lateness below that, and none above
-  // it. Likewise where the line was disturbed, for what is no measurement of the line itself. Error
-  // (environment): the program at the other end does not reply any more.
+  // Runs a part that measures times with this machine's clock. If one of its measurements fails while the
+  // machine was late, all of its results are dropped and the part is repeated. If the machine was late in
+  // each run, they are undecided. With `at_least` above 0, only lateness of at least that counts, for every
+  // measurement of the part. With 0, all lateness counts, for those that depend on this clock. A disturbed
+  // line has the same effect, except for measurements of the line itself. Errors: those of `part`; the
+  // program at the other end does not reply any more (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
-  // Of what has failed from the measurement `first` on: it is undecided, "but " + why.
+  // Makes failed measurements from the index `first` on undecided and appends "; but " and `why` to their
+  // messages.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
-  // The motor's true values may be up to `factor` >= 1 times those entered from `first` on. Which of
-  // them would be judged otherwise then is undecided.
+  // States that true values may be up to `factor` >= 1 times those entered from the index `first` on.
+  // Measurements whose verdict would then change become undecided.
   void doubt(std::size_t first, double factor, const std::string& why);
-  // Those that enter() applies.
+  // Returns the limits that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;
   void add(Plot plot) { report_.plots.push_back(std::move(plot)); }
   BenchReport& report() { return report_; }

@@ -1,4 +1,4 @@
-// Statistics of what was measured many times.
+// Statistics of repeated measurements.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,34 +9,36 @@
 
 namespace kaz::hil {
 
-// The value that a share of the samples does not exceed; NaN of none.
+// Returns the sample that a share (0 to 1) of the samples does not exceed; NaN without samples.
 double quantile(std::vector<double> samples, double share);
-// NaN of fewer than two.
+// NaN for fewer than two samples.
 double standard_deviation(const std::vector<double>& samples);
-// Of the median of samples that scatter like a normal distribution.
+// Returns the standard error of the median of normally distributed samples; 0 for fewer than two.
 double median_error(const std::vector<double>& samples);
 
 using Points = std::vector<std::pair<double, double>>;
 
-// y = at_zero + slope x, by least squares, with the standard errors that the points' own scatter
-// gives. NaN where no line can be laid.
+// A line y = at_zero + slope x, fitted by least squares. The standard errors follow from the scatter of the
+// points.
 struct Line {
   double at_zero = 0, slope = 0;
   double at_zero_error = 0, slope_error = 0;
-  double worst = 0;  // largest distance of a point from it, in y
+  double worst = 0;  // largest distance of a point from the line, in y
   double operator()(double x) const { return at_zero + slope * x; }
 };
+
+// All members are NaN for fewer than three points or a single x.
 Line fit_line(const Points& points);
 
-// NaN of none.
+// Mean of samples; NaN without samples.
 struct Mean {
-  double value = 0, error = 0;  // standard error; 0 of one
+  double value = 0, error = 0;  // standard error; 0 for one sample
 };
 Mean mean_of(const std::vector<double>& samples);
 
-// Outline of the columns of a histogram, from zero to zero.
+// Returns the outline of a histogram, from zero to zero.
 Series histogram(const std::string& name, const std::vector<double>& samples, int columns);
-// An upright dashed line where a limit stands.
+// Returns a vertical dashed line at a limit.
 Series limit_line(const std::string& name, double x, double height);
 
 }  // namespace kaz::hil

@@ -1,4 +1,4 @@
-// How long a board's ticks are, and how even: the group `tick` of measurements.def.
+// Measures duration and jitter of a board's ticks: group `tick` of measurements.def.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,14 +9,14 @@ namespace kaz::hil {
 
 struct TickBenchOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  Time quiet_time = std::chrono::seconds(10);  // telemetry alone: half before the load, half after
+  Time quiet_time = std::chrono::seconds(10);  // telemetry only; half before the load, half after
   Time load_time = std::chrono::seconds(10);   // 18 joints at 100 Hz
   bool allow_motion = false;                   // as in LinkBenchOptions
-  bool one_clock = false;  // board and bench run by the same clock: there is no error to measure
+  bool one_clock = false;                      // board and bench share a clock, so it has no error
   BenchProgress progress;
 };
 
-// Errors: as bench_link.
+// Errors: as bench_link().
 Result<void> bench_tick(host::Link& link, host::Clock& clock, const TickBenchOptions& options,
                         BenchJudge& judge);
 

@@ -1,4 +1,4 @@
-// A part of a bench that is measured again where the machine was late, and may be cut short.
+// Runs a part of a bench that is repeated if the machine was late, and that may be cut short.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,14 +9,14 @@
 
 namespace kaz::hil {
 
-// BenchJudge::timed(), with the number of the run, from 1. If the part ends by an error, as by a signal,
-// while the machine was late or the line disturbed, what has failed in it is undecided: it would have been
-// measured again.
+// Calls BenchJudge::timed() and passes the number of the run, from 1. An error, as by a signal, may end the
+// part while the machine was late or the line disturbed. Its failed measurements are then undecided, since
+// they would have been repeated.
 Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int run)>& part,
                         Time at_least = Time::zero(),
                         const BenchJudge::LineTrouble& line_trouble = nullptr);
 
-// What a run of a part is called in the progress: "late machine or bad line, again: round trips".
+// Returns the name of a run in the progress: "late machine or bad line, again: round trips".
 std::string run_text(const std::string& what, int run);
 
 }  // namespace kaz::hil

@@ -1,8 +1,8 @@
-// Cases for a servo on a bus: does it do what its maker publishes? And how they are run.
+// Conformance cases for bus servos, and how to run them.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sources are docs/reference/servo-bus.md and dynamixel-bus.md without what is "chosen" there, and the corpus
-// of registers. A case changes only registers that it puts back.
+// Sources are docs/reference/servo-bus.md, without its section "Our choices", and the corpus of registers. A
+// case restores all registers that it changes.
 #pragma once
 
 #include <functional>
@@ -15,28 +15,30 @@
 
 namespace kaz::hil {
 
-// What a case needs besides a servo that answers.
+// Requirements of a case besides a servo that answers.
 enum ServoNeed : unsigned {
   kServoNothing = 0,
-  kServoMotion = 1,  // the torque is on, the shaft turns
-  kServoEeprom = 2,  // writes EEPROM, whose life is finite
-  kServoAlone = 4,   // requests to all servos at the port
-  kServoNever = 8,   // what cannot be put back
-  kServoModel = 16,  // another model or firmware; run_bus_suite() knows
+  kServoMotion = 1,  // switches the torque on; the shaft turns
+  kServoEeprom = 2,  // writes EEPROM, which wears out
+  kServoAlone = 4,   // sends requests to all servos at the port
+  kServoNever = 8,   // would change what cannot be restored
+  kServoModel = 16,  // needs another model or firmware; run_bus_suite() decides
 };
 
 struct ServoCase {
-  Case of;  // id, sentence, the pages' sections; without its own `run`
+  Case of;  // id, sentence and sections of the page; its own `run` is not used
   unsigned needs = kServoNothing;
   std::function<void(ExaminedServo&)> run;
-  // Whether a servo of this table and firmware has what is examined; null: all have.
+  // Returns whether this table and firmware have the feature; null: all have it.
   std::function<bool(const ServoTable&, int firmware)> has;
 };
 
-// In the order in which they run.
+// Returns all cases in the order in which they run.
 const std::vector<ServoCase>& servo_cases(ServoFamily family);
-// Those that the filter takes. Error: usage, if it is no regular expression or takes none.
+// Returns the cases whose id or section matches the regular expression. Error (usage): it is invalid or
+// matches no case.
 Result<std::vector<const ServoCase*>> chosen(ServoFamily family, const std::string& filter);
+// Returns the reason for leaving out a case with these unmet ServoNeed bits: "needs --allow-motion".
 std::string missing_servo_text(unsigned missing);
 
 struct BusRunOptions {
@@ -44,21 +46,22 @@ struct BusRunOptions {
   int id = 1;
   std::string filter;
   unsigned allowed = 0;  // ServoNeed
-  bool release = false;  // a torque that is on is switched off at the beginning
-  // May be null. Once requested, what the case has changed is put back, and the run ends.
+  bool release = false;  // switch off a torque that is on at the start
+  // May be null. When requested, changes of the running case are restored, and the run ends.
   host::Interrupt* interrupt = nullptr;
   host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
 };
 
-// Errors (environment): as of ExaminedServo::identify(); the port is gone; registers that an interrupted case
-// has changed could not be put back.
+// Runs the chosen cases. Errors: those of chosen(). Errors (environment): those of ExaminedServo::identify(),
+// a lost port, or registers of an interrupted case that could not be restored. An interrupt without such an
+// error returns the report so far.
 Result<RunReport> run_bus_suite(host::Link& link, host::Clock& clock, const BusRunOptions& options);
 
 void add_feetech_cases(std::vector<ServoCase>& all);
 void add_dynamixel_cases(std::vector<ServoCase>& all);
 
-// What the cases of both families have in common.
+// Adds cases that both families have in common.
 struct ServoCases {
   std::vector<ServoCase>& all;
   std::string page;
@@ -73,7 +76,7 @@ struct ServoCases {
 };
 void add_register_cases(ServoCases cases, ServoFamily family);
 void add_motion_cases(ServoCases cases, ServoFamily family);
-// `row`: of a servo, RAM that moves nothing while the torque is off.
+// Adds writes to all servos at once. `row` selects a RAM register that moves nothing while the torque is off.
 void add_write_to_all(ServoCases cases, ServoFamily family,
                       const ServoRow& (*row)(const ExaminedServo&));
 

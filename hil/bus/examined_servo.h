@@ -1,7 +1,7 @@
-// A servo under examination: requests, their answers, and what has to be put back.
+// A servo under test: requests, answers, and registers to restore.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Checks throw Failed; a lost port or an interruption throws Lost (hil/report/check.h).
+// Failed checks throw Failed. A lost port or an interrupt throws Lost (hil/report/check.h).
 #pragma once
 
 #include <initializer_list>
@@ -18,12 +18,12 @@ namespace kaz::hil {
 
 class ExaminedServo {
  public:
-  // `link` is at the servo's rate.
+  // `link` must be set to the servo's baud rate. `link` and `clock` must outlive this object.
   ExaminedServo(host::Link& link, host::Clock& clock, ServoFamily family, int id)
       : link_(link), clock_(clock), family_(family), id_(id) {}
 
-  // Finds its table. Errors (environment): nobody answers; of no known model; its torque is on, unless
-  // `release` switches it off; it does not answer writes.
+  // Finds the servo's register table. Errors (environment): no answer; unknown model; the torque is on and
+  // `release` does not switch it off; its settings suppress answers to writes.
   Result<void> identify(bool release);
   const ServoTable& table() const { return *table_; }
   int id() const { return id_; }
@@ -32,44 +32,47 @@ class ExaminedServo {
   std::string title() const;
 
   void begin_case() { transcript_.clear(); }
-  // Registers and torque as they were before the case. Throws Failed, naming what could not be put back, or
-  // if the torque was on although the case needs none.
+  // Restores the registers and switches the torque off. Throws Failed if the torque is not confirmed off, or
+  // with the names of registers that could not be restored. It also does if the torque was on although the
+  // case does not move (`moves`).
   void end_case(bool moves);
   const std::vector<std::string>& transcript() const { return transcript_; }
-  // A register whose value is not the one found.
+  // Returns whether a register may differ from its original value.
   bool altered() const { return !before_.empty(); }
 
   // ---- Requests
-  // Bytes as they are; nobody answers. `window`: how long it is listened.
+  // Sends raw bytes and fails if an answer arrives within `window`. `else_what` begins the message.
   void silent(const Bytes& wire, const std::string& else_what, Time window = kSilence);
-  // Exactly so many answers, in time.
+  // Sends raw bytes and returns `count` answers. Fails if more, fewer or damaged ones arrive in time.
   std::vector<ServoAnswer> answers(const Bytes& wire, std::size_t count);
-  // The answers that come, one or none.
+  // Sends raw bytes and returns the first answer, if one arrives. Fails if it is damaged.
   std::optional<ServoAnswer> maybe(const Bytes& wire);
-  // Its own answer.
+  // Sends a request and returns the answer of this servo.
   ServoAnswer answer(int instruction, const Bytes& parameters = {});
-  // Listens; nothing is sent.
+  // Waits without sending or reading.
   void pause(Time time);
   void send(const Bytes& wire);
 
   Bytes request(int instruction, const Bytes& parameters = {}) const {
     return servo_request(family_, id_, instruction, parameters);
   }
-  // Parameters of reads and writes.
+  // Parameters of read and write requests.
   Bytes read_of(int address, int size) const;
   Bytes write_of(int address, const Bytes& data) const;
   Bytes read(int address, int size);
   long value(const ServoRow& row);
-  // The error that it answers, without alerts: 0 done. What the register held is put back by end_case().
+  // Writes a register and returns the error code of the answer without alerts; 0: success. end_case()
+  // restores the old value.
   int write(const ServoRow& row, long value);
-  void keep(const ServoRow& row);  // for a write by other means
+  void keep(const ServoRow& row);  // remembers the value to restore, for writes by other means
 
+  // How long to wait for an answer that should not come, and for one that should.
   static constexpr Time kSilence = std::chrono::milliseconds(60);
   static constexpr Time kPatience = std::chrono::milliseconds(300);
 
  private:
   struct Torque {
-    bool off = false, was_on = false;  // as read back, and before
+    bool off = false, was_on = false;  // confirmed off; was on before
   };
   Torque release();
   Bytes exchange(const Bytes& wire, std::size_t count, Time window);
@@ -84,8 +87,8 @@ class ExaminedServo {
   const ServoTable* table_ = nullptr;
   int firmware_ = 0;
   std::string version_;
-  bool echo_ = false;                       // the adapter hands requests back
-  std::map<const ServoRow*, long> before_;  // of registers that were written
+  bool echo_ = false;                       // the adapter echoes requests
+  std::map<const ServoRow*, long> before_;  // original values of the written registers
   std::vector<std::string> transcript_;
 };
 

@@ -1,8 +1,8 @@
-// Registers of servo models as their makers publish them, for the judge alone.
+// Registers of servo models as published by their makers, only for the judge.
 // SPDX-License-Identifier: Apache-2.0
 //
-// From shared/*/corpus/*.csv, which were transcribed apart from the tables that drivers and virtual servos
-// use: an error there cannot hide here.
+// Generated from shared/*/corpus/*.csv. These were transcribed separately from the tables of drivers and
+// virtual servos, so that an error there cannot hide here.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct ServoRow {
   int sign_bit = 0;           // 0: unsigned
   bool writable = false, eeprom = false;
   std::optional<long> factory;
-  long min = 0, max = 0;  // of a writable one
+  long min = 0, max = 0;  // range of a writable register
   std::string what;
 
   long highest() const { return (1L << (sign_bit != 0 ? sign_bit : 8 * size)) - 1; }
@@ -32,15 +32,16 @@ struct ServoTable {
   std::vector<ServoRow> rows;  // by address
 
   bool big_endian() const;
-  // The row must be there.
+  // Returns the row with this name, which must exist (else std::logic_error).
   const ServoRow& row(std::string_view what) const;
-  // Null: this model has none. Rows have different names in different tables: the first that is there.
+  // Returns the first existing row of these names, or null. Tables name the same register differently.
   const ServoRow* find(std::initializer_list<std::string_view> names) const;
   const ServoRow& model_row() const;
 };
 
 const std::vector<ServoTable>& servo_tables();
 
+// Convert between a register value and its bytes on the wire, with the table's byte order and sign format.
 long decode(const ServoTable& table, const ServoRow& row, const Bytes& bytes);
 Bytes encode(const ServoTable& table, const ServoRow& row, long value);
 

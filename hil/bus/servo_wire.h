@@ -1,4 +1,5 @@
-// Packets of Feetech's and ROBOTIS's buses once more, written from docs/reference alone, for the judge.
+// Independent packet codec for Feetech and ROBOTIS buses, written only from docs/reference/servo-bus.md, for
+// the judge.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,26 +12,27 @@ namespace kaz::hil {
 
 enum class ServoFamily { feetech, dynamixel };
 
+// Broadcast id.
 inline constexpr int kAllServos = 254;
 
-// The request on the wire.
+// Returns the request as bytes on the wire.
 Bytes servo_request(ServoFamily family, int id, int instruction, const Bytes& parameters = {});
-// Its last byte, which is part of the checksum or CRC, is wrong.
+// Returns the request with a wrong last byte, which is part of the checksum or CRC.
 Bytes damaged(Bytes request);
 
 struct ServoAnswer {
   int id = 0;
-  int error = 0;  // status bits of Feetech's; ROBOTIS's error byte
+  int error = 0;  // Feetech: status bits; ROBOTIS: error byte
   Bytes data;
   bool operator==(const ServoAnswer&) const = default;
 };
 
-// Takes apart what came from a bus.
+// Result of parsing the bytes received from a bus.
 struct ServoAnswers {
   std::vector<ServoAnswer> all;
-  int damaged = 0;    // packets whose checksum, CRC or length is wrong
-  int stray = 0;      // bytes outside of packets
-  bool open = false;  // a packet has begun and is not whole
+  int damaged = 0;    // packets with a wrong checksum, CRC or length
+  int stray = 0;      // bytes outside packets
+  bool open = false;  // the last packet is incomplete
 };
 ServoAnswers answers_in(ServoFamily family, const Bytes& bytes);
 

@@ -1,8 +1,9 @@
-// The board under test, as the cases talk to it: raw bytes, requests by name, what must come back.
+// Access of the cases to the board under test: raw bytes, requests by name, and expected replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every call fails the case (Failed) when the board does otherwise than it describes, and ends the whole
-// run (Lost) when the link is gone.
+// Every call throws Failed, which fails the case, if the board does not behave as described. It throws Lost,
+// which ends the whole run, if the link is gone. The default `at_most_ms` of 0 stands for the usual timeout
+// of a reply.
 #pragma once
 
 #include <cstdint>
@@ -26,12 +27,14 @@ constexpr int kAnyDetail = -1;
 
 class Board {
  public:
-  // `bench` may be null. `slack`: how late a byte may be read or written, for clocks that are not
-  // the board's own; zero in lockstep.
+  // `bench` may be null; all references must outlive this object. `slack` is the maximum delay of reading or
+  // writing a byte, for clocks other than the board's own. It is zero in lockstep. `home` is the address of
+  // the board.
   Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed,
         std::uint8_t home = KZ_ADDRESS_DEFAULT);
 
-  // Before a case: reset, nothing latched, no frame in flight. After it: motors off.
+  // begin() prepares a case: the board is reset, has no latched shutdown, and no frame is in flight. end()
+  // switches the motors off.
   void begin(std::uint64_t case_seed);
   void end();
 
@@ -39,37 +42,44 @@ class Board {
   Time slack() const { return slack_; }
   bool exact() const { return slack_ == Time::zero(); }
   std::mt19937_64& random() { return random_; }
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;   // present
-  std::uint8_t home() const { return home_; }  // at the beginning of each case
-  // `wanted` as the address of somebody else: another one if the board is at home there.
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;   // present address
+  std::uint8_t home() const { return home_; }  // address at the beginning of each case
+  // Returns an address that is not the board's home: `wanted`, or the one below if they are equal.
   std::uint8_t other_than_home(int wanted) const {
     return static_cast<std::uint8_t>(wanted == home_ ? wanted - 1 : wanted);
   }
 
   // ---- Bytes
   void write(const Bytes& bytes);
-  std::optional<Frame> next(int at_most_ms);  // telemetry too
-  void silence(int ms);                       // fails if a frame comes
-  void wait(int ms);                          // what comes meanwhile can be read afterwards
-  void forget_frames() { frames_.clear(); }   // that came and were not read
+  std::optional<Frame> next(int at_most_ms);  // next frame, including telemetry
+  void silence(int ms);                       // fails if a frame comes, except telemetry
+  void wait(int ms);                          // frames that arrive can be read afterwards
+  void forget_frames() { frames_.clear(); }   // drops frames that were not read
+  // Number of bytes outside frames and of damaged frames.
   int wild_bytes() const { return deframer_.faults(); }
   Time now() const { return clock_.now(); }
 
   // ---- Frames
   std::uint8_t new_sequence() { return ++sequence_; }
-  Bytes request_bytes(std::string_view name, const Bytes& fields = {});  // with a new number
+  // Returns the frame of a request with a new or the given sequence number.
+  Bytes request_bytes(std::string_view name, const Bytes& fields = {});
   Bytes request_bytes(std::string_view name, const Bytes& fields, std::uint8_t sequence) const;
-  // The next frame that is no telemetry; its type, number and address must be these.
+  // Returns the next frame that is not telemetry. Its type, number and address must match.
   Frame expect_frame(std::uint8_t type, std::uint8_t sequence, int at_most_ms = 0);
-  Frame raw_request(std::uint8_t type, const Bytes& fields);  // reply or refusal, with a new number
-  bool answers();                                             // to identify, in 50 ms
-  // Whether nobody answers at any address, also not one who is still starting; false at a bench, which
-  // resets the board for the next case.
+  // Sends a request with a new number and returns the reply or refusal.
+  Frame raw_request(std::uint8_t type, const Bytes& fields);
+  bool answers();  // true if identify is answered within 50 ms
+  // Returns whether no board answers at any address, including one that is still starting. With a bench it
+  // returns false, since the bench resets the board for the next case.
   bool gone();
 
   // ---- Requests by name
+
+  // The method done() sends a request and returns its reply. The method take() returns the reply to an
+  // earlier request. The refused... and take_refusal() methods expect that the board refuses the request for
+  // this reason.
   Reply done(std::string_view name, const Bytes& fields = {}, int at_most_ms = 0);
-  Reply take(std::string_view name, std::uint8_t sequence, int at_most_ms = 0);  // reply to `name`
+  Reply take(std::string_view name, std::uint8_t sequence, int at_most_ms = 0);
   Reply refused(std::string_view name, const Bytes& fields, int reason, int detail = kAnyDetail);
   Reply refused_type(std::uint8_t type, const Bytes& fields, int reason, int detail = kAnyDetail);
   Reply take_refusal(std::uint8_t type, std::uint8_t sequence, int reason, int detail);
@@ -82,15 +92,16 @@ class Board {
   void enable(unsigned mask);
   void target(int joint, long angle, int duration_ms);
   void watchdog(int ten_ms, int reaction = 0);
-  void stay_alive(int ms);  // waits, with a heartbeat each 30 ms
-  void wait_until_still();  // until no ramp is under way, with heartbeats
-  void reset_by_command();  // and waits for the board
-  void come_to_rest();      // waits until no joint moves, 3 s at most
-  void expect_alive();      // the next request is answered
-  void expect_off();        // no motor is on: by status, and by the pins where there is a bench
-  std::vector<Frame> telemetry(int ms, bool heartbeats);  // what came in this time
+  void stay_alive(int ms);  // waits, with a heartbeat every 30 ms
+  void wait_until_still();  // polls until all ramps have ended; fails after 2 s
+  void reset_by_command();  // resets and waits for the board
+  void come_to_rest();      // waits until no joint moves, at most 3 s
+  void expect_alive();      // checks that the next request is answered
+  void expect_off();        // checks status, and pins if there is a bench
+  // Returns the telemetry of this time and drops other frames. `heartbeats`: sends one every 30 ms.
+  std::vector<Frame> telemetry(int ms, bool heartbeats);
 
-  // The bytes exchanged in this case, one line per direction and time.
+  // Returns the bytes exchanged in this case, one line per direction and time; only the last 60 lines.
   const std::vector<std::string>& transcript() const { return transcript_; }
 
  private:

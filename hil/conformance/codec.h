@@ -1,4 +1,4 @@
-// The wire format of docs/reference/protocol.md once more, written from the document alone (frames and CRC).
+// Independent codec of frames and CRC, written only from docs/reference/protocol.md.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,24 +15,24 @@ using Bytes = std::vector<std::uint8_t>;
 
 std::uint16_t crc_of(const Bytes& stuffed);
 Bytes stuff(const Bytes& body);
-// The three bytes that carry a CRC.
+// Returns the three bytes that carry a CRC.
 Bytes check_of(std::uint16_t crc);
-// A whole frame with both zeros around bytes that are stuffed already, right or wrong.
+// Returns a whole frame with both zeros around bytes that are already stuffed, correctly or not.
 Bytes frame_of_stuffed(const Bytes& stuffed);
 Bytes frame_of(std::uint8_t address, std::uint8_t type, std::uint8_t sequence, const Bytes& fields);
 
 struct Frame {
   std::uint8_t address = 0, type = 0, sequence = 0;
   Bytes fields;
-  Time at{};  // when its last byte was read
+  Time at{};  // time of reading its last byte
 };
 
-// Takes what a board sends apart.
+// Splits the bytes of a board into frames.
 class Deframer {
  public:
-  // A frame, when this byte ends one.
+  // Returns a frame if this byte ends one.
   std::optional<Frame> take(std::uint8_t byte, Time at);
-  // Bytes outside frames, and frames that were damaged or lacked a zero of their own.
+  // Number of bytes outside frames, and of frames that were damaged or lacked their own zero.
   int faults() const { return faults_; }
   void forget() { *this = {}; }
 

@@ -1,4 +1,4 @@
-// The message table as data for the cases: bounds of requests, numbers of replies by name.
+// The message table as data for the cases: bounds of requests, fields of replies by name.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,9 +15,9 @@ namespace kaz::hil {
 
 struct Field {
   std::string name;
-  int size = 0;  // bytes of one number
+  int size = 0;  // bytes per number
   bool is_signed = false;
-  int count = 1;  // numbers; of a masked field: at most
+  int count = 1;  // count of numbers; for a masked field the maximum
   bool masked = false;
   bool bounded = false;
   long low = 0, high = 0;
@@ -35,10 +35,10 @@ struct Message {
 };
 
 const std::vector<Message>& messages();
-// The name must be one of messages.def.
+// Returns a message of messages.def. Throws std::logic_error for an unknown name.
 const Message& message(std::string_view name);
 
-// Fields of a request, one number after the other.
+// Builds the fields of a request, one number after the other, big-endian.
 class Put {
  public:
   Put& u8(long value) { return number(value, 1); }
@@ -52,15 +52,17 @@ class Put {
   Bytes bytes_;
 };
 
-// Legal fields: each bounded one at its lowest value, all others 0. `changed` has another value.
+// Returns legal fields: bounded fields have their lowest value, all others 0. The field with the index
+// `changed` has `value` instead.
 Bytes legal_fields(const Message& request, int changed = -1, long value = 0);
 
-// The fields of a frame, by the names of the table. Fails (Failed) if its length is wrong.
+// Fields of a reply by their names in the table. The constructor throws Failed if the length is wrong.
 class Reply {
  public:
   Reply(const Message& message, const Frame& frame);
   long operator[](std::string_view field) const { return number(field, 0); }
-  // A number of an array; of a masked field the joint's.
+  // Returns a number of an array; for a masked field, `index` is the joint. Throws Failed if it does not
+  // exist.
   long number(std::string_view field, int index) const;
   const Frame& frame() const { return frame_; }
   int reason() const { return static_cast<int>((*this)["status"] >> 8); }  // KZ_SHUTDOWN_*

@@ -1,4 +1,4 @@
-// A run of the suite for machines and people: JUnit XML, JSON, one HTML page.
+// Reports of a run of the suite: JUnit XML, JSON, one HTML page.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,8 +13,8 @@ struct ReportFacts {
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
   std::uint64_t seed = 1;
-  std::string signal = {};      // that interrupted the run: "SIGINT"; empty: none
-  std::string broken_off = {};  // why the machine did not let it come to its end; empty: it did
+  std::string signal = {};      // signal that interrupted the run: "SIGINT"; empty: none
+  std::string broken_off = {};  // reason why the run could not finish; empty: it finished
   Provenance from = {};
 };
 

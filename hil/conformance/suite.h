@@ -1,4 +1,4 @@
-// The cases of the conformance suite, and how they are run.
+// The cases of the conformance suite, and how to run them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,52 +13,52 @@
 
 namespace kaz::hil {
 
-// What a case needs besides a link.
+// Requirements of a case besides a link.
 enum Need : unsigned {
   kNothing = 0,
-  kMotion = 1,           // joints or motors move
-  kFlash = 2,            // writes flash, whose life is finite
-  kBench = 4,            // Bench
+  kMotion = 1,           // moves joints or motors
+  kFlash = 2,            // writes flash, which wears out
+  kBench = 4,            // a Bench
   kExact = 8,            // a clock without slack
-  kDefaultAddress = 16,  // a board at address 1; run_suite() knows
-  kPauses = 32,          // a line on which pauses between bytes arrive; RunOptions::whole_frames
+  kDefaultAddress = 16,  // a board at address 1; run_suite() decides
+  kPauses = 32,          // a line that preserves pauses between bytes; RunOptions::whole_frames
 };
 
 struct Case {
   std::string id;                       // "frame.noise-before"
-  std::string sentence;                 // what it shows
-  std::vector<std::string> statements;  // of docs/reference/protocol.md
+  std::string sentence;                 // tested rule
+  std::vector<std::string> statements;  // clause ids of docs/reference/protocol.md
   unsigned needs = kNothing;
   std::function<void(Board&)> run;
 };
 
-// All cases, in the order in which they run. Ids are unique.
+// Returns all cases in the order in which they run. Ids are unique.
 const std::vector<Case>& cases();
 
 struct Statement {
   std::string id, text;
 };
-// Those of docs/reference/protocol.md, in its order.
+// Returns the clauses of docs/reference/protocol.md, in its order.
 const std::vector<Statement>& statements();
 
 struct CaseResult {
   const Case* of = nullptr;
   Verdict verdict = Verdict::passed;
-  std::string message;                  // why it failed, was skipped, or could not be judged
-  double seconds = 0;                   // on the board's clock
-  std::vector<std::string> transcript;  // of a failed or undecided one
-  int runs = 1;                         // more: the earlier ones failed while this machine was late
+  std::string message;                  // reason of a failure, skip or undecided verdict
+  double seconds = 0;                   // duration on the board's clock
+  std::vector<std::string> transcript;  // bytes of a failed or undecided case
+  int runs = 1;                         // above 1: earlier runs failed while this machine was late
 };
 
 struct RunOptions {
-  std::string filter;  // regular expression, found anywhere in id or statement; empty: all
+  std::string filter;  // regular expression for case or clause ids; empty: all
   std::uint64_t seed = 1;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  unsigned allowed = 0;  // Need, those that are to be had
-  // The link carries whole frames only, as a CAN bus does: kPauses is not to be had, else it is.
+  unsigned allowed = 0;  // bits of Need that are available
+  // The link carries whole frames only, as a CAN bus does. kPauses is available if this is false.
   bool whole_frames = false;
-  // The link and the clock of the run, where they are real: a case that fails while this machine is
-  // late is repeated, and undecided if it was late each time.
+  // Lateness of link and clock, if they are real; may be null. A case that fails while this machine is late
+  // is repeated. It is undecided if the machine was late in each run.
   host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
 };
@@ -66,28 +66,30 @@ struct RunOptions {
 struct RunReport {
   std::string board;  // "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
   std::vector<CaseResult> results;
-  std::vector<const Case*>
-      not_run;               // what the filter took beyond the results, of a run that broke off
-  bool interrupted = false;  // the results are of the cases before
+  // Chosen cases that an interrupted run did not reach.
+  std::vector<const Case*> not_run;
+  bool interrupted = false;  // the run was interrupted; `results` are those until then
   std::size_t chosen() const { return results.size() + not_run.size(); }
   int count(Verdict verdict) const;
 };
 
-// The cases that the filter takes. Error: usage, if it is no regular expression or takes none.
+// Returns the cases that the filter selects. Error (usage): it is not a regular expression or matches no
+// case.
 Result<std::vector<const Case*>> chosen(const std::string& filter);
 
-// Runs them one after the other. Errors: the link is gone or nothing answers, also from some case on
-// (environment). An interrupted link or clock ends it with the report until then.
+// Runs the chosen cases. Errors: those of chosen(); the link is gone, or the board does not answer or stops
+// answering (environment). An interrupted link or clock ends the run, and the report so far is returned.
 Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, Time slack,
                             const RunOptions& options);
 
-// What is `given` when one is missing: "needs --allow-motion".
+// Returns the reason for leaving out a case with these unmet Need bits: "needs --allow-motion".
 std::string missing_text(unsigned missing);
 
-// Where the cases stand, by chapter of the page.
+// Cases, added by chapter of the page.
 using Cases = std::vector<Case>;
 
-// Adds a chapter's cases: their ids begin with its name, and they need `needs` unless they say otherwise.
+// Adds the cases of a chapter. Their ids begin with its name, and they need `needs` unless they state other
+// needs.
 class Chapter {
  public:
   Chapter(Cases& all, std::string name, unsigned needs)

@@ -1,4 +1,4 @@
-// Decisions out of a string of bytes.
+// Reads decisions from a string of bytes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@ class Choices {
  public:
   explicit Choices(std::span<const std::uint8_t> bytes) : left_(bytes) {}
   bool ended() const { return left_.empty(); }
-  // 0 behind the end.
+  // Returns the next byte; 0 after the end.
   std::uint8_t byte() {
     if (left_.empty()) return 0;
     const std::uint8_t value = left_.front();
@@ -23,9 +23,9 @@ class Choices {
     for (int i = 0; i < 4; ++i) value = value << 8 | byte();
     return value;
   }
-  // 0 <= result < bound <= 256; one byte.
+  // Returns a number from 0 to bound - 1, bound <= 256, from one byte.
   unsigned below(unsigned bound) { return byte() % bound; }
-  // low..high; no more bytes than the range needs.
+  // Returns a number from low to high, from as many bytes as the range needs.
   long long between(long long low, long long high) {
     const auto range = static_cast<unsigned long long>(high - low) + 1;
     unsigned long long value = 0;

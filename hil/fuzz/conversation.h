@@ -1,4 +1,4 @@
-// Judge of what passes over the line: each reply belongs to one request, none comes twice.
+// Judges the traffic on the line: each reply belongs to one request, and no reply comes twice.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,39 +22,39 @@ struct ConversationCounts {
 
 class Conversation {
  public:
-  // `address`: of the board.
+  // `address` is that of the board.
   explicit Conversation(std::uint8_t address = KZ_ADDRESS_DEFAULT);
 
+  // Pass the bytes that the host sent and received, in the order of time.
   void sent(std::span<const std::uint8_t> bytes);
   void received(std::span<const std::uint8_t> bytes);
 
-  // From now on bytes may be lost, changed or doubled on the line: what the board has seen is not
-  // known
-  // any more, so only what is true of every frame is judged.
+  // From now on, bytes may be lost, changed or duplicated on the line. The bytes that the board received are
+  // then unknown, so only rules for single frames are checked.
   void line_is_faulty() { faulty_ = true; }
-  // The board may have started again: what it was sending may be cut off.
+  // The board may have restarted, so the frame that it was sending may be cut off.
   void board_restarted() { restarts_ += 1; }
 
-  // Replies that have come to the request with this type and number since it was last sent.
+  // Returns the number of replies to the request with this type and number since it was last sent.
   int replies_to(std::uint8_t type, std::uint8_t sequence) const;
-  // A request for which the board may be deaf for a while, or change its address, was sent since
-  // the
-  // last call.
+  // Returns and clears a flag: the board may not receive for a while or may have a new address, because of a
+  // request.
   bool take_deafening();
 
+  // First violation, if any.
   const std::optional<std::string>& violation() const { return violation_; }
   const ConversationCounts& counts() const { return counts_; }
-  // What kinds of replies there were: type, reason, status.
+  // Codes of the kinds of replies: type, reason, status.
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:
   struct Transmission {
-    long long number = 0;    // of the requests of this conversation, to whichever board
-    std::uint32_t mask = 0;  // of `enable`
+    long long number = 0;    // number of the request in this conversation, counted over all boards
+    std::uint32_t mask = 0;  // joint mask of `enable`
   };
   struct SentRequest {
     std::deque<Transmission> unanswered;
-    int answered = 0;  // since it was last sent
+    int answered = 0;  // number of answers since it was last sent
   };
 
   void request(std::span<const std::uint8_t> body);
@@ -67,8 +67,8 @@ class Conversation {
 
   std::uint8_t address_;
   kz_receiver to_board_{}, to_host_{};
-  std::map<std::uint32_t, SentRequest> sent_;  // by address, type, number
-  long long switched_on_ = 0;                  // the last request that can switch a motor on
+  std::map<std::uint32_t, SentRequest> sent_;  // key: address, type, number
+  long long switched_on_ = 0;  // number of the last request that can switch a motor on
   bool telemetry_ = false, address_known_ = true, faulty_ = false, deafening_ = false;
   int restarts_ = 0;
   ConversationCounts counts_;

@@ -1,13 +1,10 @@
-// From a string of bytes to what a hostile host does: the fuzzer's grammar.
+// The fuzzer's grammar: turns a string of bytes into actions of a hostile host.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A case is a string of bytes, its genome: each decision (what next, which message, which value)
-// takes
-// some of them, and the case ends with them. So every string is a case, a small change of the
-// string is a
-// small change of the case, and a coverage-guided fuzzer can work on the string. Messages, fields
-// and
-// bounds come from the protocol's table (shared/protocol/message_info.h).
+// A case is a string of bytes, its genome. Each decision (next action, message, value) consumes some bytes,
+// and the case ends with them. So every string is a case, and a small change of the string is a small change
+// of the case. Therefore a coverage-guided fuzzer can mutate the string. Messages, fields and bounds come
+// from the protocol's table (shared/protocol/message_info.h).
 #pragma once
 
 #include <cstdint>
@@ -25,24 +22,25 @@ using Genome = std::vector<std::uint8_t>;
 struct Event {
   enum class Kind { send, wait, query, fault };
   Kind kind = Kind::wait;
-  std::vector<std::uint8_t> bytes;  // of send and query, as they go to the wire
-  int ms = 0;                       // of wait
-  faults::Fault fault;              // its time counts from the event
-  std::string text;                 // one line for people
+  std::vector<std::uint8_t> bytes;  // for send and query, as on the wire
+  int ms = 0;                       // for wait
+  faults::Fault fault;              // for fault; its time counts from the event
+  std::string text;                 // one readable line
 };
 
 struct GrammarOptions {
-  bool faults = true;  // of sensors, power and mechanics
+  bool faults = true;  // faults of sensors, power and mechanics
   bool line_faults = true;
   bool flash = true;                          // requests that wear the board's flash
-  int longest_ms = 2000;                      // of the case
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board
+  int longest_ms = 2000;                      // approximate maximum duration of a case
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // board address
 };
 
-// `query`: one legal request with silence before and after, to which exactly one reply must come.
+// Returns the events of a case. `query` is one legal request with silence before and after, to which exactly
+// one reply must come.
 std::vector<Event> events_of(std::span<const std::uint8_t> genome, const GrammarOptions& options);
 
-// The whole case for people, one line an event.
+// Returns the case as readable text, one line per event.
 std::string text_of(std::span<const Event> events);
 
 }  // namespace kaz::hil::fuzz

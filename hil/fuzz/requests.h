@@ -1,4 +1,4 @@
-// Requests with legal, boundary and illegal fields, from the protocol's table.
+// Generates requests with legal, boundary and illegal fields, from the protocol's table.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,17 +15,17 @@ struct RequestBytes {
   std::string text;
 };
 
-// All request types of the table; without those that write flash if `flash` is false.
+// Returns all request types of the table, without those that write flash if `flash` is false.
 std::vector<const kz_message_info*> request_types(bool flash);
 
-// `legal`: no field is out of the table's bounds (targets may still be beyond a soft limit that was
-// set
-// before). Else each field may be anything its type can hold.
+// Makes a request. If `legal`, all fields are within the bounds of the table, but targets may be beyond a
+// soft limit that was set before. Otherwise each field may be any value of its type.
 RequestBytes make_request(const kz_message_info& message, Choices& choices, bool legal,
                           std::uint8_t address, std::uint8_t sequence);
 
+// Returns the frame on the wire of a body.
 std::vector<std::uint8_t> framed(const std::vector<std::uint8_t>& body);
-// The same from its parts.
+// The same from separate parts.
 std::vector<std::uint8_t> framed(std::uint8_t address, std::uint8_t type, std::uint8_t sequence,
                                  const std::vector<std::uint8_t>& fields);
 

@@ -1,4 +1,4 @@
-// One case of the fuzzer on one board, over any port.
+// Runs one fuzzing case on one board, over any port.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,29 +16,28 @@ namespace kaz::hil::fuzz {
 
 struct Verdict {
   std::optional<std::string> violation;
-  std::set<std::uint32_t>
-      features;  // codes of board behaviour reached: coverage that guides the search
+  // Codes of the board behavior that was reached: coverage that guides the search.
+  std::set<std::uint32_t> features;
   ConversationCounts counts;
-  double seconds = 0;  // on the clock
+  double seconds = 0;  // duration on the clock
 };
 
 struct RunnerOptions {
-  // Makes a fault happen; where there is none, cases must be made without faults.
+  // Injects a fault. If it is null, the cases must contain no faults.
   std::function<void(const faults::Fault&)> fault;
-  // What else has been found wrong so far, looked at after each event.
+  // Returns other violations found so far; called after each event. May be null.
   std::function<std::optional<std::string>()> judge;
-  // How long a lonely request may take to be answered.
+  // Timeout for the reply to a query.
   Time patience = std::chrono::milliseconds(100);
   Time longest_start = std::chrono::seconds(3);
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board
-  // What a case that an error ends has done until then, without a judgement; may be null.
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // board address
+  // Receives the statistics of a case that ends with an error, without a violation. May be null.
   Verdict* broken_off = nullptr;
 };
 
-// Waits until the board answers, applies the events, and checks once more that it answers;
-// then all
-// motors are off. Errors: nothing answers at the start, the link is gone, the program was
-// interrupted.
+// Waits until the board answers, applies the events, and checks again that it answers. Then switches all
+// motors off. After a violation it returns at once. Errors: no answer at the start, the link is gone, the
+// program was interrupted.
 Result<Verdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
                          const RunnerOptions& options);
 

@@ -1,9 +1,8 @@
-// Cases from one seed, guided by what they made the board do.
+// Generates cases from one seed, guided by the behavior that earlier cases caused.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A case that shows something new (its features) joins the corpus, and later cases are made by
-// changing and
-// joining those. Where the compiler can measure coverage, `./tools/dev fuzz` is better.
+// A case with new features joins the corpus, and later cases are mutations and combinations of the corpus. If
+// the compiler can measure coverage, `./tools/dev fuzz` is better.
 #pragma once
 
 #include <functional>
@@ -23,9 +22,9 @@ class Search {
  public:
   explicit Search(std::uint64_t seed) : random_(seed) {}
   void add(Genome genome) { corpus_.push_back(std::move(genome)); }
-  // The next case to be run.
+  // Returns the next case to run.
   Genome next();
-  // What it came to. True if it showed something new, and so is in the corpus now.
+  // Takes the verdict of a case. Returns true if it has new features, so it was added to the corpus.
   bool learn(const Genome& genome, const Verdict& verdict);
   const std::vector<Genome>& corpus() const { return corpus_; }
   std::size_t features() const { return seen_.size(); }
@@ -39,14 +38,14 @@ class Search {
   std::set<std::uint32_t> seen_;
 };
 
-// A shorter case that is wrong too, of a byte at least, after at most `max_runs` runs.
+// Returns a shorter case, of at least one byte, that also violates a rule. Uses at most `max_runs` runs.
 Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
-// Corpus and reproducers: a file is a genome. Errors say which path, and why.
+// Reads a file of the corpus or a reproducer; its content is the genome. Errors name the path and the reason.
 Result<Genome> load_genome(const std::string& path);
-// At `name`, or with a number after it where that is taken.
+// Writes a genome to `name`. If the file exists, a number is appended.
 Result<void> save_genome(const std::string& name, const Genome& genome);
-// All files of a folder, in order of their names.
+// Reads all files of a folder in the order of their names.
 Result<std::vector<Genome>> load_corpus(const std::string& folder);
 
 }  // namespace kaz::hil::fuzz

@@ -1,9 +1,8 @@
-// Judge of the servo's ticks: what must hold in each, whatever the host has sent.
+// Judges each tick of the servo code: rules that hold whatever the host sends.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Looks at the state of shared/servo and at what the tick gives to the pins; so it needs an engine
-// in this
-// process. It knows joints.def and the protocol's frames, but none of the servo's code.
+// It reads the state of shared/servo and the pin outputs of each tick, so the engine must be in this process.
+// It uses joints.def and the protocol's frames, but no code of the servo.
 #pragma once
 
 #include <array>
@@ -16,20 +15,20 @@
 
 namespace kaz::hil::fuzz {
 
-// High counts of each joint's motor, positive turns the joint positively; 0 while the drivers are
-// off.
+// Returns the PWM counts of each joint's motor; positive counts turn the joint positively. 0 while the
+// drivers are off.
 std::array<int, KZ_JOINTS> drives_of(const kz_tick_output& output);
 
 class TickJudge {
  public:
-  // The board starts again with its next tick.
+  // The next tick is the first after a restart of the board.
   void restart() { started_ = false; }
-  // After a tick: what went in, what came out, the state behind it.
+  // Checks a tick by its input, its output and the state after it.
   void tick(const kz_tick_input& input, const kz_servo& servo, const kz_tick_output& output);
 
   const std::optional<std::string>& violation() const { return violation_; }
   long long ticks() const { return ticks_; }
-  // States of the board that were reached: shutdown, what is on, what is in progress.
+  // Codes of the reached board states: shutdown, what is on, what is in progress.
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:
@@ -37,8 +36,8 @@ class TickJudge {
     bool on = false;
     int command = 0;
     int lower = 0, upper = 0;
-    int above_ticks = 0, below_ticks = 0;  // at or beyond a limit for so long
-    int ramp = 0;                          // highest that applied since the present ramp began
+    int above_ticks = 0, below_ticks = 0;  // ticks at or beyond a limit
+    int ramp = 0;                          // highest ramp limit since the present ramp began
   };
 
   void judge_requests(const kz_tick_input& input, const kz_servo& servo);
@@ -49,8 +48,8 @@ class TickJudge {
   void wrong(const kz_servo& servo, int joint, const std::string& what);
 
   bool started_ = false;
-  kz_receiver receiver_{};  // of the bytes that the ticks got
-  unsigned refusals_ = 0;   // of the servo, before the tick
+  kz_receiver receiver_{};  // receives the bytes of the ticks
+  unsigned refusals_ = 0;   // refusals of the servo before the tick
   std::array<Before, KZ_JOINTS> before_{};
   long long ticks_ = 0;
   std::set<std::uint32_t> features_;

@@ -1,4 +1,4 @@
-// How a case or a measurement fails: by an exception that its runner catches.
+// Exceptions by which a case or measurement fails; its runner catches them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,23 +10,24 @@
 
 namespace kaz::hil {
 
-// The port is gone, or the program was interrupted: all further ones are pointless.
+// The port is gone or the program was interrupted, so further cases are pointless.
 struct Lost {
   Error error;
 };
 
-// A step that can fail only so.
+// Returns the value. Throws Lost for an error: for steps that can fail only in this way.
 template <class T>
 T sure(Result<T> result) {
   if (!result) throw Lost{result.error()};
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-// What was wrong, in one sentence.
+// The case or measurement failed. The message is one sentence.
 struct Failed {
   std::string message;
 };
 
+// Throws Failed with `else_what` if the condition is false.
 inline void check(bool holds, const std::string& else_what) {
   if (!holds) throw Failed{else_what};
 }

@@ -1,4 +1,4 @@
-// JUnit XML, as build servers read it.
+// Writes JUnit XML for build servers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,22 +13,22 @@ struct JunitCase {
   std::string group, name;
   std::optional<double> seconds;
   Verdict verdict = Verdict::passed;
-  std::string message;  // why it failed or was skipped
-  std::string detail;   // of a failed one
-  std::string output;   // of any, if not empty
+  std::string message;  // reason of a failure or skip
+  std::string detail;   // details of a failure
+  std::string output;   // output of any case; may be empty
 };
 
-// Properties first, then cases.
+// One test suite. All calls of property() must precede the cases; finish() ends it.
 class JunitSuite {
  public:
   struct Counts {
     int passed = 0, failed = 0, left_out = 0, undecided = 0;
-    int errors = 0;  // of the machine, not of what is tested
+    int errors = 0;  // errors of the machine, not of the tested object
   };
   JunitSuite(const std::string& name, const Counts& counts, double seconds);
   void property(const std::string& name, const std::string& value);
   void add(const JunitCase& one);
-  // A case that the machine did not let end: port, disk. Neither passed nor failed.
+  // Adds a case that could not finish (port, disk). It is neither passed nor failed.
   void add_error(const std::string& group, const std::string& name, const std::string& message);
   std::string finish();
 

@@ -1,4 +1,4 @@
-// Where a report comes from: when, by which program, on which machine, by which command.
+// Provenance of a report: date, program version, machine and command.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,15 +14,15 @@ struct Provenance {
   std::string date;  // UTC, ISO 8601: "2026-11-23T08:13:16Z"
   std::string kaz;   // version
   std::string cpu, os;
-  int cores = 0;        // that the program may use
+  int cores = 0;        // cores available to the program
   std::string command;  // "kaz bench motor --out motor"
 };
 
-// The object `provenance` of every report in JSON.
+// Returns the object `provenance` of JSON reports.
 nlohmann::ordered_json provenance_json(const Provenance& from);
-// Names and values, for properties of JUnit XML. Empty without a date: of a report made in a test.
+// Returns names and values for properties of JUnit XML. Empty without a date, as in reports of tests.
 std::vector<std::pair<std::string, std::string>> provenance_properties(const Provenance& from);
-// A part of a page's facts, from <br> on; empty without a date.
+// Returns the part of a page's facts from <br> on; empty without a date.
 std::string provenance_html(const Provenance& from);
 
 }  // namespace kaz::hil

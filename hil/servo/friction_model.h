@@ -1,16 +1,18 @@
-// Friction of a geared servo, as six models of growing detail.
+// Friction of a geared servo: six models of increasing detail.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Source: Duclusaud, Passault, Padois, Ly, "Extended Friction Models for the Physics Simulation of Servo
-// Actuators", ICRA 2025 (arXiv 2410.08650). All at the output shaft, SI units. With speed w, motor torque m,
-// external torque e (which is added to m) and s = exp(-|w / stribeck_speed|^stribeck_power), the largest
-// torque that friction takes:
-//   M1  viscous |w| + base
-//   M2  M1 + s stribeck
-//   M3  M1 + load |m - e|
-//   M4  M1 + load |m - e| + s (stribeck + load_stribeck |m - e|)
-//   M5  M1 + |motor m - external e| + s (stribeck + |motor_stribeck m - external_stribeck e|)
-//   M6  M5 + s q, where m and e oppose each other: q = external_quad e^2 if |m| > |e|, else motor_quad m^2
+// Actuators", ICRA 2025 (arXiv 2410.08650). All quantities are at the output shaft, in SI units. They are the
+// speed w, the motor torque m, the external torque e (added to m) and s = exp(-|w /
+// stribeck_speed|^stribeck_power). Maximum friction torque of each model:
+//
+// - M1: viscous |w| + base.
+// - M2: M1 + s stribeck.
+// - M3: M1 + load |m - e|.
+// - M4: M1 + load |m - e| + s (stribeck + load_stribeck |m - e|).
+// - M5: M1 + |motor m - external e| + s (stribeck + |motor_stribeck m - external_stribeck e|).
+// - M6: M5 + s q where m and e oppose each other. If |m| > |e|, q = external_quad e^2, else q = motor_quad
+//   m^2.
 #pragma once
 
 #include <array>
@@ -33,22 +35,22 @@ struct ServoParams {
   double motor = 0, external = 0;                    // 1
   double motor_stribeck = 0, external_stribeck = 0;  // 1
   double motor_quad = 0, external_quad = 0;          // 1/(N m)
-  // Of the servo's law and of the bench, fitted along.
-  double gain_ratio = 1;  // true gain over the log's
-  double offset = 0;      // rad: the angle read less the true one
+  // Fitted parameters of the servo's control law and of the test stand.
+  double gain_ratio = 1;  // true gain divided by the gain of the log
+  double offset = 0;      // rad; measured minus true angle
 };
 
 struct ServoParamInfo {
   std::string_view name, unit;
   double ServoParams::*at;
-  double low, high;  // within which it is sought
-  double scale;      // of a change that matters
+  double low, high;  // bounds of the fit
+  double scale;      // size of a significant change
 };
 
-// Those of a model, 1..6, in the order of a fit.
+// Returns the parameters of a model, 1 to 6, in the order of a fit.
 std::span<const ServoParamInfo> servo_params(int model);
 
-// N m, at least 0.
+// Returns the maximum friction torque, N m, at least 0.
 double friction_limit(int model, const ServoParams& params, double speed, double motor_nm,
                       double external_nm);
 

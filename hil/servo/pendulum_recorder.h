@@ -1,9 +1,9 @@
-// Records a servo that moves a pendulum of known weight: the logs that servo_fit.h takes.
+// Records a servo that moves a pendulum of known weight, as logs for servo_fit.h.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The servo's law is reduced to what a log states, duty = gain * (goal - position): no D, no I, no least
-// duty, no profile. What was set before is put back. Three gains, each with four motions; those of the middle
-// gain are held out.
+// The servo's control law is reduced to that of a log, duty = gain * (goal - position): no D, no I, no
+// minimum duty, no profile. Previous settings are restored. Four motions are recorded with each of three
+// gains. The logs of the middle gain are held out.
 #pragma once
 
 #include <functional>
@@ -20,9 +20,9 @@ struct PendulumOptions {
   servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
   int id = 1;
   double mass_kg = 0, length_m = 0, arm_kg = 0;
-  double amplitude_rad = 1.4;  // of the goals, to either side of hanging down
-  double seconds = 6;          // of a log
-  // Beyond these the torque is switched off, and nothing is recorded.
+  double amplitude_rad = 1.4;  // maximum goal to either side of hanging down
+  double seconds = 6;          // duration of a log
+  // Beyond these limits the torque is switched off, and the recording ends with an error.
   double max_celsius = 60, max_amps = 2;
   host::Interrupt* interrupt = nullptr;  // may be null
   std::function<void(double share, const std::string& what)> progress;
@@ -32,20 +32,23 @@ struct PendulumLog {
   std::string name;  // "fit-p32-wave", "held-p16-chirp"
   bool held_out = false;
   ServoLog log;
-  int missing = 0;  // readings that did not come
-  // Goals are where the servo's own profile was; else as they were sent.
+  int missing = 0;  // number of missing readings
+  // True if the goals are those of the servo's own profile; false if they are the goals that were sent.
   bool follows_profile = false;
 };
 
 struct PendulumRecord {
   std::string servo;  // "sts3215, id 1"
   std::vector<PendulumLog> logs;
-  double celsius = 0, volts = 0, largest_amps = 0;  // highest, lowest, and of the absolute value
+  // Highest temperature, lowest voltage, highest absolute current.
+  double celsius = 0, volts = 0, largest_amps = 0;
 };
 
-// Errors: environment, the servo does not answer, or no longer; it reports an error; a limit is exceeded;
-// usage, the law of its model is not known, its torque is on, it has no room. Afterwards the torque is off,
-// whatever happened, and its registers as they were; where that fails, the error says so.
+// Records all logs. Errors:
+// - environment: the servo does not answer or reports an error, or a limit is exceeded.
+// - usage: the law of its model is unknown, its torque is on, or it has no room to move.
+// Afterwards the torque is off and the registers are restored, also after an error or an interrupt. If this
+// fails, the error contains it.
 Result<PendulumRecord> record_pendulum(host::Link& link, host::Clock& clock,
                                        const PendulumOptions& options);
 

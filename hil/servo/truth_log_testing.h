@@ -1,4 +1,4 @@
-// Swings of the richer servos as logs.
+// Converts swings of truth_testing.h to logs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

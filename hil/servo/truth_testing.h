@@ -1,4 +1,4 @@
-// Servos with effects that no fitted model has, to judge fits by. Shares no code with them.
+// Simulated servos with effects that no fitted model has, to judge fits. Shares no code with the models.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,9 +20,10 @@ struct Swing {
 
 enum class Motion { sine_of_square, lift_and_drop, up_and_down, two_sines };
 
-// A servo drawn by `seed`, about the size of an XL330 (even seeds) or an MX-64 (odd ones): bristles that
-// give way before they slide, gears that lose more when they are driven back, ripple of the motor's torque, a
-// cable that pulls, a winding that warms, a law with a dead zone, steps of the sensor, a late clock.
+// Simulates a servo with parameters drawn from `seed`. Its size is about that of an XL330 (even seeds) or an
+// MX-64 (odd seeds). Friction: bristles yield before they slide, and gears lose more when driven backwards.
+// Motor: torque ripple, and a winding that warms up. Other effects: the pull of a cable, a control law with a
+// dead zone, sensor steps, and a late clock.
 Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_share,
             double seconds = 6);
 

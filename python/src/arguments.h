@@ -1,4 +1,4 @@
-// The keyword arguments of Simulation() and run_behavior() that say which world and which robot.
+// Parses the keyword arguments of Simulation() and run_behavior() that select world and robot.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,14 +9,15 @@
 
 namespace kaz::python {
 
-// Takes from `arguments` what it knows: world, robot_file, mcu, image, seed, eyes, eye_width, renderer,
-// sensors, dynamics, physics_step_ms, supply_volts, suspended, imu, faults (a file). Raises UsageError for a
-// wrong value.
+// Removes the known options from `arguments`: world, robot_file, mcu, image, seed, eyes, eye_width, renderer,
+// sensors, dynamics, physics_step_ms, supply_volts, suspended, imu, faults (a file). Raises UsageError for an
+// invalid value.
 tools::BackendOptions take_world_arguments(py::dict& arguments);
-// Raises UsageError if something is left.
+// Raises UsageError if an argument is left over.
 void nothing_left(const std::string& function, const py::dict& arguments);
 
-// Removes and returns it; `otherwise` if it is not there. Raises TypeError for another type, and for None.
+// Removes and returns an argument, or `otherwise` if it is missing. Raises TypeError for another type, and
+// for None.
 template <class T>
 T take(py::dict& arguments, const char* name, T otherwise) {
   if (!arguments.contains(name)) return otherwise;

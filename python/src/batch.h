@@ -1,12 +1,13 @@
-// Many simulated robots, stepped in threads: what kaz.VectorEnv stands on.
+// Many simulated robots, stepped in threads: the core of kaz.VectorEnv.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A robot is stepped by control periods. On the engines `native` and `h8` each has a servo board of its own:
-// its targets leave over the emulated serial line at the beginning of a period, and what the robot measures
-// are the newest reply's potentiometers. On `none` there is no board: a law of the board's kind, with true
-// angles and speeds, drives the motor model directly, each millisecond.
+// Robots are stepped by control periods. On the engines `native` and `h8` each robot has its own servo board.
+// Targets are sent over the emulated serial line at the beginning of a period. Measurements are the
+// potentiometer readings of the newest reply. On `none` there is no board. A control law like the board's,
+// with true angles and speeds, drives the motor model directly in each physics step.
 //
-// Robots share nothing that changes: results are the same for any number of threads.
+// Robots share no mutable state, so results do not depend on the number of threads. A Batch is not
+// thread-safe.
 #pragma once
 
 #include <array>
@@ -33,53 +34,57 @@ constexpr const char* to_string(Engine engine) {
 }
 
 struct BatchOptions {
-  sim::SimulationOptions simulation;  // files and kinds; its seed is reset()'s
+  sim::SimulationOptions simulation;  // files and kinds; reset() gives the seed
   Engine engine = Engine::native;
   int robots = 1, threads = 1;
-  bool pictures = false;  // the eyes are open; not on the engine `none`
-  int period_ms = 20;     // 20..200: what the wire has time for
-  // Where the robot stands once it is reset, rad, by joint, and for how long it settles there.
+  bool pictures = false;  // eyes are open; not on the engine `none`
+  int period_ms = 20;     // 20 to 200; the serial line needs this time
+  // Posture after a reset, rad by joint, and the time to settle there.
   std::array<double, KZ_JOINTS> posture{};
   int settle_ms = 300;
-  double kp_per_rad = 16, kd_s_per_rad = 0.09;  // as the board has after a reset
+  double kp_per_rad = 16, kd_s_per_rad = 0.09;  // board defaults after a reset
 };
 
-// What is known of each robot after a period. `measured`: over the wire. The rest is the simulation's truth.
+// State of each robot after a period. `measured` and `inertial` come over the wire, the rest is ground truth.
+// On the engine `none` all of it is ground truth.
 struct BatchState {
   static constexpr std::size_t kJoints = KZ_JOINTS;
   std::vector<double> measured;  // robots x 18, rad
-  std::vector<double>
-      inertial;               // robots x 3: yaw rate rad/s, specific force forward and left m/s^2
-  std::vector<double> trunk;  // robots x 7, world frame: position m, quaternion x y z w
-  std::vector<double> ball;   // robots x 3, world frame, m; 0 where the world has none
-  std::vector<std::uint8_t> off;  // the board has switched its motors off
-  std::vector<double>
-      picture_age;  // s since the exposure of pictures(), one a robot; empty without them
+  // Robots x 3: yaw rate rad/s, specific force forward and left m/s^2.
+  std::vector<double> inertial;
+  std::vector<double> trunk;      // robots x 7, world frame: position m, quaternion x y z w
+  std::vector<double> ball;       // robots x 3, world frame, m; 0 if the world has no ball
+  std::vector<std::uint8_t> off;  // the motor drivers are off
+  // One per robot: time since the exposure of pictures(), s. Empty without pictures.
+  std::vector<double> picture_age;
 };
 
 class Batch {
  public:
-  // Loads the world once, and powers one board on, which enables its motors, moves to the posture and
-  // settles: each episode begins from that state. Errors: those of Simulation::create; robots or threads out
-  // of range.
+  // Loads the world once. It then powers one board on, which enables its motors, moves to the posture and
+  // settles. Each episode starts from this state. Errors: those of Simulation::create; robots, threads or
+  // period out of range; a robot with other joints; pictures that this engine or robot does not have.
   static Result<std::unique_ptr<Batch>> create(BatchOptions options);
   ~Batch();
 
-  // Robot `i` anew, for those with a seed: standing in the posture. The seed is that of the sensors' noise
-  // and errors, which the board has felt for a period then; where they move the posture (pot_as_built),
-  // for `settle_ms` more.
+  // Starts a new episode of each robot `i` that has a seed, standing in the posture. The seed determines
+  // noise and errors of the sensors, which the board has then read for one period. If they shift the posture
+  // (pot_as_built), it settles for `settle_ms` more.
   Result<void> reset(std::span<const std::optional<std::uint64_t>> seeds);
-  // One period of all robots but those whose entry of `resting` (one each) is not 0. `targets`: robots x 18,
-  // rad; clipped to the joints' limits. Errors: before reset(); a robot's chip or board has stopped.
+  // Advances all robots by one period, except those whose entry in `resting` (one per robot) is not 0.
+  // `targets`: robots x 18, rad, clipped to the joints' limits. Errors: before reset(); a robot's chip or
+  // board has stopped.
   Result<void> step(std::span<const double> targets, std::span<const std::uint8_t> resting);
-  // In the next period, N s, world frame. Errors, here and below: no such robot, link or model.
+  // Applies an impulse to a link in the next period, N s, world frame. Errors, here and below: before
+  // reset(); no such robot, link or model.
   Result<void> push(int robot, const std::string& link, const Eigen::Vector3d& impulse);
   // Changes an object's velocity, m/s, world frame.
   Result<void> accelerate(int robot, const std::string& model, const Eigen::Vector3d& change);
   const BatchState& state() const { return state_; }
   const BatchOptions& options() const { return options_; }
   const vision::CameraModel& camera() const { return model_; }
-  // The newest pair that has reached robot `i` by the end of its period. Null: none yet, or no pictures.
+  // Returns the newest pair that robot `i` has received by the end of its period, valid until the next step()
+  // or reset(). Null: none yet, or no pictures.
   const vision::StereoImages* pictures(std::size_t i) const;
   Result<Eigen::Isometry3d> link_pose(int robot, const std::string& link) const;
 
@@ -97,7 +102,8 @@ class Batch {
   Result<Robot*> robot_at(int robot) const;
 
   BatchOptions options_;
-  // Where all begin: on `none` the world alone, else `start_`. `prototype_` is as loaded.
+  // Initial state of all episodes: `settled_` on the engine `none`, else `start_`. `prototype_` is the world
+  // as loaded.
   std::unique_ptr<sim::World> prototype_;
   std::unique_ptr<Robot> settled_;
   sim::Simulation::Start start_;

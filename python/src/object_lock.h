@@ -1,9 +1,9 @@
-// One call at a time on an object that Python threads share; a stop ends the call that runs.
+// Serializes calls on an object that Python threads share. A stop ends the running call.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Calls run without the GIL, so nothing else keeps a second thread out. A second thread's call is refused. A
-// stop is not: it requests the interrupt, waits until the running call has left the object, and then works
-// alone. Thread-safe. Does not use Python.
+// Calls run without the GIL, so only this lock keeps a second thread out. A second thread's call is refused,
+// a stop is not. The stop requests the interrupt, waits until the running call has left the object, and then
+// works alone. Thread-safe. Does not use Python.
 #pragma once
 
 #include <condition_variable>
@@ -18,13 +18,13 @@ namespace kaz::python {
 
 class ObjectLock {
  public:
-  // `name`: for error messages, as in "this Robot".
+  // `name`: used in error messages, as in "this Robot".
   explicit ObjectLock(std::string name) : name_(std::move(name)) {}
   ObjectLock(const ObjectLock&) = delete;
   ObjectLock& operator=(const ObjectLock&) = delete;
 
-  // One call, in one or several pieces of work. Between two pieces its thread may run other Python code, such
-  // as a signal handler, whose calls on the same object are nested in this one.
+  // One call, which consists of one or several pieces of work. Between two pieces its thread may run other
+  // Python code, such as a signal handler. Calls from there on the same object are nested in this one.
   class Call {
    public:
     enum class State { begun, in_use, stopping };
@@ -33,9 +33,11 @@ class ObjectLock {
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
 
-    // in_use: another thread's call is running. stopping: a stop is. The call must not go on in both cases.
+    // in_use: another thread's call is running. stopping: a stop is running. In both cases the call must not
+    // go on.
     State state() const { return state_; }
-    // Begins a piece, once no stop is at work. False if a stop came since the call began: no piece begins.
+    // Begins a piece, after waiting for a running stop. Returns false if a stop came since the call began; no
+    // piece begins then.
     bool enter();
     void leave();
 
@@ -46,8 +48,8 @@ class ObjectLock {
     std::uint64_t stops_ = 0;
   };
 
-  // While it lives its thread alone works on the object; the constructor waits for that. It ends all calls
-  // that began before it: they begin no further piece, and other calls may begin afterwards.
+  // During its lifetime, only its thread works on the object. The constructor waits for this. It ends all
+  // calls that began before: they begin no further piece. Other calls may begin afterwards.
   class Stop {
    public:
     explicit Stop(ObjectLock& lock);
@@ -60,7 +62,7 @@ class ObjectLock {
   };
 
   const std::string& name() const { return name_; }
-  // For the object's links and clocks: requested while a stop waits for a piece of work.
+  // Interrupt for the object's links and clocks. It is requested while a stop waits for a piece of work.
   host::Interrupt& interrupt() { return interrupt_; }
 
  private:
@@ -68,10 +70,10 @@ class ObjectLock {
   host::Interrupt interrupt_;
   std::mutex mutex_;
   std::condition_variable left_;
-  std::thread::id owner_;  // of the running call
-  bool inside_ = false;    // a piece or a stop is at work
-  bool stopping_ = false;  // a stop is
-  int waiting_ = 0;        // stops that are not at work yet
+  std::thread::id owner_;  // thread of the running call
+  bool inside_ = false;    // a piece or a stop is working
+  bool stopping_ = false;  // a stop is working
+  int waiting_ = 0;        // number of stops that wait
   std::uint64_t stops_ = 0;
 };
 

@@ -1,8 +1,8 @@
-// What the parts of the Python module share: errors as exceptions, arrays, names of joints.
+// Common parts of the Python module: errors as exceptions, arrays, joint names.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whatever takes longer than some microseconds runs without the GIL; arguments are checked before. So each
-// object that a call changes has an ObjectLock, and all of its members go through LockedCall.
+// Operations of more than some microseconds run without the GIL, after their arguments are checked. Therefore
+// each object that a call changes has an ObjectLock, and all of its members use LockedCall.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -30,9 +30,9 @@ namespace kaz::python {
 
 namespace py = pybind11;
 
-// Throws a Python exception with the error's sentence: UsageError (a ValueError) for wrong values,
-// EnvironmentFault (an OSError) for ports, files and the like, Stopped (a RobotError) for an interrupted
-// call, RobotError for the rest.
+// Throws a Python exception with the error's message. UsageError (a ValueError): invalid values.
+// EnvironmentFault (an OSError): ports, files and similar. Stopped (a RobotError): an interrupted call.
+// RobotError: all others.
 [[noreturn]] void raise(const Error& error);
 
 template <class T>
@@ -41,14 +41,14 @@ T value_of(Result<T> result) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-// Without the GIL.
+// Calls a function without the GIL.
 template <class F>
 auto released(F call) {
   const py::gil_scoped_release release;
   return call();
 }
 
-// A pending signal's exception (Ctrl-C), if there is one.
+// Throws the exception of a pending signal (Ctrl-C), if any.
 void check_signals();
 
 // Becomes the Python exception kaz.Stopped.
@@ -56,14 +56,14 @@ struct Stopped final : std::exception {
   const char* what() const noexcept override;
 };
 
-// A call from Python on an object with a lock. Throws a RuntimeError if another thread's call is running on
-// the object, Stopped if stop() or close() is.
+// A call from Python on an object with a lock. The constructor throws a RuntimeError if another thread's call
+// is running on the object, and Stopped if stop() or close() is running.
 class LockedCall {
  public:
   explicit LockedCall(ObjectLock& lock);
 
   // Runs `work` without the GIL, alone with the object. Throws Stopped if stop() or close() came before it.
-  // The object is free again before the GIL is taken, so that stop() does not wait for the GIL.
+  // The object is released before the GIL is taken, so that stop() does not wait for the GIL.
   template <class F>
   auto piece(F work) {
     const py::gil_scoped_release release;
@@ -84,17 +84,17 @@ class LockedCall {
   ObjectLock::Call call_;
 };
 
-// An object as Python has it, and its lock.
+// An object that Python owns, with its lock.
 template <class T>
 class Locked {
  public:
   Locked(const std::string& name, std::unique_ptr<T> object)
       : lock_(name), object_(std::move(object)) {}
   ObjectLock& lock() { return lock_; }
-  // To be used in a piece of a LockedCall only.
+  // Only for use in a piece of a LockedCall.
   T& object() { return *object_; }
 
-  // What `work` returns for the object; it must not use Python.
+  // Runs `work` on the object, alone and without the GIL, and returns its result. `work` must not use Python.
   template <class F>
   auto alone(F work) {
     return LockedCall(lock_).piece([&] { return work(*object_); });
@@ -105,13 +105,13 @@ class Locked {
   std::unique_ptr<T> object_;
 };
 
-// A copy, so that it is the caller's.
+// Returns a copy that belongs to the caller.
 py::array_t<double> array_of(std::span<const double> values);
-// 4 x 4, homogeneous.
+// Returns a 4 x 4 homogeneous matrix.
 py::array_t<double> matrix_of(const Eigen::Isometry3d& pose);
 py::array_t<double> vector_of(const Eigen::Vector3d& vector);
 
-// A joint by its name or number.
+// A joint, given by name or number.
 using JointKey = std::variant<int, std::string>;
 
 template <class Enum, std::size_t N>
@@ -124,14 +124,16 @@ Enum named(const char* what, const std::string& name, const std::array<Enum, N>&
   raise({Fault::usage, std::string(what) + " '" + name + "': give one of " + names});
 }
 
-// A pair of pictures as it reached the host. Arrays of it share its memory and are read-only.
+// A pair of pictures as it reached the host. Arrays share its memory and are read-only.
 struct Pair {
   vision::FrameInfo info;
   std::shared_ptr<const vision::StereoImages> images;
 };
+
+// Waits for the pixels.
 Pair pair_of(const vision::StereoPair& pair);
 
-// Height x width x 3, RGB; copied.
+// Copies an array of height x width x 3, RGB.
 vision::Image image_of(
     const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& picture);
 

@@ -1,7 +1,7 @@
-// Renderers of one scene for many robots: one for each thread that draws.
+// Renderers of one scene for many robots, one per drawing thread.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A renderer holds meshes and textures; robots of one world have the same ones.
+// A renderer contains meshes and textures, which are the same for all robots of one world. Thread-safe.
 #pragma once
 
 #include <map>
@@ -19,9 +19,10 @@ class Renderers {
   Renderers(sim::Scene scene, sim::RendererFactory factory)
       : scene_(std::move(scene)), factory_(std::move(factory)) {}
 
-  // That of the calling thread.
+  // Returns the renderer of the calling thread; this object owns it.
   Result<sim::Renderer*> mine();
-  // Makes renderers that draw by mine(), and ignore what scene they are given. This object must outlive them.
+  // Returns a factory of renderers that draw by mine() and ignore the scene that they are given. This object
+  // must outlive them.
   sim::RendererFactory shared();
 
  private:

@@ -1,4 +1,4 @@
-// Simulation as Python has it.
+// The Simulation class of Python.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,10 +11,10 @@
 
 namespace kaz::python {
 
-// A Robot in it keeps it alive and uses its lock: the robot's calls advance this simulation.
+// A Robot in it keeps it alive and uses its lock, because the robot's calls advance this simulation.
 class SimulatedWorld : public Locked<sim::Simulation> {
  public:
-  // `links`: names of the robot's links, the welded ones included.
+  // `links`: names of the robot's links, including welded ones.
   SimulatedWorld(std::unique_ptr<sim::Simulation> simulation, std::vector<std::string> links)
       : Locked("this Simulation, or a Robot in it,", std::move(simulation)),
         links_(std::move(links)) {}

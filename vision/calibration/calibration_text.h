@@ -1,9 +1,10 @@
-// The keys and numbers of a calibration file, YAML or JSON as cv::FileStorage writes them.
+// Scans keys and numbers of a calibration file, YAML or JSON as cv::FileStorage writes them. Internal to
+// vision/.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A scanner of its own: the parser of OpenCV 4.6 crashes on some damaged files. It knows no levels: a
-// matrix is a key, perhaps with the words of a matrix (rows, cols, dt, data) behind it, and numbers
-// within brackets. Inside of vision/.
+// OpenCV 4.6's parser crashes on some damaged files, so this is a separate scanner. It has no levels. A
+// matrix is a key and numbers within brackets, possibly with the matrix keywords (rows, cols, dt, data)
+// between.
 #pragma once
 
 #include <map>
@@ -14,17 +15,17 @@
 namespace kaz::vision {
 
 struct CalibrationEntry {
-  std::vector<std::string_view> values;  // a scalar is one
-  std::string_view rows, cols;           // of a matrix, as they are written; empty: not stated
-  bool list = false;                     // within brackets
-  bool closed = true;                    // false: the file ends within it
-  int times = 0;                         // how often the key stands in the file
+  std::vector<std::string_view> values;  // one value if scalar
+  std::string_view rows, cols;           // matrix size as text; empty: not stated
+  bool list = false;                     // values within brackets
+  bool closed = true;                    // false: the file ends within the list
+  int times = 0;                         // number of occurrences of the key
 };
 
-// Views into `content`, which has to stay.
+// Returns the entries by key. They are views into `content`, which must outlive them.
 std::map<std::string, CalibrationEntry, std::less<>> scan_calibration(std::string_view content);
 
-// Parses a number, also .Nan and .Inf; false if it is something else.
+// Parses a number, including .Nan and .Inf, both as non-finite. Returns false for anything else.
 bool calibration_number(std::string_view value, double& number);
 
 }  // namespace kaz::vision

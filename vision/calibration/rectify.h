@@ -1,4 +1,4 @@
-// From the pictures of real lenses to those of two parallel pinholes.
+// Rectifies pictures of real lenses to those of two parallel pinholes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,14 +7,15 @@
 
 namespace kaz::vision {
 
-// One eye's table: its picture to that of a pinhole.
+// Returns the table that maps the picture of one eye to that of a pinhole.
 Remap rectification(const StereoCalibration& calibration, const StereoCalibration::Eye& eye);
 
-// Made once for a pair of cameras; the work of cv::initUndistortRectifyMap and cv::remap.
+// Rectifies pairs of one calibration, in place of cv::initUndistortRectifyMap and cv::remap.
 class Rectifier {
  public:
   explicit Rectifier(const StereoCalibration& calibration);
-  // Both pictures as the calibration's: their size is not looked at. `rectified` must be another.
+  // Both raw pictures must have the size of the calibration; this is not checked. `rectified` must be another
+  // object than `raw`.
   void rectify(const StereoImages& raw, StereoImages& rectified) const;
 
  private:

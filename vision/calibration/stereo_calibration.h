@@ -1,9 +1,9 @@
-// Calibration of two eyes from pictures of a chessboard.
+// Calibrates two eyes from pictures of a chessboard.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Zhang's method (2000) as OpenCV has it: corners to a fraction of a pixel, each lens by itself from
-// all pictures where its eye sees the whole board, then both lenses and the transform between them
-// together, least squares of the reprojection error. Pixel centres at integers.
+// Zhang's method (2000) as implemented by OpenCV, with subpixel corners. First, each lens is calibrated from
+// all pictures in which its eye sees the whole board. Then both lenses and the transform between them are
+// fitted together by least squares of the reprojection error. Pixel centers at integers.
 #pragma once
 
 #include <span>
@@ -15,21 +15,21 @@
 
 namespace kaz::vision {
 
-// Inner corners: a board of 10 x 7 squares has 9 x 6.
+// Number of inner corners. A board of 10 x 7 squares has 9 x 6.
 struct Board {
   int columns = 9, rows = 6;
   double square_m = 0.025;
 };
 
-// Zhang needs three views; with five lens coefficients to find, fewer than this leave some of them to
+// Zhang's method needs three views. With five lens coefficients, fewer than five pairs leave some of them to
 // noise.
 inline constexpr int kLeastPairs = 5;
 
-// Row by row, px; empty if the board is not completely visible.
+// Corners row by row, px; empty if the board is not completely visible.
 using Corners = std::vector<Eigen::Vector2d>;
 Corners find_board(const Image& image, const Board& board);
-// The board of which `board`, found in the picture, is a part: as many columns and rows as are in sight, up
-// to four more of each. Which part of a larger board is found may differ from eye to eye.
+// Returns the largest board in sight of which the detected `board` is a part. It has up to four more columns
+// and rows. The detected part of a larger board may differ from eye to eye.
 Board largest_board(const Image& image, Board board);
 
 struct BoardPair {
@@ -39,31 +39,32 @@ struct BoardPair {
 struct EyeQuality {
   int pictures = 0;
   double rms_px = 0;          // reprojection error of this eye alone
-  double focal_sigma_px = 0;  // standard deviation of fx, by the curvature of the fit
+  double focal_sigma_px = 0;  // standard deviation of fx, from the curvature of the fit
   struct Point {
-    Eigen::Vector2d at, residual;  // px; residual: seen minus projected
+    Eigen::Vector2d at, residual;  // px; residual: measured minus projected
   };
   std::vector<Point> points;
-  double covered = 0;  // share of the picture's 8 x 6 cells that hold a corner
+  double covered = 0;  // share of the picture's 8 x 6 cells that contain a corner
 };
 
 struct PairQuality {
-  bool used = false;                         // both eyes see the board; else the rest is 0
+  bool used = false;                         // both eyes see the board; otherwise the rest is 0
   double left_rms_px = 0, right_rms_px = 0;  // reprojection error of both eyes together
-  double row_rms_px = 0;  // between the rows of a corner in the rectified pictures
+  double row_rms_px = 0;                     // row difference of a corner in the rectified pictures
 };
 
 struct StereoResult {
   StereoCalibration calibration;
   EyeQuality left, right;
-  std::vector<PairQuality> pairs;  // one for each given
+  std::vector<PairQuality> pairs;  // one entry per given pair
   int pairs_used = 0;
   double rms_px = 0;      // reprojection error of both eyes together
   double row_rms_px = 0;  // over all pairs
 };
 
-// All pictures are of `width` x `height`. Errors: fewer than kLeastPairs pairs, a board that no
-// calibration can come from, a fit that fails.
+// Calibrates from pictures of `width` x `height`. Errors: fewer than kLeastPairs pairs in which both eyes see
+// the board, fewer than 3 x 3 inner corners, or a failed fit. A number of corners that does not match the
+// board is also an error.
 Result<StereoResult> calibrate_stereo(std::span<const BoardPair> pairs, const Board& board,
                                       int width, int height);
 

@@ -1,4 +1,4 @@
-// Whether a camera model that came from outside is one that there can be.
+// Checks a camera model from an external source for plausibility.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace kaz::vision {
 
-// For models out of files, sockets and recordings: no number of a valid one is infinite or none, or large
-// enough to make such ones.
+// For models from files, sockets and recordings. The numbers of a valid model are finite and small enough
+// that computations with them stay finite.
 inline bool valid_camera(const CameraModel& c) {
   constexpr int kMaxSide = 16384;
   constexpr double kMaxFocal = 1e6, kMaxBaseline_m = 10;

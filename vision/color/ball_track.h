@@ -1,18 +1,17 @@
 // Tracks the ball: position and velocity from observations that arrive late and in any order.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Kalman filter of position and velocity in a fixed frame (foot, or the trunk of a standing robot), z up,
-// m and m/s; process model: nearly constant velocity, Y. Bar-Shalom, X. R. Li, T. Kirubarajan,
-// "Estimation with Applications to Tracking and Navigation", 2001, section 6.2.2. Where the height
-// of the floor is given, gravity acts on a ball that is clearly above it or moves upwards; where it
-// meets the floor it bounces, with the covariance carried through the bounce by its saltation
-// matrix (N. Kong et al., "Saltation Matrices", 2023); a ball on the floor stays on it and slows
-// down.
+// Kalman filter of position and velocity in a fixed frame (foot, or the trunk of a standing robot), z up, m
+// and m/s. The process model is nearly constant velocity (Y. Bar-Shalom, X. R. Li, T. Kirubarajan,
+// "Estimation with Applications to Tracking and Navigation", 2001, section 6.2.2). If the floor height is
+// given, gravity acts on a ball that is clearly above the floor or moves upwards. At the floor it bounces,
+// and its saltation matrix carries the covariance through the bounce (N. Kong et al., "Saltation Matrices",
+// 2023). A ball on the floor stays there and slows down.
 //
-// Errors of an observation at distance D, from those of the outline: the centre's error s_c (px) and the
-// posture's s_p (rad) displace it across the ray by D sqrt((s_c / f)^2 + s_p^2); with radius_px = f r / D,
-// the radius's error s_r (px) displaces it along the ray by D^2 s_r / (f r). So the direction is accurate,
-// and the error of the distance grows with its square. m, s, px, rad.
+// The errors of an observation at distance D follow from those of the outline. Across the ray, the error s_c
+// of the center (px) and s_p of the posture (rad) cause D sqrt((s_c / f)^2 + s_p^2). Along the ray, the error
+// s_r of the radius (px) causes D^2 s_r / (f r), since radius_px = f r / D. So the direction is accurate, and
+// the error of the distance grows with its square. Units: m, s, px, rad.
 #pragma once
 
 #include <deque>
@@ -30,15 +29,15 @@ struct BallTrackOptions {
   double radius_m = 0.020;
   double centre_error_px = 0.3, radius_error_px = 0.2;  // standard deviations
   double posture_error_rad = 0.003;
-  // m^2/s^3, power density of the unmodelled acceleration (process noise). With 0.5 the track follows a
-  // ball that reverses within 50 ms, as one in a hand may; a free ball needs a tenth of it.
+  // Power density of the unmodeled acceleration (process noise), m^2/s^3. With 0.5 the track follows a ball
+  // that reverses within 50 ms, as in a hand. A free ball needs a tenth of it.
   double acceleration_psd = 0.5;
   double initial_speed_m_s = 1;  // standard deviation before the second observation
   double gate = 8;               // Mahalanobis distance above which an observation is an outlier
   Time lost_after = std::chrono::milliseconds(500);
-  // An observation older than the newest by more means that the clock was set back.
+  // An observation that is older than the newest by more than this means that the clock was set back.
   Time latest_late = std::chrono::seconds(1);
-  std::optional<double> floor_m;  // height of the floor; without it gravity is not modelled
+  std::optional<double> floor_m;  // height of the floor; without it, gravity is not modeled
   double restitution = 0.6;
   double rolling_m_s2 = 0.1;  // deceleration of a rolling ball
 };
@@ -51,8 +50,9 @@ struct BallState {
   Eigen::Matrix3d velocity_covariance() const { return covariance.bottomRightCorner<3, 3>(); }
 };
 
-// Covariance of an observed position, fixed frame, m^2: s_across^2 I + (s_along^2 - s_across^2) r r^T with
-// the unit ray r and the errors above. `in_eye`: position in the optical frame, m.
+// Returns the covariance of an observed position in the fixed frame, m^2. With the unit ray r and the errors
+// above, it is s_across^2 I + (s_along^2 - s_across^2) r r^T. `in_eye` is the position in the optical frame,
+// m.
 Eigen::Matrix3d ball_covariance(const Eigen::Vector3d& in_eye, double focal_px,
                                 const Eigen::Matrix3d& fixed_from_eye,
                                 const BallTrackOptions& options);
@@ -60,32 +60,33 @@ Eigen::Matrix3d ball_covariance(const Eigen::Vector3d& in_eye, double focal_px,
 class BallTrack {
  public:
   enum class Taken {
-    started,    // the first, or the first after a loss
-    used,       // the newest
-    late,       // inserted by exposure; the later observations were processed again
-    restarted,  // the ball has jumped: two consistent outliers start a new track
-    new_clock,  // far older than the newest: the clock was set back, a new track starts (gaps())
+    started,    // first observation, or first after a loss
+    used,       // used as the newest
+    late,       // inserted by exposure time; later observations were processed again
+    restarted,  // the ball jumped: two consistent outliers started a new track
+    new_clock,  // far older than the newest: the clock was set back, a new track started
     outlier,    // not used
-    refused,    // no ball, not finite, or older than the track's history
+    refused,    // no ball, not finite, repeated, or older than the history of the track
   };
 
   explicit BallTrack(const BallTrackOptions& options = {}) : options_(options) {}
 
   Taken observe(const BallObservation& seen, const Eigen::Isometry3d& fixed_from_eye);
-  // `covariance` must be positive definite.
+  // Adds an observed position (m, fixed frame). A `covariance` that is not positive definite is refused.
   Taken observe(Time exposure, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance);
   void forget();
 
   bool known() const { return !history_.empty(); }
-  Time latest() const { return history_.back().time; }  // newest exposure; known() must hold
-  // Whether the last observation is at most lost_after before `t`.
+  Time latest() const { return history_.back().time; }  // newest exposure; requires known()
+  // Returns whether the last observation is at most lost_after before `t`.
   bool seen(Time t) const { return known() && between(t, latest()) <= options_.lost_after; }
-  int gaps() const { return gaps_; }  // how often the clock was set back
+  int gaps() const { return gaps_; }  // number of times that the clock was set back
 
-  // Predicted state at `t`; known() must hold. For times before the history: its first state.
+  // Predicts the state at `t`; requires known(). Before the history it is the first state.
   BallState at(Time t) const;
-  // Position for the gaze: as at(), but with the velocity v, covariance P, scaled by m / (1 + m),
-  // m = v^T P^-1 v. A velocity within its noise hardly counts, so that the gaze rests on a resting ball.
+  // Predicts a position for the gaze; requires known(). As at(), but with the velocity v (covariance P)
+  // scaled by m / (1 + m), m = v^T P^-1 v. A velocity within its noise hardly counts, so the gaze rests on a
+  // resting ball.
   Eigen::Vector3d aim(Time t) const;
   bool in_flight(Time t) const;
 
@@ -108,7 +109,7 @@ class BallTrack {
   const Entry& before(Time t) const;
 
   BallTrackOptions options_;
-  std::deque<Entry> history_;  // by exposure, of this track
+  std::deque<Entry> history_;  // observations of this track by exposure time
   std::optional<Entry> outlier_;
   int gaps_ = 0;
 };

@@ -1,14 +1,14 @@
-// Colour extraction: which pixels have a given hue, however bright or dark they are lit.
+// Color extraction: selects the pixels of a given hue, independent of their brightness.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Paper section 2.2: "RGB values of a simulated view image are converted to YIQ values to extract
-// red". YIQ as the FCC's NTSC standard of 1953 defines it, on 8-bit components 0..255:
-//   Y = 0.299 R + 0.587 G + 0.114 B            lightness, 0..255
-//   I = 0.596 R - 0.274 G - 0.322 B            orange against blue, -152..152
-//   Q = 0.211 R - 0.523 G + 0.312 B            purple against green, -133..133
-// A surface lit more or less strongly moves along a ray from black: Y, I and Q shrink together. Its
-// hue atan2(Q, I) and its saturation hypot(I, Q) / Y stay, so they find the shaded side of a ball
-// as well.
+// Source: paper, section 2.2: "RGB values of a simulated view image are converted to YIQ values to extract
+// red". YIQ follows the FCC's NTSC standard of 1953, on 8-bit components 0 to 255.
+//   Y = 0.299 R + 0.587 G + 0.114 B            lightness, 0 to 255.
+//   I = 0.596 R - 0.274 G - 0.322 B            orange against blue, -152 to 152.
+//   Q = 0.211 R - 0.523 G + 0.312 B            purple against green, -133 to 133.
+// Brightness moves the color of a surface along a ray from black, so Y, I and Q shrink together. The hue
+// atan2(Q, I) and the saturation hypot(I, Q) / Y do not change, so they also select the shaded side of a
+// ball.
 #pragma once
 
 #include <array>
@@ -25,25 +25,26 @@ struct Yiq {
 };
 Yiq yiq_from_rgb(double r, double g, double b);
 
-// A pixel belongs if it meets all of these. The defaults leave everything in.
+// A pixel is selected if it meets all of these bounds. The defaults select every pixel.
 struct ColorRange {
   double y_min = 0, y_max = 255;
   double i_min = -153, i_max = 153;
   double q_min = -134, q_max = 134;
-  // Wedge of hue in the IQ plane, rad; hue_min < hue_max < hue_min + pi. Switched off where both
-  // are 0.
+  // Wedge of hue in the IQ plane, rad; hue_min < hue_max < hue_min + pi. Off if both are 0.
   double hue_min = 0, hue_max = 0;
-  // Chroma over lightness, hypot(I, Q) / Y: 0 grey, 2.1 pure red. Needs a wedge; the chroma is
-  // measured along its middle, which is less than hypot(I, Q) by up to 1 - cos(half its width).
+  // Minimum of chroma over lightness, hypot(I, Q) / Y: 0 is gray, 2.1 pure red. Needs a wedge. Chroma is
+  // measured along the middle of the wedge, which is less than hypot(I, Q) by a share of up to 1 - cos(half
+  // its width).
   double saturation_min = 0;
 
-  // The red ball: hue within 14 degrees of pure red (19.5 degrees), vivid, not almost black.
+  // Returns the range of the red ball: hue within 14 degrees of pure red (19.5 degrees), vivid, not almost
+  // black.
   static ColorRange red_ball();
 };
 
-// A ColorRange as up to ten half-spaces of RGB in integers: a pixel belongs if r R + g G + b B >=
-// threshold for each. Coefficients are rounded to 1/128, the threshold to an integer, so that 16-bit
-// arithmetic never overflows and every machine extracts the same mask.
+// A ColorRange as up to ten half-spaces of RGB in integers. A pixel is selected if r R + g G + b B >=
+// threshold for each. Coefficients are rounded to 1/128 and the threshold to an integer. So 16-bit arithmetic
+// never overflows, and every machine extracts the same mask.
 class ColorExtractor {
  public:
   struct HalfSpace {
@@ -52,9 +53,9 @@ class ColorExtractor {
 
   explicit ColorExtractor(const ColorRange& range);
 
-  // An empty image gives an empty mask. Reuses the memory of `mask`.
+  // Writes the mask of an image; an empty image gives an empty mask. Reuses the memory of `mask`.
   void extract(const Image& image, Mask& mask) const;
-  // The same without the CPU's wide vectors: for a test that compares the two.
+  // The same, optionally without the CPU's wide vectors, for a test that compares both.
   void extract(const Image& image, Mask& mask, bool vectors) const;
   bool contains(std::uint8_t r, std::uint8_t g, std::uint8_t b) const;
   std::span<const HalfSpace> half_spaces() const { return {half_spaces_.data(), count_}; }

@@ -1,4 +1,4 @@
-// Thresholds of a colour from a marked region of a picture.
+// Learns the thresholds of a color from a marked region of a picture.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,18 +13,20 @@ struct PictureRegion {
 
 struct LearnedColor {
   ColorRange range;
-  double inside = 0;   // share of the region's pixels that the range lets through
-  double outside = 0;  // share of all others: 0 where nothing else has the colour
+  double inside = 0;   // share of the region's pixels that are in the range
+  double outside = 0;  // share of all other pixels; 0 if nothing else has the color
 
-  // Hardly anything but a near object itself has more of a picture: the thresholds find everything.
+  // Hardly any object covers a larger share of a picture, unless it is near. Above it, the thresholds select
+  // everything.
   static constexpr double kLargestObject = 0.25;
   bool too_common() const { return outside > kLargestObject; }
 };
 
-// The region should lie within the object, or hold little else: at least half of its pixels must be of
-// one hue (within 0.6 rad of the chroma's mean direction). Of those, hue spans 98 % and 0.06 rad more
-// on each side for the noise of other pictures, minimum saturation is 0.8 and minimum lightness 0.5 of
-// what 98 % have, for the shaded side. Grey objects have no hue: an error.
+// Learns from a region that should lie within the object. At least half of its pixels must have one hue
+// (within 0.6 rad of the mean direction of chroma). The hue range covers 98 % of these, plus 0.06 rad on each
+// side for the noise of other pictures. 98 % of them exceed some saturation and lightness. The minimum is 0.8
+// of this saturation and 0.5 of this lightness, for the shaded side. Gray objects have no hue, which is an
+// error.
 Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region);
 
 }  // namespace kaz::vision

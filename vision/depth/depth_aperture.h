@@ -1,15 +1,15 @@
-// Mask of the blocks whose edges fix a disparity: not those that have only edges along the rows.
+// Masks out blocks whose edges do not fix a disparity, because they run only along the rows.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Along an edge all points look alike (the aperture problem), and matching compares along the rows. If the
-// right picture is e px higher or lower than rectified, the best match moves by least squares over the block
-// by
+// All points along an edge look alike (the aperture problem), and matching compares along the rows. If the
+// right picture is e px higher or lower than rectified, the best match moves by dd, by least squares over the
+// block:
 //
 //   dd = e Sxy / Sxx,   Sxx = sum of gx^2, Sxy = sum of gx gy
 //
-// with the derivatives gx along the row and gy across (J. Shi, C. Tomasi, "Good features to track", CVPR
-// 1994, the same sums). At a checkered floor's edges that run nearly along the rows, a third of a pixel of e
-// moves points by several px of disparity: centimetres, out of the floor.
+// gx is the derivative along the row and gy across it (J. Shi, C. Tomasi, "Good features to track", CVPR
+// 1994, uses the same sums). Edges of a checkered floor may run nearly along the rows. There, e of a third of
+// a pixel moves points by several px of disparity: centimeters out of the floor.
 #pragma once
 
 #include <cstddef>
@@ -23,15 +23,15 @@ inline constexpr int kMaxAlong = 3;
 
 class BlockAperture {
  public:
-  // Clears the pixels of `mask`, width x height, whose block of the side `block` does not fix a disparity.
-  // The picture's borders count as without derivative; pixels nearer to them than half a block are left as
-  // they are. Same result with vectors and without.
+  // Clears the pixels of `mask` (width x height) whose block does not fix a disparity. `block` is the side of
+  // a block, px. The first and last column count as having no derivative. Pixels less than half a block from
+  // a border stay as they are. Results are the same with and without vectors.
   void clear(const std::uint8_t* grey, int width, int height, int block, bool vectors,
              std::vector<std::uint8_t>& mask);
 
  private:
-  std::vector<std::int32_t> products_;  // gx^2 and gx gy of the block's rows
-  std::vector<std::int32_t> columns_;   // their sums over these rows, by column
+  std::vector<std::int32_t> products_;  // gx^2 and gx gy of the rows of the block
+  std::vector<std::int32_t> columns_;   // sums of products_ over these rows, by column
 };
 
 }  // namespace kaz::vision

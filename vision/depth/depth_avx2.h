@@ -1,4 +1,4 @@
-// AVX2 in block matching: where there is any, and its loads and stores.
+// AVX2 for block matching: detection, loads and stores.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,6 +14,7 @@
 
 namespace kaz::vision {
 
+// True if the processor has AVX2, POPCNT and BMI.
 inline bool has_avx2() {
   static const bool has = __builtin_cpu_supports("avx2") != 0 &&
                           __builtin_cpu_supports("popcnt") != 0 &&

@@ -1,11 +1,11 @@
 // Block matching of two rectified images: the disparity of minimum difference per pixel.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cost: the sum of absolute differences (SAD) over the block, as a running sum over rows and columns, for
-// all disparities of a pixel side by side, which fill the SIMD vectors. Winners of the left image and of the
-// right one (along the diagonals of the cost volume) are found in one pass, row by row, so that what follows
-// finds them in the cache. All sums are 16-bit integers, so the result is bit-identical with and without
-// SIMD.
+// The cost is the sum of absolute differences (SAD) over the block, computed as a running sum over rows and
+// columns. All disparities of a pixel are side by side and fill the SIMD vectors. Winners of the left image,
+// and of the right one (along the diagonals of the cost volume), are found in one pass. It goes row by row,
+// so that later steps find them in the cache. All sums are 16-bit integers, so results are bit-identical with
+// and without SIMD.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,13 @@
 
 namespace kaz::vision {
 
-constexpr int kLargestBlock = 21;  // whose sum is at most 21 x 21 x 62, within 16 bits
+// Maximum side. Its sum is at most 21 x 21 x 62, which fits 16 bits.
+constexpr int kLargestBlock = 21;
 
-// Horizontal 3 x 3 Sobel derivative, clamped to +-kFilterCap, plus kFilterCap.
+// A picture filtered by the horizontal 3 x 3 Sobel derivative, clamped to +-kFilterCap, plus kFilterCap.
 struct FilteredPicture {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> code;  // and kVectorMargin more
+  std::vector<std::uint8_t> code;  // with kVectorMargin more bytes
 
   void filter(const std::uint8_t* grey, int w, int h, bool vectors);
   const std::uint8_t* row(int v) const {
@@ -29,15 +30,15 @@ struct FilteredPicture {
   }
 };
 
-// The right image as the matcher reads it: rows mirrored, so that increasing disparities are adjacent in
-// memory, with columns without texture beyond the left border.
+// The right image as the matcher reads it. Rows are mirrored, so that increasing disparities are adjacent in
+// memory. Columns without texture follow beyond the left border.
 struct MirroredPicture {
   int width = 0, height = 0, disparities = 0;
   std::vector<std::uint8_t> code;
 
   void mirror(const FilteredPicture& picture, int n, bool vectors);
-  // Warps by the plane d = a u + b v + c: points on the plane get disparity 0, so that blocks on it are
-  // compared as if it were fronto-parallel.
+  // Warps by the plane d = a u + b v + c. Points on the plane get disparity 0, so that blocks on it are
+  // compared as if they were fronto-parallel.
   void warp(const FilteredPicture& picture, double a, double b, double c, int n, bool vectors);
   std::size_t pitch() const { return static_cast<std::size_t>(width + disparities); }
   const std::uint8_t* row(int v) const { return &code[static_cast<std::size_t>(v) * pitch()]; }
@@ -50,16 +51,17 @@ struct BlockOptions {
   int block = 15;
   int uniqueness_percent = 10;
   int left_right_px = 1;
-  bool vectors = true;  // where the processor has them
+  bool vectors = true;  // use SIMD where available
 };
 
 class BlockMatcher {
  public:
-  // Disparities: a multiple of 16. Both pictures are read by row().
+  // Starts a pair. `right.disparities` must be a multiple of 16. Both pictures must stay until the last
+  // row().
   void begin(const FilteredPicture& left, const MirroredPicture& right,
              const BlockOptions& options);
-  // Matches row v where `wanted`, which is read up to kVectorMargin beyond the row, is not 0, but for half a
-  // block at both ends of the row. Rows rise, and are half a block or more inside of the picture.
+  // Matches row v where `wanted` is not 0, except half a block at both ends of the row. `wanted` is read up
+  // to kVectorMargin beyond the row. Rows must increase and be half a block or more inside the picture.
   const MatchedRow& row(int v, const std::uint8_t* wanted);
 
  private:
@@ -68,14 +70,14 @@ class BlockMatcher {
   BlockOptions options_;
   BlockRow sums_{};
   MatchedRow matched_{};
-  int first_ = 0, next_ = 0;  // rows of the pictures: first in the sums, and next to enter
+  int first_ = 0, next_ = 0;  // picture rows: first in the sums, next to enter
   std::vector<std::int16_t> columns_, window_, windows_, winners_, place_;
   std::vector<std::uint32_t> claims_;
   std::vector<std::uint8_t> zero_;
 };
 
-// Texture mask: 1 where the sum of absolute derivatives over a block is at least `min_sum`, else 0. With
-// kVectorMargin bytes more.
+// Computes a texture mask: 1 where the sum of absolute derivatives over a block is at least `min_sum`, else
+// 0. It has kVectorMargin bytes more than the picture.
 class BlockTexture {
  public:
   void find(const FilteredPicture& picture, int block, int min_sum, bool vectors,

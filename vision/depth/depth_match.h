@@ -1,4 +1,4 @@
-// Disparity of two grey images by block matching with fronto-parallel and slanted blocks.
+// Disparity of two gray images by block matching with fronto-parallel and slanted blocks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,10 +13,11 @@ namespace kaz::vision {
 
 struct MatchOptions {
   BlockOptions block;
-  int min_texture = 1000;  // over a block of 15 x 15
-  int slants = 2;          // number of slanted planes for the second matching
+  int min_texture = 1000;  // sum over a block of 15 x 15, see DepthOptions
+  int slants = 2;          // number of slanted planes to match again
 };
 
+// Two rectified gray images of one size, 8 bits per pixel, no padding. Not owned.
 struct GreyPair {
   const std::uint8_t *left, *right;
   int width, height;
@@ -24,7 +25,8 @@ struct GreyPair {
 
 class StereoMatcher {
  public:
-  // `disparities`: a multiple of 16. `disparity`: px per pixel of the left image; 0: unknown.
+  // Writes one disparity (px) per pixel of the left image; 0: unknown. `disparities`, the size of their
+  // range, must be a multiple of 16.
   void match(const GreyPair& pair, int disparities, const MatchOptions& options,
              std::vector<float>& disparity);
 
@@ -36,7 +38,7 @@ class StereoMatcher {
   BlockAperture aperture_;
   SlantFinder slants_;
   std::vector<std::uint8_t> textured_, fixed_, wanted_;
-  std::vector<std::int16_t> cost_;  // of the disparities found, by pixel
+  std::vector<std::int16_t> cost_;  // cost of each disparity found, by pixel
 
   // Replaces disparities near the plane by those of blocks slanted like it.
   void slant(const DisparityPlane& plane, const MatchOptions& options,

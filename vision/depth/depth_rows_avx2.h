@@ -1,4 +1,4 @@
-// What depth_rows.h does, for processors that have AVX2.
+// The loops of depth_rows.h for processors with AVX2.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 namespace kaz::vision {
 
 void match_row_avx2(const BlockRow& row);
-// These return the first column that is left to do, since vectors do not fill the row.
+// These two return the first column that is left to do, since vectors do not fill the row.
 int take_row_avx2(const MatchedRow& row, float* disparity, std::int16_t* cost);
 int take_slanted_row_avx2(const MatchedRow& row, const DisparityPlane& plane, int v,
                           float* disparity, std::int16_t* cost);

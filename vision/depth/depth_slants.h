@@ -1,4 +1,4 @@
-// Dominant slanted planes of a disparity image, by RANSAC: the slants for a second block matching.
+// Finds dominant slanted planes of a disparity image by RANSAC, for a second block matching.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,14 +10,14 @@ namespace kaz::vision {
 
 class SlantFinder {
  public:
-  // Up to `max_planes` planes with at least a tenth of the sampled pixels as inliers, the largest first;
-  // only those whose slant over `block` px matters. Disparities of 0 are unknown. Pixel coordinates from
-  // the image corner. Deterministic: same image, same planes.
+  // Returns up to `max_planes` planes with at least a tenth of the sampled pixels as inliers, largest first.
+  // Only planes whose slant over `block` px has an effect are returned. A disparity of 0 is unknown. Pixel
+  // coordinates count from the image corner. The same image gives the same planes, valid until the next call.
   const std::vector<DisparityPlane>& find(const std::vector<float>& disparity, int width,
                                           int height, int block, int max_planes, bool vectors);
 
  private:
-  // Of the sampled pixels that are on no plane yet, px.
+  // Positions and disparities (px) of the sampled pixels that are on no plane yet.
   std::vector<float> u_, v_, d_;
   std::vector<DisparityPlane> planes_;
 

@@ -1,9 +1,11 @@
 // Planes in a disparity image, and their least-squares fit.
 // SPDX-License-Identifier: Apache-2.0
 //
-// With rays (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy) and disparity d = fx B / z (B: baseline), the
-// plane n . p = D becomes linear in the pixel after division by z D / (fx B):
-//   d = B/D (nx (u - cx) + ny fx/fy (v - cy) + nz fx).
+// The ray of pixel (u, v) is (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy). Its disparity is d = fx B / z with
+// the baseline B. Division by z D / (fx B) makes the plane n . p = D linear in the pixel:
+//
+//   d = B/D (nx (u - cx) + ny fx/fy (v - cy) + nz fx)
+//
 // Units: px. Frame of n and p: optical (x right, y down, z forward), m.
 #pragma once
 
@@ -13,12 +15,12 @@
 
 namespace kaz::vision {
 
-// d = a (u - cx) + b (v - cy) + c, px.
+// The plane d = a u + b v + c, px. The conversions to and from normals need u and v relative to (cx, cy).
 struct DisparityPlane {
   float a = 0, b = 0, c = 0;
 
-  float at(float u, float v) const { return a * u + b * v + c; }  // from cx, cy
-  // B/D n, dimensionless, optical frame; its direction is the normal's.
+  float at(float u, float v) const { return a * u + b * v + c; }
+  // Returns B/D n, dimensionless, in the optical frame. Its direction is that of the normal.
   Eigen::Vector3d scaled_normal(const CameraModel& camera) const {
     return {a, b * camera.fy / camera.fx, c / camera.fx};
   }
@@ -29,12 +31,7 @@ struct DisparityPlane {
   }
 };
 
-// Linear least squares: minimises sum (a u + b v + c - d)^2 over the points added. solve() solves the
-// normal equations
-//   [uu uv u]   [a]   [ud]
-//   [uv vv v] * [b] = [vd]      (sums over all points)
-//   [u  v  n]   [c]   [d ]
-// and returns false if the points are (nearly) collinear.
+// Linear least squares: minimizes sum (a u + b v + c - d)^2 over the added points.
 class PlaneFit {
  public:
   void add(double u, double v, double d) {
@@ -46,6 +43,11 @@ class PlaneFit {
     n_ += 1;
     right_ += d * Eigen::Vector3d(u, v, 1);
   }
+  // Solves these normal equations, with sums over all points. Returns false if the points are (nearly)
+  // collinear.
+  //   [uu uv u]   [a]   [ud]
+  //   [uv vv v] * [b] = [vd]
+  //   [u  v  n]   [c]   [d ]
   bool solve(DisparityPlane& plane) const;
 
  private:

@@ -1,4 +1,4 @@
-// Stereo pairs of textured rectangles, computed from the rays, with their true disparity.
+// Test scenes of textured rectangles: ray-traced stereo pairs and their true disparity.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,10 +16,10 @@
 
 namespace kaz::vision {
 
-// Points corner + s along + t across, 0 <= s, t <= 1; m, optical frame.
+// A rectangle: points corner + s along + t across, 0 <= s, t <= 1; m, optical frame.
 struct TestPatch {
   Eigen::Vector3d corner, along, across;
-  double contrast = 60;  // of its texture, codes; 0: one colour
+  double contrast = 60;  // amplitude of the texture, codes; 0: one color
   std::uint64_t seed = 1;
 
   Eigen::Vector3d normal() const { return along.cross(across).normalized(); }
@@ -27,14 +27,14 @@ struct TestPatch {
 
 struct TestHit {
   int patch = -1;
-  double distance = std::numeric_limits<double>::infinity();  // in lengths of the ray
+  double distance = std::numeric_limits<double>::infinity();  // in units of the ray's length
 };
 
 class TestStereoScene {
  public:
   std::vector<TestPatch> patches;
 
-  // A rectangle of the plane normal . p = offset around `middle`, which is moved onto it.
+  // Adds a rectangle with the given center and sides.
   TestPatch& add(const Eigen::Vector3d& middle, const Eigen::Vector3d& along,
                  const Eigen::Vector3d& across, double contrast = 60) {
     patches.push_back(
@@ -60,13 +60,14 @@ class TestStereoScene {
     return best;
   }
 
-  // Grey as RGB, 2 x 2 rays a pixel, noise of `sigma` codes keyed by `seed`.
+  // Renders gray as RGB with 2 x 2 rays per pixel. `sigma`: noise in codes, generated from `seed`.
   StereoImages pictures(const CameraModel& camera, double sigma, std::uint64_t seed) const {
     return {picture(camera, 0, sigma, mix64(seed)),
             picture(camera, camera.baseline_m, sigma, mix64(seed + 1))};
   }
 
-  // Per pixel of the left picture: which rectangle, and its disparity, px (0 where there is none).
+  // Returns the true disparity (px) of the left picture, 0 where a ray hits nothing. `patch`: index of the
+  // rectangle per pixel, or -1.
   DepthImage truth(const CameraModel& camera, std::vector<int>& patch) const {
     DepthImage depth{test_info(camera), camera.width, camera.height, {}};
     patch.clear();
@@ -81,7 +82,7 @@ class TestStereoScene {
     return depth;
   }
 
-  // Whether the right eye sees what the left one has at this pixel.
+  // Returns whether the point that the left eye sees at this pixel is also visible to the right eye.
   bool seen_by_both(const CameraModel& camera, int u, int v) const {
     const TestHit h = hit(Eigen::Vector3d::Zero(), ray(camera, u, v));
     if (h.patch < 0) return false;
@@ -95,7 +96,7 @@ class TestStereoScene {
   }
 
  private:
-  // Smooth noise of 8 mm and 3 mm grain, -1..1.
+  // Smooth noise with grains of 8 mm and 3 mm, -1 to 1.
   static double texture(std::uint64_t seed, double s, double t) {
     const auto layer = [seed](double x, double y, std::uint64_t key) {
       const double i = std::floor(x), j = std::floor(y);
@@ -142,7 +143,8 @@ class TestStereoScene {
   }
 };
 
-// A floor `height` below the lens, seen at `tilt` below the horizon, two boxes' faces and a wall.
+// A floor `height` m below the lens, a wall, and front and top of two boxes. The lens looks `tilt` rad below
+// the horizon.
 inline TestStereoScene test_room(double height = 0.3, double tilt = 0.6) {
   const Eigen::Vector3d down(0, std::cos(tilt), std::sin(tilt)),
       ahead(0, -std::sin(tilt), std::cos(tilt)), right = Eigen::Vector3d::UnitX();

@@ -1,4 +1,4 @@
-// Detects swapped pictures of pairs: left and right camera plugged in the wrong way round.
+// Detects swapped left and right pictures, as of cameras that are plugged in the wrong way round.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,16 +6,16 @@
 
 namespace kaz::vision {
 
-// By the depth that a pair has as it is and with left and right exchanged: of swapped pictures objects are
-// further right in the right one, where no depth is looked for. `unclear`: hardly any depth either way, as
-// in the dark or of a pattern that repeats, or a pair that cannot be compared at all (DepthFinder's errors).
+// `unclear`: both orders give hardly any or similar depth (darkness, a repeating pattern), or the pair cannot
+// be compared (errors of DepthFinder).
 enum class EyeOrder : std::uint8_t { unclear, as_named, swapped };
 
-// Twice the work of one small depth image.
+// Compares the depth of a pair as it is with that of the exchanged pair. In swapped pictures objects are
+// further right in the right one, where no depth is searched. Costs twice one small depth image.
 EyeOrder eye_order(const StereoImages& pair, const FrameInfo& info,
                    const DepthOptions& options = {});
 
-// The verdict on a whole run: of one pair alone it may be wrong, and pictures may be disturbed for a while.
+// Verdict on a whole run. A single pair may be judged wrongly, and pictures may be disturbed for a while.
 class SwappedCameras {
  public:
   static constexpr int kFirst = 5;
@@ -23,10 +23,10 @@ class SwappedCameras {
 
   explicit SwappedCameras(const DepthOptions& options = {}) : options_(options) {}
 
-  // Looks at the first kFirst pairs, then at one per kInterval of exposure; others return at once.
+  // Evaluates the first kFirst pairs, then one per kInterval of exposure time. Returns at once for others.
   void look(const StereoImages& pair, const FrameInfo& info);
-  // Two thirds of the pairs that show which is which are swapped. Where hardly any pair does, one or two of
-  // them do not count.
+  // Returns true if at least two thirds of the clear pairs are swapped. Fewer than three swapped pairs count
+  // only if they are half of all evaluated pairs.
   bool found() const;
 
  private:
@@ -35,10 +35,9 @@ class SwappedCameras {
   int looked_ = 0, as_named_ = 0, swapped_ = 0;
 };
 
-// For people, where found().
+// Message for the user if found().
 inline constexpr const char* kSwappedCameras =
-    "left and right look exchanged: the other way round the pairs have depth, so they have hardly "
-    "any; "
-    "exchange the pictures or cameras, or calibrate them as they are";
+    "left and right look exchanged: the pairs have depth only the other way round; exchange the "
+    "pictures or cameras, or calibrate them as they are";
 
 }  // namespace kaz::vision

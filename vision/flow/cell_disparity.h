@@ -10,8 +10,10 @@
 
 namespace kaz::vision {
 
-// Of the 4 x 4 pixels around each place, px, moved into the image: the median of the known disparities, the
-// upper one of an even number; 0 if fewer than 6 are known. The image has at least 4 pixels a side.
+// Writes one disparity (px) to `to` for each place (px in the depth image). It is the median of the known
+// disparities in the 4 x 4 pixels around it. With an even number it is the upper median. If fewer than 6 are
+// known, it is 0. Blocks that would cross the border are moved into the image, which must have at least 4
+// pixels a side.
 void median_disparities(const DepthImage& depth, std::span<const Eigen::Vector2i> places,
                         float* to);
 

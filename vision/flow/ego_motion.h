@@ -2,13 +2,13 @@
 // Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The pose from the joint angles has errors (noise and quantisation of the potentiometers, backlash, sway
-// of the soles) that amount to several px of flow over the whole image, while independent motion affects
-// a part of it. The pose is therefore corrected by a small rigid motion xi = (rotation, translation) by
-// iteratively reweighted least squares (Gauss-Newton) on the flow: Tukey's biweight with c = 4.685,
-// scale from the median residual, and a Gaussian prior of the posture's accuracy.
+// The pose from the joint angles has errors: noise and quantization of the potentiometers, backlash and sway
+// of the soles. They amount to several px of flow over the whole image, while independent motion affects only
+// a part of it. A small rigid motion xi = (rotation, translation) therefore corrects the pose. It is found by
+// iteratively reweighted least squares (Gauss-Newton) on the flow. Weights are Tukey's biweight with c =
+// 4.685 and a scale from the median residual. A Gaussian prior represents the accuracy of the posture.
 //
-// Frames: optical frame of the earlier and of the later image (frame.h). Units: m, rad, px.
+// Frames: optical frames of the earlier and the later image (frame.h). Units: m, rad, px.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -18,13 +18,13 @@
 
 namespace kaz::vision {
 
-// One of FlowSamples.
+// One sample of FlowSamples, with the same units.
 struct FlowSample {
   Eigen::Vector2d at, flow;
   double min_inverse_depth, max_inverse_depth;
 };
 
-// Standard deviations of the relative pose from the postures, each axis.
+// Standard deviations of the relative pose that the postures give, per axis.
 struct PostureError {
   double rotation_rad, translation_m;
 };
@@ -36,8 +36,9 @@ class EgoMotion {
   Eigen::Vector3d ray(double u, double v) const {
     return {(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1};
   }
-  // Flow (px) of a static point at pixel (u, v): pi(R r + w t) - (u, v) with r the pixel's ray, w the
-  // inverse depth (1/m) and pi the projection. False if the point is behind the later camera.
+  // Computes the flow (px) of a static point at pixel (u, v): pi(R r + w t) - (u, v). Here r is the ray of
+  // the pixel, w the inverse depth (1/m) and pi the projection. Returns false if the point is behind the
+  // later camera, or its depth there is below 5 % of the earlier one.
   bool flow(double u, double v, double inverse_depth, Eigen::Vector2d& px) const {
     const Eigen::Vector3d p = later_.linear() * ray(u, v) + inverse_depth * later_.translation();
     if (p.z() < 0.05) return false;
@@ -47,20 +48,21 @@ class EgoMotion {
   // Transform from the earlier optical frame to the later one: (R, t).
   const Eigen::Isometry3d& later() const { return later_; }
 
-  // Residual (px): from the nearest point of the segment of static flows that the sample's interval of
-  // inverse depth maps to, to the measured flow. `epipolar`: unit vector along the segment if that point
-  // is inside it, where depth is free; zero if it is an end point. False as flow().
+  // Computes the residual (px) of a sample. Its interval of inverse depth maps to a line segment of static
+  // flows. The residual is the vector from the nearest point of that segment to the measured flow. `epipolar`
+  // is the unit vector along the segment if that point is inside it, so depth explains this direction. It is
+  // zero at an end point. Returns false if flow() does for an end of the interval.
   bool residual(const FlowSample& sample, Eigen::Vector2d& px, Eigen::Vector2d& epipolar) const;
-  // The same of many.
+  // Computes residual() for all samples.
   void residuals(const FlowSamples& samples, FlowResiduals& found) const {
     find_residuals(samples, camera_, later_, found);
   }
 
   struct Correction {
-    Eigen::Vector3d rotation_rad{0, 0, 0}, translation_m{0, 0, 0};  // later optical frame
-    double spread_px = 0;  // robust standard deviation of the residuals, each axis
+    Eigen::Vector3d rotation_rad{0, 0, 0}, translation_m{0, 0, 0};  // in the later optical frame
+    double spread_px = 0;  // robust standard deviation of the residuals, per axis
   };
-  // Refines this ego-motion and returns the correction. With fewer than 50 samples: no correction.
+  // Refines this ego-motion and returns the correction. With fewer than 50 samples it corrects nothing.
   Correction correct(const FlowSamples& samples, const PostureError& error);
 
  private:

@@ -1,5 +1,5 @@
-// Residuals of many samples under an ego-motion and their normal equations, plain and with AVX2; equal
-// results. Internal to vision/flow; formulas and sources: ego_motion.h, ego_motion.cpp.
+// Residuals of many samples under an ego-motion, and their normal equations. Plain and AVX2 code give equal
+// results. Internal to vision/flow; ego_motion.h and ego_motion.cpp have the formulas and sources.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -31,16 +31,16 @@ struct FlowSamples {
   FlowSamples every(std::size_t stride) const;
 };
 
-// EgoMotion::residual() of each sample. `valid`, `free`: 1 or 0; free: the nearest static flow is inside of
-// the segment, whose direction `epipolar` then is.
+// EgoMotion::residual() of each sample, px. `valid` is 0 where it returned false, else 1. `free` is 1 where
+// the nearest static flow is inside the segment, whose unit direction is `epipolar`, else 0.
 struct FlowResiduals {
   std::vector<double> u, v, length, epipolar_u, epipolar_v, valid, free;
 };
 void find_residuals(const FlowSamples& samples, const CameraModel& camera,
                     const Eigen::Isometry3d& later, FlowResiduals& residuals, bool vectors = true);
 
-// Sums over the samples with weight (1 - r)^2, r = |residual|^2 / cutoff2 below 1: H = sum w J^T J (lower
-// triangle) and b = sum w J^T residual, in the order of the samples.
+// Sums over the samples: H = sum w J^T J (lower triangle) and b = sum w J^T residual. The weight is w = (1 -
+// r)^2 for r = |residual|^2 / cutoff2 below 1, else 0. They are added in the order of the samples.
 struct NormalEquations {
   Eigen::Matrix<double, 6, 6> h;
   Eigen::Matrix<double, 6, 1> b;

@@ -1,18 +1,19 @@
 // Dense optical flow between two pictures of one eye: the displacement of each pixel, px.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Dense inverse search (T. Kroeger, R. Timofte, D. Dai, L. Van Gool, "Fast Optical Flow using Dense
-// Inverse Search", ECCV 2016) as implemented by OpenCV, with its ultrafast preset: patches of 8 x 8
-// pixels of pictures a quarter as wide and high. Its result is validated on those small pictures, patch by
-// patch, at a fraction of its cost. The flow of a pixel is valid only if the patch around it
-// - matches at the displaced position, up to a change of brightness (`max_unlike`),
-// - has enough texture in two directions for the expected standard error (`max_error_px`; else the patch
-//   may slide along an edge: aperture problem), and
-// - has converged: a further Lucas-Kanade step stays short (`max_step_px`). This replaces a
-//   forward-backward check, without computing the backward flow.
-// Other pixels are NaN. Flow is in px from the earlier picture to the later, by pixel of the earlier
-// one: what is at (u, v) before is at (u, v) + flow after. Without state except reused
-// memory: the same two pictures give the same flow.
+// Dense inverse search (T. Kroeger, R. Timofte, D. Dai, L. Van Gool, "Fast Optical Flow using Dense Inverse
+// Search", ECCV 2016) as implemented by OpenCV, with its ultrafast preset. It compares patches of 8 x 8
+// pixels in pictures reduced to a quarter in width and height. The result is validated patch by patch on the
+// same reduced pictures, at a fraction of the cost. The flow of a pixel is valid only if the patch around it
+// passes three tests.
+// - It matches at the displaced position, up to a change of brightness (`max_unlike`).
+// - Its texture in two directions gives a small enough expected standard error (`max_error_px`). Else it may
+//   slide along an edge (aperture problem).
+// - It has converged: a further Lucas-Kanade step is short (`max_step_px`). This replaces a forward-backward
+//   check, without computing the backward flow.
+// Other pixels are NaN. Flow is the displacement in px from the earlier picture to the later one, stored by
+// pixel of the earlier one. A point at (u, v) moves to (u, v) + flow. The same two pictures give the same
+// flow: the only state is reused memory.
 #pragma once
 
 #include <cmath>
@@ -28,22 +29,24 @@
 
 namespace kaz::vision {
 
-// Of the small pictures' patches; codes are those of the grey picture.
+// Limits for patches of the reduced pictures, in gray codes.
 struct FlowOptions {
-  // Maximum expected standard error, px: sqrt(s^2 / (n lambda)), with the mean square residual s^2 (not
-  // below the noise), n pixels and the smaller eigenvalue lambda of the mean structure tensor.
+  // Maximum expected standard error, px: sqrt(s^2 / (n lambda)). Here s^2 is the mean square residual (not
+  // below the noise) and n the number of pixels. The smaller eigenvalue of the mean structure tensor is
+  // lambda.
   double max_error_px = 0.6;
-  // Maximum ratio of the residual's variance after the flow to the patch's variance of brightness.
+  // Maximum ratio of the residual variance at the displaced position to the brightness variance of the patch.
   double max_unlike = 0.35;
-  double max_step_px = 1.0;  // length of the further Lucas-Kanade step, px of the full picture
+  double max_step_px = 1.0;  // maximum further Lucas-Kanade step, px of the full picture
 };
 
-// Information matrix of a patch's flow, 1/px^2: the inverse of the least-squares covariance
-// s^2 (sum g g^T)^-1, which is large along an edge and small across it. All 0 where the flow is unknown.
+// Information matrix of the flow of a patch, 1/px^2: the inverse of the least-squares covariance s^2 (sum g
+// g^T)^-1. The covariance is large along an edge and small across it. All entries are 0 where the flow is
+// unknown.
 struct FlowCertainty {
   float xx = 0, xy = 0, yy = 0;
 
-  // Squared Mahalanobis distance of the deviation `off`, px.
+  // Returns the squared Mahalanobis distance of the deviation `off`, px.
   float surprise(const Eigen::Vector2f& off) const {
     return xx * off.x() * off.x() + 2 * xy * off.x() * off.y() + yy * off.y() * off.y();
   }
@@ -55,8 +58,8 @@ struct FlowImage {
   FrameInfo before, after;
   int width = 0, height = 0;
   std::vector<Eigen::Vector2f> flow_px;  // (right, down); NaN in both where unknown
-  // By cell, rows from the top; the remainder of the picture at its right and lower edge belongs to
-  // the last cells. All pixels of a cell are known, or none.
+  // One entry per cell, rows from the top. The last cells include the remainder of the picture at its right
+  // and lower edge. The pixels of a cell are either all known or all unknown.
   int cells_across = 0, cells_down = 0;
   std::vector<FlowCertainty> certainty;
 
@@ -68,7 +71,8 @@ struct FlowImage {
   double seconds_between() const { return seconds(between(after.exposure, before.exposure)); }
 };
 
-// OpenCV may share the work between threads, with slightly other flow: opencv_threads.h.
+// Finds dense flow. Not thread-safe. OpenCV may distribute the work over its own threads, which changes the
+// flow slightly (opencv_threads.h).
 class FlowFinder {
  public:
   explicit FlowFinder(const FlowOptions& options = {});
@@ -76,12 +80,15 @@ class FlowFinder {
   FlowFinder(FlowFinder&&) noexcept;
   FlowFinder& operator=(FlowFinder&&) noexcept;
 
-  // Reuses the memory of `flow`, whose contents are undefined after an error. Errors: pictures that
-  // are empty, cut short, under 64 or over 8192 pixels a side, of different size or not of the
-  // camera model's; a camera model without focal length or that differs between the two; an
-  // exposure that is not after the one before (the clock jumped back, or a picture twice).
-  // `continued`: `before` is the picture that was `after` in the previous call, whose conversion is used
-  // again if that call succeeded; the result is the same.
+  // Reuses the memory of `flow`, whose contents are undefined after an error. `continued` states that
+  // `before` was `after` of the previous call. Its conversion is then reused if that call succeeded, with the
+  // same result. Errors:
+  // - a picture that is empty, truncated, under 64 or over 8192 pixels a side.
+  // - pictures that differ in size, or from the size of the camera model.
+  // - a camera model without focal length, or two that differ.
+  // - an exposure that is not later than the previous one: the clock jumped back, or the same picture came
+  //   twice.
+  // - options that are not above 0.
   Result<void> find(const Image& before, const FrameInfo& info_before, const Image& after,
                     const FrameInfo& info_after, FlowImage& flow, bool continued = false);
   Result<void> find(const GreyPicture& before, const FrameInfo& info_before,

@@ -1,4 +1,5 @@
-// Sums over patches and validation of cells of dense flow, row by row, plain and with AVX2; equal results.
+// Sums over patches and validation of cells of dense flow, row by row. Plain and AVX2 code give equal
+// results.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,14 +10,15 @@
 
 namespace kaz::vision {
 
-constexpr int kFlowSmall = 4;  // factor by which the inverse search's finest pictures are smaller
-constexpr int kFlowPatch = 7;  // odd, of small pixels; the inverse search's are 8
-constexpr float kFlowNoise2 =
-    0.5F;  // codes^2, variance of the difference of two small pictures; 2 codes a pixel
+constexpr int kFlowSmall = 4;  // reduction factor of the finest pictures of the search
+constexpr int kFlowPatch = 7;  // side of a patch, small pixels; odd. The inverse search uses 8
+// Variance of the difference of two small pictures, codes^2, for noise of 2 codes per full pixel.
+constexpr float kFlowNoise2 = 0.5F;
 
-// By small pixel, with gradient (gx, gy), brightness q, change d along the flow and weight w:
-// gx gx, gx gy, gy gy, gx d, gy d, d d, d, w, gx, gy, q, q q; all 0 where the flow leaves the picture, else
-// w is 1.
+// Products of each small pixel and their sums over patches. Quantities: gradient (gx, gy), brightness q,
+// change d along the flow, weight w. The products are, in this order:
+//   gx gx, gx gy, gy gy, gx d, gy d, d d, d, w, gx, gy, q, q q.
+// The weight w is 1 where the flow stays inside the picture. All products are 0 where it does not.
 class FlowProducts {
  public:
   static constexpr std::size_t kCount = 12;
@@ -24,15 +26,16 @@ class FlowProducts {
 
   explicit FlowProducts(bool vectors = true) : vectors_(vectors) {}
   void resize(int width, int height);
-  // Row y, neither the first nor the last, of the earlier small picture, with the rows above and below;
-  // `there`: brightness of the later one along the flow, where `compared` is 1 and not 0. The first and last
-  // pixel count as not compared.
+  // Computes the products of row y of the earlier small picture from `row` and the rows above and below. Row
+  // y must be neither the first nor the last. `there` is the brightness of the later picture along the flow,
+  // valid where `compared` is not 0. The first and last pixel count as not compared.
   void set_row(int y, const float* up, const float* row, const float* down, const float* there,
                const float* compared);
-  // Sums over the patches around the pixels of row y, separably, rows first; pixels beyond the edge have
-  // weight 0. No running sums, whose rounding errors would accumulate.
+  // Returns sums over the patches around the pixels of row y, one row per product, valid until the next call.
+  // Pixels beyond the edge have weight 0. It adds up columns first, then along the row. Running sums would
+  // accumulate rounding errors.
   Rows sum_row(int y);
-  // 1 where the pixels of row y were compared.
+  // Returns 1 for each pixel of row y that was compared, else 0.
   const float* compared(int y) const { return plane(7) + at(y) + kFlowPatch / 2; }
 
  private:
@@ -41,26 +44,28 @@ class FlowProducts {
 
   bool vectors_;
   int width_ = 0, height_ = 0;
-  std::size_t pitch_ = 0, plane_ = 0;  // of a row, of a product
-  std::vector<float> memory_;          // half a patch of zeros around each product
-  std::vector<float> columns_, sums_;  // of a row: sums over its columns, over its patches
+  std::size_t pitch_ = 0, plane_ = 0;  // numbers per row, per product
+  std::vector<float> memory_;          // each product with half a patch of zeros around it
+  std::vector<float> columns_, sums_;  // column sums and patch sums of one row
 };
 
-// Validates the cells of a row by the weighted means over their patches, all of the small pictures (units:
-// small px):
-//   structure tensor G = (xx xy; xy yy), smaller eigenvalue
-//   `lesser` = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2 + xy^2);
-//   residual variance s^2 (`unlike`) = <d d> - <d>^2, brightness variance (`varies`) = <q q> - <q>^2;
-//   similarity: s^2 <= max_unlike varies + noise;
-//   standard error: s^2 / (n lesser) <= max_error^2, n = kFlowPatch^2;
-//   further Lucas-Kanade step: G^-1 b with b = <g d> - <g> <d>, no longer than max_step.
-// Certainty: n G / s^2, in 1/px^2 of the full picture; 0 where the flow is not valid.
+// Limits of judge_flow_row().
 struct FlowLimits {
-  float max_unlike, error2, step2;  // the latter two in small px^2
+  float max_unlike, error2, step2;  // error2, step2: squared limits, small px^2
 };
 struct FlowCertaintyRow {
   float *xx, *xy, *yy;
 };
+
+// Validates the cells of a row by weighted means <> over their patches and writes their certainty. Units:
+// small px and gray codes.
+// - Structure tensor G = (xx xy; xy yy), smaller eigenvalue `lesser` = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2
+//   + xy^2).
+// - Residual variance s^2 (`unlike`) = <d d> - <d>^2, brightness variance (`varies`) = <q q> - <q>^2.
+// - Similarity: s^2 <= max_unlike varies + noise.
+// - Standard error: s^2 / (n lesser) <= max_error^2, with n = kFlowPatch^2 and s^2 not below the noise.
+// - Further Lucas-Kanade step: |G^-1 b|^2 <= max_step^2, with b = <g d> - <g> <d>.
+// The certainty is n G / s^2, in 1/px^2 of the full picture, and 0 where a test fails.
 void judge_flow_row(const FlowProducts::Rows& sums, const float* compared, int width,
                     const FlowLimits& limits, const FlowCertaintyRow& to, bool vectors = true);
 

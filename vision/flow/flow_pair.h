@@ -1,4 +1,4 @@
-// Validation and grey conversion of the two input images of optical flow. Internal to vision/.
+// Validation and gray conversion of the two input images of optical flow. Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace kaz::vision {
 
-// An input image: 8 bits per channel, rows from the top.
+// View of an input image: 8 bits per channel, rows from the top, no padding. Does not own the bytes.
 struct ImageView {
   int width, height, channels;
   std::span<const std::uint8_t> bytes;
@@ -24,13 +24,14 @@ inline ImageView image_view(const GreyPicture& picture) {
   return {picture.width, picture.height, 1, picture.pixels};
 }
 
-inline constexpr int kSmallestFlow_px =
-    64;  // smaller images contain no patch at the coarsest level
+// Minimum side. Smaller images contain no patch at the coarsest level.
+inline constexpr int kSmallestFlow_px = 64;
 
-// Returns the errors listed at FlowFinder::find().
+// Checks both images. Errors are those of FlowFinder::find(), except for options.
 Result<void> check_flow_pair(const ImageView& before, const FrameInfo& info_before,
                              const ImageView& after, const FrameInfo& info_after);
-// Grey of `image`: a view of its pixels if it is grey, else converted into `memory`.
+// Returns `image` as gray: a view of its own pixels if it is gray, else of `memory`, which receives the
+// converted pixels.
 cv::Mat flow_grey(const ImageView& image, cv::Mat& memory);
 
 }  // namespace kaz::vision

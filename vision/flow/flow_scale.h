@@ -1,5 +1,5 @@
-// From pictures to those of the search, a quarter as wide and high, and from its flow to one a pixel.
-// Internal to vision/flow.
+// Scales pictures down to a quarter for the search, and its flow up to one vector per pixel. Internal to
+// vision/flow.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,13 +9,13 @@
 
 namespace kaz::vision {
 
-// Means of squares of 4 x 4 pixels, halves rounded to even, as by cv::resize with INTER_AREA. Sides of the
-// picture are multiples of 4; rows without padding.
+// Reduces a gray picture to the means of squares of 4 x 4 pixels. Halves round to even, as in cv::resize with
+// INTER_AREA. Width and height must be multiples of 4; rows have no padding.
 void quarter(const std::uint8_t* grey, int width, int height, std::uint8_t* to);
 
-// Bilinear interpolation of a flow of `small` pixels, (right, down) a pixel, at the centres of the full
-// picture's pixels, multiplied by `factor`; as by cv::resize with INTER_LINEAR, bit by bit: first along the
-// rows, then down the columns, each as a (1 - s) + b s.
+// Interpolates a flow of small pixels, (right, down) each, bilinearly at the centers of the full picture's
+// pixels, and multiplies it by `factor`. Bit-identical to cv::resize with INTER_LINEAR: first along the rows,
+// then down the columns, each as a (1 - s) + b s.
 class FlowEnlarger {
  public:
   struct Size {
@@ -27,7 +27,7 @@ class FlowEnlarger {
 
  private:
   struct Tap {
-    int at;        // the first of both
+    int at;        // index of the first of two
     float a0, a1;  // weights
   };
   static std::vector<Tap> taps(int small, int full);
@@ -35,7 +35,7 @@ class FlowEnlarger {
 
   Size small_, full_;
   std::vector<Tap> across_, down_;
-  std::vector<float> rows_;  // of the small flow, as wide as the full picture
+  std::vector<float> rows_;  // rows of the small flow, already as wide as the full picture
 };
 
 }  // namespace kaz::vision

@@ -1,4 +1,4 @@
-// Photometric error of a flow, and the flow and centre of a region from two images. Internal to vision/.
+// Photometric error of a flow, and flow and center of a moving region from two images. Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace kaz::vision {
 
-// Grey codes of a picture with one channel of 8 bits, or of RGB: (r + 2 g + b) / 4, exact.
+// Converts 8-bit pixels to gray codes. `channels` is 1 (copied) or 3: (r + 2 g + b) / 4, exact.
 void grey_codes(std::span<const std::uint8_t> bytes, int channels, std::vector<float>& codes);
 
 struct GreyReader {
@@ -23,7 +23,7 @@ struct GreyReader {
   bool holds(double u, double v) const {
     return u >= 0 && v >= 0 && u < width - 1 && v < height - 1;
   }
-  // Bilinear; where holds().
+  // Interpolates bilinearly. holds(u, v) must be true.
   double between(double u, double v) const {
     const int i = static_cast<int>(u), j = static_cast<int>(v);
     const double s = u - i, t = v - j;
@@ -35,21 +35,21 @@ struct GreyReader {
   }
 };
 
-// Mean squared difference of grey values (codes^2) between the pixels within `reach` of (u, v) and the later
-// image displaced by `flow_px`; NaN if that is outside of an image.
+// Returns the mean squared difference of gray codes (codes^2) between the pixels within `reach` of (u, v) and
+// the later image displaced by `flow_px`. NaN if they leave the later image.
 double misfit(const GreyReader& before, const GreyReader& after, int u, int v, int reach,
               const Eigen::Vector2d& flow_px);
 
-// One translation for all pixels of the squares of `side` px with these corners, from an initial flow_px:
-// Gauss-Newton on the brightness difference (B. Lucas, T. Kanade 1981) with Geman-McClure weights at 12
-// codes. False without sufficient texture, or if the result is more than 3 px from the initial value or
-// outside of the image.
+// Refines `flow_px` as one translation for all pixels of the squares of `side` px with these upper left
+// corners. Gauss-Newton on the brightness difference (B. Lucas, T. Kanade 1981) with Geman-McClure weights at
+// 12 codes. Returns false if the texture is insufficient, or the result is more than 3 px from the initial
+// value or outside the image.
 bool refine_flow(const GreyReader& before, const GreyReader& after,
                  std::span<const Eigen::Vector2i> corners, int side, Eigen::Vector2d& flow_px);
 
-// Centre of the pixels in the box (left, top)..(right, bottom) whose motion is `flow_px` rather than the
-// static `rest_px`. An object of uniform colour shows this only at its leading and trailing edges; both
-// count. False if there are none.
+// Finds the center of the pixels in the box (left, top)..(right, bottom) that move by `flow_px` rather than
+// by the static `rest_px`. An object of uniform color shows this only at its leading and trailing edges; both
+// count. Returns false if no pixel does.
 bool moved_middle(const GreyReader& before, const GreyReader& after, int left, int top, int right,
                   int bottom, const Eigen::Vector2d& flow_px, const Eigen::Vector2d& rest_px,
                   Eigen::Vector2d& middle);

@@ -1,9 +1,9 @@
 // Sparse optical flow: corners tracked from one picture to the next and back.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Corners: J. Shi, C. Tomasi, "Good Features to Track", CVPR 1994. Tracked by the
-// pyramidal Lucas-Kanade method (J.-Y. Bouguet, 2000); both are OpenCV's. More accurate than dense flow,
-// for fewer points: 0.1 px at corners. px, pixel centres at integers.
+// Corners: J. Shi, C. Tomasi, "Good Features to Track", CVPR 1994. Tracking: the pyramidal Lucas-Kanade
+// method (J.-Y. Bouguet, 2000). Both are OpenCV's. It tracks fewer points than dense flow, but more
+// accurately: 0.1 px at corners. Units: px, pixel centers at integers.
 #pragma once
 
 #include <memory>
@@ -19,8 +19,8 @@ namespace kaz::vision {
 
 struct SparseFlowOptions {
   int max_points = 200;
-  double min_quality = 0.01;     // of a corner, share of the best one's
-  double min_separation_px = 8;  // from corner to corner
+  double min_quality = 0.01;     // minimum corner quality, as a share of the best
+  double min_separation_px = 8;  // minimum distance between corners
   int window_px = 15;            // side of the compared window; odd, 5..51
   int levels = 3;                // pyramid levels above the full picture, 0..8
   double max_return_px = 0.5;    // maximum forward-backward error
@@ -51,13 +51,13 @@ class SparseFlow {
   SparseFlow(SparseFlow&&) noexcept;
   SparseFlow& operator=(SparseFlow&&) noexcept;
 
-  // The earlier picture's corners, best first. Errors as those of FlowFinder::find(), and options
-  // out of range. A picture without corners gives no points.
+  // Tracks the corners of the earlier picture, best first. A picture without corners gives no points. Errors
+  // are those of FlowFinder::find(), and options out of range.
   Result<void> find(const Image& before, const FrameInfo& info_before, const Image& after,
                     const FrameInfo& info_after, FlowPoints& flow);
   Result<void> find(const GreyPicture& before, const FrameInfo& info_before,
                     const GreyPicture& after, const FrameInfo& info_after, FlowPoints& flow);
-  // These points, in their order; one outside of the picture is lost.
+  // Tracks the given points and keeps their order. A point outside the picture is lost. Errors as find().
   Result<void> follow(const GreyPicture& before, const FrameInfo& info_before,
                       const GreyPicture& after, const FrameInfo& info_after,
                       const std::vector<Eigen::Vector2f>& points, FlowPoints& flow);

@@ -1,12 +1,11 @@
 // Camera images and their frame information.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every result of vision carries the frame information of its image, so that, regardless of latency, it is
-// located relative to the camera pose at the exposure (not at the time of the result).
+// Every vision result carries the frame information of its image. Regardless of latency, it is located
+// relative to the camera pose at the exposure, not at the time of the result.
 //
-// Frames: optical (x right, y down, z forward, origin at the lens), foot (x forward, y left, z up,
-// origin at the sole of the supporting foot). Units m, rad, s. Paper section 4.1, "Frame
-// Information Messaging".
+// Optical frame: x right, y down, z forward, origin at the lens. Foot frame: x forward, y left, z up, origin
+// at the sole of the supporting foot. Units: m, rad, s. Source: paper, section 4.1.
 #pragma once
 
 #include <array>
@@ -25,11 +24,12 @@
 
 namespace kaz::vision {
 
-// Pinhole, pixel centres at integer coordinates: u = fx x/z + cx, v = fy y/z + cy.
+// Pinhole camera, pixel centers at integer coordinates: u = fx x/z + cx, v = fy y/z + cy. Focal lengths and
+// centers are in px.
 struct CameraModel {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
-  double baseline_m = 0;  // right lens is that far along +x of the left optical frame
+  double baseline_m = 0;  // position of the right lens along +x of the left optical frame
 };
 
 // 8-bit RGB, rows from top to bottom, no padding.
@@ -46,30 +46,28 @@ struct StereoImages {
 struct FrameInfo {
   std::uint64_t sequence = 0;
   Time exposure{};                // middle of the exposure
-  CameraModel camera;             // of the left eye
+  CameraModel camera;             // left eye
   bool posture_known = false;     // false if the board's state at that time is unknown
   std::vector<double> joint_rad;  // measured angles at `exposure`, by joint number
   Eigen::Isometry3d foot_from_eye = Eigen::Isometry3d::Identity();  // left optical frame
 };
 
-// A pair as the camera delivers it. The pixels may still be in transfer: `images.get()` waits for them.
+// A pair as the camera delivers it. The pixels may still be in transfer; `images.get()` waits for them.
 struct StereoPair {
   FrameInfo info;
   std::shared_future<std::shared_ptr<const StereoImages>> images;
 };
 
-// From images in memory, e.g. from files.
+// Creates a pair from images in memory, e.g. from files.
 StereoPair stereo_pair(FrameInfo info, StereoImages images);
 
-// A source of stereo pairs. Simulated, published by another process, V4L2, or files: the
-// same interface for all.
+// A source of stereo pairs: simulated, published by another process, V4L2, or files.
 class Camera {
  public:
   virtual ~Camera() = default;
   virtual const CameraModel& model() const = 0;
-  // The next pair that has reached the host and was not yet taken, oldest first; nothing if there
-  // is none. Never waits. An error means that no more will come (camera gone); the message contains
-  // the reason.
+  // Returns the next pair that has reached the host, oldest first, or nullopt if no pair is waiting. Never
+  // blocks. An error is final: no more pairs will come (camera gone), and its message contains the reason.
   virtual Result<std::optional<StereoPair>> poll() = 0;
 };
 

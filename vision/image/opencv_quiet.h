@@ -1,4 +1,5 @@
-// While it lives, OpenCV's errors are exceptions only: it prints nothing. Inside of vision/.
+// Suppresses OpenCV's error output, in the whole process, during its lifetime. Errors are still exceptions.
+// Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

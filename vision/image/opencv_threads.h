@@ -1,12 +1,12 @@
-// Whether OpenCV shares its work between threads of its own.
+// Control of OpenCV's own threads.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 namespace kaz::vision {
 
-// From now on each call of OpenCV works on its caller's thread, in the whole process. For programs whose
-// modules have a thread each: OpenCV's other threads wait for work by running, and the inverse search of
-// flow.h begins anew in each stripe of the picture, of which there are as many as threads.
+// Makes OpenCV work on its caller's thread, from now on and in the whole process. For programs with one
+// thread per module: OpenCV's worker threads wait for work by spinning. Also, the inverse search of flow.h
+// starts again in each stripe of the picture, and there is one stripe per thread.
 void keep_opencv_on_callers_threads();
 
 }  // namespace kaz::vision

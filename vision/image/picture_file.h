@@ -1,8 +1,8 @@
-// Pictures from files: PNG, JPEG, PPM and PGM.
+// Reads pictures from files: PNG, JPEG, PPM and PGM.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Strict: a file that ends early or is damaged is an error, not half a picture. (OpenCV's imread
-// returns what there was, and its library loads a hundred others at every start of a program.)
+// A truncated or damaged file is an error. OpenCV's imread would return part of the picture, and its library
+// loads a hundred others at every program start.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ namespace kaz::vision {
 
 inline constexpr int kLargestPictureSide = picture::kMaxSide;  // px
 
-// Grey pictures come as RGB of equal parts, transparency is left out, 16 bits become 8.
-// Errors name the file and what is wrong with it.
+// Reads a picture. Gray becomes RGB with equal components, transparency is ignored, 16 bits become 8. Errors
+// name the file and the defect.
 Result<Image> read_picture(const std::string& path);
-// The same of a file's content; `name` stands in the errors.
+// Does the same for the content of a file; `name` is used in errors.
 Result<Image> decode_picture(std::span<const std::uint8_t> bytes, const std::string& name);
 
-// By its first bytes: PNG, JPEG, PPM or PGM. False where it cannot be read.
+// Checks the first bytes for PNG, JPEG, PPM or PGM. Returns false if the file cannot be read.
 bool looks_like_picture(const std::string& path);
 
 }  // namespace kaz::vision

@@ -1,4 +1,4 @@
-// Pictures of spheres with anti-aliased outlines, computed from the rays, for tests and benchmarks.
+// Ray-traced pictures of spheres with anti-aliased outlines, for tests and benchmarks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,6 +11,7 @@
 
 namespace kaz::vision {
 
+// A camera with a horizontal view of 80 degrees and a baseline of 4 cm.
 inline CameraModel test_camera(int width = 320, int height = 240) {
   const double f = 0.5 * width / std::tan(40.0 * 3.14159265358979323846 / 180);
   return {width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1), 0.040};
@@ -37,7 +38,8 @@ inline Image plain_picture(int width, int height, const TestColor& color) {
   return image;
 }
 
-// Mixes each pixel by the share of its 10 x 10 sub-pixels whose rays meet the sphere.
+// Paints a sphere (center and radius in m, optical frame). Each pixel is mixed by the share of its 10 x 10
+// sub-pixels whose rays hit it.
 inline void paint_sphere(Image& image, const CameraModel& camera, const Eigen::Vector3d& center,
                          double radius, const TestColor& color) {
   constexpr int kSub = 10;
@@ -66,7 +68,7 @@ inline void paint_sphere(Image& image, const CameraModel& camera, const Eigen::V
   }
 }
 
-// SplitMix64 (Steele, Lea, Flood 2014): the same numbers with every standard library.
+// SplitMix64 (Steele, Lea, Flood 2014): gives the same numbers with every standard library.
 class TestRandom {
  public:
   explicit TestRandom(std::uint64_t seed) : state_(seed) {}

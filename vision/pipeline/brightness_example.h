@@ -1,4 +1,4 @@
-// How bright pictures are: an example of a module, printed in docs/explanation/vision.md.
+// Example of a module: brightness of pictures. Linked from docs/explanation/vision.md.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,7 +12,7 @@ struct Brightness {
   double left = 0, right = 0;  // mean code, 0..255
 };
 
-// Named "brightness"; its result is a Brightness.
+// Creates a module with the name "brightness". Its result is a Brightness.
 std::unique_ptr<Module> make_brightness_module();
 
 }  // namespace kaz::vision

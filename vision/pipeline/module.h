@@ -1,10 +1,10 @@
-// What a module of vision is, and the frame that it looks at.
+// Interface of a vision module, and the frame that it processes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A module takes a stereo pair, and results of other modules on the same pair, and makes a result
-// of its own. The frame carries all of them together with the frame information (frame.h): what one
-// module sees of a frame is of that frame and no other. Own modules are written like those of
-// modules.h; a pipeline (pipeline.h) runs them.
+// A module takes a stereo pair and results of other modules on the same pair, and computes its own result.
+// The frame contains all of them and the frame information (frame.h), so the inputs of a module always belong
+// to one frame. Your own modules implement the same interface as those of modules.h. A pipeline (pipeline.h)
+// runs them.
 #pragma once
 
 #include <any>
@@ -23,21 +23,22 @@ namespace kaz::vision {
 class Frame {
  public:
   const FrameInfo& info() const { return pair_.info; }
-  // True for the first frame, and where the camera left pairs out before this one or its clock
-  // stepped back: what compares frames has to begin anew.
+  // True for the first frame, after a gap in the sequence, and if the camera's clock stepped back. Modules
+  // that compare frames must then start again.
   bool after_gap() const { return after_gap_; }
-  // Rectified. There in look(), and in a subscriber whose result is there.
+  // The rectified pictures. Available in Module::look(), and in a subscriber that receives a value.
   const StereoImages& images() const { return *images_; }
   std::shared_ptr<const StereoImages> shared_images() const { return images_; }
 
-  // What `module` made of this frame. For modules named in needs(), and for subscribers those that
-  // the module they subscribed to needs. Throws where there is no such result or it is no T.
+  // Returns the result of `module` on this frame. Available in look() for the modules of needs(), and in a
+  // subscriber for its module and the modules that this one needs. Throws std::logic_error if there is no
+  // such result or it is not a T.
   template <class T>
   const T& of(std::string_view module) const {
     const T* value = std::any_cast<T>(find(module));
     if (value == nullptr)
       throw std::logic_error("no result of the requested type of module '" + std::string(module) +
-                             "' on this frame: is it among those needed?");
+                             "' on this frame: add the module to needs()");
     return *value;
   }
 
@@ -46,10 +47,10 @@ class Frame {
   struct Slot {
     enum class State { waiting, done, failed, dropped };
     State state = State::waiting;
-    std::any value;              // where done
-    std::optional<Error> error;  // where failed
-    int missing = 0;             // needed results that are not there yet
-    double computing_s = 0;      // wall clock
+    std::any value;              // if done
+    std::optional<Error> error;  // if failed
+    int missing = 0;             // number of needed results that are not yet available
+    double computing_s = 0;      // wall-clock time
   };
   using Names = std::map<std::string, std::size_t, std::less<>>;
 
@@ -70,16 +71,16 @@ class Frame {
 class Module {
  public:
   virtual ~Module() = default;
-  // Short, in lower case; unique in a pipeline.
+  // Short name in lower case; unique in a pipeline.
   virtual std::string name() const = 0;
-  // Modules whose results it looks at.
+  // Names of the modules whose results look() reads.
   virtual std::vector<std::string> needs() const { return {}; }
-  // In lockstep its result is there so long after the last of what it needs (or after the pair's
-  // arrival), in simulated time, however long the computer takes.
+  // Declared latency. In lockstep, the result arrives this simulated time after the last needed result (or
+  // after the pair), however long the computation takes.
   virtual Time latency() const = 0;
-  // On the module's own thread; one frame at a time, by rising time of arrival. The result is any
-  // copyable type, the same each time. An error goes to subscribers, and to the modules that need
-  // this one, in place of the result. Exceptions are turned into errors.
+  // Processes one frame. Called on the module's own thread for one frame at a time, in order of arrival. The
+  // result has a copyable type that is the same for all frames. Subscribers and dependent modules receive an
+  // error in place of the result. Exceptions become errors.
   virtual Result<std::any> look(const Frame& frame) = 0;
 };
 

@@ -1,16 +1,16 @@
-// The modules of vision that come with it, for a pipeline.
+// The vision modules of Kaz, for a pipeline.
 // SPDX-License-Identifier: Apache-2.0
 //
-// | module | result | needs |
-// |---|---|---|
-// | color | BallObservation: the ball by its colour, in the left picture | |
-// | depth | DepthImage | |
-// | flow | FlowImage: of the left picture since the frame before; its width is 0 where there is none | |
-// | planes | PlaneSegments | depth |
-// | floor | PlaneSegments with the floor's edges as the left picture has them | planes |
-// | moving | MovingRegions: what moves by itself; 0 cells across where there is no flow | flow, depth |
+// Names, results and needed modules:
+// - color: BallObservation, the ball by its color in the left picture.
+// - depth: DepthImage.
+// - flow: FlowImage of the left picture since the previous frame. Its width is 0 if flow is unavailable.
+// - planes: PlaneSegments. Needs depth.
+// - floor: PlaneSegments with the edges of the floor refined on the left picture. Needs planes and depth.
+// - moving: MovingRegions, independent motion. It has 0 cells across if the flow or its first picture is
+//   unavailable. Needs flow and depth.
 //
-// Latencies are those that the design declares for lockstep (section 3), from measured runs.
+// The default latencies for lockstep come from measured runs.
 #pragma once
 
 #include <memory>
@@ -35,8 +35,8 @@ inline constexpr Time kFloorLatency = std::chrono::milliseconds(10);
 std::unique_ptr<Module> make_color_module(const BallOptions& options, Time latency = kColorLatency);
 std::unique_ptr<Module> make_depth_module(const DepthOptions& options,
                                           Time latency = kDepthLatency);
-// No flow for the first frame, where the camera's clock stepped back, and where the frame before is
-// longer ago than `longest`.
+// Gives no flow for the first frame, after a step back of the camera's clock, and if the previous frame is
+// more than `longest` ago.
 std::unique_ptr<Module> make_flow_module(const FlowOptions& options, Time latency = kFlowLatency,
                                          Time longest = std::chrono::milliseconds(200));
 std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,
@@ -44,7 +44,7 @@ std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,
 std::unique_ptr<Module> make_floor_module(const FloorEdgeOptions& options,
                                           Time latency = kFloorLatency);
 
-// Of what the flow is of. An error where the posture is not known at both moments.
+// Gives an error if the posture at either exposure is unknown.
 std::unique_ptr<Module> make_independent_motion_module(const IndependentMotionOptions& options,
                                                        Time latency = kMovingLatency);
 

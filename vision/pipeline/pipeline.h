@@ -1,14 +1,12 @@
-// Modules of vision at work: each on its own thread, results delivered to subscribers with the
-// frame they are of.
+// Runs vision modules, each on its own thread, and delivers their results to subscribers with the frame.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Paper section 4.1: a module broadcasts its result, and the frame information it is of, to those
-// that follow. Two paces:
-// - lockstep: all frames are looked at, and a result is delivered exactly its declared latency
-//   after what it needs, in simulated time. The same run again gives the same results at the same
-//   times.
-// - real time: a module that is not done when frames come in looks at the newest of them next; older
-//   ones are dropped for it and for what needs it, and counted. Results are delivered when done.
+// As in the paper (section 4.1), a module broadcasts its result and the frame information to dependent
+// modules. There are two paces.
+// - Lockstep: every frame is processed. A result is delivered exactly its declared latency after its inputs,
+//   in simulated time. The same run gives the same results at the same times.
+// - Real time: results are delivered when they are done. A module that is busy when frames arrive continues
+//   with the newest one. It drops the older ones, also for dependent modules, and counts them.
 #pragma once
 
 #include <cstdint>
@@ -25,21 +23,22 @@ enum class Pace { lockstep, realtime };
 
 struct PipelineOptions {
   Pace pace = Pace::lockstep;
-  Time camera_latency{};  // from exposure to arrival at the host; counts in lockstep
+  Time camera_latency{};  // from exposure to arrival at the host; used in lockstep
 };
 
-// Of one module, since the pipeline began.
+// Statistics of one module since the pipeline started.
 struct ModuleStatistics {
   std::string name;
   std::uint64_t delivered = 0, failed = 0;
-  std::uint64_t dropped = 0;  // a newer frame came before work on this one began
-  // Of the last thousand frames: time the module computed, on the wall clock, s.
+  // Frames not processed because a newer one replaced them, here or in a needed module.
+  std::uint64_t dropped = 0;
+  // Wall-clock computing time of the last thousand frames, s.
   double computing_median_s = 0, computing_p95_s = 0, computing_max_s = 0;
-  // The same from exposure to delivery, in the host's time (simulated in lockstep), s.
+  // Time from exposure to delivery, in host time (simulated in lockstep), s.
   double age_median_s = 0, age_p95_s = 0, age_max_s = 0;
 };
 
-// One result as it is delivered: times for a log.
+// Times of one delivered result, for a log.
 struct Delivery {
   std::string_view module;
   std::uint64_t sequence = 0;
@@ -48,8 +47,8 @@ struct Delivery {
   bool failed = false;
 };
 
-// All calls belong to one thread, on which subscribers are called, too. The destructor stops the
-// modules, also while pixels are still awaited; what was not delivered by then is forgotten.
+// All calls must come from one thread, on which subscribers are also called. The destructor stops the
+// modules, even while pixels are still pending. Undelivered results are discarded.
 class Pipeline {
  public:
   explicit Pipeline(const PipelineOptions& options);
@@ -57,30 +56,30 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  // Before the first submit(). Errors: a name that is taken, a need that was not added before.
+  // Adds a module; only before the first submit(). Errors: the name exists already, or a needed module was
+  // not added before.
   Result<void> add(std::unique_ptr<Module> module);
   bool has(std::string_view module) const;
 
-  // `use(frame, value, error)`: of each frame that was not dropped; one of value and error is null.
-  // An error if there is no such module, or if submit() was called before. A module whose results
-  // are another T gives errors to `use`.
+  // Calls `use(frame, value, error)` for each frame that was not dropped; either value or error is null.
+  // Error: no such module. If the module's results are not of type T, `use` receives errors.
   template <class T>
   Result<void> subscribe(const std::string& module,
                          std::function<void(const Frame&, const T*, const Error*)> use);
   // Calls `use` for each delivery.
   void log(std::function<void(const Delivery&)> use);
 
-  // Never blocks, even if the pair's pixels are not available yet.
+  // Passes a pair to the modules. Never blocks, even if its pixels are not available yet.
   void submit(StereoPair pair);
-  // Delivers all results that are ready to their subscribers and returns their number. In lockstep waits
-  // for results that are due and not computed yet.
+  // Delivers all results that are ready and returns their number. In lockstep it waits for results that are
+  // due but not yet computed. `now` is host time.
   std::size_t poll(Time now);
 
-  // For the end of a stream, and for files: waits until all frames are computed and delivers all results,
-  // whenever they were due. Blocks forever if a pair's pixels never arrive.
+  // Waits until all frames are processed, and delivers all results regardless of their due time. For the end
+  // of a stream, and for files. Blocks forever if the pixels of a pair never arrive.
   std::size_t finish();
 
-  // In the order they were added.
+  // Returns one entry per module, in the order of add().
   std::vector<ModuleStatistics> statistics() const;
 
  private:
@@ -97,7 +96,7 @@ Result<void> Pipeline::subscribe(const std::string& module,
                                    const Frame& frame, const std::any* value, const Error* error) {
     const T* typed = std::any_cast<T>(value);
     if (typed != nullptr || error != nullptr) return use(frame, typed, error);
-    const Error other{Fault::usage, "results of module '" + module + "' are of another type"};
+    const Error other{Fault::usage, "results of module '" + module + "' have another type"};
     use(frame, nullptr, &other);
   });
 }

@@ -1,4 +1,4 @@
-// Binary images, one bit a pixel: 64 pixels are processed at a time. Internal to vision/planes.
+// Binary images with one bit per pixel: 64 pixels are processed at a time. Internal to vision/planes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,22 +8,24 @@
 
 namespace kaz::vision {
 
-// Rows from the top. Pixel u of a row is bit u % 64 of word u / 64; bits beyond the row are 0.
+// A binary image, rows from the top. Pixel u of a row is bit u % 64 of word u / 64; bits beyond the row are
+// 0.
 class BitImage {
  public:
   int width() const { return width_; }
   int height() const { return height_; }
-  std::size_t words() const { return words_; }  // of a row
+  std::size_t words() const { return words_; }  // words per row
   std::uint64_t* row(int v) { return &bits_[static_cast<std::size_t>(v) * words_]; }
   const std::uint64_t* row(int v) const { return &bits_[static_cast<std::size_t>(v) * words_]; }
 
-  // From one byte a pixel, 0 or 1, rows without padding.
+  // Reads one byte per pixel, 0 or 1; rows without padding.
   void pack(const std::uint8_t* bytes, int width, int height);
-  // Squares of 2 reach + 1 px, reach at most 64. What is outside of the image has no effect.
+  // Dilate or erode with squares of 2 reach + 1 px, where reach is at most 64. Pixels outside the image have
+  // no effect.
   void dilate(int reach);
   void erode(int reach);
   void invert();
-  // Union with, and difference from, an image of the same size.
+  // Union with, or difference from, an image of the same size.
   void join(const BitImage& other);
   void remove(const BitImage& other);
 

@@ -1,4 +1,4 @@
-// A depth image reduced to square cells: mean position and disparity of each.
+// Reduces a depth image to square cells with mean position and disparity.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,9 +12,10 @@
 namespace kaz::vision {
 
 struct Cell {
-  float u = 0, v = 0;   // mean position of its pixels with depth, px from the principal point
-  float d = 0;          // their mean disparity, px
-  bool usable = false;  // at least a quarter of its pixels have depth, all of one surface
+  float u = 0, v = 0;  // mean position of pixels with depth, px from the principal point
+  float d = 0;         // mean disparity of these pixels, px
+  // At least a quarter of its pixels have depth, and they belong to one surface.
+  bool usable = false;
 };
 
 struct CellGrid {
@@ -26,7 +27,7 @@ struct CellGrid {
   void fill(const DepthImage& depth);
 
  private:
-  std::vector<float> sum_, min_, max_;  // of the columns of a row of cells
+  std::vector<float> sum_, min_, max_;  // per column of a row of cells
   std::vector<int> count_;
   std::vector<std::array<float, 3>> known_;
   Cell partly(const DepthImage& depth, int column, int row, float spread);

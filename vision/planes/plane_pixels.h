@@ -15,21 +15,21 @@ constexpr int kMaxPlanes = 16;
 class PlanePixels {
  public:
   void begin(const CellGrid& grid);
-  // A plane and its connected parts, as numbers of cells.
+  // Adds a plane and its connected parts, given as cell numbers. There can be 255 segments in total.
   void add(const DisparityPlane& plane, const std::vector<std::vector<int>>& parts);
   int planes() const { return static_cast<int>(planes_.size()); }
 
-  // Labels each pixel with the nearest plane, in disparity and within the tolerance (px), among the planes
-  // of its cell and of the adjacent cells.
+  // Labels each pixel with the nearest plane in disparity, among the planes of its cell and of the adjacent
+  // cells. It must be within `tolerance` (px). Also describes the segments.
   void assign(const DepthImage& depth, float tolerance, PlaneSegments& found);
 
  private:
-  // Over a segment's pixels: bounding box, sums of squared residuals (px^2) and of squared relative ones.
+  // Sums over a segment's pixels: bounding box, squared residuals (px^2) and squared relative residuals.
   struct Sums {
     int pixels = 0, left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;
     double r2 = 0, relative2 = 0;
   };
-  // Over the pixels of one plane in one cell.
+  // Sums over the pixels of one plane in one cell.
   struct CellSums {
     int n = 0;
     float r2 = 0;
@@ -48,12 +48,12 @@ class PlanePixels {
 
   const CellGrid* grid_ = nullptr;
   std::vector<DisparityPlane> planes_;
-  std::vector<int> plane_of_;                          // of each segment
-  std::vector<std::vector<int>> cells_;                // of each segment
-  std::vector<std::uint16_t> mask_;                    // per cell: planes that are near
-  std::vector<std::vector<std::uint8_t>> segment_at_;  // per plane and cell: segment + 1, 0 none
+  std::vector<int> plane_of_;            // plane of each segment
+  std::vector<std::vector<int>> cells_;  // cells of each segment
+  std::vector<std::uint16_t> mask_;      // per cell: bit set of the planes that are near
+  std::vector<std::vector<std::uint8_t>> segment_at_;  // per plane and cell: segment + 1; 0: none
   std::vector<Sums> sums_;
-  std::vector<float> square_;  // of the columns of a run of cells
+  std::vector<float> square_;  // per column of a run of cells
   std::vector<int> count_;
 };
 

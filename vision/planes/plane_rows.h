@@ -1,5 +1,5 @@
-// The two loops over all pixels that plane segments need, with the processor's widest vectors
-// or, for tests, without: the results are the same.
+// The two pixel loops of plane segmentation, with the processor's widest vectors or, for tests, without.
+// Results are the same.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,20 +8,22 @@
 
 namespace kaz::vision {
 
-constexpr float kMaxDisparity_px = 1e9F;  // from there on, as from 0 down, it counts as unknown
+constexpr float kMaxDisparity_px = 1e9F;  // values from here on, or not above 0, are unknown
 
-// What is known of columns of pixels over several rows.
+// Statistics of the known disparities of each pixel column over several rows.
 struct ColumnSums {
-  float* sum;  // of disparities
-  float* min;  // kMaxDisparity_px where none is known
-  float* max;  // 0 where none is known
+  float* sum;  // sum of the disparities
+  float* min;  // kMaxDisparity_px if none is known
+  float* max;  // 0 if none is known
   int* count;
 };
+
+// Adds a row of disparities to `sums`.
 void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,
              bool vectors = true);
 
-// Pixels within `tolerance` of the disparity start + slope x get the label, others 0. Adds to each
-// column's sum of squares and count.
+// Labels the pixels of a row. Those within `tolerance` of the disparity start + slope x get the label, others
+// 0. Adds to the sum of squared residuals and the count of each column.
 struct RowPlane {
   float start, slope, tolerance;
   std::uint8_t label;

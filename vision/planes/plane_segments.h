@@ -1,23 +1,23 @@
-// Plane segments in a depth image: where there are planes, how they lie, and which are the floor.
+// Finds plane segments in a depth image, their geometry, and which of them are the floor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper finds the floor by the Plane Segment Finder (section 4.1; K. Okada, S. Kagami, M.
-// Inaba, H. Inoue, "Plane segment finder: algorithm, implementation and applications", ICRA 2001),
-// known as a randomised three-dimensional Hough transform followed by a fit of the plane's regions.
-// Its text was not at hand; what is followed is that description:
-// 1. Three points near each other, drawn at random, are a plane and give it one vote, by direction
-//    of its normal and distance from the eye.
-// 2. Where votes crowd there is a plane. It is fitted to the points that lie on it.
-// 3. What lies on it and hangs together is a segment. The rest is voted on again, for more planes.
-// 4. The floor is what agrees with the plane under the sole of the supporting foot, from the
-//    posture at the exposure of the picture.
-// Departures: points are means over squares of some 1/80 of the picture's width; planes are fitted,
-// and distances from them judged, in disparity, where the noise of stereo is the same near and far
-// (a plane in space is d = a u + b v + c there); each plane is voted on anew, so that a small one
-// is not drowned by the floor's votes; pixels, not squares, are given to the plane they are nearest
-// to.
+// The paper finds the floor with the Plane Segment Finder (section 4.1; K. Okada, S. Kagami, M. Inaba, H.
+// Inoue, "Plane segment finder: algorithm, implementation and applications", ICRA 2001). This is a randomized
+// three-dimensional Hough transform, followed by a fit to the regions of a plane. We did not have that text
+// and follow the description in the paper.
+// 1. Three neighboring points, drawn at random, define a plane. They give one vote for the direction of its
+//    normal and its distance from the eye.
+// 2. A peak of votes is a plane, which is fitted to the points on it.
+// 3. Connected points on it are a segment. The remaining points vote again for further planes.
+// 4. Floor segments agree with the plane under the sole of the supporting foot, from the posture at the
+//    exposure.
 //
-// Units m, px, rad; optical frame of the left eye (frame.h).
+// Differences: points are means over squares of about 1/80 of the picture's width. Planes are fitted in
+// disparity, and so are distances from them, because stereo noise is the same near and far there. A plane in
+// space is d = a u + b v + c in disparity. Each plane has its own round of votes, so that the floor does not
+// hide a small one. Pixels, not squares, are assigned to the nearest plane.
+//
+// Units: m, px, rad. Frame: optical frame of the left eye (frame.h).
 #pragma once
 
 #include <cstdint>
@@ -32,39 +32,40 @@
 namespace kaz::vision {
 
 struct PlaneOptions {
-  std::uint64_t seed = 1;     // of the draws: same picture, same seed, same segments
-  int triples = 1500;         // drawn for the first plane; a third of that for each further one
+  std::uint64_t seed = 1;     // seed of the random draws; the same seed gives the same segments
+  int triples = 1500;         // number of draws for the first plane; a third for each further one
   int max_planes = 8;         // 1..16
-  double tolerance_px = 0.6;  // of disparity, from the plane to a point that still belongs to it
-  double min_share = 0.006;   // of the picture: smaller segments are not reported
-  // How far the floor may seem off the plane under the sole: what posture and calibration err.
+  double tolerance_px = 0.6;  // maximum distance of a point from its plane, in disparity
+  double min_share = 0.006;   // minimum size of a segment, as a share of the picture
+  // Tolerances between floor and the plane under the sole: errors of posture and calibration.
   double floor_angle_rad = 0.10;
-  double floor_height_m = 0.02;  // in the middle of the segment
+  double floor_height_m = 0.02;  // height of the middle of the segment
 };
 
 struct PlaneSegment {
-  int plane = 0;  // segments with the same number lie in one plane
-  // Of the plane: points p with normal . p = -distance_m. Unit, towards the eye.
+  int plane = 0;  // plane number; several segments may lie in one plane
+  // Unit normal towards the eye. Points p of the plane satisfy normal . p = -distance_m.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double distance_m = 0;  // from the eye, > 0
-  double error_px = 0;    // rms of the segment's pixels from the plane, in disparity
-  double error_m = 0;     // the same across the plane
+  double error_px = 0;    // rms distance of the segment's pixels from the plane, in disparity
+  double error_m = 0;     // the same perpendicular to the plane
   int pixels = 0;
-  int left = 0, top = 0, right = 0, bottom = 0;  // box in the picture, all four inside, px
-  // On the plane: middle of the points, directions of largest and smallest spread (unit), and how far
-  // the segment reaches along them, from middle to middle of its outermost squares: up to one and a
-  // half of them a side less than it is.
+  int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, inclusive, px
+  // Middle of the points, and unit directions of their largest and smallest spread in the plane. The extents
+  // length_m and width_m in these directions count from middle to middle of the outermost squares. So the
+  // segment is up to one and a half squares longer on each side.
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   Eigen::Vector3d along = Eigen::Vector3d::UnitX(), across = Eigen::Vector3d::UnitY();
   double length_m = 0, width_m = 0;
-  bool floor = false;  // agrees with the sole; false for all where the posture is not known
+  bool floor = false;  // agrees with the sole; false if the posture is unknown
 };
 
 struct PlaneSegments {
-  FrameInfo info;  // of the pair
+  FrameInfo info;  // frame information of the pair
   int width = 0, height = 0;
-  std::vector<PlaneSegment> segments;  // planes as found, the largest segment of each first
-  std::vector<std::uint8_t> label;     // per pixel: 0 none, n: segments[n - 1]
+  // In the order in which their planes were found, the largest segment of each plane first.
+  std::vector<PlaneSegment> segments;
+  std::vector<std::uint8_t> label;  // per pixel: 0: none; n: segments[n - 1]
 
   bool floor_found() const {
     for (const PlaneSegment& s : segments) {
@@ -81,10 +82,11 @@ class PlaneSegmentFinder {
   PlaneSegmentFinder(PlaneSegmentFinder&&) noexcept;
   PlaneSegmentFinder& operator=(PlaneSegmentFinder&&) noexcept;
 
-  // Reuses the memory of `found`, whose contents mean nothing after an error. No planes is no
-  // error. Disparities that are not above 0, or not finite, count as unknown. Errors: a depth image
-  // smaller than 32 x 32 or whose numbers do not fit its size; a camera model without focal length
-  // or baseline; options out of range.
+  // Reuses the memory of `found`, whose contents are undefined after an error. It is not an error if no plane
+  // is found. Disparities that are not above 0 or not finite count as unknown. Errors:
+  // - a depth image under 32 or over 8192 pixels a side, or whose data does not match its size.
+  // - a camera model without focal length or baseline.
+  // - options out of range.
   Result<void> find(const DepthImage& depth, PlaneSegments& found);
 
  private:

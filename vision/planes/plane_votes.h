@@ -1,4 +1,4 @@
-// Plane candidates by a randomised Hough transform: local triples of cells vote for planes.
+// Finds plane candidates by a randomized Hough transform: local triples of cells vote for planes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,12 +12,13 @@
 
 namespace kaz::vision {
 
-// Accumulator: the normal in 24 x 24 squares of the octahedral map (about 6 degrees each), the distance from
-// the camera in 50 steps of 12 %, from 2 cm to 8 m. Optical frame.
+// Accumulator of votes. The normal has 24 x 24 bins of the octahedral map, about 6 degrees each. The distance
+// from the camera has 50 bins of 12 %, from 2 cm to 8 m. Optical frame.
 class PlaneVotes {
  public:
-  // Samples triples of cells where `open` is set and returns up to 6 planes with the most votes, best
-  // first, no two of them in adjacent bins.
+  // Samples triples of cells where `open` is set. Returns up to 6 planes with the most votes, best first, of
+  // which no two are in adjacent bins. `open_cells` lists the open cells. The result is valid until the next
+  // call.
   std::span<const DisparityPlane> count(const CellGrid& grid, std::span<const std::uint8_t> open,
                                         std::span<const int> open_cells, const CameraModel& camera,
                                         int triples, Random& random);
@@ -28,7 +29,7 @@ class PlaneVotes {
     std::array<std::int16_t, 3> bin;
     Eigen::Vector3f plane;  // scaled normal
   };
-  // With a border of empty bins, so that each bin has neighbours.
+  // With a border of empty bins, so that each bin has neighbors.
   static constexpr int kPitch = kSides + 2, kBins = kPitch * kPitch * (kDistances + 2);
   static std::size_t index(const Vote& vote) {
     return static_cast<std::size_t>(((vote.bin[2] + 1) * kPitch + vote.bin[1] + 1) * kPitch +
@@ -43,9 +44,9 @@ class PlaneVotes {
   struct Peak {
     int votes, vote;
   };
-  std::vector<std::uint16_t> bins_;  // all 0 but for those of votes_
+  std::vector<std::uint16_t> bins_;  // all 0 except those of votes_
   std::vector<Vote> votes_;
-  std::vector<int> first_;  // of the votes of each bin, rising
+  std::vector<int> first_;  // index of the first vote of each bin, increasing
   std::vector<Peak> peaks_;
   std::vector<DisparityPlane> best_;
 };

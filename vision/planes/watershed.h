@@ -1,11 +1,11 @@
-// Marker-controlled watershed of a colour picture between two markers. Internal to vision/planes.
+// Marker-controlled watershed of a color picture between two markers. Internal to vision/planes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Flooding by a priority queue (F. Meyer, "Color image segmentation", IPA 1992): undecided pixels beside a
-// marker wait in one first-in-first-out queue for each colour difference, the largest of the three
-// channels, and get the marker of their neighbours, or become the line between both. Order of the
-// neighbours, and with it each pixel of the result, as in OpenCV's cv::watershed, with which the test
-// compares; the picture's frame is a line, too.
+// Flooding by a priority queue (F. Meyer, "Color image segmentation", IPA 1992). The color difference of two
+// pixels is the largest of the three channels. Undecided pixels beside a marker wait in one FIFO queue per
+// color difference. They get the marker of their neighbors, or become the line between both. The order of
+// neighbors, and so each pixel of the result, is that of OpenCV's cv::watershed, with which the test
+// compares. The frame of the picture is also a line.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ class Watershed {
  public:
   static constexpr std::uint8_t kFirst = 1, kSecond = 2, kLine = 8;  // 0: enclosed by lines
 
-  // `first`, `second`: disjoint markers of one size; `rgb`: a picture of that size, rows without padding.
-  // One label a pixel, valid until the next call.
+  // Returns one label per pixel, valid until the next call. `first` and `second` are disjoint markers of one
+  // size. `rgb` is a picture of that size, rows without padding.
   const std::vector<std::uint8_t>& grow(const std::uint8_t* rgb, const BitImage& first,
                                         const BitImage& second);
 
@@ -33,9 +33,9 @@ class Watershed {
 
   int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> label_;
-  // By pixel: the next one in its queue, -1 at its end. A pixel is queued once.
+  // By pixel: the next one in its queue, -1 at its end. A pixel is queued only once.
   std::vector<std::int32_t> next_;
-  std::array<std::int32_t, 256> head_{}, tail_{};  // by colour difference; head -1: empty
+  std::array<std::int32_t, 256> head_{}, tail_{};  // by color difference; head -1: empty
 };
 
 }  // namespace kaz::vision

@@ -1,8 +1,8 @@
-// What a workbench has besides the board: supply, clamp and scale, weight, protractor, a disc.
+// Interface to the tools of a motor test stand: supply, clamp and scale, weight, protractor, a disc.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Angles and torques in the joint's own sense, rad and Nm at the output shaft. Errors: what the tools
-// themselves say (no such stand, interrupted).
+// Angles and torques are positive in the joint's positive direction, rad and Nm at the output shaft. Errors
+// come from the tools: no such stand, interrupted.
 #pragma once
 
 #include <functional>
@@ -20,35 +20,37 @@ class Stand {
   virtual std::string name() const = 0;
   // Inertia of the disc on the shaft, kg m2.
   virtual Result<double> disc_kgm2() = 0;
-  // Volts of the supply without load.
+  // Sets the voltage of the supply without load.
   virtual Result<void> set_supply(double volts) = 0;
-  // The shaft held by a lever against a scale, which is set to zero; or free again.
+  // Holds the shaft by a lever against a scale, which is set to zero, or frees it.
   virtual Result<void> clamp(int joint, bool on) = 0;
-  // Before the motor presses, in the joint's positive sense or the negative one.
+  // Announces that the motor will press, in the joint's positive or negative direction.
   virtual Result<void> prepare_press(int joint, bool positive) = 0;
-  // What the motor has pressed with since then, at the end of its drive.
+  // Returns the torque with which the motor has pressed since then, at the end of its drive.
   virtual Result<double> scale_nm(int joint) = 0;
-  // A weight laid on gently; 0: lifted off.
+  // Lays a weight gently on the shaft; 0: lifts it off.
   virtual Result<void> press(int joint, double torque_nm) = 0;
-  // A hand turns the shaft to about this angle; returns where the protractor shows it. The hand
-  // keeps it until let_go().
+  // Turns the shaft by hand to about this angle and holds it until let_go(). Returns the angle of the
+  // protractor.
   virtual Result<double> turn(int joint, double angle_rad) = 0;
   virtual Result<void> let_go(int joint) = 0;
-  // As a bench begins: every shaft free, whatever an interrupted one has left there, and the supply.
+  // Prepares a bench: frees every shaft, regardless of how an interrupted bench left it, and sets the supply.
   virtual Result<void> put_back(double supply_volts) = 0;
-  // How long the motor has to press for the scale to be read.
+  // Time that the motor must press for the scale to be read.
   virtual double pressing_s() const = 0;
-  // How long the shaft is left to come to rest after press().
+  // Time in which the shaft comes to rest after press().
   virtual double settling_s() const = 0;
 };
 
-// Whoever understands the words of docs/howto/bench.md: the simulator, in process or by its control socket.
+// A stand that executes the commands of docs/howto/bench.md: the simulator, in process or through its control
+// socket.
 class CommandStand final : public Stand {
  public:
   using Query = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
-  // Parses the replies of `query`, as a control socket sends them. One that is not JSON has no readings.
+  // Returns a Query that parses the replies of `query`, as a control socket sends them. A reply that is not
+  // JSON has no readings.
   static Query parsed(std::function<Result<std::string>(const std::string& line)> query);
-  // pressing_s: how long a press is to last; the virtual scale wants 0.05 s.
+  // `pressing_s`: duration of a press; the virtual scale needs 0.05 s. `clock` must outlive this object.
   CommandStand(std::string name, Query query, host::Clock& clock, double pressing_s = 0.1)
       : name_(std::move(name)), query_(std::move(query)), clock_(clock), pressing_s_(pressing_s) {}
 
@@ -74,11 +76,11 @@ class CommandStand final : public Stand {
   double pressing_s_;
 };
 
-// A person at the bench: `prompt` receives the instruction or question and returns the typed reply.
+// A person at the stand: `prompt` shows an instruction or question and returns the typed reply.
 class ManualStand final : public Stand {
  public:
   using Prompt = std::function<Result<std::string>(const std::string& text)>;
-  // disc_kgm2: what they have put on the shaft.
+  // `disc_kgm2`: inertia of the disc that the person has mounted.
   ManualStand(Prompt prompt, double disc_kgm2) : prompt_(std::move(prompt)), disc_(disc_kgm2) {}
 
   std::string name() const override { return "manual"; }
@@ -91,7 +93,7 @@ class ManualStand final : public Stand {
   Result<double> turn(int joint, double angle_rad) override;
   Result<void> let_go(int joint) override;
   Result<void> put_back(double supply_volts) override { return set_supply(supply_volts); }
-  // Below the second after which the board takes a press for a stall.
+  // Shorter than the second after which the board detects a stall.
   double pressing_s() const override { return 0.7; }
   double settling_s() const override { return 0.1; }
 

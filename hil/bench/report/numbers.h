@@ -1,4 +1,4 @@
-// Numbers of a report as text.
+// Formats numbers of a report.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,13 +8,14 @@
 
 namespace kaz::hil {
 
-// As short as it can be and still the same number; "inf", "-inf"; NaN: empty.
+// Returns the shortest text that parses to the same number; "inf", "-inf"; empty for NaN.
 std::string exact_text(double value);
-// For people: four digits; where the error is known as many as it leaves sense to. NaN: "none".
+// Returns a readable number with four digits, or with two digits of its error if this is known; "none" for
+// NaN.
 std::string value_text(double value, double error = 0);
-// "0.94 to 0.999", "at most 1", "at least 4", "none"
+// Returns "0.94 to 0.999", "at most 1", "at least 4" or "none".
 std::string limits_text(double low, double high);
-// "0.97 ± 0.01 Nm"
+// Returns "0.97 ± 0.01 Nm".
 std::string value_with_unit(const Measurement& one);
 
 }  // namespace kaz::hil

@@ -1,4 +1,4 @@
-// For tests: a report with everything that a report can hold.
+// A report for tests, with every feature of reports.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace kaz::hil {
 
-// Passed, failed and left out; limits on both sides, one and none; NaN and infinite; text that
-// needs quoting; plots of all styles.
+// Contains passed, failed and left-out measurements. Limits are on both sides, one side or none. Values
+// include NaN and infinity. There is text that needs quoting, and plots of all styles.
 BenchReport test_report();
 
 }  // namespace kaz::hil
