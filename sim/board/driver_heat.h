@@ -1,8 +1,9 @@
 // Temperature of the motor drivers, heated by the motors' currents.
 // SPDX-License-Identifier: Apache-2.0
 //
-//   time_constant dT/dt = ambient + kelvin_per_watt P - T,  P = drop_volts * sum |motor current|.
-// Solved exactly for constant currents. K, s, W.
+//   time_constant dT/dt = ambient + kelvin_per_watt P - T,  P = drop_volts * sum |motor current|
+//
+// Solved exactly for constant currents. Units: K, s, W.
 #pragma once
 
 #include <cmath>
@@ -16,7 +17,7 @@ class DriverHeat {
   explicit DriverHeat(const DriverParams& params)
       : params_(params), celsius_(params.ambient_celsius) {}
 
-  // Advances by `seconds` with this sum of the magnitudes of the motors' currents, A.
+  // Advances by `seconds`. `amperes`: constant sum of the magnitudes of the motors' currents.
   void advance(double seconds, double amperes) {
     const double end =
         params_.ambient_celsius + params_.kelvin_per_watt * params_.drop_volts * amperes;
@@ -24,7 +25,7 @@ class DriverHeat {
   }
   double celsius() const { return celsius_; }
 
-  // Complete state (archive.hpp).
+  // Archives the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(celsius_);

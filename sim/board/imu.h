@@ -1,12 +1,14 @@
-// The board option of AN3..AN5: yaw-rate gyro and two-axis accelerometer.
+// The board's optional inertial sensors at AN3..AN5: yaw-rate gyro and two-axis accelerometer.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each axis: white noise is added to the measured quantity, both are low-pass filtered (first order), then
-// offset, scale and saturation are applied. The offset is a constant of the part plus a first-order
-// Gauss-Markov process, x' = e x + sigma sqrt(1 - e^2) n with e = exp(-1 ms / time), started in its
-// stationary distribution. The filter is exact for an input that is constant within a millisecond. White
-// noise of one-sided density N sampled at 1 kHz is normal with sigma N sqrt(1000 / 2), since its bandwidth
-// is half the sampling rate.
+// Each axis adds white noise to the measured quantity, filters the sum by a first-order low-pass, and applies
+// offset, scale and saturation. The offset is a constant of the part plus a first-order Gauss-Markov process
+//
+//   x' = e x + sigma sqrt(1 - e^2) n,  e = exp(-1 ms / time)
+//
+// that starts in its stationary distribution. The filter is exact for an input that is constant within a
+// millisecond. White noise of one-sided density N, sampled at 1 kHz, is normal with sigma N sqrt(1000 / 2),
+// since its bandwidth is half the sampling rate.
 #pragma once
 
 #include <array>
@@ -16,7 +18,7 @@
 
 namespace kaz::sim {
 
-// In the axes of the robot's link `imu` (docs/reference/robot.md): x forward, y left, z up.
+// Motion in the axes of the robot's link `imu` (docs/reference/robot.md): x forward, y left, z up.
 struct ImuMotion {
   double yaw_rate = 0;                       // rad/s about z
   double forward_force = 0, left_force = 0;  // specific force along x and y, m/s^2
@@ -26,16 +28,16 @@ class Imu {
  public:
   Imu(const SensorParams& params, const SensorSwitches& switches, std::uint64_t seed);
 
-  // The motion during the millisecond that ends with this tick. Ticks must increase.
+  // Processes the motion during the millisecond that ends with `tick`. Ticks must increase.
   void advance(std::int64_t tick, const ImuMotion& motion);
 
-  // Goes on with the motion that another has measured so far, with errors of its own.
+  // Takes over the filtered motion of `other`, but keeps its own errors.
   void follow(const Imu& other);
 
-  // Fractions of AVCC, 0..1, at AN3 (yaw rate), AN4 (forward), AN5 (left): axis 0, 1, 2.
+  // Returns the output as a fraction of AVCC, 0..1. Axes: 0 yaw rate (AN3), 1 forward (AN4), 2 left (AN5).
   double ratio(int axis) const;
 
-  // Complete state (archive.hpp).
+  // Archives the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(started_);
@@ -48,7 +50,7 @@ class Imu {
  private:
   struct Axis {
     ImuAxisParams params;
-    bool real = false;  // with its errors
+    bool real = false;  // has its errors
     double offset = 0, sigma = 0, follow = 1, filtered = 0;
     double stay = 1, stir = 0, wandered = 0;  // per millisecond
   };

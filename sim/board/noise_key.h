@@ -1,4 +1,4 @@
-// Channels of keyed_normal on the board: each random number of a sensor has a key of its own.
+// Channels of keyed_normal() on the board: each random number of a sensor has its own key.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,15 +10,15 @@
 
 namespace kaz::sim {
 
-// Per tick: 0..KZ_ANALOG-1 are the multiplexers' inputs.
+// Drawn every tick. Channels 0..KZ_ANALOG-1 are the inputs of the multiplexers.
 constexpr std::uint64_t kImuNoise = KZ_ANALOG;       // three channels
 constexpr std::uint64_t kImuWander = kImuNoise + 3;  // three channels
-// Constant, drawn at tick 0.
+// Constants, drawn at tick 0.
 constexpr std::uint64_t kImuOffset = 1000;     // three channels
-constexpr std::uint64_t kPotLinearity = 2000;  // eight a joint
-constexpr std::uint64_t kPotMounting = 3000;   // one a joint
+constexpr std::uint64_t kPotLinearity = 2000;  // eight per joint
+constexpr std::uint64_t kPotMounting = 3000;   // one per joint
 
-// An error that varies between parts: normal, sigma half the limit, clamped to the limit.
+// Returns an error that varies between parts: normal with a sigma of half the limit, clamped to +-limit.
 inline double spread(double limit, std::uint64_t seed, std::uint64_t channel) {
   return std::clamp(0.5 * limit * keyed_normal(seed, 0, channel), -limit, limit);
 }

@@ -1,4 +1,4 @@
-// The sensor file: parameters of the board's sensors, and which of them are ideal.
+// The sensor file: parameters of the board's sensors, and switches that make each of them real or ideal.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace kaz::sim {
 
-// Noise in codes: one sigma at the converter. Without a file: nominal laws, no errors, no noise.
+// Noise is one sigma in codes of the A/D converter. By default sensors have no errors and no noise.
 struct PotentiometerParams {
   double noise_codes = 0;
-  double linearity = 0;     // largest deviation, fraction of the range
-  double mounting_rad = 0;  // largest offset
-  double terminal_rad = 0;  // beyond the track's ends, where the wiper still has contact
+  double linearity = 0;     // maximum deviation, fraction of the range
+  double mounting_rad = 0;  // maximum offset
+  double terminal_rad = 0;  // how far the contact extends beyond each end of the track
   double open_level = 1;    // fraction of AVCC read with an open wiper
 };
 
@@ -22,7 +22,7 @@ struct InputParams {
   double noise_codes = 0;
 };
 
-// First-order heating of the motor drivers: each bridge loses `drop_volts` times its motor's current.
+// First-order heating of the motor drivers. Each bridge dissipates `drop_volts` times its motor's current.
 struct DriverParams {
   double noise_codes = 0;
   double ambient_celsius = 25;
@@ -31,12 +31,12 @@ struct DriverParams {
   double time_constant_s = 1;
 };
 
-// One axis of the gyro (unit rad/s) or of the accelerometer (unit m/s^2).
+// One axis of the gyro (unit: rad/s) or of the accelerometer (unit: m/s^2).
 struct ImuAxisParams {
-  double share_per_unit = 0;  // of AVCC; zero is at half
-  double zero_offset = 0;     // largest, in units
-  double wander = 0;          // of the zero about its offset, one sigma, in units
-  double wander_time_s = 1;   // correlation time: decays to 1/e
+  double share_per_unit = 0;  // fraction of AVCC per unit; zero is at half of AVCC
+  double zero_offset = 0;     // maximum, in units
+  double wander = 0;          // drift of the zero about its offset, one sigma, in units
+  double wander_time_s = 1;   // correlation time of the drift (1/e)
   double bandwidth_hz = 40;   // first order, -3 dB
   double noise_density = 0;   // one-sided, units per root Hz
   double range = 0;           // in units; the output saturates beyond it
@@ -49,13 +49,13 @@ struct SensorParams {
   ImuAxisParams gyro, accelerometer;
 };
 
-// True: the sensor has its errors; false: it follows its nominal law exactly.
+// True: the sensor has its errors. False: it follows its nominal law exactly.
 struct SensorSwitches {
   bool potentiometer = true;  // noise and open wiper beyond the track
-  bool pot_as_built = false;  // each potentiometer's own linearity error and mounting offset
-  bool supply = true;         // noise; the sag is the supply's, not the sensor's
+  bool pot_as_built = false;  // individual linearity errors and mounting offsets
+  bool supply = true;         // noise; the supply sags in any case
   bool reference = true;      // noise
-  bool temperature = true;    // noise; the heating is modelled in any case
+  bool temperature = true;    // noise; drivers heat up in any case
   bool gyro = true;           // offset, bandwidth, noise, saturation
   bool accelerometer = true;
 
@@ -64,7 +64,7 @@ struct SensorSwitches {
   static SensorSwitches as_built() { return {true, true, true, true, true, true, true}; }
 };
 
-// Switches with a name, for options and recordings.
+// Named sets of switches, for options and recordings.
 enum class SensorSet { nominal, ideal, as_built };
 inline constexpr std::array kSensorSets{SensorSet::nominal, SensorSet::ideal, SensorSet::as_built};
 
@@ -73,10 +73,10 @@ constexpr const char* to_string(SensorSet set) {
 }
 
 SensorSwitches sensor_switches(SensorSet set);
-// The name of the set with these switches, or "mixed".
+// Returns the name of the set with these switches, or "mixed".
 std::string name_of(const SensorSwitches& sensors);
 
-// Errors name file and line.
+// Loads a sensor file, which must have every parameter. Errors name file and line.
 Result<SensorParams> load_sensor_file(const std::string& path);
 
 }  // namespace kaz::sim

@@ -1,8 +1,8 @@
 // The servo board: the circuit around the microcontroller.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Multiplexers and potentiometers in front of the A/D converter, motor drivers behind the PWM and
-// direction pins, and the supply.
+// Multiplexers and potentiometers in front of the A/D converter, motor drivers behind the PWM and direction
+// pins, and the supply.
 #pragma once
 
 #include <array>
@@ -26,30 +26,30 @@ namespace kaz::sim {
 struct ServoBoardOptions {
   std::uint64_t seed = 1;
   SensorParams params = {};     // from sensors.xml
-  SensorSwitches sensors = {};  // which of them have their errors
-  bool imu = false;             // gyro and accelerometer on AN3..AN5; grounded without
-  double supply_volts = 10.0;   // without load
+  SensorSwitches sensors = {};  // which sensors have their errors
+  bool imu = false;             // gyro and accelerometer on AN3..AN5, else grounded
+  double supply_volts = 10.0;   // open-circuit voltage
   double supply_ohms = 0.15;    // battery, switch and wires
 };
 
-// Action of a motor driver over an interval.
+// Mean output of a motor driver over an interval.
 struct MeanDrive {
-  double duty = 0;       // -1..1, mean over the whole interval, in the direction of the joint
+  double duty = 0;       // -1..1, mean over the whole interval, in the joint's direction
   bool powered = false;  // the drivers were enabled for more than half of the interval
 };
 
-// Fault of a potentiometer. Ratios are fractions of AVCC.
+// Fault of a potentiometer. The default is no fault.
 struct PotFault {
-  std::optional<double> level;  // constant level of the input at any angle
-  double noise_codes = 0;       // sigma, besides the ordinary noise
-  bool stuck = false;           // it no longer follows the angle
+  std::optional<double> level;  // constant level of the input, fraction of AVCC
+  double noise_codes = 0;       // sigma of additional noise
+  bool stuck = false;           // the output no longer follows the angle
   template <class A>
   void transfer(A& a) {
     a(level, noise_codes, stuck);
   }
 };
 
-// -1..1, in the direction of the joint, whether the drivers are on or not.
+// Returns the duty at the pins, -1..1, in the joint's direction, whether or not the drivers are enabled.
 double duty_of(const PinLevels& pins, std::size_t joint);
 
 class ServoBoard {
@@ -61,52 +61,55 @@ class ServoBoard {
   Mcu& mcu() { return *mcu_; }
   const Mcu& mcu() const { return *mcu_; }
 
-  // Board time; continues while the power is off.
+  // Board time. It continues while the power is off.
   States now() const { return now_; }
-  // Runs until `now() >= until`; an instruction may overshoot by some states. Errors: the chip's.
+  // Runs until `now() >= until`. The last instruction may overshoot by some states. Errors: those of
+  // Mcu::run_until().
   Result<void> run_until(States until);
 
-  // Angle of each output shaft in the joint's direction, rad, by joint number of joints.def. Held until set
-  // again.
+  // Sets the angles of the output shafts in the joints' directions, rad, by joint number of joints.def. Held
+  // until set again.
   void set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad);
-  // Sum of the motors' currents, for the sag of the supply. Held until set again.
+  // Sets the sum of the motors' supply currents, by which the supply sags. Held until set again.
   void set_supply_current(double amperes) { supply_current_ = amperes; }
-  // Sum of the magnitudes of the currents in the motors, for the drivers' heat. Held until set again.
+  // Sets the sum of the magnitudes of the motor currents, which heats the drivers. Held until set again.
   void set_motor_current(double amperes);
   double driver_celsius() const { return heat_.celsius(); }
-  // Motion of the board during the last millisecond, for the option `imu`. Call once a millisecond.
+  // Sets the motion of the board in the last millisecond, for the option `imu`. Call once per millisecond.
   void set_motion(const ImuMotion& motion);
   const std::optional<Imu>& imu() const { return imu_; }
   double supply_volts() const;
-  // Open-circuit voltage of the supply, V.
+  // Sets the open-circuit voltage of the supply, V.
   void set_supply(double volts) { options_.supply_volts = volts; }
-  // Voltage added to it, V. Held until set again.
+  // Sets a voltage that is added to the open-circuit voltage, V. Held until set again.
   void set_supply_change(double volts) { supply_change_ = volts; }
   // Held until set again.
   void set_pot_fault(int joint, const PotFault& fault) {
     pot_faults_[static_cast<std::size_t>(joint)] = fault;
   }
 
-  // Mean drives over the time since the last call, integrated exactly over every change of a pin.
+  // Returns the mean drives since the last call, integrated exactly over every change of a pin.
   std::array<MeanDrive, KZ_JOINTS> take_drives();
 
   const PinLevels& pins() const { return pins_; }
   bool drivers_enabled() const { return (pins_.p4 & KZ_P4_ENABLE) != 0; }
 
-  // The serial line at the chip, in board time. Bytes received while the power is off are lost.
+  // Serial line of the chip, in board time. Bytes received while the power is off are lost.
   void receive(const SerialByte& byte);
   std::vector<SerialByte> take_transmitted();
 
-  // Cuts and restores the power of the whole board: chip, motors, potentiometers.
+  // Switches the power of the whole board: chip, motors, potentiometers.
   void set_power(bool on);
   bool power() const { return power_; }
-  void reset();  // the RES pin
-  // The switch at the mode pins; takes effect at the next reset.
+  void reset();  // by the RES pin
+  // Sets the mode pins. Takes effect at the next reset. Error: the mcu has no boot mode.
   Result<void> set_boot_pins(bool boot) { return mcu_->set_boot_pins(boot); }
 
+  // Archive the complete state, including the chip's.
   void save(StateWriter& to);
   void restore(StateReader& from);
-  // As Mcu has them. take() goes on with the sensors' errors and noise of `seed`; set the angles after it.
+  // Save and restore like Mcu::keep() and Mcu::take(). take() continues with the sensor errors and noise of
+  // `seed`; call set_joint_angles() after it.
   std::unique_ptr<const Mcu::Kept> keep(StateWriter& to);
   void take(StateReader& from, const Mcu::Kept* kept, std::uint64_t seed);
 
@@ -127,7 +130,7 @@ class ServoBoard {
   States off_time_ = 0;  // board time minus chip time
 
   std::array<Potentiometer, KZ_JOINTS> potentiometers_;
-  std::array<double, KZ_JOINTS> pot_{};  // shares of AVCC, without noise
+  std::array<double, KZ_JOINTS> pot_{};  // fractions of AVCC, without noise
   std::array<PotFault, KZ_JOINTS> pot_faults_{};
   double supply_current_ = 0, supply_change_ = 0;
   double motor_current_ = 0;

@@ -1,4 +1,4 @@
-// For tests: a host at a virtual bus, and buses of servos on shafts that nothing turns.
+// For tests: a host at a virtual bus, and buses with servos on free shafts.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@ using Bytes = std::vector<std::uint8_t>;
 using feetech::Instruction;
 using feetech::Packet;
 
-// Joints that turn at 5 rad/s times the duty of their drive, without mass and friction.
+// World with joints that turn at 5 rad/s times the duty of their drive, without mass and friction.
 class ShaftWorld final : public World {
  public:
   explicit ShaftWorld(std::size_t joints) : joints_(joints) {
@@ -59,7 +59,7 @@ class ShaftWorld final : public World {
   Scene scene_;
 };
 
-// What the packets of a protocol are like.
+// Packets of each protocol, as template parameter of HostOnBus.
 struct FeetechWire {
   using Packet = feetech::Packet;
   using Reader = feetech::PacketReader;
@@ -98,7 +98,7 @@ struct DynamixelWire {
   static int error(const Packet& packet) { return packet.error; }
 };
 
-// As the protocol of the model has it, on the wire.
+// Returns the bytes of a request that writes a register, in the model's protocol.
 inline Bytes write_request(const servo_bus::Model& model, int id, const std::string& name,
                            int value) {
   const servo_bus::Register& reg = *model.find(name);
@@ -108,7 +108,7 @@ inline Bytes write_request(const servo_bus::Model& model, int id, const std::str
              : dynamixel::wire_of(DynamixelWire::write(id, reg.address, data));
 }
 
-// Servos with these ids, on shafts, at 1 Mbaud.
+// Returns a bus at 1 Mbaud with servos of these ids.
 inline std::unique_ptr<VirtualBus> bus_of(const std::vector<int>& ids,
                                           const std::string& model = "sts3215") {
   static const std::map<std::string, double> kVolts{
@@ -126,14 +126,14 @@ inline std::unique_ptr<VirtualBus> bus_of(const std::vector<int>& ids,
   return bus ? std::move(*bus) : nullptr;
 }
 
-// A host: sends requests and collects what comes back.
+// A host that sends requests and collects the answers.
 template <class Wire>
 class HostOnBus {
  public:
   using Packet = typename Wire::Packet;
   explicit HostOnBus(VirtualBus& bus) : bus_(&bus) {}
 
-  // Answers to a request that come within `patience` after its last byte.
+  // Sends a request and returns the answers that arrive within `patience` after its last byte.
   std::vector<Packet> send(const Bytes& wire, Time patience = std::chrono::milliseconds(3)) {
     const Time sent = bus_->write(wire);
     bus_->advance(sent + patience);
@@ -149,18 +149,18 @@ class HostOnBus {
   std::vector<Packet> send(const Packet& packet, Time patience = std::chrono::milliseconds(3)) {
     return send(Wire::wire_of(packet), patience);
   }
-  // The single answer's data; nothing if there is no answer, or another one.
+  // Returns the data of the answer; nullopt without exactly one answer from this id.
   std::optional<Bytes> read(int id, int address, int length) {
     const auto answers = send(Wire::read(id, address, length));
     if (answers.size() != 1 || answers[0].id != id) return std::nullopt;
     return answers[0].parameters;
   }
-  // Error byte of the single answer; -1 if there is none, or another one.
+  // Returns the error byte of the answer; -1 without exactly one answer from this id.
   int write(int id, int address, const Bytes& data) {
     const auto answers = send(Wire::write(id, address, data));
     return answers.size() == 1 && answers[0].id == id ? Wire::error(answers[0]) : -1;
   }
-  // The value of a register; -100000 if there is no answer.
+  // Returns the value of a register; -100000 without an answer.
   int get(int id, const std::string& name) {
     const servo_bus::Register& reg = *model_.find(name);
     const auto bytes = read(id, reg.address, reg.size);
@@ -170,10 +170,11 @@ class HostOnBus {
     const servo_bus::Register& reg = *model_.find(name);
     return write(id, reg.address, servo_bus::encode(model_, reg, value));
   }
-  // True if it was answered without an error bit.
+  // Returns true if the answer has no error bit.
   bool set(int id, const std::string& name, int value) {
     return set_with_error(id, name, value) == 0;
   }
+  // Selects the model whose registers get() and set() use.
   void use(const std::string& model) { model_ = *servo_bus::find_model(model); }
   const PacketCounts& counts() const { return reader_.counts(); }
   Time last_byte() const { return last_byte_; }

@@ -1,13 +1,14 @@
-// The motion of a virtual DYNAMIXEL: from its registers and its position sensor to the duty of its motor.
+// Motion control of a virtual DYNAMIXEL: from registers and position sensor to the duty of its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions in pulses, speeds in pulses/s, PWM in units of the registers (885 is all), in the direction of
-// the registers, which drive_mode can reverse against the servo's own.
+// Positions in pulses, speeds in pulses/s, PWM in units of the registers (885 is 100 %). All are in the
+// direction of the registers, which drive_mode can reverse against the servo's direction.
 //
-// Documented: modes, limits, units, the profile, the laws of the loops and what their gains are divided by;
-// of the XL330's P gain, what Rhoban measured. Chosen: a period of 1 ms, hence the units of the D, I and
-// feedforward gains (per ms); the current loop; how mode 5 scales its current; the thresholds of
-// moving_status.
+// Documented: modes, limits, units, the profile, the control laws and the divisors of their gains. The
+// divisor of the XL330's P gain is Rhoban's measurement.
+//
+// Our choices: the period of 1 ms, and so the units (per ms) of the D, I and feedforward gains. Also the
+// current loop, the current scale of mode 5, and the thresholds of moving_status.
 #pragma once
 
 #include "sim/body/motor/motor_drive.h"
@@ -19,18 +20,18 @@ namespace kaz::sim {
 
 class DynamixelMotion {
  public:
-  // One step. Updates the registers of motion. `stopped`: by the bus watchdog.
+  // Advances by one step and updates the registers of the motion. `stopped`: the bus watchdog has tripped.
   MotorDrive step(RegisterFile& registers, const ServoReading& reading, double step_s,
                   bool stopped);
 
   void power_on(RegisterFile& registers, const ServoReading& reading);
-  // The torque was switched on: it holds where it is.
+  // Call after the torque was switched on: holds the present position.
   void switch_on(RegisterFile& registers);
-  // A host has written a goal.
+  // Call after a host has written a goal.
   void goal_written(const RegisterFile& registers);
-  // operating_mode was written: gains, profile and goals begin anew.
+  // Call after operating_mode was changed: resets gains, profile and goals.
   void mode_written(RegisterFile& registers);
-  // Forgets the turns counted. False: the shaft turns.
+  // Forgets the turns counted. Returns false, without effect, while `moving` is set.
   bool clear_turns(RegisterFile& registers);
 
   double duty() const { return duty_; }  // in the servo's direction
@@ -48,10 +49,10 @@ class DynamixelMotion {
   void report(RegisterFile& registers) const;
 
   ServoReading reading_;
-  double origin_ = 0;  // of the turns counted
+  double origin_ = 0;  // position at which the counted turns begin
   Trajectory trajectory_;
-  double profile_speed_ = 0, profile_rate_ = 0;  // of the motion under way; speed 0: no profile
-  int shape_ = 0;                                // of it, as in moving_status
+  double profile_speed_ = 0, profile_rate_ = 0;  // present motion; speed 0: no profile
+  int shape_ = 0;                                // its profile, as in moving_status
   double integral_ = 0;                          // PWM
   double pwm_ = 0, duty_ = 0;
   bool powered_ = false;

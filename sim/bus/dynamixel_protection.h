@@ -1,11 +1,14 @@
 // Protection of a virtual DYNAMIXEL: voltage, temperature, overload.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Documented: hardware_error_status reports them, and the errors that `shutdown` selects switch the torque
-// off until a reboot. Chosen, since no numbers are published: a voltage counts after 100 ms outside of its
-// limits, an overload is 2 s above 80 % of the torque at that voltage, and an error that is not selected
-// lasts as long as its cause. "Torque" is the PWM less the share that the speed takes of it. Not simulated:
-// encoder, electrical shock.
+// Documented: hardware_error_status shows these errors, and those that `shutdown` selects switch the torque
+// off until a reboot. Chosen, since no numbers are published:
+// - A voltage outside its limits is an error after 100 ms.
+// - An overload is a torque above 80 % of the maximum at that voltage for 2 s.
+// - An error that is not selected lasts as long as its cause.
+//
+// The torque is the PWM minus the share that the present speed requires. Encoder errors and electrical shocks
+// are not simulated.
 #pragma once
 
 #include "sim/bus/register_file.h"
@@ -15,15 +18,16 @@ namespace kaz::sim {
 
 class DynamixelProtection {
  public:
-  // One step with this duty. Sets hardware_error_status, torque_enable and what is measured of the circuit.
+  // Advances by one step with this duty. Sets hardware_error_status, torque_enable, and the registers of
+  // voltage, temperature, load and current.
   void step(RegisterFile& registers, const ServoReading& reading, double duty, double step_s);
   void power_on() { *this = {}; }
-  // An error has switched the torque off: nothing switches it on but a reboot.
+  // Returns true if an error has switched the torque off. Only a reboot permits it again.
   bool shut_down() const { return latched_ != 0; }
 
  private:
-  double bad_voltage_s_ = 0, overload_s_ = 0;  // how long so far
-  int latched_ = 0;                            // of hardware_error_status
+  double bad_voltage_s_ = 0, overload_s_ = 0;  // duration so far
+  int latched_ = 0;                            // bits of hardware_error_status
 };
 
 }  // namespace kaz::sim

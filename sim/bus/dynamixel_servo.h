@@ -1,11 +1,14 @@
-// A virtual DYNAMIXEL of the X series: protocol 2.0.
+// Virtual DYNAMIXEL of the X series (protocol 2.0): receives bytes, returns answers and drives its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Chosen where the e-Manual says nothing: a packet with a wrong CRC that names this servo is answered with
-// that error; a write that has an error anywhere changes nothing; addresses without a register among such
-// with one read 0; in a sync or bulk read each servo waits for the answer of the one before it, and is silent
-// without it; a broadcast ping is answered in the order of the ids, each in a time of its own; in a fast read
-// those behind the first have no return delay. docs/reference/servo-bus.md has the whole list.
+// The e-Manual leaves some behavior open. docs/reference/servo-bus.md lists all our choices. The main ones:
+//
+// - A packet to this servo with a wrong CRC is answered with that error.
+// - A write with any error changes nothing.
+// - Addresses without a register read 0 if others in the same read have one.
+// - In a sync or bulk read each servo waits for its predecessor's answer, and stays silent without it.
+// - A broadcast ping is answered in the order of the ids, each in its own time slot.
+// - In a fast read only the first servo has a return delay.
 #pragma once
 
 #include <cstdint>
@@ -27,20 +30,20 @@ class DynamixelServo final : public VirtualServo {
   std::optional<Answer> take(std::uint8_t byte, Time now) override;
   const PacketCounts& counts() const override { return reader_.counts(); }
 
-  // A pause longer than this between two bytes ends a packet (e-Manual).
+  // A longer gap between two bytes ends a packet (e-Manual).
   static constexpr Time kMaxGap = std::chrono::microseconds(1500);
-  // Chosen: of a reboot, and from one id to the next in answers to a broadcast ping, besides the answer's
-  // bytes.
+  // Chosen: duration of a reboot.
   static constexpr Time kReboot = std::chrono::milliseconds(300);
+  // Chosen: time from one id to the next in answers to a broadcast ping, in addition to the answer's bytes.
   static constexpr Time kPingSlot = std::chrono::milliseconds(1);
 
  private:
   using Bytes = std::span<const std::uint8_t>;
   using Failure = dynamixel::Failure;
-  struct Block {  // of registers to be read
+  struct Block {  // addresses to be read
     std::size_t address = 0, length = 0;
   };
-  struct Item {  // of a write: a register, and which of a row
+  struct Item {  // one register of a write, and its index in a row
     const servo_bus::Register* reg;
     int index, value;
   };
@@ -78,29 +81,29 @@ class DynamixelServo final : public VirtualServo {
   DynamixelProtection protection_;
   dynamixel::PacketReader reader_;
   Time last_request_{};
-  Time started_{-1};  // of realtime_tick; -1: at the next step
+  Time started_{-1};  // time 0 of realtime_tick; -1: set by the next step
   bool has_backup_ = false;
   struct RegWrite {
     std::size_t address;
     std::vector<std::uint8_t> bytes;
-    bool secondary;  // it came to secondary_id
+    bool secondary;  // sent to secondary_id
   };
   std::optional<RegWrite> reg_write_;
-  // Of a group read under way: after whose answer this servo's turn is.
+  // This servo's part of a sync or bulk read: it answers after the servo with the id `after`.
   struct Turn {
     std::uint8_t after;
     Block block;
   };
   std::optional<Turn> turn_;
-  // Of a fast read under way: what was heard of the joined answer, how much comes before this servo's part,
-  // and how much behind it.
+  // This servo's part of a fast read. `heard`: bytes of the common answer so far. `before`, `behind`: number
+  // of its bytes on either side of this servo's part.
   struct FastTurn {
     std::vector<std::uint8_t> heard;
     std::size_t before, behind;
     Block block;
   };
   std::optional<FastTurn> fast_;
-  std::size_t not_mine_ = 0;  // bytes of a joined answer still to come
+  std::size_t not_mine_ = 0;  // remaining bytes of a common answer, to be ignored
 };
 
 }  // namespace kaz::sim

@@ -1,12 +1,13 @@
-// The motion of a virtual servo of Feetech's: from registers and position sensor to the duty of its motor.
+// Motion control of a virtual Feetech servo: from registers and position sensor to the duty of its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions in steps of the sensor, speeds in steps/s, duty -1..1, all in the servo's own direction.
+// Positions in steps of the sensor, speeds in steps/s, duty -1..1, all in the servo's direction.
 //
-// Documented (docs/reference/servo-bus.md names the sources): modes, units, limits, an update each
-// millisecond, and duty = 0.166 P e with e in rad, at most 0.97, which Rhoban measured on an STS3215. Not
-// documented, hence chosen here: the scales of D, I and of the speed loop, the shape of the profile at its
-// end, and that a servo whose torque is switched on holds its position until a goal is written.
+// Documented: modes, units, limits, and an update every millisecond. On an STS3215, Rhoban measured
+// duty = 0.166 P e (e in rad), at most 0.97. docs/reference/servo-bus.md names the sources.
+//
+// Our choices: scales of D, I and the speed loop; shape of the profile at its end. A servo whose torque is
+// switched on holds its position until a goal is written.
 #pragma once
 
 #include <array>
@@ -21,15 +22,15 @@ namespace kaz::sim {
 
 class FeetechMotion {
  public:
-  // One millisecond. `limit`: highest duty allowed by the protection, 0..1. Updates the present_* registers
-  // of motion.
+  // Advances by one step, nominally 1 ms, and updates the registers of the motion. `limit`: maximum duty that
+  // the protection allows, 0..1.
   MotorDrive step(RegisterFile& registers, const ServoReading& reading, double limit,
                   double step_s);
 
   void power_on(const ServoReading& reading);
-  // A host has written goal_position.
+  // Call after a host has written goal_position.
   void goal_written(const RegisterFile& registers);
-  // The present position becomes `position`: sets the register position_offset.
+  // Makes `position` the present position by setting the register position_offset.
   void set_position(RegisterFile& registers, int position);
   // Forgets the turns counted since power-on.
   void reset_turns(const servo_bus::Model& model);
@@ -47,17 +48,17 @@ class FeetechMotion {
   double speed_loop(const RegisterFile& registers, double speed, double step_s);
   void report(RegisterFile& registers, const ServoReading& reading, int position) const;
 
-  double steps_ = 0;         // of the sensor
-  double turns_origin_ = 0;  // of multi-turn positions
+  double steps_ = 0;         // position sensor
+  double turns_origin_ = 0;  // origin of multi-turn positions
   Trajectory trajectory_;
-  double steps_goal_ = 0;   // mode 3
-  double timed_speed_ = 0;  // from goal_time; 0: none
+  double steps_goal_ = 0;   // goal of mode 3
+  double timed_speed_ = 0;  // from goal_time; 0: not timed
   double integral_ = 0;
-  std::array<double, 256> errors_{};  // of the last milliseconds, for D
+  std::array<double, 256> errors_{};  // rad, in the last 256 steps, for D
   std::uint8_t newest_ = 0;
   double duty_ = 0;
   bool powered_ = false;
-  bool goal_known_ = false;  // written since the torque last went off
+  bool goal_known_ = false;  // a goal was written since the torque last went off
 };
 
 }  // namespace kaz::sim

@@ -1,11 +1,13 @@
-// A virtual servo of Feetech's: bytes in, answers out, and the drive of its motor.
+// Virtual Feetech servo: receives bytes, returns answers and drives its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Follows the published protocol and register tables (docs/reference/servo-bus.md), not the maker's firmware,
-// which is closed. Chosen where these say nothing: a request with an unknown instruction, or one that this
-// model does not have, is not answered; values written are limited to the register's range; writes to
-// read-only registers are answered and change nothing; addresses without a register read 0; in a sync read
-// each servo waits for the answer of the one before it in the list, as protocol 1.0 says of a bulk read.
+// Follows the published protocol and register tables (docs/reference/servo-bus.md); the maker's firmware is
+// closed. Our choices where these are silent:
+// - Instructions that are unknown or that the model does not have are not answered.
+// - Written values are clamped to the register's range.
+// - Writes to read-only registers are answered and change nothing.
+// - Addresses without a register read 0.
+// - In a sync read each servo waits for its predecessor's answer, like in a bulk read of protocol 1.0.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +29,9 @@ class FeetechServo final : public VirtualServo {
   std::optional<Answer> take(std::uint8_t byte, Time now) override;
   const PacketCounts& counts() const override { return reader_.counts(); }
 
-  // A pause this long between two bytes ends a packet (protocol 1.0), and that of a restart (manual: about).
+  // A longer gap between two bytes ends a packet (protocol 1.0).
   static constexpr Time kMaxGap = std::chrono::milliseconds(100);
+  // Duration of a restart (approximate in the manual).
   static constexpr Time kRestart = std::chrono::milliseconds(800);
 
  private:
@@ -50,7 +53,7 @@ class FeetechServo final : public VirtualServo {
     std::vector<std::uint8_t> bytes;
   };
   std::optional<RegWrite> reg_write_;
-  // Of a sync read under way: after whose answer this servo's turn is, and what is read.
+  // This servo's part of a sync read: it answers after the servo with the id `after`.
   struct Turn {
     std::uint8_t after, address, length;
   };

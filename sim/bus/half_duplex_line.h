@@ -1,10 +1,11 @@
-// One wire shared by a host and servos, bit by bit: who hears what, and when.
+// One wire shared by a host and servos, simulated bit by bit: which node receives which bytes, and when.
 // SPDX-License-Identifier: Apache-2.0
 //
-// 8 data bits, no parity, one stop bit. The wire is low while any node sends a low bit, so nodes that send at
-// once damage each other's bytes where these differ. Each node has a UART with its own rate: it samples in
-// the middle of each bit after a falling edge, hence bytes at another rate arrive as garbage or without a
-// stop bit. A node does not hear what it sends itself. Simulated time; same calls, same bytes.
+// 8 data bits, no parity, one stop bit. The wire is low while any node sends a low bit, so simultaneous
+// senders corrupt each other's bytes where these differ. Each node has a UART with its own baud rate, which
+// samples in the middle of each bit after a falling edge. So bytes at another rate arrive as garbage or with
+// a framing error. A node does not receive its own bytes. Time is simulated. The same calls give the same
+// bytes.
 #pragma once
 
 #include <cstddef>
@@ -23,24 +24,25 @@ class HalfDuplexLine {
  public:
   explicit HalfDuplexLine(std::size_t nodes, double baud = 1e6);
 
-  // For bytes sent or received from now on. baud > 0.
+  // Applies to bytes sent or received from now on. Precondition: baud > 0.
   void set_baud(std::size_t node, double baud);
-  // Sends the bytes without a pause between them, from `from` on or when the node's earlier ones are out.
-  // Returns the end of the last stop bit. `from` is not before the last event of next().
+  // Sends the bytes without gaps, beginning at `from` or after the node's earlier bytes. Returns the end of
+  // the last stop bit. Precondition: `from` is not before the last byte returned by next().
   Time send(std::size_t node, std::span<const std::uint8_t> bytes, Time from);
-  // End of the last byte that is on the wire or queued; in the past if there is none.
+  // Returns the end of the last byte on the wire or queued; in the past if the wire is idle.
   Time busy_until() const;
-  // Each byte sent is changed in one bit, or not, with this probability.
+  // Flips one random bit of each byte sent from now on with the probability `share`.
   void set_damage(double share, std::uint64_t seed);
+  // Number of bytes with a flipped bit.
   std::uint64_t damaged() const { return damaged_; }
 
   struct Received {
     std::size_t node = 0;
     std::uint8_t byte = 0;
-    bool stop_bit = true;  // false: framing error, `byte` means nothing
-    Time at{};             // end of the stop bit, as this node's UART counts it
+    bool stop_bit = true;  // false: framing error, `byte` is meaningless
+    Time at{};             // end of the stop bit by the baud rate of this node
   };
-  // The next byte that some node has received at `until` or before, in order of time.
+  // Returns the next byte, in order of time, that any node has received by `until`; else nullopt.
   std::optional<Received> next(Time until);
 
  private:
@@ -54,7 +56,7 @@ class HalfDuplexLine {
   };
   struct Uart {
     double bit_ns;
-    Time from{};         // falling edges before are not start bits
+    Time from{};         // falling edges before it are not start bits
     Time sent_until{};   // end of the node's own bytes
     bool known = false;  // `next` is up to date
     std::optional<Received> next;
@@ -67,7 +69,7 @@ class HalfDuplexLine {
   void look_ahead(std::size_t node);
   void forget(Time now);
 
-  std::deque<WireByte> wire_;  // by start
+  std::deque<WireByte> wire_;  // sorted by start
   std::vector<Uart> uarts_;
   Random random_{1};
   double damage_ = 0;

@@ -1,4 +1,4 @@
-// The memory of a virtual servo: registers, what stays of them without power, and the lock.
+// The memory of a virtual servo: registers, EEPROM and the lock.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,38 +15,38 @@ namespace kaz::sim {
 
 class RegisterFile {
  public:
-  // As from the factory.
+  // Initializes all registers with factory values. `model` must outlive the object.
   explicit RegisterFile(const servo_bus::Model& model);
 
   const servo_bus::Model& model() const { return *model_; }
   bool has(std::string_view name) const { return model_->find(name) != nullptr; }
-  // `otherwise` where the model has no such register.
+  // Returns `otherwise` if the model has no such register.
   int get(std::string_view name, int otherwise = 0) const;
   int get(const servo_bus::Register& reg, int index = 0) const;
-  // As the servo itself writes, read-only ones too; within what the register holds. Nothing where the model
-  // has none of that name.
+  // Writes a register as the servo itself does, read-only ones too. Clamps the value to the register's range;
+  // in writable DYNAMIXEL registers only to its size. No effect if the model has no such register.
   void set(std::string_view name, int value);
-  // The `index`-th of a row, kept without power if it is EEPROM and not locked.
+  // Writes the `index`-th register of a row. EEPROM keeps the value without power unless it is locked.
   void write(const servo_bus::Register& reg, int index, int value);
 
-  // As a host of Feetech's writes: read-only registers and addresses without a register are skipped, values
-  // limited to their range. Returns what was written to, by address.
+  // Writes bytes as a Feetech host does. Skips read-only registers and addresses without a register, and
+  // clamps values to their range. Returns the written registers, by address.
   std::vector<const servo_bus::Register*> write(std::size_t address,
                                                 std::span<const std::uint8_t> bytes);
   // Addresses without a register read 0.
   std::vector<std::uint8_t> read(std::size_t address, std::size_t length) const;
 
-  // EEPROM as it was written while unlocked, RAM as it begins.
+  // Resets EEPROM to the values written while unlocked, and RAM to its initial values.
   void power_on();
   bool locked() const { return get("lock") != 0; }
   using Chosen = std::function<bool(const servo_bus::Register&)>;
-  // Keeps all registers for restore(), which puts back those that are chosen, EEPROM also as kept without
+  // Saves all registers for restore(), which loads the chosen ones. Restored EEPROM values stay without
   // power.
   void backup() { backup_ = live_; }
   void restore(const Chosen& chosen);
-  // As from the factory.
+  // Sets the chosen registers to factory values.
   void reset(const Chosen& chosen);
-  // Keeps a register's present value without power, whatever the lock.
+  // Stores the present value of a register so that it stays without power, even if EEPROM is locked.
   void keep(std::string_view name);
 
  private:
@@ -56,7 +56,7 @@ class RegisterFile {
   void copy(const Bytes& from, Bytes& to, const servo_bus::Register& reg) const;
 
   const servo_bus::Model* model_;
-  Bytes live_, stored_, backup_;
+  Bytes live_, stored_, backup_;  // present values, EEPROM without power, values of backup()
 };
 
 }  // namespace kaz::sim

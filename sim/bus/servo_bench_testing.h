@@ -1,4 +1,4 @@
-// For tests: one servo with its motor model on a shaft with an inertia and a torque from outside.
+// For tests: one servo with its motor model, on a shaft with an inertia and an external torque.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -39,7 +39,8 @@ struct ServoBench {
     return {zero + angle * steps_per_rad(), speed * steps_per_rad(), motor.motor_current(),
             motor.case_celsius(), volts};
   }
-  // I (w1 - w0) / h = row + load, with w1 + softness * row = velocity within the row's bounds.
+  // Runs in steps of 1 ms: I (w1 - w0) / h = row + load, with w1 + softness * row = velocity within the row's
+  // bounds.
   void run(double seconds) {
     for (int i = 0; i < std::lround(seconds / kStep); ++i) {
       time += std::chrono::milliseconds(1);
@@ -56,7 +57,7 @@ struct ServoBench {
     }
   }
   int get(const std::string& name) const { return servo->registers().get(name); }
-  // As a host writes it, over the wire's packet. Returns the answer.
+  // Writes a register by a request packet, like a host. Returns the answer.
   std::optional<VirtualServo::Answer> set(const std::string& name, int value) {
     return send(write_request(servo->registers().model(), 1, name, value));
   }
@@ -78,8 +79,8 @@ struct ServoBench {
   double inertia, zero;
   double angle = 0, speed = 0, load_nm = 0, volts;
   bool clamped = false;  // a rigid clamp holds the shaft
-  double fastest = 0;    // rad/s
-  int highest = 0;       // present_position
+  double fastest = 0;    // largest speed so far, rad/s
+  int highest = 0;       // largest present_position so far
   Time time{};
 };
 

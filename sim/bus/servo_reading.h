@@ -1,12 +1,12 @@
-// What a virtual servo measures of its shaft and its circuit.
+// Measurements of a virtual servo: shaft and circuit.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 namespace kaz::sim {
 
-// In the servo's direction.
+// Motion and current in the servo's direction.
 struct ServoReading {
-  double steps = 0;      // of the sensor, not wrapped; 0 at the start of its first turn
+  double steps = 0;      // position sensor, not wrapped; 0 at the start of its first turn
   double speed = 0;      // steps/s
   double current_a = 0;  // through the motor
   double case_celsius = 25;

@@ -1,17 +1,18 @@
-// The path of a servo's target from one goal to the next.
+// Setpoint trajectory of a servo from one goal to the next.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 namespace kaz::sim {
 
+// Units: steps (pulses) of the position sensor, s.
 struct Trajectory {
   double position = 0, speed = 0, acceleration = 0;
 
   void hold(double at) { *this = {at, 0, 0}; }
-  // One step of a trapezoid of speed, from wherever it is, as fast as it can still stop. `rate`: of the
-  // speed; 0: the speed is there at once.
+  // Advances by one step of a trapezoidal speed profile from the present state, at speeds from which it can
+  // still stop at the goal. `highest`: maximum speed. `rate`: acceleration; with 0 the speed changes at once.
   void go_to(double goal, double highest, double rate, double step_s);
-  // One step towards a speed; the position is left alone. `rate` as above.
+  // Advances the speed by one step towards `wanted`. The position is unchanged. `rate`: as above.
   void reach_speed(double wanted, double rate, double step_s);
 };
 

@@ -1,8 +1,8 @@
-// A servo bus in simulated time: host, wire and servos, whose motors drive a robot's joints in a world.
+// A servo bus in simulated time: host, wire, and servos whose motors drive a robot's joints in a world.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What happens on the wire happens at its own time, to the nanosecond; the servos' control loops and the
-// world step each millisecond. Same calls, same bytes.
+// Events on the wire have a resolution of 1 ns. The servos' control loops and the world step with
+// World::step_s(), by default 1 ms. The same calls give the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -24,29 +24,31 @@ namespace kaz::sim {
 
 class VirtualBus {
  public:
-  // Errors: a servo's joint is none of the world's; a joint of the world has no servo.
+  // Errors: a servo's joint does not exist in the world; a joint of the world has no servo.
   static Result<std::unique_ptr<VirtualBus>> create(std::unique_ptr<World> world,
                                                     const servo_bus::BusFile& file);
-  // World, robot and the bus.json beside it.
+  // Loads world, robot, and the bus.json beside the robot file.
   static Result<std::unique_ptr<VirtualBus>> load(const std::string& world_path,
                                                   const std::string& robot_path,
                                                   const WorldOptions& options);
 
   Time time() const { return time_; }
-  // Sends bytes of the host from time() on, or when its earlier ones are out. Returns when the last is.
+  // Sends bytes from the host, beginning at time() or after its earlier bytes. Returns the end of the
+  // last one.
   Time write(std::span<const std::uint8_t> bytes);
   void set_host_baud(long baud);
-  // Runs until then.
+  // Runs until time() is `until`.
   void advance(Time until);
 
-  // Bytes that the host's UART received, with the end of their stop bits. Those without a stop bit, which a
-  // serial port drops, are counted.
+  // A byte that the host's UART received. Bytes with a framing error, which a serial port drops, are only
+  // counted.
   struct HostByte {
     std::uint8_t byte;
-    Time at;
+    Time at;  // end of the stop bit
   };
+  // The received bytes, oldest first. The caller removes them.
   std::deque<HostByte>& received() { return received_; }
-  // The end of the host's last byte that is still to be sent or is being sent; in the past if there is none.
+  // Returns the end of the host's last byte on the wire or queued; in the past if the host sends nothing.
   Time host_sends_until() const { return host_sends_until_; }
   std::uint64_t host_framing_errors() const { return host_framing_errors_; }
 
@@ -57,23 +59,25 @@ class VirtualBus {
   const VirtualServo& servo(std::size_t i) const { return *servos_[i].servo; }
   const servo_bus::BusServo& mount(std::size_t i) const { return servos_[i].mount; }
 
+  // Sets the open-circuit voltage of the supply.
   void set_supply_volts(double volts) { supply_volts_ = volts; }
-  // The supply of all servos: off loses their RAM.
+  // Switches the supply of all servos. Their RAM is lost while it is off.
   void set_power(bool on);
-  double volts() const;  // at the servos, as of the last step
+  double volts() const;  // at the servos, with the current of the last step
 
-  // A hand turns the joint to this angle, rad, and holds it there, as long as its servo has no torque. Past a
-  // stop it presses.
+  // Turns joint i by hand to an angle (rad) and holds it there while its servo has no torque. If the angle is
+  // beyond a stop, the hand presses against the stop.
   void turn_by_hand(std::size_t i, double angle);
-  void take_hands_off();
+  void take_hands_off();  // all joints
+  // Present angle of joint i, rad.
   double angle(std::size_t i) const { return world_->joints()[servos_[i].joint].angle; }
 
  private:
   struct Mounted {
     servo_bus::BusServo mount;
     std::unique_ptr<VirtualServo> servo;
-    std::size_t joint;  // of the world
-    // Where a hand takes it, and where it is by now.
+    std::size_t joint;  // in the world's joint order
+    // Goal and present position of the hand that turns it, rad.
     std::optional<double> hand_goal = std::nullopt;
     double hand = 0;
   };
@@ -86,7 +90,7 @@ class VirtualBus {
 
   std::unique_ptr<World> world_;
   std::vector<Mounted> servos_;
-  HalfDuplexLine line_;  // node 0 is the host, node i + 1 the servo i
+  HalfDuplexLine line_;  // node 0 is the host, node i + 1 is servo i
   double supply_volts_, supply_ohm_;
   bool power_ = true;
   Time time_{}, next_step_, step_length_, host_sends_until_{};

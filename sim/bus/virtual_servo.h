@@ -1,9 +1,8 @@
-// A virtual servo on a bus: bytes in, answers out, and the drive of its motor.
+// A virtual servo on a bus: receives bytes, returns answers and drives its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Virtual servos follow the published protocols and register tables (docs/reference/servo-bus.md), not the
-// makers' firmware, which is closed. feetech_servo.h and dynamixel_servo.h say what was chosen where these
-// say nothing.
+// Virtual servos follow the published protocols and register tables (docs/reference/servo-bus.md), since the
+// makers' firmware is closed. Our choices where these are silent: feetech_servo.h, dynamixel_servo.h.
 #pragma once
 
 #include <cstdint>
@@ -24,41 +23,41 @@ namespace kaz::sim {
 class VirtualServo {
  public:
   virtual ~VirtualServo() = default;
-  // Of the model's protocol.
+  // Creates a servo with the model's protocol. `model` must outlive it.
   static std::unique_ptr<VirtualServo> make(const servo_bus::Model& model, int id);
 
   struct Answer {
     std::vector<std::uint8_t> bytes;
-    Time delay{};  // from the end of the byte that led to it
+    Time delay{};  // from the end of the byte that caused the answer
   };
-  // A byte that has come at `now`, the end of its stop bit. An answer, if one is due, is sent at the rate
-  // before the request; afterwards baud() holds.
+  // Processes a byte whose stop bit ended at `now`. Returns an answer if one is due. The caller sends it at
+  // the baud rate before this call; afterwards baud() applies.
   virtual std::optional<Answer> take(std::uint8_t byte, Time now) = 0;
-  // A byte without a stop bit.
+  // Processes a byte with a framing error.
   void take_noise(Time now);
   long baud() const;
 
   void set_power(bool on, const ServoReading& reading);
   bool power() const { return power_; }
-  // One step of the world, which ends at `now`.
+  // Advances by one step of the world, which ends at `now`. Returns the drive of the motor for this step.
   MotorDrive step(const ServoReading& reading, double step_s, Time now);
 
-  // Writes a register as whoever sets the servo up: kept without power.
+  // Writes a register permanently, as during the setup of a robot.
   void set_up(std::string_view name, int value);
   RegisterFile& registers() { return registers_; }
   const RegisterFile& registers() const { return registers_; }
   virtual const PacketCounts& counts() const = 0;
   std::uint64_t framing_errors() const { return framing_errors_; }
-  // Requests to this servo, broadcasts included.
+  // Number of executed requests to this servo, including broadcasts.
   std::uint64_t executed() const { return executed_; }
 
  protected:
   VirtualServo(const servo_bus::Model& model, int id);
-  // As after power-on.
+  // Sets the state after power-on; registers_ is already reset.
   virtual void restart() = 0;
   virtual MotorDrive drive(double step_s, Time now) = 0;
-  virtual void drop_packet() = 0;
-  // Restarts; deaf for so long.
+  virtual void drop_packet() = 0;  // discards a partial packet
+  // Restarts and ignores the bus until `until`.
   void restart_until(Time until);
   bool hears(Time now) const { return power_ && now >= deaf_until_; }
 

@@ -1,16 +1,17 @@
-// A motor stand instead of a robot: each of the board's motors alone on the workbench, with a disc
-// on its shaft. Its tools are those of manual measurements: a clamp holds the shaft against a scale, a
-// weight presses on it, a hand turns it by the protractor, a knob sets the supply.
+// Virtual motor stand instead of a robot: each of the board's motors turns a disc of its own.
 // SPDX-License-Identifier: Apache-2.0
 //
-// One body with one degree of freedom for each motor, so its step is solved by hand, with the same
-// motor (joint_motor.h) and the same length of step as under a robot:
+// The tools are those of manual measurements. A clamp holds the shaft against a scale, a weight loads it, and
+// a hand turns it by a protractor. A knob sets the supply.
+//
+// Each motor has one body with one degree of freedom, so the step is solved in closed form. Motor model
+// (joint_motor.h) and step are those of a robot:
 //
 //   (I/h + c + k h) w1 = I/h w0 + k e + load + T,   T = (velocity - w1) / softness within its bounds
 //
-// with the disc's inertia I, the guiding hand's stiffness k and damping c, its remaining angle e, the
-// weight's torque `load` and the motor's torque T (kg m^2, Nm/rad, Nm s/rad, rad, Nm;
-// h in s, w in rad/s). The shafts have the servos' own stops, where a robot has them.
+// I is the disc's inertia (kg m^2), h the step (s) and w the speed (rad/s). The hand has the stiffness k
+// (Nm/rad), the damping c (Nm s/rad) and the remaining angle e (rad). `load` is the weight's torque and T the
+// motor's (Nm). The shafts have the mechanical stops of Kaz's joints.
 #pragma once
 
 #include <array>
@@ -26,10 +27,10 @@ namespace kaz::sim {
 
 struct StandOptions {
   MotorParams motor;
-  double disc_kgm2 = 4e-4;  // aluminium, 120 mm across and 7 mm thick
+  double disc_kgm2 = 4e-4;  // aluminum, 120 mm in diameter, 7 mm thick
   double step_s = 0.001;
-  std::uint64_t seed = 1;    // of the scale's noise
-  double supply_volts = 10;  // without load, until the knob is turned; make_stand() sets it
+  std::uint64_t seed = 1;    // for the scale's noise
+  double supply_volts = 10;  // open circuit, at the start; make_stand() sets it
 };
 
 class MotorStand final : public World {
@@ -40,20 +41,21 @@ class MotorStand final : public World {
   const MotorParams& motor() const { return options_.motor; }
   double first_supply_volts() const { return options_.supply_volts; }
 
-  // ---- The bench's tools; `joint` is a channel of the board.
-  // Clamps a lever on the shaft against a scale, or releases it. Both set the scale to zero.
+  // ---- Tools. `joint` is a channel of the board.
+  // Clamps the shaft by a lever against a scale, or releases it. Both set the scale to zero.
   void clamp(std::size_t joint, bool on);
-  // Torque of the motor, Nm, positive as the joint turns: mean over the last 50 ms in which it was driven
-  // against the clamp, held by the scale since; 0 before. Sigma 2 mNm, resolution 1 mNm.
+  // Reads the torque of the motor, Nm, in the joint's direction: mean over the last 50 steps in which it was
+  // driven against the clamp. The scale holds this reading; before the first one it reads 0. Sigma 2 mNm,
+  // resolution 1 mNm.
   double scale_nm(std::size_t joint) const;
-  // Loads the shaft with a weight, gently, or removes it (0 Nm).
+  // Loads the shaft gently with a weight, or removes it (0 Nm).
   void press(std::size_t joint, double torque_nm);
-  // A hand turns the shaft to that angle at 2 rad/s and holds it until released.
+  // Turns the shaft by hand to `angle_rad` at 2 rad/s and holds it until release().
   void turn(std::size_t joint, double angle_rad);
   void release(std::size_t joint);
   // Removes lever, weight and hand from every shaft. Returns how many shafts had one.
   int free_all();
-  // The protractor's reading, rad, with a resolution of 0.01 degrees.
+  // Reads the protractor, rad. Resolution 0.01 degrees.
   double protractor_rad(std::size_t joint) const;
 
   double step_s() const override { return options_.step_s; }
@@ -78,14 +80,14 @@ class MotorStand final : public World {
   }
 
  private:
-  static constexpr std::size_t kScaleSteps = 50;  // of 1 ms
+  static constexpr std::size_t kScaleSteps = 50;  // averaged by the scale
   struct Shaft {
     bool clamped = false, guided = false, pressing = false;
     double press_nm = 0, goal_rad = 0, guide_rad = 0;
-    // Of the scale: the newest reading is the last one written.
+    // The scale's ring buffer, Nm. `next` is the index of the newest value.
     std::array<double, kScaleSteps> pressed{};
     std::uint32_t next = 0, count = 0;
-    std::int64_t pressed_at = 0;  // the step of the newest reading
+    std::int64_t pressed_at = 0;  // step of the newest value
     template <class A>
     void transfer(A& a) {
       a(clamped, guided, pressing, press_nm, goal_rad, guide_rad, pressed, next, count, pressed_at);

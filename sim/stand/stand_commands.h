@@ -1,5 +1,5 @@
-// A motor stand's tools by words, one command a line: the same in one process and over the control
-// socket. docs/howto/bench.md lists them.
+// Text commands for the tools of a motor stand, one per line, for use in process or over the control socket.
+// docs/howto/bench.md lists them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,16 +13,16 @@
 
 namespace kaz::sim {
 
-// Board and motors on a stand. Of the options, those of robot, world, eyes and dynamics do not
-// count. Errors: those of make_mcu().
+// Creates a simulation of board and motors on a stand. Options of robot, world, eyes and dynamics are
+// ignored; supply_ohms is that of a laboratory supply. Errors: those of make_mcu().
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand);
 
-// Null: it is a robot's.
+// Returns the stand of a simulation, null if it simulates a robot.
 MotorStand* stand_of(Simulation& simulation);
 
-// Executes the command `line` on the simulation's motor stand, which must exist. Errors (usage): an unknown
-// command, joint or value.
+// Executes the command `line` on the simulation's motor stand. Precondition: stand_of() is not null. Errors
+// (usage): an unknown command, joint or value.
 Result<nlohmann::ordered_json> answer_stand(Simulation& simulation, const std::string& line);
 
 }  // namespace kaz::sim

@@ -1,13 +1,15 @@
 // Elastic shear of soft contact points, kept from step to step (bristle friction).
 // SPDX-License-Identifier: Apache-2.0
 //
-// A rubber sole yields elastically before it slips. Friction without memory keeps the error of every step:
-// a robot that only stands drifts. Here a contact point has a tangential spring and damper, with the same
-// softness as along its normal, and slips when the spring force exceeds mu times the normal force (as in
-// Cundall & Strack, Geotechnique 29(1), 1979). Solver rows for the two tangents t:
+// A rubber sole yields elastically before it slips. Friction without memory accumulates the error of every
+// step, so that even a standing robot drifts. Here a contact point has a tangential spring and damper with
+// the same softness as along its normal. It slips when the spring force exceeds mu times the normal force (as
+// in Cundall & Strack, Geotechnique 29(1), 1979). Solver rows for the two tangents t:
+//
 //     t (v_a - v_b) = -erp / h t shear - softness f,   |f| <= mu N
-// with f the force on a along t, erp and softness for the step h (contact_surface.h), i.e. a spring of
-// kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear. World frame, m.
+//
+// Here f is the force on a along t; erp and softness are those for the step h (contact_surface.h). The spring
+// has kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear. World frame, m.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +22,14 @@ namespace kaz::sim {
 
 class ContactMemory {
  public:
-  // Before a step: matches the contacts with those of the step before and takes over their shear. A point is
-  // the same if it belongs to the same pair of shapes and moved by less than 3 mm.
+  // Before a step: matches the contacts with those of the last step and takes over their shear. Points match
+  // if they belong to the same pair of shapes and are less than 3 mm apart.
   void recall(std::span<const Touch> touches);
   static bool has_shear(const Touch& touch) { return touch.surface.softness > 0; }
-  // Displacement of a against b in the tangent plane, m, world axes; by index into `touches`.
+  // Displacement of a relative to b in the tangent plane, m, world axes. `touch`: index into recall()'s list.
   const Eigen::Vector3d& shear(std::size_t touch) const { return points_[touch].shear; }
-  // After the step: integrates the shear with the velocity of a against b at the point (m/s) and limits it
-  // by the normal force (N).
+  // After the step: integrates the shear and limits it by mu times the normal force. `velocity`: of a
+  // relative to b at the point, m/s.
   void remember(std::size_t touch, const Eigen::Vector3d& velocity, double normal_n, double step_s);
 
   template <class A>
@@ -50,7 +52,7 @@ class ContactMemory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d shear = Eigen::Vector3d::Zero();
-    double limit = 0;  // max shear per N of normal force, divided by kErpStep: m / (N s)
+    double limit = 0;  // maximum shear per N of normal force, over kErpStep: m / (N s)
   };
   std::vector<Point> points_, before_;
 };

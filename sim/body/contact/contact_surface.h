@@ -8,16 +8,17 @@
 
 namespace kaz::sim {
 
-// ERP (error reduction parameter) and softness (ODE's CFM) of contacts and stops are given for steps of this
-// length, s.
+// Step for which ERP (error reduction parameter) and softness (ODE's CFM) of contacts and stops are given, s.
 constexpr double kErpStep = 1e-3;
-// Fraction of the penetration depth that is corrected in such a step (ODE's ERP).
+// Fraction of the penetration depth that is corrected in a step of kErpStep (ODE's ERP).
 constexpr double kContactErp = 0.2;
 
-// ERP and CFM stand for a spring k and a damper c (ODE manual, "How to use ERP and CFM"): with the step h,
-// erp = h k / (h k + c), cfm = 1 / (h k + c). Here k = erp / (kErpStep softness) in N/m and
-// c = (1 - erp) / softness in N s/m. These two functions return ERP and softness of the same spring and
-// damper for a step of another length.
+// ERP and CFM represent a spring k and a damper c (ODE manual, "How to use ERP and CFM"). With the step h
+//
+//   erp = h k / (h k + c),  cfm = 1 / (h k + c),  k = erp / (kErpStep softness),  c = (1 - erp) / softness
+//
+// with k in N/m and c in N s/m. These functions return ERP and softness of the same spring and damper for a
+// step of step_s.
 constexpr double erp_for(double step_s, double erp) {
   const double spring = erp * (step_s / kErpStep);
   return spring / (spring + (1 - erp));
@@ -26,12 +27,12 @@ constexpr double softness_for(double step_s, double erp, double softness) {
   return softness / (erp * (step_s / kErpStep) + (1 - erp));
 }
 
-// Penetration that is not corrected, so that bodies at rest keep their contacts, m.
+// Penetration that is not corrected, so that resting bodies keep their contacts, m.
 constexpr double kContactLayer = 2e-4;
-// Max velocity at which penetrating bodies are separated, m/s.
+// Maximum velocity at which penetrating bodies are separated, m/s.
 constexpr double kContactMaxCorrection = 0.2;
 
-// Parameters of a pair of surfaces, by the rule at Surface.
+// Returns the parameters of a pair of surfaces by the rule at Surface.
 inline Surface joined(const Surface& a, const Surface& b) {
   const Surface& livelier = a.restitution >= b.restitution ? a : b;
   return {.mu = std::min(a.mu, b.mu),

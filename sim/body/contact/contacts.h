@@ -1,13 +1,14 @@
 // Collision detection: finds all contact points between robot, objects and fixed shapes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Broad phase: a scene has few shapes, so there is no tree or grid; each link or object has one bounding
-// sphere, and pairs of spheres, or a sphere and a plane, are rejected by distance. The robot's own pairs that
-// may collide are listed once. Narrow phase: ODE's colliders; two boxes only if no face normal of either is a
-// separating axis (Gottschalk et al., SIGGRAPH 1996). Pairs of which neither body can move are skipped.
+// Broad phase: a scene has few shapes, so there is no tree or grid. Each link or object has one bounding
+// sphere. Two spheres, or a sphere and a plane, are rejected by distance. The robot's own pairs that may
+// collide are listed once. Narrow phase: ODE's colliders. They test two boxes only if no face normal of
+// either is a separating axis (Gottschalk et al., SIGGRAPH 1996). Pairs of fixed or sleeping bodies are
+// skipped.
 //
-// A Contacts is working memory: nothing in it outlives the step that filled it, but guesses that cost time
-// only. So each thread has one for all worlds that step there, and it stays in the processor's cache.
+// A Contacts object is working memory. Only hints, which save time but do not change results, outlive a step.
+// So each thread has one object for all its worlds, which stays in the processor's cache.
 #pragma once
 
 #include <array>
@@ -20,28 +21,28 @@
 
 namespace kaz::sim {
 
-// A contact point. World frame, m.
+// Contact point. World frame, m.
 struct Touch {
-  int body_a = -1, body_b = -1;  // -1: does not move; never both
-  std::uint32_t shape_a = 0, shape_b = 0;
-  Eigen::Vector3d at, normal;  // normal: unit, direction of the force of b on a
-  double depth = 0;            // penetration
-  Surface surface;             // of the pair
+  int body_a = -1, body_b = -1;            // -1: fixed; never both
+  std::uint32_t shape_a = 0, shape_b = 0;  // indices into ContactModel::geoms()
+  Eigen::Vector3d at, normal;              // normal: unit vector along the force of b on a
+  double depth = 0;                        // penetration
+  Surface surface;                         // combined parameters of the pair
 };
 
 class Contacts {
  public:
-  // The working memory of the calling thread.
+  // Returns the instance of the calling thread.
   static Contacts& of_this_thread();
 
-  // Begins a search among the shapes of `model`, which must stay until the next one begins.
+  // Begins a search among the shapes of `model`, which must exist until the next begin().
   void begin(const ContactModel& model);
-  // Sets the pose of a body: centre of mass and the axes of its link, world frame. Sleeping bodies collide
-  // with bodies that are awake only.
+  // Sets the pose of a body in the world frame: axes of its link and center of mass. To be called for each
+  // body that can move. Sleeping bodies collide only with bodies that are awake.
   void place(int body, const Eigen::Matrix3d& axes, const Eigen::Vector3d& com, bool awake) {
     bodies_[static_cast<std::size_t>(body)] = {axes, com, awake};
   }
-  // Finds the contacts of the poses set by place(); replaces touches().
+  // Finds the contacts at the poses set by place() and replaces touches().
   void update();
   // Valid until the next begin() in this thread.
   std::span<const Touch> touches() const { return touches_; }
@@ -53,30 +54,30 @@ class Contacts {
     Eigen::Vector3d com = Eigen::Vector3d::Zero();
     bool awake = false;
   };
-  // World pose of a geom that moves, computed on demand; valid if the round is the current one.
+  // World pose of a moving geom, computed on demand. Valid if its round is the current one.
   struct Pose {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     std::uint64_t at_round = 0, axes_round = 0;
   };
-  // A part of the model and its sphere in the world.
+  // A part of the model and its bounding sphere in the world.
   struct Part {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     double radius = 0;
-    std::size_t first = 0, count = 0;  // of the geoms
+    std::size_t first = 0, count = 0;  // range of geoms
     bool awake = false;
   };
-  // Bounding sphere of a part, packed for the broad phase: most pairs need no more.
+  // Bounding sphere of a part, packed for the broad phase, which rejects most pairs.
   struct Sphere {
     double x = 0, y = 0, z = 0, radius = 0;
   };
-  // The face that separated two boxes last time, tried first: temporal coherence. A wrong guess costs time
-  // only.
+  // The face that separated two boxes last time, which is tried first (temporal coherence). A wrong hint only
+  // costs time.
   struct Hint {
     std::uint32_t a = 0, b = 0;
     int face = 0;
   };
-  // ODE's geoms, one of each kind, which take size and pose of the shape to be collided.
+  // ODE's geoms, one of each kind. They take size and pose of the shape under test.
   using OdeShapes = std::array<OdeGeomHandle, 5>;
 
   Contacts();
@@ -93,11 +94,11 @@ class Contacts {
   const ContactModel* model_ = nullptr;
   std::vector<Touch> touches_;
   std::vector<Body> bodies_;
-  std::uint64_t round_ = 0;  // of all worlds of the thread
+  std::uint64_t round_ = 0;  // counts begin(), over all worlds of the thread
   std::vector<Pose> poses_;  // by geom
   std::vector<Part> robot_, objects_, fixed_;
-  std::vector<Sphere> spheres_;  // by robot_
-  Eigen::Vector3d low_, high_;   // box about the robot's spheres
+  std::vector<Sphere> spheres_;  // by index into robot_
+  Eigen::Vector3d low_, high_;   // bounding box of the robot's spheres
   bool robot_moves_ = false;
   std::array<Hint, 256> hints_{};
   OdeShapes of_a_, of_b_;

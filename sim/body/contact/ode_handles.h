@@ -1,4 +1,4 @@
-// Owners of ODE's objects, and its vectors as Eigen's.
+// Owning handles of ODE's objects, and conversions between the vectors of ODE and Eigen.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,8 @@
 
 namespace kaz::sim {
 
-// To be called in each thread before ODE is used in it.
+// Initializes ODE for the calling thread. Call before any use of ODE in a thread; further calls have no
+// effect.
 void enter_ode();
 
 template <auto Destroy>
@@ -21,9 +22,10 @@ struct OdeDelete {
   }
 };
 
-// Destroying an ODE world destroys its bodies and joints. Shapes on bodies must be gone before.
+// Destroying an ODE world destroys its bodies and joints. Shapes on bodies must be destroyed before.
 using OdeWorldHandle = std::unique_ptr<dxWorld, OdeDelete<dWorldDestroy>>;
-// What runs a world's step. ODE's own is one for all worlds, and does not stand two of them at a time.
+// Runs the steps of a world. ODE's default implementation is shared by all worlds and cannot run two steps at
+// a time.
 using OdeThreadingHandle =
     std::unique_ptr<dxThreadingImplementation, OdeDelete<dThreadingFreeImplementation>>;
 using OdeGeomHandle = std::unique_ptr<dxGeom, OdeDelete<dGeomDestroy>>;
@@ -33,7 +35,7 @@ inline Eigen::Vector3d to_eigen(const dReal* v) {
   return {v[0], v[1], v[2]};
 }
 
-// ODE's rotation matrices are 3 rows of 4.
+// ODE stores rotation matrices as 3 rows of 4.
 inline Eigen::Matrix3d rotation_to_eigen(const dReal* r) {
   return Eigen::Map<const Eigen::Matrix<dReal, 3, 4, Eigen::RowMajor>>(r).leftCols<3>();
 }

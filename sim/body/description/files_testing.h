@@ -1,4 +1,4 @@
-// For tests: robot and world files, unchanged or with one change.
+// For tests: paths of robot and world files, temporary folders, and worlds from SDF text.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -29,7 +29,7 @@ inline std::string read_text(const std::string& path) {
   return text.str();
 }
 
-// A folder of its own for each test case, removed afterwards.
+// Temporary folder of the current test case, removed by the destructor.
 class Folder {
  public:
   Folder() {
@@ -44,6 +44,7 @@ class Folder {
   Folder(const Folder&) = delete;
   Folder& operator=(const Folder&) = delete;
 
+  // Writes a file and returns its path.
   std::string write(const std::string& name, const std::string& text) const {
     const std::string path = path_ / name;
     std::ofstream(path) << text;
@@ -54,7 +55,8 @@ class Folder {
   std::filesystem::path path_;
 };
 
-// A world of a floor (mu 0.5) and the SDF text `models`, with the robot far from them.
+// SDF text of a world with a floor (mu 0.5) and `models`. The robot starts at y = -3 m, away from the models.
+// `gravity`: "x y z", m/s^2.
 inline std::string world_text(const std::string& gravity, const std::string& models) {
   return R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">
@@ -68,6 +70,7 @@ inline std::string world_text(const std::string& gravity, const std::string& mod
          "</world></sdf>\n";
 }
 
+// Loads a world with Kaz. On an error the test fails and the result is null.
 inline std::unique_ptr<World> load_or_fail(const std::string& world, const WorldOptions& options) {
   auto loaded = World::load(world, kRobot, options);
   if (!loaded) {
@@ -79,6 +82,7 @@ inline std::unique_ptr<World> load_or_fail(const std::string& world, const World
 
 using Drives = std::array<MotorDrive, KZ_JOINTS>;
 
+// Steps the world for `seconds` with constant drives and a 10 V supply.
 inline void run(World& world, double seconds, const Drives& drives = {}) {
   const double end = world.time_s() + seconds - world.step_s() / 2;
   while (world.time_s() < end) world.step(drives, 10.0);

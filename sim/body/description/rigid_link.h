@@ -1,4 +1,4 @@
-// A rigid part as the files describe it: mass properties, collision shapes, visual shapes.
+// Rigid link as described by robot and world files: mass properties, collision shapes, visual shapes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace kaz::sim {
 
-// Contact parameters of a shape. A pair has the smaller mu, the sum of the softnesses, the larger restitution
-// with its threshold, and the larger rolling resistance.
+// Contact parameters of a shape. A pair of shapes has the smaller mu, the sum of the softnesses, the larger
+// rolling resistance, and the larger restitution with its threshold.
 struct Surface {
   double mu = 1.0;                // Coulomb friction
-  double softness = 0;            // m/s per N: ODE's soft contact CFM
+  double softness = 0;            // m/s per N, compliance (ODE's contact CFM)
   double restitution = 0;         // 0..1
   double bounce_threshold = 0;    // m/s; slower impacts do not bounce
-  double rolling_resistance = 0;  // m: rolling moment = this * normal force
+  double rolling_resistance = 0;  // m; rolling moment = rolling_resistance * normal force
 };
 
 struct CollisionShape {
@@ -29,21 +29,22 @@ struct CollisionShape {
 
 struct RigidLink {
   std::string name;
-  double mass = 0;
-  Eigen::Vector3d com = Eigen::Vector3d::Zero();      // in the link's frame
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about com, axes of the link's frame
+  double mass = 0;                                    // kg
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();      // m, link's frame
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // kg m^2, about com, link's axes
   std::vector<CollisionShape> collisions;
-  std::vector<Visual> visuals;  // in_frame: in the link's frame; frame is not set yet
+  std::vector<Visual> visuals;  // `in_frame` is in the link's frame, `frame` is not set yet
 };
 
-// Adds a part fixed to `link` at `in_link`: mass, inertia, collision and visual shapes.
+// Merges `part`, fixed at pose `in_link`, into `link`: mass, inertia, collision and visual shapes.
 void weld(RigidLink& link, const RigidLink& part, const Eigen::Isometry3d& in_link);
 
-// Axis-aligned bounding box of the shape, in the frame that `pose` maps to. Planes have none.
+// Returns the axis-aligned bounding box of the shape in the parent frame of `pose`. It is empty for planes
+// and meshes.
 Eigen::AlignedBox3d extent(const Shape& shape, const Eigen::Isometry3d& pose);
 
-// Whether mass and inertia are physically valid: mass and principal moments positive, and no principal moment
-// above the sum of the other two.
+// Returns true if mass and principal moments are positive, and no principal moment exceeds the sum of the
+// other two by more than 1 %. The 1 % allows for rounded numbers in files.
 bool physical(double mass, const Eigen::Matrix3d& inertia);
 
 }  // namespace kaz::sim

@@ -1,8 +1,8 @@
-// The robot as its URDF describes it, in the form that the dynamics needs.
+// Robot model from a URDF, in the form that the dynamics uses.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a robot file must have: docs/reference/robot.md. Links at fixed joints are merged with the link
-// that carries them; their frames remain known by name.
+// docs/reference/robot.md specifies the accepted files. Links at fixed joints are merged into their parent
+// link; RobotModel::frames still lists their frames.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ namespace kaz::sim {
 struct RobotLink {
   RigidLink rigid;
   int parent = -1;  // index into RobotModel::links, always smaller than the link's own
-  int joint = -1;   // joint number that moves it; -1: the root
+  int joint = -1;   // index into RobotModel::joints of the joint that moves it; -1: root link
   // Pose in the root link's frame at the zero posture.
   Eigen::Isometry3d at_zero = Eigen::Isometry3d::Identity();
 };
@@ -30,10 +30,11 @@ struct RobotLink {
 struct RobotJoint {
   std::string name;
   int child = 0;                                    // index into RobotModel::links
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit, root frame at the zero posture
-  double lower = 0, upper = 0;                      // rad, what the firmware allows
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector, root link's frame, zero posture
+  double lower = 0, upper = 0;                      // rad, software limits; stops: stop_margin.h
 };
 
+// Frame of a URDF link, fixed to a link of the model.
 struct RobotFrame {
   int link = 0;  // index into RobotModel::links
   Eigen::Isometry3d in_link = Eigen::Isometry3d::Identity();
@@ -41,21 +42,21 @@ struct RobotFrame {
 
 struct RobotModel {
   std::string name;
-  std::vector<RobotLink> links;  // parents before children, the root first
-  bool fixed_base = false;       // the root link is called `world` and never moves
-  // The revolute ones: of Kaz in the order of shared/board/joints.def, else in that of the file.
+  std::vector<RobotLink> links;  // parents before children; the root is first
+  bool fixed_base = false;       // the root link is named `world` and never moves
+  // Revolute joints: Kaz's in the order of shared/board/joints.def, those of other robots in file order.
   std::vector<RobotJoint> joints;
-  std::map<std::string, RobotFrame> frames;  // every link of the file, welded ones included
+  std::map<std::string, RobotFrame> frames;  // by link name, including merged links
 
-  double mass() const;
-  std::vector<std::string> joint_order() const;
-  // Link that carries both eyes; -1 if there is none.
+  double mass() const;                           // kg
+  std::vector<std::string> joint_order() const;  // names, in the order of `joints`
+  // Index of the link that carries `left_eye` and `right_eye`; -1 if no link carries both.
   int eyes_link() const;
-  // Bounding box of the collision shapes at the zero posture, in the root link's frame.
+  // Bounding box of the collision shapes at the zero posture, root link's frame. Empty without shapes.
   Eigen::AlignedBox3d extent() const;
 };
 
-// Errors name file and line.
+// Loads and checks a URDF. Errors name file and line.
 Result<RobotModel> load_robot(const std::string& urdf_path);
 
 }  // namespace kaz::sim

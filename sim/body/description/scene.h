@@ -17,14 +17,14 @@ struct Rgb {
 struct Shape {
   enum class Kind { box, cylinder, sphere, capsule, plane, mesh };
   Kind kind = Kind::box;
-  // box: full lengths x, y, z; cylinder and capsule: radius, length along z; sphere: radius;
-  // plane: lengths x, y, normal z. Metres.
+  // Meters. Box: full lengths along x, y, z. Cylinder: radius, length along z. Capsule: the same, length
+  // without the caps. Sphere: radius. Plane: lengths along x, y; its normal is z. Mesh: scale factors.
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
-  std::string mesh_path;  // kind mesh: absolute path of an OBJ or STL file, scaled by `size`
+  std::string mesh_path;  // meshes only: absolute path of an OBJ or STL file
 };
 
 struct Visual {
-  std::string name;  // link/visual, unique
+  std::string name;  // "link/visual", unique
   int frame = 0;     // index into ScenePose::frames
   Eigen::Isometry3d in_frame = Eigen::Isometry3d::Identity();
   Shape shape;
@@ -34,17 +34,17 @@ struct Visual {
 
 // A directional key light and the ambient light.
 struct Light {
-  Eigen::Vector3d to_key{0.55, -0.50, 1.0};  // direction to the lamp, any length; from above
+  Eigen::Vector3d to_key{0.55, -0.50, 1.0};  // direction to the lamp, any length, z > 0
   double key = 1,
-         shaded = 1;  // factors on the key light and on the ambient light
+         shaded = 1;  // factors on key light and ambient light
 };
 
-// Does not change while the world runs.
+// Constant while the world runs.
 struct Scene {
   std::vector<Visual> visuals;
-  std::vector<std::string> frames;  // name of each moving body; frame 0 is the world
+  std::vector<std::string> frames;  // 0: the world, then robot links and movable objects
   Light light;
-  // The point between the robot's soles at the start, x ahead, in the world.
+  // Point between the robot's soles at the start, x forward, world frame.
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
 };
 

@@ -1,4 +1,4 @@
-// Validates a world file: unsupported elements are errors, none is silently ignored.
+// Validates a world file. Unsupported elements are errors, so that none is silently ignored.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace kaz::sim {
 
-// Checks elements, numbers, names and masses against the subset of SDF in docs/reference/worlds.md. Errors
-// name file and line.
+// Checks elements, numbers, names and masses against the SDF subset in docs/reference/worlds.md. Errors name
+// file and line.
 Result<void> check_sdf(const std::string& path);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// Validates a URDF before the parser reads it, which reports no line numbers.
+// Validates a URDF before urdfdom parses it, because urdfdom reports no line numbers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,17 +10,17 @@
 
 namespace kaz::sim {
 
-// A root link of this name is fixed at the robot's pose in the world.
+// A root link with this name is fixed at the robot's start pose in the world.
 inline constexpr const char* kFixedRoot = "world";
 
-// Contents of the file that the parser does not return.
+// File contents that the parser does not return.
 struct UrdfFacts {
-  std::vector<std::string> revolute;       // names of joints, in the order of the file
-  std::map<std::string, double> friction;  // by link: mu of its surfaces
-  std::string text;                        // the bytes that were checked, for the parser
+  std::vector<std::string> revolute;       // joint names in file order
+  std::map<std::string, double> friction;  // mu by link name; only links that define it
+  std::string text;                        // the validated bytes, for the parser
 };
 
-// Errors name file and line.
+// Checks the file against the URDF subset in docs/reference/robot.md. Errors name file and line.
 Result<UrdfFacts> check_urdf(const std::string& path);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// The robot's environment as the SDF world describes it. Supported subset: docs/reference/worlds.md.
+// The robot's environment, loaded from an SDF world. Supported subset: docs/reference/worlds.md.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,42 +12,43 @@
 
 namespace kaz::sim {
 
-// At `time` the velocity is added to that of the object.
+// Velocity change of an object at a given time.
 struct Kick {
   double time_s = 0;
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, world axes
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, world axes, added to the object's
 };
 
-// At `time` a link of the robot has this impulse, at its centre of mass. WorldModel::feet: since when.
+// Impulse on a link of the robot at its center of mass.
 struct Push {
-  double time_s = 0;
+  double time_s = 0;  // from the start, or from the first step if WorldModel::feet is not empty
   std::string link;
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes
 };
 
-inline constexpr double kFirstStep = 0.005;  // m
+inline constexpr double kFirstStep = 0.005;  // m, rise of a foot in the robot's first step
 
+// A link of a world model.
 struct WorldBody {
   std::string model;
   RigidLink rigid;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // in the world, at the start
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // start pose in the world
   bool fixed = false;
-  std::vector<Kick> kicks;  // by time
+  std::vector<Kick> kicks;  // sorted by time
 };
 
 struct WorldModel {
   Eigen::Vector3d gravity{0, 0, -9.81};
   std::vector<WorldBody> bodies;
   Light light;
-  // Where the robot starts: the point between its soles, x forward.
+  // Start pose of the robot: the point between its soles, x forward.
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
-  std::vector<Push> pushes;  // on the robot, by time
-  // Links of the robot. Pushes are timed from its first step: when one of these has risen by kFirstStep.
-  // Empty: from the start.
+  std::vector<Push> pushes;  // on the robot, sorted by time
+  // Links of the robot. The times of pushes count from its first step, when one of these links has risen by
+  // kFirstStep. If empty, they count from the start.
   std::vector<std::string> feet;
 };
 
-// Errors name file and line. Never touches the network.
+// Loads and checks an SDF world. Errors name file and line. Never accesses the network.
 Result<WorldModel> load_world(const std::string& sdf_path);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// Reads an XML file; errors name file and line.
+// Parses an XML file. Errors name file and line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,32 +16,32 @@ namespace kaz::sim {
 
 class XmlFile {
  public:
-  // Fails where the file cannot be read, is too large, is no UTF-8 or well-formed XML, or has another root
-  // element.
+  // Fails if the file cannot be read, exceeds 16 MiB, is not well-formed XML in UTF-8, has a document type,
+  // or has another root element.
   static Result<XmlFile> load(const std::string& path, const std::string& root_name);
 
   const std::string& path() const { return path_; }
   const tinyxml2::XMLElement& root() const { return *document_->RootElement(); }
 
-  // Error "path:line: message" of an invalid input file.
+  // Returns the error "path:line: message". Control characters in `message` become blanks.
   tl::unexpected<Error> error(int line, const std::string& message) const;
   tl::unexpected<Error> error(const tinyxml2::XMLElement& at, const std::string& message) const {
     return error(at.GetLineNum(), message);
   }
 
-  // Value of a required attribute.
+  // Returns the value of a required attribute.
   Result<std::string> attribute(const tinyxml2::XMLElement& element, const char* name) const;
-  // Value of a required attribute, one finite number.
+  // Returns the value of a required attribute that must be one finite number.
   Result<double> number(const tinyxml2::XMLElement& element, const char* name) const;
 
-  // Names go into messages of one line, JSON and XML: the attribute `name`, where there is one, is at most
-  // 200 bytes without & < > " ' and control characters.
+  // Checks the attribute `name`, if present: at most 200 bytes, without & < > " ' and control characters.
+  // Names appear in one-line messages, JSON and XML.
   Result<void> check_name(const tinyxml2::XMLElement& element) const;
 
-  // For elements that hold other elements alone: no text between them.
+  // Rejects text between the children of an element that may contain only elements.
   Result<void> check_no_text(const tinyxml2::XMLElement& element) const;
 
-  // The bytes that were parsed.
+  // The parsed bytes.
   const std::string& text() const { return text_; }
 
  private:
@@ -53,7 +53,8 @@ class XmlFile {
   std::unique_ptr<tinyxml2::XMLDocument> document_;
 };
 
-// Parses exactly `count` finite numbers separated by blanks; nullopt otherwise. Independent of the locale.
+// Parses exactly `count` finite numbers separated by whitespace. Returns nullopt otherwise. Independent of
+// the locale.
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count);
 
 }  // namespace kaz::sim

@@ -1,31 +1,30 @@
 // A gear motor on a hinge, as one implicit row of the constraint solver.
 // SPDX-License-Identifier: Apache-2.0
 //
-// All quantities at the output shaft, SI. The rotor has its own angle and speed u; the joint, with its
-// potentiometer, follows behind the backlash b. With A = stall_slope V duty (Nm), B = back_emf (Nm s/rad, 0
-// while the bridge is open), J the rotor's inertia, h the step, T the torque on the joint, an implicit Euler
-// step is
+// All quantities refer to the output shaft, in SI units. The rotor has its own angle and speed u. The joint,
+// with its potentiometer, follows behind the backlash b. An implicit Euler step is
 //
 //   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
 //
-// At the end of a step the flanks do not overlap: with a gap d >= 0 to the flank that pushes forward,
-// u_new - w_new <= d/h and T >= 0, complementary (one of the two holds as an equation). For the solver this
-// is one row
+// with the drive torque A = stall_slope V duty (Nm) and B = back_emf (Nm s/rad, 0 while the bridge is open).
+// J is the rotor's inertia, h the step and T the torque on the joint.
+//
+// At the end of a step the flanks do not overlap. Let d >= 0 be the gap to the flank that pushes forward and
+// w_new the joint's speed after the step. Then u_new - w_new <= d/h and T >= 0 are complementary: one of them
+// is an equation. For the solver this is one row
 //
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //
-// and its mirror image for the other flank. Free and engaged are two solutions of the same row: a flank
+// and its mirror image for the other flank. Free and engaged are two solutions of the same row. So a flank
 // never pulls, and flanks meet without bounce within the step. The row is implicit in back-EMF and rotor
-// inertia: explicit torques are unstable on links as light as these. The row is that of the flank to which
-// the rotor would be nearer after the step. If the joint passes the other flank, the rotor's angle is reset
-// to it: this changes an angle, no speed, and so adds no energy.
+// inertia, because explicit torques are unstable on links as light as these. It belongs to the flank that
+// would be closer to the rotor after the step. If the joint passes the other flank, the rotor's angle is
+// reset to it. This changes an angle but no speed, and so adds no energy.
 //
 // Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //
-// A slipping gear is a clutch with a max torque; the motor is assumed to turn with the joint, without
-// backlash. A jammed gear locks the joint at its angle.
-//
-// Current is the mean over a PWM period (docs/reference/robot.md explains why that is enough).
+// A slipping gear is a clutch with a maximum torque. Its motor is assumed to turn with the joint, without
+// backlash. A jammed gear locks the joint at its angle. Currents are means over a PWM period.
 #pragma once
 
 #include <memory>
@@ -36,29 +35,31 @@
 
 namespace kaz::sim {
 
+// Each step: prepare(), solve the constraints with the row, finish().
 class JointMotor {
  public:
   JointMotor(const MotorParams& params, double step_s);
 
+  // Constraint on the joint: w_new + softness T = velocity, with min <= T <= max.
   struct Row {
     double velocity = 0;  // rad/s
     double softness = 0;  // rad/s per Nm
     double max = 0;       // Nm
-    double min = 0;       // Nm; -max, or one of the two is 0 and the other practically unbounded
+    double min = 0;       // Nm; -max, or one of both is 0 and the other practically unlimited
   };
-  // Torque on a joint that is held at rest by a rigid obstacle in the coming step, Nm.
+  // Returns the torque (Nm) on a joint that a rigid obstacle holds at rest in the coming step. `row`: result
+  // of prepare().
   double pressing(const Row& row) const;
 
-  // The row for the coming step from the joint's present angle and velocity (rad, rad/s). Duty is clamped
-  // to -1..1, NaN is taken as 0.
+  // Computes the row for the coming step from the joint's present angle and velocity (rad, rad/s). The duty
+  // is clamped to -1..1; one that is not finite counts as 0.
   Row prepare(const MotorDrive& drive, double supply_volts, double angle, double velocity);
-  // After the step: the joint's new velocity and the torque of the row; updates rotor, current and heat.
+  // Updates rotor, current and heat after the step, from the joint's new velocity and the torque of the row.
   void finish(double velocity, double torque);
 
-  // A, drawn from the supply in the last step (mean over the PWM period; negative while braking
-  // feeds back). 0 while the bridge is open.
+  // A, drawn from the supply in the last step. Negative while braking feeds back, 0 while the bridge is open.
   double supply_current() const { return state_.duty * state_.current; }
-  double motor_current() const { return state_.current; }  // A, positive turns positively
+  double motor_current() const { return state_.current; }  // A; positive: drives forward
   double winding_celsius() const { return heat_.winding_celsius(); }
   double case_celsius() const { return heat_.case_celsius(); }
   double resistance_ohm() const;
@@ -67,15 +68,15 @@ class JointMotor {
   double rotor_angle() const { return state_.rotor_angle; }  // rad
   double rotor_speed() const { return state_.rotor_speed; }  // rad/s
 
-  // The state carried from step to step.
+  // State carried from step to step.
   enum class Regime { held, forward, backward };
   friend constexpr Regime last_value(Regime) { return Regime::backward; }
   struct State {
     Regime regime = Regime::held;
-    bool stopped = true;  // just stopped: the angle at which it is held is not set yet
+    bool stopped = true;  // just stopped: the holding angle is not set yet
     double rotor_angle = 0, rotor_speed = 0;
-    double torque = 0, torque_before = 0;  // of the last two steps, Nm
-    double press = 0;                      // torque on the joint when it stopped, Nm
+    double torque = 0, torque_before = 0;  // Nm, in the last two steps
+    double press = 0;                      // Nm, on the joint when the rotor stopped
     double duty = 0, current = 0;
     double copper_watts = 0, friction_watts = 0;
     double winding_celsius = 0, case_celsius = 0;
@@ -83,7 +84,7 @@ class JointMotor {
   State state() const;
   void set_state(const State& state);
 
-  // Complete state (archive.hpp).
+  // Archives the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     State& s = state_;
@@ -105,7 +106,7 @@ class JointMotor {
   double step_s_;
   WindingHeat heat_;
   State state_;
-  // Of the current step, from prepare() to finish().
+  // Data of the current step, valid from prepare() to finish().
   bool powered_ = false, jammed_ = false, slipping_ = false, tight_ = false;
   bool frictionless_ = false;
   double volts_ = 0, max_ = 0;

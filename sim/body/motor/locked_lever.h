@@ -10,21 +10,21 @@ struct LockedLever {
   double duty = 1;
   double supply_volts = 10;  // open-circuit voltage of the source
   double supply_ohms = 0;    // resistance between source and driver
-  double seconds =
-      0.05;  // duration; the motor starts cold and at rest, with no gap at the driving flank
-  // Switches the drive off 0.1 s before the end and on again 50 ms later. A motor whose torque falls while
-  // it presses is held by its friction; restarting measures what it can lift.
+  // Duration. The motor starts cold and at rest, without a gap to the driving flank.
+  double seconds = 0.05;
+  // Switches the drive off 100 ms before the end and on again 50 ms later. A motor whose torque falls
+  // while it presses is held by its static friction. The restart measures the torque that it can lift.
   bool anew = false;
 };
 
 struct LeverReading {
   double torque_nm = 0;
-  double terminal_volts = 0;  // at the driver under load
+  double terminal_volts = 0;  // at the driver, under load
   double supply_amperes = 0;
   double winding_celsius = 0;
 };
 
-// Readings at the end of the test. Steps of 1 ms, as for the robot.
+// Runs the test in steps of 1 ms, as for the robot. Returns the readings at its end.
 LeverReading measure_locked_lever(const MotorParams& motor, const LockedLever& bench);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// For tests: one inertia on a motor's output shaft, its row solved by hand.
+// For tests: an inertia on a motor's output shaft, with the row solved in closed form.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,6 +11,7 @@
 
 namespace kaz::sim::test {
 
+// Loads a motor of Kaz. On an error the test fails.
 inline MotorParams motor_params(const std::string& name = "s9204-jskd04") {
   const auto params = load_motor_file("shared/robot/kaz/motor.xml", name);
   if (!params) {
@@ -20,7 +21,7 @@ inline MotorParams motor_params(const std::string& name = "s9204-jskd04") {
   return *params;
 }
 
-// An inertia I under an outside torque: I (w1 - w0)/h = row + load, where the row obeys
+// An inertia I with an external torque (Nm): I (w1 - w0)/h = row + load. The torque `row` satisfies
 // w1 + softness * row = velocity within its bounds.
 struct MotorBench {
   explicit MotorBench(const MotorParams& params = motor_params(), double inertia_kgm2 = 1e-4,

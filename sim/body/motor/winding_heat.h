@@ -4,9 +4,9 @@
 //   C_w dT_w/dt = I^2 R - (T_w - T_c) / R_wc
 //   C_c dT_c/dt = (T_w - T_c) / R_wc + friction - (T_c - T_air) / R_ca
 //
-// (lumped network; Hendershot and Miller, "Design of Brushless Permanent-Magnet Motors", on thermal
-// circuits). The copper's resistance grows linearly with T_w. Demagnetisation by heat is not modelled: it
-// depends on the material, some 0.2 %/K for ferrite and half of that for neodymium. Units: J/K, K/W, W, s,
+// Source: Hendershot and Miller, "Design of Brushless Permanent-Magnet Motors", on thermal circuits (lumped
+// network). The copper's resistance grows linearly with T_w. Demagnetization by heat is not modeled. It
+// depends on the material: about 0.2 %/K for ferrite, half of that for neodymium. Units: J/K, K/W, W, s,
 // degrees Celsius.
 #pragma once
 
@@ -23,9 +23,9 @@ class WindingHeat {
   explicit WindingHeat(std::shared_ptr<const MotorParams> params)
       : params_(std::move(params)), winding_(params_->air_celsius), case_(params_->air_celsius) {}
 
-  // Heat (W) of the copper and of gear and brushes during step_s. Explicit Euler; both flows are taken from
-  // the old temperatures. The step is 1e-5 of the shortest time constant. Without heat parameters in the
-  // motor file the motor stays cold.
+  // Applies the heat (W) of the copper and of gear and brushes for step_s. Explicit Euler is sufficient,
+  // since the step is 1e-5 of the shortest time constant. Without heat parameters in the motor file the motor
+  // stays cold.
   void take(double copper_watts, double friction_watts, double step_s) {
     if (params_->winding_heat_capacity == 0) return;
     const double to_case = (winding_ - case_) / params_->winding_to_case;
@@ -33,7 +33,7 @@ class WindingHeat {
     winding_ += step_s * (copper_watts - to_case) / params_->winding_heat_capacity;
     case_ += step_s * (to_case + friction_watts - to_air) / params_->case_heat_capacity;
   }
-  // Resistance now over resistance at `air_celsius`.
+  // Present resistance over the resistance at `air_celsius`.
   double resistance_ratio() const {
     return 1 + params_->copper_per_kelvin * (winding_ - params_->air_celsius);
   }
@@ -44,11 +44,11 @@ class WindingHeat {
     case_ = case_celsius;
   }
 
-  // Complete state (archive.hpp).
+  // Archives the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(winding_, case_);
-    // Below, the resistance of copper would come near zero.
+    // At lower temperatures the resistance of copper would approach zero.
     a.require(std::min(winding_, case_) > -150 && std::max(winding_, case_) < 1e5, "temperature");
   }
 

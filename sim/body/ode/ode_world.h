@@ -1,9 +1,9 @@
 // World on the Open Dynamics Engine, double precision. Settings: docs/reference/robot.md, "Dynamics".
 // SPDX-License-Identifier: Apache-2.0
 //
-// QuickStep shuffles its rows with ODE's global random generator. Each world keeps its own state of the
-// generator and sets it for its step, under a lock. Worlds may therefore step in different threads, one
-// step at a time.
+// QuickStep shuffles its rows with ODE's global random generator. Each world keeps its own generator state
+// and installs it for its step, under a lock. So worlds may be stepped in different threads, but QuickSteps
+// run one at a time.
 #pragma once
 
 #include <deque>
@@ -20,10 +20,10 @@ namespace kaz::sim {
 
 class OdeWorld final : public StagedWorld {
  public:
-  // `iterations` of QuickStep; 0: ODE's exact solver.
+  // `iterations`: of QuickStep; 0 selects ODE's exact solver.
   OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
            const WorldOptions& options, int iterations);
-  OdeWorld(const OdeWorld& other);
+  OdeWorld(const OdeWorld& other);  // builds ODE's objects anew and copies the state
   ~OdeWorld() override;
 
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
@@ -42,12 +42,12 @@ class OdeWorld final : public StagedWorld {
  private:
   struct Joint {
     dJointID hinge = nullptr, motor = nullptr;
-    dJointFeedback feedback{}, bearing{};            // of motor and hinge
+    dJointFeedback feedback{}, bearing{};            // reactions of `motor` and `hinge`
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // in the child's frame
     dBodyID child = nullptr;
-    int link = 0, parent = -1;       // of the child; the link that carries it
+    int link = 0, parent = -1;       // numbers of the child and its parent
     double lower = 0, upper = 0;     // mechanical stops, rad
-    std::optional<double> pressing;  // Nm against a stop, in the current step
+    std::optional<double> pressing;  // Nm, against a stop in the current step
   };
   struct Watched {
     Touch touch;
@@ -86,12 +86,12 @@ class OdeWorld final : public StagedWorld {
   OdeWorldHandle ode_;
   OdeJointGroupHandle contact_rows_;
   BodySleep sleep_;
-  std::vector<dBodyID> ode_bodies_;               // by number; null: does not move
-  std::vector<Joint> ode_joints_;                 // never grows after the start: ODE writes into it
-  std::vector<Eigen::Isometry3d> frames_before_;  // of the robot's links, as the step began
+  std::vector<dBodyID> ode_bodies_;               // by body number; null: fixed
+  std::vector<Joint> ode_joints_;                 // never resized: ODE keeps pointers into it
+  std::vector<Eigen::Isometry3d> frames_before_;  // poses of the robot's links when the step began
   ContactMemory memory_;
   bool watch_ = false;
-  std::deque<Watched> watched_;  // ODE keeps pointers to the feedbacks
+  std::deque<Watched> watched_;  // a deque: ODE keeps pointers to the feedbacks
   double largest_gap_ = 0;
 };
 

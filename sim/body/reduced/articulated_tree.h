@@ -1,19 +1,19 @@
-// Dynamics of a tree of rigid links in reduced (joint) coordinates: one coordinate for each joint, six for a
-// floating base. Joints cannot drift apart by construction.
+// Dynamics of a tree of rigid links in reduced coordinates: one per joint, six for a floating base. Joints
+// cannot drift apart by construction.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sources: R. Featherstone, "Rigid Body Dynamics Algorithms" (2008): composite-rigid-body inertia
 // (6.2), recursive Newton-Euler bias (5.3).
 //
-// All spatial quantities are in world axes about one point, the present origin P of the root, so inertias and
-// forces of links are added without transforms. Order of the coordinates v: angular velocity of the root and
-// velocity of P (world axes, rad/s and m/s; absent for a fixed base), then the joint rates in the order of
-// links, parents first (rad/s).
+// All spatial quantities are in world axes about one point, the present origin P of the root. So inertias and
+// forces of links are added without transforms. The coordinates v begin with the angular velocity of the
+// root and the velocity of P (world axes, rad/s and m/s), unless the base is fixed. The joint rates (rad/s)
+// follow in the order of links, parents first.
 //
 //   M(q) dv/dt + c(q, v) = tau
 //
-// No allocation after the first step in a thread; the order of all sums is fixed, so equal input gives equal
-// bits. Copies share what never changes.
+// No allocation after the first step in a thread. All sums have a fixed order, so equal input gives equal
+// bits. Copies share constant data.
 #pragma once
 
 #include <memory>
@@ -32,7 +32,7 @@ struct Spatial {
 
 class ArticulatedTree {
  public:
-  // `held`: fixes the base although the model has a floating one.
+  // `root`: world pose of the root link. `held`: fixes the base even if the model has a floating one.
   ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3d& root, bool held);
 
   int dofs() const { return dofs_; }
@@ -62,14 +62,15 @@ class ArticulatedTree {
     Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
   };
   Momentum momentum();
-  // Changes the velocity of a floating base, and no joint's, so that momentum() becomes `to`.
+  // Changes the velocity of a floating base, but no joint's, so that momentum() becomes `to`. No effect on a
+  // fixed base.
   void set_momentum(const Momentum& to);
   Eigen::Vector3d mass_centre() const;  // m, world
   double mass() const { return mass_; }
   double kinetic_energy();  // J
 
-  // M for the present pose (composite-rigid-body algorithm). row(i) returns a pointer to row i; written are
-  // the diagonal and the columns of ancestors.
+  // Computes M for the present pose (composite-rigid-body algorithm). `row(i)` must return a pointer to row
+  // i. Only the diagonal and the columns of ancestors are written.
   template <class Row>
   void mass_matrix(Row row) const {
     const std::span<const Inertia> composites = composite();
@@ -77,18 +78,18 @@ class ArticulatedTree {
       write_mass_row(i, composites[i], row(fixed(i).dof));
     for (int i = 0; i < root_dofs_; ++i) write_root_row(i, row(i));
   }
-  // c(q, v): generalised forces that keep the coordinates unaccelerated under gravity (recursive
-  // Newton-Euler with zero acceleration). N m, N.
+  // Computes c(q, v), N m and N: the generalized forces that keep the coordinates unaccelerated under gravity
+  // (recursive Newton-Euler with zero acceleration). `c` must have dofs() entries.
   void bias(const std::vector<double>& velocity, const Eigen::Vector3d& gravity,
             std::vector<double>& c);
 
-  // Spatial force transmitted to each link through its parent joint for motion at `velocity` with
-  // `acceleration` (recursive Newton-Euler). `forces`, by link: external force without gravity in, joint
-  // force out; for the root, the force that the base would need.
+  // Computes the spatial force transmitted to each link through its parent joint, for motion at `velocity`
+  // with `acceleration` (recursive Newton-Euler). `forces`, by link: external forces without gravity in,
+  // joint forces out. The entry of the root is the force that the base would need.
   void joint_forces(const std::vector<double>& velocity, const std::vector<double>& acceleration,
                     const Eigen::Vector3d& gravity, std::vector<Spatial>& forces);
 
-  // Range of joint coordinates that contains all ancestors of a link, without the root's six.
+  // Range of joint coordinates that includes a link's joint and all its ancestors, without the root's six.
   struct Span {
     int first = 0, end = 0;
   };
@@ -98,30 +99,30 @@ class ArticulatedTree {
   int carrier_of_dof(int dof) const {
     return fixed(index(fixed(index(dof - root_dofs_ + 1)).parent)).dof;
   }
-  // out += J^T force for a force (N, or N s) at a point of a link, world frame.
+  // out += J^T force for a force (N, or N s) at a point of a link; both in the world frame.
   void add_force(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& force,
                  double* out) const;
-  // Adds `sign` times the link's geometric Jacobian about P (angular, linear) to columns of six; the column
-  // of coordinate i is at columns + 6 (i - first).
+  // Adds `sign` times the link's geometric Jacobian about P (angular, linear) to columns of six. The column
+  // of joint coordinate i is at columns + 6 (i - first); the root's six are not written.
   void add_motions(int link, double sign, int first, double* columns) const;
 
  private:
   struct Inertia {  // about P
     double mass = 0;
-    Eigen::Vector3d first = Eigen::Vector3d::Zero();  // mass * centre
+    Eigen::Vector3d first = Eigen::Vector3d::Zero();  // mass * center
     Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
     Spatial operator*(const Spatial& motion) const {
       return {second * motion.angular + first.cross(motion.linear),
               mass * motion.linear - first.cross(motion.angular)};
     }
   };
-  // What never changes of a link.
+  // Constant data of a link.
   struct FixedLink {
     int parent = -1, dof = -1;
     Span span;
     Eigen::Vector3d in_parent = Eigen::Vector3d::Zero();    // origin, parent's axes
     Eigen::Matrix3d at_zero = Eigen::Matrix3d::Identity();  // axes at angle 0, parent's axes
-    Eigen::Vector3d own_axis = Eigen::Vector3d::UnitX();    // of the joint, own axes
+    Eigen::Vector3d own_axis = Eigen::Vector3d::UnitX();    // joint axis, own axes
     double mass = 0;
     Eigen::Vector3d own_com = Eigen::Vector3d::Zero();          // own axes
     Eigen::Matrix3d own_inertia = Eigen::Matrix3d::Identity();  // about com, own axes
@@ -130,15 +131,15 @@ class ArticulatedTree {
     std::vector<FixedLink> links;
     std::vector<int> dof_of_joint;
   };
-  // Of a link for the present pose; vectors from P.
+  // Data of a link for the present pose; vectors from P.
   struct Link {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(), com = Eigen::Vector3d::Zero();
-    Spatial motion;  // of the joint at unit rate (motion subspace S)
+    Spatial motion;  // motion subspace S: the joint at unit rate
     Inertia inertia;
     Spatial twist;
   };
-  // Working memory of one calculation, by link; each thread has one for all trees.
+  // Working memory of one computation, by link. Each thread has one for all trees.
   struct Scratch {
     std::vector<Inertia> composite;
     std::vector<Spatial> acceleration, force;
@@ -157,7 +158,7 @@ class ArticulatedTree {
   std::vector<Link> links_;
   int dofs_ = 0, root_dofs_ = 0;
   double mass_ = 0;
-  Inertia whole_;  // of all links
+  Inertia whole_;  // sum over all links
 };
 
 }  // namespace kaz::sim

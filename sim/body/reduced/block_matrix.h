@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A block has the coordinates of a floating base, of a chain of joints between two forks of the robot, or of
-// one free body. The inertia couples a chain to its ancestors; contacts couple the touching bodies. Blocks
-// that are connected by couplings form an island; islands are solved independently.
+// one free body. The inertia couples a chain to its ancestors. Contacts couple the touching bodies. Coupled
+// blocks form an island, and islands are solved independently.
 //
-// Two matrices have the same pattern: the inertia M, and H = M plus the stiffness of the rows in a Newton
+// Two matrices have this pattern: the inertia M, and H = M plus the stiffness of the rows in a Newton
 // iteration. H is factored as L^T L from the last coordinate to the first, so that branches cause no fill-in
 // in each other (R. Featherstone, "Rigid Body Dynamics Algorithms", 6.5: branch-induced sparsity). A chain on
-// the root without contacts is calm: its factors and its Schur complement in the root's block are kept as
-// long as its active set does not change.
+// the root without contacts is calm. Its factors and its Schur complement in the root's block are reused
+// while its active set stays the same.
 //
-// No allocation once the numbers of coordinates and blocks have been reached. The order of all sums is fixed.
+// No allocation once the maximum numbers of coordinates and blocks are reached. All sums have a fixed order.
 #pragma once
 
 #include <cstddef>
@@ -25,33 +25,36 @@ class BlockMatrix {
     int first = 0, length = 0;
   };
   struct Island {
-    Range blocks;       // in blocks_of()
+    Range blocks;       // in order_
     bool calm = false;  // has calm blocks
   };
 
-  // Removes all blocks. The blocks then added cover the coordinates in ascending order, each once.
+  // Removes all blocks. The blocks added next must cover the coordinates in ascending order, each once.
   void begin(int coordinates);
-  // `carrier`: the parent block, -1 for none. M couples a block to all its ancestors. Returns its index.
+  // Adds a block and returns its index. `carrier`: the parent block, or -1. M couples a block to all its
+  // ancestors.
   int add_block(int first, int length, int carrier);
   int block_of(int coordinate) const { return block_of_[at(coordinate)]; }
   int island_of(int coordinate) const { return blocks_[at(block_of(coordinate))].island; }
-  void couple(int block_a, int block_b);
+  void couple(int block_a, int block_b);  // for bodies in contact
+  // Marks a block with contacts, which is never calm.
   void touch(int block) { blocks_[at(block)].calm = false; }
-  // Computes fill-in, islands and calm blocks. To be called after the last of the calls above.
+  // Computes fill-in, islands and calm blocks. Call after the last of the calls above.
   void close();
 
   int size() const { return size_; }
-  // Row i of M, lower triangle. The caller writes the columns of its own block and of its ancestors.
+  // Row i of M, lower triangle. The caller writes the columns of the row's own block and of its ancestors.
   double* inertia_row(int i) { return inertia_.data() + row(i); }
   double inertia(int i) const { return inertia_[row(i) + at(i)]; }
 
   const std::vector<Island>& islands() const { return islands_; }
+  // Coordinates of the k-th block of an island.
   const Range& block(const Island& island, int k) const {
     return blocks_[at(order_[at(island.blocks.first + k)])].range;
   }
   bool calm(int block) const { return blocks_[at(block)].calm; }
 
-  // Calls set(i, j, M_ij) for the entries of an island's lower triangle that are not zero by structure.
+  // Calls set(i, j, M_ij) for the structurally nonzero entries of an island's lower triangle.
   template <class Set>
   void for_each_inertia(const Island& island, Set set) const {
     for (int k = 0; k < island.blocks.length; ++k) {
@@ -69,13 +72,13 @@ class BlockMatrix {
   }
   // out = M x for an island's coordinates.
   void multiply(const Island& island, const double* x, double* out) const;
-  // H = M for an island. `keep`: its calm blocks stay factored.
+  // Sets H = M for an island. `keep`: its calm blocks stay factored.
   void load(const Island& island, bool keep);
   // Row i of H, lower triangle; entries above the diagonal may be written and are never read.
   double* row_of(int i) { return matrix_.data() + row(i); }
-  void factor_calm(const Island& island);
-  void factor(const Island& island);
-  // x = H^-1 x
+  void factor_calm(const Island& island);  // factors the calm blocks, for reuse by load()
+  void factor(const Island& island);       // factors the other blocks
+  // x = H^-1 x, after factor().
   void back_solve(const Island& island, double* x) const;
 
  private:
@@ -83,7 +86,7 @@ class BlockMatrix {
     Range range;
     int carrier = -1, island = -1;
     bool calm = true;
-    Range below;  // in below_: coupled blocks before it, as coordinates
+    Range below;  // in below_: coordinates of the coupled blocks before it
   };
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::size_t row(int i) const { return at(i) * at(size_); }
@@ -95,11 +98,11 @@ class BlockMatrix {
 
   int size_ = 0;
   std::vector<double> inertia_, matrix_, inverse_diagonal_;
-  std::vector<double> root_kept_;  // the root's rows with calm blocks eliminated
+  std::vector<double> root_kept_;  // rows of the root after elimination of the calm blocks
   std::vector<int> block_of_, order_;
   std::vector<Block> blocks_;
-  std::vector<Range> couplings_;  // by couple(): two blocks each
-  std::vector<char> coupled_;     // after elimination, by block and block before it
+  std::vector<Range> couplings_;  // pairs of blocks from couple()
+  std::vector<char> coupled_;     // with fill-in, by block and earlier block
   std::vector<Range> below_;
   std::vector<Island> islands_;
 };

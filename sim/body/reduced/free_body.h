@@ -1,4 +1,4 @@
-// A free rigid body: a ball, a box.
+// A free rigid body, such as a ball or a box.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,16 +8,16 @@
 
 namespace kaz::sim {
 
-// Angular momentum is the state variable, so in flight it is conserved to the last bit.
+// Angular momentum is the state variable, so that it is conserved to the last bit in flight.
 class FreeBody {
  public:
   FreeBody(const RigidLink& link, const Eigen::Isometry3d& start);
 
-  // World axes, of the centre of mass; m, m/s, rad/s.
+  // Motion of the center of mass, world axes; m, m/s, rad/s.
   Eigen::Vector3d com;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   const Eigen::Vector3d& angular_velocity() const { return angular_velocity_; }
-  const Eigen::Matrix3d& axes() const { return axes_; }  // of the link's frame
+  const Eigen::Matrix3d& axes() const { return axes_; }  // link's frame
   Eigen::Isometry3d link_pose() const;
   double mass() const { return mass_; }
 
@@ -29,9 +29,9 @@ class FreeBody {
   void stop();
 
   bool awake = true;
-  double left_s = SleepRule{}.after_s;  // time at rest still needed before it sleeps
+  double left_s = SleepRule{}.after_s;  // remaining time at rest before it sleeps
 
-  // Complete state (archive.hpp).
+  // Archives the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     for (int k = 0; k < 3; ++k) a(com[k], velocity[k], momentum_[k]);
@@ -52,12 +52,12 @@ class FreeBody {
   Eigen::Matrix3d inertia_, inverse_;  // own axes, about com
   Eigen::Quaterniond turn_;
   Eigen::Vector3d momentum_ = Eigen::Vector3d::Zero();
-  // Follow from the above.
+  // Derived from the state by place().
   Eigen::Vector3d angular_velocity_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes_;
 };
 
-// `turn` rotated by the rotation vector `by`, rad, world axes.
+// Returns `turn` rotated by the rotation vector `by`, rad, world axes.
 Eigen::Quaterniond turned(const Eigen::Quaterniond& turn, const Eigen::Vector3d& by);
 
 }  // namespace kaz::sim

@@ -1,18 +1,18 @@
-// World in reduced coordinates: joints without constraint drift, implicit motors, contacts with friction
-// cones, all bodies in contact in one solve. docs/explanation/dynamics.md has the formulation.
+// World in reduced coordinates: joints without drift, implicit motors, friction cones, one solve for all
+// contacts.
 // SPDX-License-Identifier: Apache-2.0
 //
-// One step of h seconds, from q, v to the next:
-//   1. contacts from contacts.h; for each joint its motor's row (joint_motor.h)
-//   2. velocities: the bias c at the midpoint velocity, extrapolated from the last step, which makes the
-//      velocity-dependent forces second order; then Newton's method to convergence (velocity_solver.h)
-//   3. q += h v; a robot in flight uses the midpoint velocity of its root, a free body in flight the mean of
-//      old and new v
-//   4. the robot's momentum is set to its old value plus the impulses of contacts and gravity, so it does
+// docs/explanation/dynamics.md has the formulation. One step of h seconds, from q and v:
+//   1. Find the contacts (contacts.h) and compute the row of each joint's motor (joint_motor.h).
+//   2. Solve for the velocities by Newton's method (velocity_solver.h). The bias c is taken at the midpoint
+//      velocity, extrapolated from the last step. This makes the velocity-dependent forces second order.
+//   3. q += h v. A robot in flight uses the midpoint velocity of its root, a free body in flight the mean of
+//      old and new v.
+//   4. Set the robot's momentum to its old value plus the impulses of contacts and gravity, so that it does
 //      not drift. This changes the root's velocity by terms of h^2.
 //
-// Members are what lasts from step to step; clone() copies them. A step calculates in Work, of which each
-// thread has one: many worlds that step in turn share it, and it stays in the processor's cache.
+// Members are the state that lasts from step to step; clone() copies them. A step computes in Work, one per
+// thread. Many worlds that step in turn share it, and it stays in the processor's cache.
 #pragma once
 
 #include <memory>
@@ -36,7 +36,7 @@ class ReducedWorld final : public StagedWorld {
   Result<std::unique_ptr<World>> clone() const override {
     return std::make_unique<ReducedWorld>(*this);
   }
-  double largest_joint_gap_m() const override { return 0; }  // there are none to open
+  double largest_joint_gap_m() const override { return 0; }  // joints cannot open
   std::string dynamics() const override { return "reduced"; }
   bool measures_convergence() const override { return true; }
   void watch_contacts(bool on) override { watch_ = on; }
@@ -55,10 +55,10 @@ class ReducedWorld final : public StagedWorld {
  private:
   struct Joint {
     int dof = 0;
-    double lower = 0, upper = 0;  // rad, of the stops
+    double lower = 0, upper = 0;  // rad, mechanical stops
   };
-  // Impulses of a contact in the last step: the stored friction of hard contacts (velocity_solver.h), and
-  // rolling. Soft contacts have their shear in ContactMemory.
+  // Impulses of a contact in the last step: stored friction of hard contacts (velocity_solver.h) and rolling.
+  // ContactMemory stores the shear of soft contacts.
   struct Memory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
@@ -69,34 +69,34 @@ class ReducedWorld final : public StagedWorld {
       for (int k = 0; k < 3; ++k) a(at[k], impulse[k], moment[k]);
     }
   };
-  struct Chain {  // of joints: a block of the solver's matrix
+  struct Chain {  // chain of joints: a block of the solver's matrix
     int first = 0, length = 0, carrier = -1;
   };
-  struct Layout {  // what never changes; shared by all clones
+  struct Layout {  // constant, shared by all clones
     std::vector<Joint> joints;
     std::vector<Chain> chains;
   };
   struct Meeting {                                    // two bodies in contact
-    int body_a = -1, body_b = -1, pair = -1;          // pair: of the solver; -1: neither can move
-    Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m, point of reference of their motion
+    int body_a = -1, body_b = -1, pair = -1;          // pair: in the solver; -1: neither can move
+    Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m, reference point of their motion
   };
-  struct Push {  // a contact point of the solver; its impulse acts on body_a
+  struct Push {  // contact point of the solver; its impulse acts on body_a
     std::size_t touch = 0;
     Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // normal, two tangents
   };
   // Working memory of one step.
   struct Work {
-    // That of the calling thread, ready for a step of this world.
+    // Returns the instance of the calling thread, sized for `world`.
     static Work& of_this_thread(const ReducedWorld& world);
     Contacts& contacts = Contacts::of_this_thread();
     VelocitySolver solver;
     std::vector<double> bias, halfway, acceleration;  // by coordinate of the tree
     std::vector<double> momentum, velocity;           // by coordinate of the solver
     std::vector<Spatial> outer;                       // by link: external force
-    std::vector<int> coordinate_of;  // first of an object's six (angular, linear); -1: it sleeps
+    std::vector<int> coordinate_of;  // by object: first of six (angular, linear); -1: asleep
     std::vector<Meeting> meetings;
-    std::vector<Push> pushes;  // of each point of the solver
-    std::vector<bool> flies;   // by object: without contacts
+    std::vector<Push> pushes;  // by point of the solver
+    std::vector<bool> flies;   // by object: no contacts
   };
 
   template <class A>
@@ -135,13 +135,13 @@ class ReducedWorld final : public StagedWorld {
 
   ArticulatedTree tree_;
   std::shared_ptr<const Layout> layout_;
-  std::vector<FreeBody> objects_;  // by number - robot_links_
+  std::vector<FreeBody> objects_;  // by body number - robot_links_
   std::vector<Memory> memory_;
   ContactMemory shear_;
   Effort effort_;
   bool watch_ = false;
   std::vector<ContactPoint> watched_;
-  std::vector<double> velocity_before_;  // of the tree, one step ago
+  std::vector<double> velocity_before_;  // velocities of the tree one step ago
 };
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// Dot products and sums of few doubles in a fixed order that suits registers of two doubles (SSE2).
+// Dot products and sums of short vectors, in a fixed order that suits registers of two doubles (SSE2).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,11 +19,12 @@ inline double dot_six(const double* a, const double* b) {
   return (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5]);
 }
 
-// Length six (a floating base or a free body) is the common case and gets unrolled code.
+// Length six (a floating base or a free body) is the common case and has unrolled code.
 inline double dot_range(const double* a, const double* b, int n) {
   return n == 6 ? dot_six(a, b) : dot(a, b, n);
 }
 
+// to += by * from
 inline void add_range(double by, const double* __restrict from, double* __restrict to, int n) {
   if (n == 6) {
     for (int i = 0; i < 6; ++i) to[i] += by * from[i];

@@ -1,9 +1,9 @@
-// Puts resting bodies to sleep until a moving body touches them.
+// Puts resting ODE bodies to sleep until a moving body touches them.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The rule is ODE's "auto disable" with one sample: a body in contact that stays below both speed thresholds
 // for SleepRule::after_s is stopped. ODE's own counters can be neither read nor set, so a restored world
-// would not continue like the saved one; these can.
+// would not continue like the saved one. The counters of this class are part of the saved state.
 #pragma once
 
 #include <cstddef>
@@ -14,23 +14,24 @@
 namespace kaz::sim {
 
 struct SleepRule {
-  double linear = 0.003, angular = 0.15;  // m/s, rad/s; above either a body stays awake
+  double linear = 0.003, angular = 0.15;  // m/s, rad/s; above either one a body stays awake
   double after_s = 0.25;
 };
 
 class BodySleep {
  public:
   void add(dBodyID body) { bodies_.push_back({body, SleepRule{}.after_s}); }
+  // Enables the body and restarts its time at rest.
   void wake(dBodyID body);
-  // To be called before each solver step, after its contacts have been created.
+  // Call before each solver step, after its contacts have been created.
   void update(double step_s);
 
-  // Takes over the remaining times at rest; `other` has as many bodies.
+  // Copies the remaining times from `other`, which must have the same number of bodies.
   void continue_from(const BodySleep& other) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].left_s = other.bodies_[i].left_s;
   }
 
-  // Remaining time at rest of each body, in the order of add().
+  // Archives the remaining time until sleep of each body, in the order of add().
   template <class A>
   void transfer(A& a) {
     for (Sleeper& sleeper : bodies_) a(sleeper.left_s);

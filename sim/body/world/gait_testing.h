@@ -1,8 +1,8 @@
-// Steps on the spot, as joint angles over time: the load of the benchmark.
+// Walking on the spot as joint angles over time: the load of the benchmarks.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The trunk rolls about the hips, each foot swings for 0.3 of a cycle and lifts 10 mm. Hips are
-// 0.145 m above the soles, the trunk leans 3 degrees forward, shank and thigh are 65 mm long.
+// The trunk rolls about the hips. Each foot swings for 0.3 of a cycle and lifts 10 mm. The hips are 0.145 m
+// above the soles, the trunk leans forward by 3 degrees, shank and thigh are 65 mm long.
 #pragma once
 
 #include <algorithm>
@@ -14,13 +14,13 @@
 
 namespace kaz::sim::bench {
 
-using Angles = std::array<double, KZ_JOINTS>;  // rad, joint numbers of joints.def
+using Angles = std::array<double, KZ_JOINTS>;  // rad, by joint number of joints.def
 
-// `walk`: 0 stands in the walking crouch, 1 lifts the feet in full. `phase`: of the cycle of 1 s.
+// `walk`: 0 stands in the walking crouch, 1 lifts the feet fully. `phase`: in cycles of 1 s.
 inline Angles walking_angles(double walk, double phase) {
   constexpr double kBone = 0.065, kHipHeight = 0.145, kAnkleHeight = 0.030;
   constexpr double kLean = 3 * kDegree, kRoll = 16 * kDegree, kLift = 0.010, kHipSide = 0.033;
-  constexpr double kSwing = 0.30, kLag = 0.02;  // of a cycle
+  constexpr double kSwing = 0.30, kLag = 0.02;  // fractions of a cycle
   constexpr int kLeftHipRoll = 10, kRightHipRoll = 14;
   Angles angles{};
   for (const int shoulder : {2, 6}) {

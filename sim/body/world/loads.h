@@ -1,29 +1,33 @@
 // Force readings: external contact force on each link, reaction force in each joint.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Means over the last step, in the link's axes at its beginning, as a six-axis force-torque sensor in the
-// link would measure.
+// Means over the last step, in the link's axes at the step's beginning, like the readings of a six-axis
+// force-torque sensor in the link.
 #pragma once
 
 #include <Eigen/Geometry>
 
 namespace kaz::sim {
 
-// Sum of all contacts of one link with anything but the robot: floor, objects, walls. Zero for a fixed base.
-// World::push() is not included.
+// Sum of all contacts of one link with floor, objects and walls. Contacts between links of the robot and
+// World::push() are not included. Zero for a fixed base.
 struct LinkForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N, link's axes
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm, about the link's origin, link's axes
-  double pressure = 0;  // N, sum of the points' normal forces; 0: no contact
-  // Centre of pressure: mean of the contact points weighted by their normal forces, m, link's frame. For a
-  // flat sole on the floor, the point about which the contact moment is parallel to the floor's normal (ZMP).
+  double pressure = 0;                               // N, sum of the normal forces; 0: no contact
+  // Center of pressure, m, link's frame: mean of the contact points weighted by their normal forces. For a
+  // flat sole on the floor it is the ZMP, about which the contact moment is parallel to the floor's normal.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 
-  // Adds a contact point: f += R^T push, m += r x f + R^T turn, with r = R^T (at - origin). Until finish(),
-  // `centre` holds sum normal r. `link`: world pose of the link; the other arguments in world axes, `turn`:
-  // moment about the point, Nm.
+  // Adds a contact point with the force `push` (N) and the moment `turn` (Nm, about the point `at`). All
+  // arguments are in the world frame. `link` is the pose of the link, with rotation R and origin o.
+  //
+  //   f = R^T push, r = R^T (at - o);  force += f, moment += r x f + R^T turn, pressure += normal
+  //
+  // Until finish(), `centre` is the sum of normal r.
   void add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
            const Eigen::Vector3d& turn, double normal);
+  // Call once after the last add().
   void finish() {
     if (pressure > 0) centre /= pressure;
   }
@@ -36,8 +40,8 @@ struct LinkForce {
   }
 };
 
-// Reaction of the parent on the child link: bearing, motor and stop together, so the component along the axis
-// is the joint torque. At the joint's origin (the child link's origin), in the child's axes.
+// Reaction of the parent on the child link at the child link's origin, in the child's axes. Bearing, motor
+// and stop are included, so the moment along the axis is the joint torque.
 struct JointLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm

@@ -1,4 +1,4 @@
-// For tests: robots and objects of few parts, built without files.
+// For tests: small robots and objects, built without files.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,13 +10,12 @@
 
 namespace kaz::sim::test {
 
-// Rods of this mass (kg), length between joints (m), centre of mass in the middle, inertia about it
-// (kg m2).
+// Rods: mass (kg), length between joints (m), and inertia (kg m^2) about the center of mass in the middle,
+// across the rod and along it.
 constexpr double kRodMass = 0.1, kRodLength = 0.2, kRodInertia = 4e-4, kRodSlim = 2e-5;
-constexpr double kFreeRotor =
-    5e-4;  // kg m2, Kaz's; it turns with the joint and belongs to the answer
+constexpr double kFreeRotor = 5e-4;  // kg m^2, as in Kaz's motor; turns with the joint
 
-// Without friction, gap and heat. With the bridge open back-EMF does nothing.
+// Motor without friction, backlash and heat. With an open bridge only its rotor inertia acts.
 inline MotorParams free_motor() {
   MotorParams motor;
   motor.name = "free";
@@ -27,6 +26,8 @@ inline MotorParams free_motor() {
   return motor;
 }
 
+// Appends a link to the chain. `at`: its origin in the root's frame at the zero posture. All links but the
+// first get a joint with this axis and these limits (rad).
 inline void add_link(RobotModel& robot, const RigidLink& rigid, const Eigen::Vector3d& at,
                      const Eigen::Vector3d& axis, double lower, double upper) {
   RobotLink link;
@@ -42,7 +43,7 @@ inline void add_link(RobotModel& robot, const RigidLink& rigid, const Eigen::Vec
   robot.links.push_back(link);
 }
 
-// A robot that is a place and nothing else.
+// Robot that consists only of a fixed base.
 inline RobotModel fixed_place() {
   RobotModel robot;
   robot.name = "place";
@@ -62,8 +63,8 @@ inline RigidLink rod(const std::string& name) {
   return link;
 }
 
-// `count` of them, rod0 and on, below each other, hanging at zero from what does not move. All turn
-// about y; `crossed`: the first and every second after it about x.
+// Chain of `count` rods, rod0 and so on, that hangs from a fixed base at the zero posture. Joints turn about
+// y. If `crossed`, those of rod0, rod2 and so on turn about x.
 inline RobotModel chain(int count, bool crossed) {
   RobotModel robot = fixed_place();
   for (int i = 0; i < count; ++i) {
@@ -103,7 +104,7 @@ inline RigidLink ball(const std::string& name, double mass, double radius, const
   return link;
 }
 
-// A robot of one free link. Unlike objects of the world it is never put to sleep.
+// Robot with one free link. Unlike objects of the world it never sleeps.
 inline RobotModel lone(const RigidLink& link) {
   RobotModel robot;
   robot.name = link.name;
@@ -111,7 +112,7 @@ inline RobotModel lone(const RigidLink& link) {
   return robot;
 }
 
-// A floor at z = 0.
+// World with only a floor at z = 0.
 inline WorldModel floor_of(const Surface& surface, const Eigen::Vector3d& gravity) {
   WorldModel world;
   world.gravity = gravity;

@@ -1,4 +1,5 @@
-// Limits of poses and velocities in a saved state: beyond them solver or collision detection may not end.
+// Limits of poses and velocities in a saved state. Beyond them, solver or collision detection may not
+// terminate.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,11 +9,11 @@
 
 namespace kaz::sim {
 
-// m, far more than a body falls in a day that has left the floor.
+// m. A body that has left the floor falls far less in a day.
 inline bool is_saved_place(const Eigen::Vector3d& at) {
   return at.cwiseAbs().maxCoeff() < 1e11;
 }
-// m/s or rad/s
+// m/s or rad/s.
 inline bool is_saved_motion(const Eigen::Vector3d& velocity) {
   return velocity.cwiseAbs().maxCoeff() < 1e7;
 }

@@ -1,7 +1,7 @@
-// What a world knows and never changes: numbered bodies, names, scene, shapes, kicks and pushes.
+// The constant part of a world: numbered bodies, names, scene, shapes, kicks and pushes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Built once and then shared by all clones of a world, also in different threads.
+// Built once, then shared by all clones of a world, also across threads.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,23 @@
 
 namespace kaz::sim {
 
-// Pose of the robot's root link in the world at the start, in its zero posture: above the point between the
-// soles, so that these are on the ground, or, `hung`, half a metre above it. A fixed base is at that point.
+// Returns the world pose of the robot's root link at the start, in the zero posture. The soles are on the
+// ground at WorldModel::robot_start, or half a meter above it if `hung` (suspended). A fixed base is at
+// robot_start itself.
 Eigen::Isometry3d root_at_start(const WorldModel& world, const RobotModel& robot, bool hung);
 
 struct StageModel {
-  // Precondition: the world's pushes are on links of the robot that can move (make_world()).
+  // Precondition, checked by make_world(): the world's feet are links of the robot, and pushed links can
+  // move.
   StageModel(const WorldModel& world, const RobotModel& robot, const WorldOptions& options);
 
-  // Robot links have the numbers of RobotModel::links; the objects that can move follow.
+  // Numbers: robot links as in RobotModel::links, then the objects that can move.
   struct Body {
     RigidLink rigid;    // without visuals and collision shapes
     bool moves = true;  // false: fixed at `start`
-    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // of the link's frame
+    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // world pose of the link's frame
   };
-  // Of an object, m/s added to its velocity; of a link of the robot an impulse, N s. World axes.
+  // Velocity change of an object, m/s, or impulse on a robot link, N s. World axes.
   struct Kick {
     std::int64_t step = 0;
     int body = 0;
@@ -41,14 +43,14 @@ struct StageModel {
   ContactModel contacts;
   std::vector<std::string> joint_order, link_order;
   std::map<std::string, RobotFrame> link_frames;           // by link name
-  std::map<std::string, Eigen::Isometry3d> fixed_objects;  // by model
-  std::map<std::string, int> objects;                      // first link of each model that can move
-  std::vector<Kick> kicks;                                 // the next one last
-  std::vector<Kick> pushes;                                // the same, by step since the first step
-  std::vector<int> feet;    // whose rise is the first step of the robot
-  std::vector<int> frames;  // body of scene frame 1 onwards
+  std::map<std::string, Eigen::Isometry3d> fixed_objects;  // by model: world pose of the first link
+  std::map<std::string, int> objects;  // by movable model: number of its first link
+  std::vector<Kick> kicks;             // latest first: the next one is at the end
+  std::vector<Kick> pushes;            // the same; steps count from the robot's first step
+  std::vector<int> feet;               // links whose rise is the robot's first step
+  std::vector<int> frames;             // by scene frame - 1: number of the body
   Scene scene;
-  int head_frame = -1;
+  int head_frame = -1;  // scene frame of the link with both eyes; -1: none
 
  private:
   int add_frame(const std::string& name, int body);

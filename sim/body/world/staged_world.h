@@ -1,8 +1,8 @@
-// Base of all worlds, independent of the solver: numbered bodies, scene, names, kicks, motors and their
+// Base class of simulated worlds, independent of the solver: bodies, scene, names, kicks, motors and
 // readings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What never changes is in a StageModel, shared by all clones; the members here are the state that each has.
+// Constant data is in a StageModel, which all clones share. The members here are the state of one world.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,9 @@
 
 namespace kaz::sim {
 
-// ERP of a stop for a step of 1 ms (contact_surface.h), and its compliance, rad/s per Nm: 1 mrad at the
-// motor's 2.4 Nm, plastic on steel. At a rigid stop the residual of an iterative solver would make the joint
-// bounce.
+// ERP of a stop for a step of 1 ms (contact_surface.h), and its compliance in rad/s per Nm. A stop yields by
+// 1 mrad at the motor's 2.4 Nm, like plastic on steel. At a rigid stop, the residual of an iterative solver
+// would make the joint bounce.
 constexpr double kStopErp = 0.2;
 constexpr double kStopSoftness = 0.08;
 
@@ -42,13 +42,13 @@ class StagedWorld : public World {
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
   Result<void> accelerate(const std::string& model, const Eigen::Vector3d& change) override;
-  // The collision detection with which step() begins, for benchmarks. Returns the number of contact points.
+  // Runs only the collision detection of step(), for benchmarks. Returns the number of contact points.
   virtual int find_contacts() = 0;
   const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
 
  protected:
   using Body = StageModel::Body;
-  // An impulse of push() on a moving link of the robot, for the next step.
+  // Impulse on a moving link of the robot, applied in the next step.
   struct HandPush {
     std::uint32_t link = 0;
     Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes, at the centre of mass
@@ -66,31 +66,33 @@ class StagedWorld : public World {
   const std::vector<Body>& bodies() const { return model_->bodies; }
   // World pose of the link's frame, for bodies that move.
   virtual Eigen::Isometry3d moving_pose(int body) const = 0;
+  // Adds `velocity` (m/s, world axes) to that of an object and wakes it.
   virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
-  Eigen::Isometry3d body_pose(int body) const;
+  Eigen::Isometry3d body_pose(int body) const;  // link frame of any body
+  // Applies the kicks and pushes that are due at the current step.
   void kick_due();
-  // Takes those of `kicks` that are due at `step`; `left`: how many are still to come.
+  // Applies those of `kicks` that are due at `step`, and updates `left`, the number that remain.
   void take_due(const std::vector<StageModel::Kick>& kicks, std::size_t& left, std::int64_t step);
-  bool has_stepped() const;
-  // Computes each motor's row from the joints' present state.
+  bool has_stepped() const;  // one of the model's feet has risen by kFirstStep
+  // Computes each motor's row from the present joint states.
   void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
-  // Updates the motors with the joints' state after the step.
+  // Updates the motors with the joint states after the step.
   void finish_motors();
-  // Validity checks of one step; each sets diagnostics_.failure if it returns false.
+  // Validity checks of one step. Each sets diagnostics_.failure if it returns false.
   static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m, per step
   bool drives_are_numbers();
   bool joint_can_turn(std::size_t joint, double velocity);
   bool body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
                      const Eigen::Vector3d& angular);
-  void break_down(const std::string& why);
-  void read_motors();
-  // Archives the state of StagedWorld itself.
+  void break_down(const std::string& why);  // sets diagnostics_.failure, unless it is set
+  void read_motors();                       // copies currents and temperatures to the joint states
+  // Archives the state of this class.
   template <class A>
   void transfer_stage(A& a) {
     auto count = static_cast<std::uint32_t>(bodies().size());
     auto kicks = static_cast<std::uint32_t>(kicks_left_);
     a(count, kicks);
-    // Kicks that are done here may still be due in the saved state.
+    // Kicks that were applied here may still be due in the saved state.
     if (count != bodies().size() || kicks > model_->kicks.size()) {
       return a.refuse("it is of another world");
     }
@@ -118,9 +120,9 @@ class StagedWorld : public World {
       for (int k = 0; k < 3; ++k) a((*v)[k]);
     for (LinkForce& force : link_forces_) a(force);
     if constexpr (A::reading) {
-      diagnostics_.failure.clear();  // a world that broke down is not saved
+      diagnostics_.failure.clear();  // failed worlds are not saved
       joint_loads_.clear();
-      read_motors();  // what of them is no part of the state
+      read_motors();  // readings that are not archived
     }
   }
 
@@ -128,13 +130,13 @@ class StagedWorld : public World {
   double step_s_;
   Eigen::Vector3d gravity_;
   std::int64_t steps_ = 0;
-  bool hung_ = false;  // the root does not move
+  bool hung_ = false;  // the root link is fixed
   std::size_t robot_links_;
-  std::size_t kicks_left_ = 0;  // of the model's
+  std::size_t kicks_left_ = 0;  // number of the model's kicks not yet applied
   std::size_t pushes_left_ = 0;
-  std::int64_t first_step_ = -1;  // when a foot of the model had risen; -1: none has
+  std::int64_t first_step_ = -1;  // when a foot of the model had risen; -1: not yet
   std::vector<JointMotor> motors_;
-  std::vector<JointMotor::Row> rows_;  // of motors_, for the current step
+  std::vector<JointMotor::Row> rows_;  // by motor, for the current step
   std::vector<JointState> joint_states_;
   RobotFrame imu_frame_;
   ImuState imu_;
@@ -146,17 +148,18 @@ class StagedWorld : public World {
   SolverDiagnostics diagnostics_;
 };
 
-// What World::load reads before it builds a world.
+// The parsed files of a world.
 struct WorldFiles {
   WorldModel world;
   RobotModel robot;
-  MotorParams motor;  // without backlash and heat for WorldOptions::ideal_motors
+  MotorParams motor;  // without backlash and heat if WorldOptions::ideal_motors
 };
-// World, robot, and the motor file beside the robot's. Errors name file and line.
+// Loads world, robot, and the motor.xml beside the robot file. Errors name file and line.
 Result<WorldFiles> read_world_files(const std::string& world_path, const std::string& robot_path,
                                     const WorldOptions& options);
 
-// Builds a world on the dynamics that the options name. Errors: unknown dynamics, step size out of range.
+// Builds a world with the dynamics that the options name. Errors: unknown dynamics, step out of range, feet
+// or pushes on links that do not exist, pushes on a fixed link.
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
                                                 const MotorParams& motor,
                                                 const WorldOptions& options);

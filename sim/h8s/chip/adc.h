@@ -1,4 +1,4 @@
-// The 10-bit A/D converter: single and scan mode, sampling at the exact state.
+// 10-bit A/D converter: single and scan mode, with sampling at the exact state.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,22 +14,22 @@ class Machine;
 
 class Adc {
  public:
-  // FFE0..FFE9 and KBCOMP at FEE4.
+  // Register accesses, by the low 16 bits of the address: FFE0..FFE9, and KBCOMP at FEE4.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
-  // The same when no event is due.
+  // Like read(), when no event is due.
   std::uint8_t read_now(std::uint32_t address);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
   void reset(Machine& m, States at);
-  // The DTC has read a result and will read more.
+  // Must be called when the DTC has read a result and remains active: clears ADF.
   void taken_by_dtc(Machine& m, States at) {
     adf_.drop(0x80);
     update(m, at);
   }
 
   States next_event() const { return next_; }
-  // When the conversion ends that raises an interrupt request; kNever while none can. The others affect
-  // nothing else on the chip.
+  // Returns the end of the conversion that raises the next interrupt request, or kNever if no request can be
+  // raised. Other conversions do not affect the rest of the chip.
   States next_request() const {
     if (!(adcsr_ & 0x40) || adf_.has(0x80)) return kNever;
     if (end_ == kNever || !scan()) return end_;
@@ -38,14 +38,16 @@ class Adc {
   void advance(Machine& m, States to) {
     if (next_ <= to) convert(m, to);
   }
-  // A scan's conversions may be done together, when something reads them or the chip's outputs change.
+  // Returns whether conversions may be computed later than their time: in scan mode, until they are read or
+  // an output of the chip changes.
   bool may_wait() const { return scan(); }
-  // The next event, and those that follow up to `to`, each with its time in `at`, until `ended`.
+  // Processes the next event and those after it up to `to`, until `ended` is set. Sets `at` to the time of
+  // each.
   void run_events(Machine& m, States to, States& at, const bool& ended);
-  // External trigger, by the value of ADCR.TRGS: 2 is the 8-bit timer, 3 the ADTRG pin.
+  // Starts a conversion if ADCR.TRGS selects `source`: 2 is the 8-bit timer, 3 the ADTRG pin.
   void trigger(Machine& m, unsigned source, States at);
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(adcsr_, adcr_, kbcomp_, temp_, adf_, data_, channel_, sampled_, held_, next_, end_);
@@ -53,7 +55,7 @@ class Adc {
   }
 
  private:
-  // States of each further conversion in scan mode.
+  // Duration of each conversion in scan mode after the first, states.
   static constexpr States kScanSlow = 256, kScanFast = 128;
 
   bool scan() const { return (adcsr_ & 0x10) != 0; }
@@ -71,12 +73,12 @@ class Adc {
   std::uint8_t adcsr_ = 0;  // without ADF
   std::uint8_t adcr_ = 0x3f, kbcomp_ = 0, temp_ = 0;
   StickyFlags adf_;
-  std::array<std::uint16_t, 4> data_{};  // result << 6
+  std::array<std::uint16_t, 4> data_{};  // ADDRA..ADDRD: result << 6
   unsigned channel_ = 0;
   bool sampled_ = false;
   std::uint16_t held_ = 0;
-  States next_ = kNever;  // the sampling, or the end of the conversion
-  States end_ = kNever;
+  States next_ = kNever;  // next event: the sampling or the end of the conversion
+  States end_ = kNever;   // end of the conversion
 };
 
 }  // namespace kaz::h8s

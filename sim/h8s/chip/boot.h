@@ -1,8 +1,8 @@
-// The boot ROM: loads a program into RAM over a serial channel (hardware manual, boot mode).
+// Boot ROM: loads a program into RAM over a serial channel (hardware manual, boot mode).
 // SPDX-License-Identifier: Apache-2.0
 //
-// Its instructions are not known; it is modelled as a sequence of steps with their times. Its bytes pass
-// through the serial channel bit by bit, as those of any program. The CPU is stopped until the loaded
+// The ROM's instructions are not known, so this is a model of its steps and their times. Its bytes pass
+// through the serial channel bit by bit, like those of any program. The CPU is stopped until the loaded
 // program starts.
 #pragma once
 
@@ -17,9 +17,9 @@ class Machine;
 
 class BootRom {
  public:
-  // Boot mode is selected by the mode pins at a reset.
+  // Must be called at a reset with mode pins that select boot mode.
   void enter(Machine& m, States at);
-  // Reset or power cut at `at`: an erase pulse ends in the middle.
+  // Must be called at a reset or power cut. A running erase pulse has its partial effect.
   void leave(Machine& m, States at);
   bool active() const { return step_ != Step::off; }
   bool measuring() const { return step_ == Step::measure; }
@@ -27,11 +27,12 @@ class BootRom {
   States next_event() const { return wake_; }
   void advance(Machine& m, States to);
 
-  // During the bit rate measurement: a whole byte whose last stop bit ended at `byte.at`, or an edge.
+  // Inputs of the bit rate measurement: a whole byte, or an edge at RxD. A byte without bit_states is
+  // ignored.
   void heard(Machine& m, const ReceivedByte& byte);
   void edge(Machine& m, bool level, States at);
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(step_, wake_, low_since_, sending_, answers_, expected_, stored_, block_, pulse_from_);
@@ -41,19 +42,19 @@ class BootRom {
  private:
   enum class Step : std::uint8_t {
     off,
-    measure,     // bit time of the host's H'00
+    measure,     // measures the bit time of the host's H'00
     greet,       // sends H'00
     match,       // waits for H'55
-    count_high,  // of bytes
+    count_high,  // receives the size of the program
     count_low,
-    load,   // receives the program
-    check,  // whether the flash is blank
-    erase,  // an erase pulse is running
-    answer,
-    halted,
+    load,    // receives the program
+    check,   // waits until the last echo is sent
+    erase,   // checks the blocks and erases those that are not blank
+    answer,  // sends H'AA, then starts the program
+    halted,  // sends H'FF and stops
   };
   friend constexpr Step last_value(Step) { return Step::halted; }
-  bool is_possible() const;  // indices fit their step
+  bool is_possible() const;  // checks the ranges of restored members
   void measured(Machine& m, States low, States at);
   void poll(Machine& m, States at);
   void take(Machine& m, std::uint8_t byte, States at);
@@ -64,12 +65,12 @@ class BootRom {
 
   Step step_ = Step::off;
   States wake_ = kNever;
-  States low_since_ = kNever;  // RxD
-  std::int32_t sending_ = -1;  // byte waiting for the transmitter
-  std::int32_t answers_ = 0;   // H'AA still to be sent before the program starts
-  std::uint32_t expected_ = 0, stored_ = 0;
-  std::uint32_t block_ = 0;
-  States pulse_from_ = kNever;
+  States low_since_ = kNever;                // falling edge at RxD
+  std::int32_t sending_ = -1;                // byte waiting for the transmitter; -1: none
+  std::int32_t answers_ = 0;                 // number of H'AA to send before the program starts
+  std::uint32_t expected_ = 0, stored_ = 0;  // bytes of the program
+  std::uint32_t block_ = 0;                  // flash block that is checked or erased
+  States pulse_from_ = kNever;               // start of the erase pulse
 };
 
 }  // namespace kaz::h8s

@@ -1,4 +1,4 @@
-// For tests: a chip with a few words of program.
+// Test fixtures: small programs and chips that run them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace kaz::h8s::testing {
 
-inline constexpr std::uint32_t kCode = 0x1000;      // where programs start
+inline constexpr std::uint32_t kCode = 0x1000;      // start of programs
 inline constexpr std::uint32_t kHandlers = 0x8000;  // handler of vector n: kHandlers + 16 n
 inline constexpr std::uint32_t kRamData = 0xffe100;
 inline constexpr std::uint32_t kStack = 0xfff000;
@@ -20,10 +20,11 @@ inline std::uint32_t handler(unsigned vector) {
   return kHandlers + 16 * vector;
 }
 
-// Addresses of registers used by the tests.
+// Address of the module stop register.
 inline constexpr std::uint32_t kMstpcr = 0xffff86;
 
-// Flash with vectors 0..103, each handler `bra .`, and `words` at kCode. Powered on, ER7 set up.
+// Returns a powered-on chip with `words` at kCode. Each of the vectors 1..103 has the handler `bra .`. ER7 is
+// kStack.
 inline Chip make_chip(const std::vector<std::uint16_t>& words, Options options = {}) {
   Image image;
   Segment vectors{0, 0, "vectors", {}};
@@ -49,8 +50,7 @@ inline Chip make_chip(const std::vector<std::uint16_t>& words, Options options =
   return chip;
 }
 
-// Program text that writes registers: mov.b #value,r0l ; mov.b r0l,@address:8 for the page FFFFxx
-// (3 states + 1), or mov.b r0l,@address:16.
+// Builder of programs, mostly of accesses to I/O registers.
 class Program {
  public:
   Program& word(std::uint16_t w) {
@@ -61,16 +61,16 @@ class Program {
     for (const std::uint16_t w : ws) words_.push_back(w);
     return *this;
   }
-  // 1 + 4 states for a register (mov.b #,r0l: 1; mov.b r0l,@aa:16: 3 + 1 for I/O).
+  // mov.b #value,r0l; mov.b r0l,@address:16. Takes 1 + 3 states, and 1 more for an I/O register.
   Program& out8(std::uint32_t address, std::uint8_t value) {
     return words(
         {static_cast<std::uint16_t>(0xf800 | value), 0x6a88, static_cast<std::uint16_t>(address)});
   }
-  // mov.w #,r0 ; mov.w r0,@aa:16: 2 + 3 states, and 1 or 3 more for I/O.
+  // mov.w #value,r0; mov.w r0,@address:16. Takes 2 + 3 states, and 1 or 3 more for an I/O register.
   Program& out16(std::uint32_t address, std::uint16_t value) {
     return words({0x7900, value, 0x6b80, static_cast<std::uint16_t>(address)});
   }
-  // mov.b @aa:16,r0l
+  // mov.b @address:16,r0l.
   Program& in8(std::uint32_t address) {
     return words({0x6a08, static_cast<std::uint16_t>(address)});
   }
@@ -80,7 +80,7 @@ class Program {
     return *this;
   }
   Program& stay() { return word(0x40fe); }  // bra .
-  // All modules on.
+  // Clears all module stop bits.
   Program& modules_on() { return out16(kMstpcr, 0x0000); }
   const std::vector<std::uint16_t>& get() const { return words_; }
 
@@ -92,7 +92,7 @@ inline Chip make_chip(const Program& program, Options options = {}) {
   return make_chip(program.get(), options);
 }
 
-// Runs until PC is at `address`; false after 200,000 steps or a stop.
+// Steps until PC is `address`. Returns false after 200,000 steps or a stop.
 inline bool run_to(Chip& chip, std::uint32_t address) {
   for (int k = 0; k < 200'000; ++k) {
     if (chip.registers().pc == address) return true;
@@ -101,7 +101,7 @@ inline bool run_to(Chip& chip, std::uint32_t address) {
   return false;
 }
 
-// Address after the words of a program.
+// Returns the address after the last word of a program.
 inline std::uint32_t end_of(const Program& p) {
   return kCode + 2 * static_cast<std::uint32_t>(p.get().size());
 }

@@ -1,4 +1,4 @@
-// The data transfer controller: moves data on interrupt requests while the CPU waits for the bus.
+// Data transfer controller (DTC): moves data on interrupt requests while the CPU waits for the bus.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,43 +13,44 @@ class Machine;
 
 class Dtc {
  public:
-  // DTCERA..DTCERE and DTVECR, FEEE..FEF3.
+  // Register accesses: DTCERA..DTCERE and DTVECR, FEEE..FEF3.
   std::uint8_t peek(std::uint32_t address) const;
   std::uint8_t read(std::uint32_t address);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
 
-  // Does the transfers that are due at this instruction boundary; advances Cpu::now. False: none due.
+  // Does one activation if one is due at this instruction boundary, and advances Cpu::now. Returns false if
+  // none is due.
   bool run(Machine& m);
-  // When the next transfer may begin; kNever if nothing is requested.
+  // Returns the time at which the next activation may begin; kNever without a request.
   States earliest(const Machine& m) const;
   bool idle() const { return !(dtvecr_ & 0x80) || ended_; }
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(dtcer_, dtvecr_, swdte_seen_, ended_, software_at_, rdr_read_, tdr_written_, result_read_);
   }
 
  private:
-  struct Block;  // register information as it lies in RAM
+  struct Block;  // register information in RAM
   struct Outcome {
-    bool ended;  // an interrupt is requested of the CPU
-    bool valid;
+    bool ended;  // the CPU receives the interrupt
+    bool valid;  // the register information was valid
   };
 
   Outcome serve(Machine& m, unsigned vector);
-  bool transfer(Machine& m, Block& b);  // true at the end of the count
+  bool transfer(Machine& m, Block& b);  // returns true at the end of the count
   void move(Machine& m, Block& b);
   void release(Machine& m, unsigned vector);
   void divert(Machine& m);
 
   std::array<std::uint8_t, 5> dtcer_{};
   std::uint8_t dtvecr_ = 0;
-  bool swdte_seen_ = false;  // read as 1
-  bool ended_ = false;       // software activation is complete, its interrupt is requested
+  bool swdte_seen_ = false;  // SWDTE was read as 1
+  bool ended_ = false;       // a software activation is complete and requests its interrupt
   States software_at_ = 0;
-  // Registers accessed by the running activation; they decide whether the flag of a serial channel or
-  // of the converter is cleared.
+  // Registers that the current activation has accessed. They determine whether the flag of a serial channel
+  // or of the converter is cleared.
   std::array<bool, 2> rdr_read_{}, tdr_written_{};
   bool result_read_ = false;
 };

@@ -1,4 +1,4 @@
-// The flash controller: programming and erasing by the steps that the manual prescribes.
+// Flash controller: programming and erasing by the steps that the manual prescribes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,46 +12,48 @@ namespace kaz::h8s {
 
 class Machine;
 
-// Waits and pulses of the 32-byte generation, in microseconds (hardware manual, flash memory
-// programming and erasing flowcharts; values of the non-A-mask part, see docs/explanation/emulator.md).
+// Waits and pulse lengths of the generation with 32-byte lines, microseconds. Source: hardware manual, flash
+// memory programming and erasing flowcharts, non-A-mask part (docs/explanation/emulator.md).
 namespace flash_times {
 inline constexpr double after_swe = 10, after_psu = 50, after_esu = 200, after_pv = 4,
                         after_ev = 20, after_dummy = 2;
 inline constexpr double program_least = 150, program_most = 200;
 inline constexpr double erase_least = 5'000, erase_most = 10'000;
-inline constexpr double nothing_below =
-    0.125;                             // fraction of the minimum pulse below which no cell changes
+// Fraction of the minimum pulse below which no cell changes.
+inline constexpr double nothing_below = 0.125;
 inline constexpr int endurance = 100;  // erasures of a block
 }  // namespace flash_times
 
 class FlashControl {
  public:
-  // FF80..FF83 while STCR.FLSHE = 1: FLMCR1, FLMCR2, EBR1, EBR2.
+  // Register accesses while STCR.FLSHE = 1, FF80..FF83: FLMCR1, FLMCR2, EBR1, EBR2.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // A byte written by the program to an address inside the flash.
+  // Latches a byte that the program writes to an address inside the flash.
   void latch(Machine& m, std::uint32_t address, std::uint8_t value);
 
   bool enabled() const { return (flmcr1_ & 0x40) != 0; }
-  // Normal reads: no pulse is running and verification is off.
+  // Returns whether reads are normal: no pulse or setup is active, and verification is off.
   bool plain() const { return !busy() && (flmcr1_ & 0x0c) == 0; }
-  // During a pulse or its setup: a read, a fetch or an exception is an error.
+  // Returns whether a pulse or its setup is active. A read, fetch or exception is then an error.
   bool busy() const { return (flmcr1_ & 0x03) != 0 || (flmcr2_ & 0x01) != 0; }
-  // Value read while not plain().
+  // Returns the value of a read while not plain(). `cell` is the stored byte.
   std::uint8_t read(Machine& m, std::uint32_t address, std::uint8_t cell, States at);
-  // Error protection: ends the running pulse early; no other begins before reset.
+  // Enters error protection: sets FLER and ends the running pulse early. No other pulse begins before a
+  // reset.
   void error(Machine& m, const char* text, States at);
-  // Erase pulse by the boot ROM over one block; `share` below 1: it was cut off.
+  // Applies an erase pulse to one block. `share` is its fraction of a full pulse; below 1 only some cells
+  // change, or none.
   void erase_block(Machine& m, unsigned block, double share);
   static constexpr unsigned blocks = 10;
   static std::uint32_t size_of(unsigned block);
   bool blank(Machine& m, unsigned block) const;
-  // Power or reset ends a pulse in the middle.
+  // Must be called at a reset or power cut. A running pulse has its partial effect.
   void cut(Machine& m, States at);
 
   FlashStatistics statistics;
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(flmcr1_, flmcr2_, ebr1_, ebr2_, line_, latched_, data_, dummy_, pulse_start_, swe_at_,
@@ -68,10 +70,10 @@ class FlashControl {
   bool cell_moves(const Machine& m, std::uint32_t cell, double share) const;
 
   std::uint8_t flmcr1_ = 0x80, flmcr2_ = 0, ebr1_ = 0, ebr2_ = 0;
-  std::uint32_t line_ = 0;
-  std::uint32_t latched_ = 0;  // one bit a byte of the line
+  std::uint32_t line_ = 0;     // address of the 32-byte line to program
+  std::uint32_t latched_ = 0;  // one bit for each latched byte of the line
   std::array<std::uint8_t, 32> data_{};
-  std::uint32_t dummy_ = 0xffffffff;  // word selected for verification by a dummy write
+  std::uint32_t dummy_ = 0xffffffff;  // word that a dummy write has selected for verification
   States pulse_start_ = 0, swe_at_ = 0, setup_at_ = 0, verify_at_ = 0, dummy_at_ = 0;
   std::uint32_t pulses_ = 0;
 };

@@ -1,4 +1,4 @@
-// The 16-bit free-running timer, brought up to date when it is accessed.
+// 16-bit free-running timer (FRT). Its state is computed when it is accessed.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,32 +14,33 @@ class Machine;
 
 class Frt {
  public:
-  // `address` is the low 16 bits: FF90..FF9F. `at` is when the bus cycle ends.
+  // Register accesses. `address` is the low 16 bits: FF90..FF9F. `at` is the end of the bus cycle.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // As of the last advance().
+  // Returns the value at the last advance().
   std::uint8_t peek(std::uint32_t address) const;
 
-  // Time of the next interrupt request or output change.
+  // Returns the time of the next interrupt request or output change.
   States next_event(States epoch) const;
-  // The DTC has served the request of `vector`.
+  // Must be called when the DTC has served the request of `vector`.
   void taken_by_dtc(Machine& m, unsigned vector, States at);
-  // Brings count, flags and requests up to `to`.
+  // Computes count, flags and requests up to `to`.
   void advance(Machine& m, States to);
 
-  // Input capture pins FTIA..FTID (0..3) and the clock input FTCI.
+  // Edges at the input capture pins FTIA..FTID (`n` 0..3) and at the clock input FTCI.
   void capture_edge(Machine& m, unsigned n, bool rising, States at);
   void clock_edge(Machine& m, States at);
 
+  // Output 0 is FTOA, 1 is FTOB.
   bool drives(unsigned output) const { return (tocr_ & (output ? 4 : 8)) != 0; }
   bool level(unsigned output) const { return level_[output]; }
-  // The next match that may change level(), from the last advance() on.
+  // Returns the next match after the last advance() that may change level().
   States next_change(States epoch, unsigned output) const;
   bool waits_for_input() const {
     return (tier_ & 0xf0) != 0 || ((tcr_ & 3) == 3 && (tier_ & 0x0e));
   }
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(count_, tick_, flags_, tier_, tcr_, tocr_, temp_, clear_on_a_, use_af_, ocr_, icr_, ocrar_,
@@ -49,7 +50,7 @@ class Frt {
 
  private:
   States divisor() const;  // 0: external clock
-  // Counts from now to the next match or overflow.
+  // Returns the counts to the next match or overflow.
   std::int64_t to_next() const;
   std::int64_t to_count(std::uint32_t value) const;
   void step(Machine& m, std::int64_t counts, States at);
@@ -58,15 +59,15 @@ class Frt {
   void update(Machine& m, States at);
 
   std::uint16_t count_ = 0;
-  States tick_ = 0;  // clock ticks up to which count_ is right
+  States tick_ = 0;  // clock ticks that count_ includes
   StickyFlags flags_;
   std::uint8_t tier_ = 1, tcr_ = 0, tocr_ = 0, temp_ = 0;
   bool clear_on_a_ = false;
-  bool use_af_ = false;  // OCRAMS: OCRAF is added next, else OCRAR
+  bool use_af_ = false;  // with OCRAMS: the next match adds OCRAF, else OCRAR
   std::array<std::uint16_t, 2> ocr_{0xffff, 0xffff};
   std::array<std::uint16_t, 4> icr_{};
   std::uint16_t ocrar_ = 0xffff, ocraf_ = 0xffff, ocrdm_ = 0;
-  // ICRDMS: after a capture D no other one until FRC reaches ICRD + 2 OCRDM.
+  // With ICRDMS: after a capture D no further one until FRC reaches ICRD + 2 OCRDM.
   bool masked_ = false;
   std::uint16_t mask_end_ = 0;
   std::array<bool, 2> level_{};

@@ -1,4 +1,4 @@
-// The interrupt controller: requests of all sources, their priorities, the IRQ and NMI pins.
+// Interrupt controller: requests of all sources, their priorities, the IRQ and NMI pins.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,13 +23,15 @@ inline constexpr unsigned count = 104;
 
 class Interrupts {
  public:
+  // Keeps the levels of the pins.
   void reset();
 
-  // A source raises or drops its request; `at` counts when it rises.
+  // Raises or drops the request of a source. `at` is the time of a raised request.
   void set(unsigned vector, bool level, States at) {
     if (level != ((raw_[vector / 64] >> (vector % 64) & 1) != 0)) change(vector, level, at);
   }
-  // The same for neighbours: bit k of `levels` is vector `first` + k. They must not cross 63|64.
+  // Like set() for `count` adjacent vectors: bit k of `levels` is vector `first` + k. All must be below 64,
+  // or all from 64 on.
   void set_all(unsigned first, unsigned count, std::uint64_t levels, States at) {
     const std::uint64_t mask = ((1ull << count) - 1) << (first % 64);
     const std::uint64_t wanted = levels << (first % 64);
@@ -39,34 +41,38 @@ class Interrupts {
       change(first / 64 * 64 + bit, (wanted >> bit & 1) != 0, at);
     }
   }
-  // Whether a request has been raised since the last call.
+  // Returns whether a request has been raised since the last call.
   bool take_raised() { return std::exchange(raised_, false); }
   bool requested(unsigned vector) const { return since_[vector] != kNever; }
-  // Requests to the CPU, bit by vector: two words.
+  // Returns the requests to the CPU: two words with one bit for each vector.
   const std::uint64_t* pending() const { return pending_.data(); }
 
-  // Whether a request passes mask bits I and UI of `control`: it is accepted now or a few states later.
+  // Returns whether a request to the CPU may pass the mask bits I and UI of `control`. With `two_level` any
+  // request may; choose() decides.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;
     return !(control & 0x80) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
   }
-  // The decision at an instruction boundary.
+  // Decision at an instruction boundary.
   struct Choice {
-    unsigned vector = 0;       // to accept now; 0: none
-    States earliest = kNever;  // otherwise the earliest time at which one is accepted
+    unsigned vector = 0;       // vector to accept now; 0: none
+    States earliest = kNever;  // if none: earliest time at which one is accepted
   };
+  // `decision`: Options::interrupt_decision_states.
   Choice choose(States boundary, std::uint8_t control, bool two_level, int decision) const;
-  // --- for the DTC: requests of the sources in `vectors` activate it instead of the CPU.
+
+  // --- for the DTC
+  // Requests of the sources in `vectors` activate the DTC instead of the CPU.
   void divert(const std::array<std::uint64_t, 2>& vectors, States at);
   bool any_diverted() const { return ((raw_[0] & diverted_[0]) | (raw_[1] & diverted_[1])) != 0; }
-  // When the oldest of them was raised; kNever: none.
+  // Returns the time of the oldest diverted request; kNever: none.
   States diverted_since() const;
-  // The first of them in vector order that was raised at `limit` or before; 0: none.
+  // Returns the lowest vector of the diverted requests that were raised at `limit` or before; 0: none.
   unsigned first_diverted(States limit) const;
-  // An edge request that the DTC has served.
+  // Must be called when the DTC has served a request of the IRQ pins.
   void taken_by_dtc(unsigned vector, States at);
 
-  // Edge requests are cleared when the CPU accepts them.
+  // Must be called when the CPU accepts a vector. Clears the request of an edge or of the address break.
   void accepted(unsigned vector, States at);
 
   void set_irq_pin(unsigned n, bool level, States at);
@@ -74,7 +80,7 @@ class Interrupts {
   bool nmi_level() const { return nmi_level_; }
   bool any_irq_enabled() const { return (ier_ & 7) != 0; }
 
-  // Address break (PC break): while enabled, fetched() must be called for each instruction.
+  // Address break: while it is enabled, fetched() must be called before each instruction.
   bool watches_fetches() const { return (abrkcr_ & 1) != 0; }
   void fetched(std::uint32_t pc, States at) {
     const std::uint32_t bar = std::uint32_t{bar_[0]} << 16 | std::uint32_t{bar_[1]} << 8 | bar_[2];
@@ -83,12 +89,13 @@ class Interrupts {
     set(vec::address_break, true, at);
   }
 
-  // Registers by the low 16 bits of their address; nullopt or false where there is none.
+  // Register accesses by the low 16 bits of the address. They return nullopt or false if it is not a register
+  // of this module.
   std::optional<std::uint8_t> read(std::uint32_t address);
   std::optional<std::uint8_t> peek(std::uint32_t address) const;
   bool write(std::uint32_t address, std::uint8_t value, States at);
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(since_, raw_, diverted_, pending_, raised_, icr_, isr_, iscrh_, iscrl_, ier_, abrkcr_, bar_,
@@ -111,16 +118,16 @@ class Interrupts {
   unsigned sense(unsigned n) const { return iscrl_ >> (2 * n) & 3u; }
   void update_irq(States at);
 
-  std::array<States, vec::count> since_ = filled();
-  std::array<std::uint64_t, 2> raw_{};       // all requests
-  std::array<std::uint64_t, 2> diverted_{};  // sources whose requests are the DTC's
-  std::array<std::uint64_t, 2> pending_{};   // requests to the CPU: the others
+  std::array<States, vec::count> since_ = filled();  // time of each request; kNever: none
+  std::array<std::uint64_t, 2> raw_{};               // all requests
+  std::array<std::uint64_t, 2> diverted_{};          // sources whose requests go to the DTC
+  std::array<std::uint64_t, 2> pending_{};           // requests to the CPU: raw_ without diverted_
   bool raised_ = false;
   std::array<std::uint8_t, 3> icr_{};
   StickyFlags isr_;
   std::uint8_t iscrh_ = 0, iscrl_ = 0, ier_ = 0, abrkcr_ = 0;
   std::array<std::uint8_t, 3> bar_{};
-  std::uint8_t irq_level_ = 7;  // inputs that the board does not drive are inactive
+  std::uint8_t irq_level_ = 7;  // levels of IRQ0..IRQ2; high (inactive) until the board drives them
   bool nmi_level_ = true;
 
   static std::array<States, vec::count> filled() {

@@ -1,4 +1,4 @@
-// The byte that a UART receiver decodes from a frame sent at another bit rate.
+// Computes the byte that a UART receiver decodes from a frame sent at another bit rate.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,14 +7,15 @@
 namespace kaz::h8s {
 
 struct HeardByte {
-  bool heard = false;  // false: the start bit had ended before its sample
+  bool heard = false;  // false: the start bit ended before it was sampled, so nothing is received
   std::uint8_t value = 0;
   bool framing_error = false;
 };
 
-// Format 8N1. The receiver samples the middle of each of its own bits, counted from the falling edge of
-// the start bit; after the frame the line is idle (high). `sent_bit` and `own_bit` are bit times in any
-// common unit. Further frames triggered by a slow sender's later edges are not modelled.
+// The format is 8N1. The receiver samples the middle of each of its own bits, counted from the falling edge
+// of the start bit. After the frame the line is idle (high). `sent_bit` and `own_bit` are the bit times of
+// sender and receiver in any common unit, above 0. Further frames that begin at later edges of a slow sender
+// are not modeled.
 constexpr HeardByte heard_at(std::uint8_t value, std::int64_t sent_bit, std::int64_t own_bit) {
   HeardByte heard;
   const unsigned frame = 0x200u | static_cast<unsigned>(value) << 1;  // start, data, stop

@@ -1,4 +1,4 @@
-// Machine: all modules of the chip, and the loop that runs them. Internal; chip.h is the public interface.
+// Machine: all modules of the chip and the loop that runs them. Internal; chip.h is the public interface.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -32,10 +32,11 @@
 
 namespace kaz::h8s {
 
-// Bits of MSTPCR, module by module.
+// Numbers of the module stop bits in MSTPCR.
 inline constexpr unsigned Stop_dtc = 14, Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9,
                           Stop_tmrxy = 8, Stop_sci0 = 7, Stop_sci1 = 6;
 
+// Callbacks of the chip's user; empty: none.
 struct Listeners {
   std::function<void(const OutputChange&)> output;
   std::function<void(int, const TransmittedByte&)> transmitted;
@@ -43,7 +44,7 @@ struct Listeners {
   std::function<double(int, States)> analog;
 };
 
-inline constexpr std::uint8_t kSsby = 0x80;  // of SBYCR: SLEEP begins standby
+inline constexpr std::uint8_t kSsby = 0x80;  // SBYCR.SSBY: SLEEP begins standby
 
 // System registers without a class of their own.
 struct SystemRegisters {
@@ -56,7 +57,7 @@ struct SystemRegisters {
   }
 };
 
-// Modules that have events; events of the same state are processed in this order.
+// Modules with events. Events of the same state are processed in this order.
 enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy, pins, boot };
 inline constexpr unsigned kSources = 10;
 
@@ -75,7 +76,7 @@ class Machine final : public Bus {
 
   // Copies the state of another machine; listeners and hooks are kept.
   void take_state(const Machine& other);
-  // The same to and from bytes (state.cpp).
+  // Write and read the state as bytes (state.cpp).
   void write_state(StateWriter& to);
   void read_state(StateReader& from);
 
@@ -110,22 +111,22 @@ class Machine final : public Bus {
   void run_observed() override;
 
   // --- for the modules ---------------------------------------------------------------------------
-  // End of the current bus access, or the event's time.
+  // Returns the current time: during a bus access the end of that access.
   States time() const {
     const States at = cpu.now + cpu.stall;
     return slow_from_ == kNever ? at : slow_from_ + (at - slow_from_) * slow_by_;
   }
-  // True in software standby: all clocks except the subclock are stopped.
+  // Returns whether the chip is in software standby, with all clocks but the subclock stopped.
   bool in_standby() const { return standby_; }
-  // Current time as seen from outside: of the event being processed, else time().
+  // Returns the time of the event being processed, otherwise time().
   States event_time() const { return processing_ != kNever ? processing_ : time(); }
-  // Advances the timers that may drive pins.
+  // Advances the timers that can drive pins.
   void advance_outputs(States at) {
     frt.advance(*this, at);
     tmr.advance(*this, at);
     tmr_xy.advance(*this, at);
   }
-  // Sets or releases the board's drive of a pin and applies its effects.
+  // Sets the level that the board drives at a pin (nullopt: releases it) and applies its effects.
   void set_input(unsigned port, unsigned bit, std::optional<bool> level);
   void set_nmi(bool level);
   bool stopped(unsigned bit) const { return (system.mstpcr >> bit & 1) != 0; }
@@ -135,9 +136,10 @@ class Machine final : public Bus {
     if (unit != OutputChange::Unit::serial) convert_before(at);
     listeners.output({unit, index, at});
   }
-  // Whether conversions that request no interrupt may be done later than their time, or not at all.
+  // Returns whether conversions that request no interrupt may be computed late or skipped.
   bool conversions_wait() const { return steady_analog && !input_log && observers.empty(); }
-  // Does those that have waited, before something may change what they sample.
+  // Compute the conversions that have waited, up to before `at` or up to now. Must be called before a change
+  // of their inputs.
   void convert_before(States at) {
     if (conversions_wait()) adc.advance(*this, at - 1);
   }
@@ -145,26 +147,29 @@ class Machine final : public Bus {
     if (conversions_wait()) adc.advance(*this, event_time());
   }
   void misuse(std::uint32_t address, const char* text);
-  // Reschedules a module whose next event may have changed; running instructions stop in time for it.
+  // Must be called when the next event of a module may have changed. The CPU then stops in time for it.
   void rescheduled(Source source);
-  // Reschedules all modules. Call after external writes, hooks, or any change whose effect is not tracked.
+  // Reschedules all modules. Must be called after external writes and other changes with unknown effects.
   void reschedule_all();
   void pin_edge(unsigned port, unsigned bit, bool rising, States at);
 
   // --- memory ------------------------------------------------------------------------------------
+  // Returns the byte of flash or RAM at `address`; null elsewhere.
   std::uint8_t* memory_at(std::uint32_t address);
   const std::uint8_t* memory_at(std::uint32_t address) const;
   std::uint8_t io_read(std::uint32_t address);
   void io_write(std::uint32_t address, std::uint8_t value);
   void io_write_word(std::uint32_t address, std::uint16_t value);
-  // Reads without side effects; timers are brought up to date.
+  // Reads without side effects, except that timers are advanced. Returns nullopt for an address without
+  // register.
   std::optional<std::uint8_t> io_peek(std::uint32_t address);
   bool is_io(std::uint32_t address) const { return h8s::is_io(cpu, address); }
+  // Returns whether the register is on the 16-bit internal bus.
   bool wide(std::uint32_t address) const;
   void forget_flash(std::uint32_t address, std::uint32_t size);
   void set_ram_enabled(bool on);
   void forget_all_code();
-  // Selects which of the CPU's accesses take its fast path.
+  // Selects the addresses that the CPU accesses on its fast path.
   void choose_paths();
   void set_hook(std::uint32_t pc, Chip::CodeHook hook);
   void clear_hook(std::uint32_t pc);
@@ -180,7 +185,7 @@ class Machine final : public Bus {
   bool tmo_driven(int timer) const;
   double tmo_high_share(int timer);
 
-  // Null unless Options::engine is the translator and this build has one.
+  // Returns null unless Options::engine is the translator and this build has one.
   const Translator* translator() const { return cpu.translated ? translator_.get() : nullptr; }
 
   std::string report(const std::string& headline) const;
@@ -204,22 +209,22 @@ class Machine final : public Bus {
   Dtc dtc;
   SystemRegisters system;
 
-  // Origin of the prescalers' counts: the last reset, shifted by the time that clocks were stopped; the
-  // subclock is never stopped.
+  // Time at which the prescalers were 0: the last reset, later by the time during which the clock was
+  // stopped. sub_epoch is the same for the subclock, which never stops.
   States epoch = 0, sub_epoch = 0;
   ResetCause cause = ResetCause::power_on;
-  bool watchdog_reset = false;  // requested by a watchdog
+  bool watchdog_reset = false;  // a watchdog has requested a reset
   std::vector<Misuse> misuses;
-  std::optional<Stop> dead;  // an error stop, until reset
+  std::optional<Stop> dead;  // error stop, kept until reset
 
   Listeners listeners;
   std::vector<Observer*> observers;
-  InputLog* input_log = nullptr;  // of History (debug/history.h)
+  InputLog* input_log = nullptr;  // Chip::set_input_log
   bool running = false;           // inside run()
-  bool in_hook = false;           // inside a code hook, at an instruction boundary
+  bool in_hook = false;           // inside a code hook, which is at an instruction boundary
   std::function<double(int, States)> analog_source;
   bool steady_analog = false;  // Chip::set_analog
-  // Must be called before an input is applied.
+  // Must be called before an input is applied. `apply` repeats the input on another chip.
   void log_input(std::function<void(Chip&)> apply);
   void log_cut();
   void connect_analog();
@@ -233,7 +238,7 @@ class Machine final : public Bus {
   template <class A>
   void transfer_cpu(A& a);
   void attach();
-  // Code that this machine has decoded is good for the other's state.
+  // Returns whether the code that this machine has decoded is valid for the state of `other`.
   bool runs_code_of(const Machine& other) const;
   void sleep_until(States at);
   std::uint8_t io_read_at(std::uint32_t address, States at);
@@ -248,7 +253,7 @@ class Machine final : public Bus {
   bool due(Source source, States at) const { return events_[static_cast<unsigned>(source)] <= at; }
   void write_system(std::uint32_t address, std::uint8_t value, States at);
   void set_module_stop(std::uint16_t value, States at);
-  // Brings every module up to `to`, whether it has an event or not.
+  // Advances every module to `to`, even without an event.
   void run_modules(States to);
   void advance(Source source, States to);
   States event_of(Source source);
@@ -269,9 +274,9 @@ class Machine final : public Bus {
     know_events();
     return next_stop_;
   }
-  // The state by which the CPU must stop for a module's event. If the event only raises a request, that
-  // is the first boundary at which the CPU or the DTC could accept it; the module's other changes are
-  // computed when it is next accessed.
+  // Returns the time at which the CPU must stop for an event of a module. If the event only raises a request,
+  // this is the first time at which the CPU or the DTC could accept it. Other changes of the module are
+  // computed at its next access.
   States stop_for(Source source, States event) const {
     if (source != Source::adc && source != Source::sci0 && source != Source::sci1) return event;
     const States request = source == Source::adc ? adc.next_request() : event;
@@ -287,7 +292,7 @@ class Machine final : public Bus {
   }
   void rescheduled(Source source, States event);
   void run_events(States to);
-  // Before a register access: processes all events up to `to`.
+  // Processes all events up to `to`. Must be called before a register access.
   void settle(States to) {
     if (!events_known_ || next_event_ <= to) process_events(to);
   }
@@ -309,15 +314,15 @@ class Machine final : public Bus {
   void count_slow();
   bool stands_by() const;
   void enter_standby();
-  bool stand_by(States until);  // false: nothing can end it
+  bool stand_by(States until);  // returns false if nothing can end the standby
   Stop error_stop(Stop::Reason reason, const std::string& headline);
   Stop stop_for_fault();
   enum class Hooked { none, ran, stop };
   Hooked run_hook(Chip& chip, States stop, bool one);
   Stop run_to(Chip& chip, States until, bool single);
 
-  // The registers of FE00..FFFF whose accesses are frequent, by the module that they belong to now: not
-  // while it is stopped. Found anew when STCR or MSTPCR changes.
+  // Module of each register in FE00..FFFF with a fast path for frequent accesses. `none` for other registers,
+  // and while the module is stopped. Recomputed when STCR or MSTPCR changes.
   enum class Frequent : std::uint8_t { none, adc, pwm, ports, sci0, sci1 };
   std::array<Frequent, 0x200> frequent_{};
 
@@ -326,25 +331,24 @@ class Machine final : public Bus {
   std::unique_ptr<Insn, CodeFree> code_;
   std::unique_ptr<Translator> translator_;
   static constexpr std::uint32_t kNoAddress = 0xffffffff;
-  std::uint32_t hook_done_ =
-      kNoAddress;  // the hook there has been called, its instruction has not run yet
-  std::uint32_t unhooked_ = kNoAddress;  // decoded without regard to its hook
+  std::uint32_t hook_done_ = kNoAddress;  // its hook has been called, its instruction has not run
+  std::uint32_t unhooked_ = kNoAddress;   // its instruction runs without a call of its hook
   bool first_after_reset_ = false;
-  bool standby_ = false, watch_ = false;
-  States wakes_at_ = kNever;   // the oscillator has settled
-  States slow_from_ = kNever;  // start of execution on a divided clock
-  States slow_by_ = 1;
+  bool standby_ = false, watch_ = false;  // software standby; watch mode
+  States wakes_at_ = kNever;              // end of the oscillator's settling time
+  States slow_from_ = kNever;             // start of execution on a divided clock
+  States slow_by_ = 1;                    // divider of that clock
   bool stop_requested_ = false;
-  // Time of each module's next event, and the time by which the CPU must stop for it; the earliest of
-  // each. Recomputed only after something that may change them.
+  // Time of each module's next event, and the time at which the CPU must stop for it. Recomputed only after
+  // something that may change them.
   std::array<States, kSources> events_{}, stops_{};
-  unsigned with_event_ = 0;  // modules that have one, by bits
-  States next_event_ = 0, next_stop_ = 0;
-  States other_event_ = 0;    // the earliest but the converter's
-  unsigned other_first_ = 0;  // and its module
+  unsigned with_event_ = 0;                // mask of the modules with an event
+  States next_event_ = 0, next_stop_ = 0;  // minimum of events_ and stops_
+  States other_event_ = 0;                 // earliest event of a module other than the converter
+  unsigned other_first_ = 0;               // its module
   bool events_known_ = false;
-  bool stale_ = false;          // the earliest are bounds: they may be later
-  bool rescheduled_ = false;    // a module, since the last conversion began
+  bool stale_ = false;          // next_event_ and next_stop_ are lower bounds
+  bool rescheduled_ = false;    // a module was rescheduled since run_conversions() began
   States processing_ = kNever;  // time of the event being processed
 };
 

@@ -1,4 +1,4 @@
-// Listeners of pins, and calls scheduled at a given time.
+// Listeners of pins, and calls that are scheduled for a time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,16 +14,16 @@ namespace kaz::h8s {
 
 class Machine;
 
-// Level and driver of a pin at `at`. The modules must have been advanced to `at`.
+// Returns level and driver of a pin at `at`. The modules must have been advanced to `at`.
 PinState pin_state(const Machine& m, Pin pin, States at);
-// First state after `at` at which the module behind a pin may change its level by itself.
+// Returns the first state after `at` at which the module that drives a pin may change its level.
 States next_pin_change(const Machine& m, Pin pin, States at);
 
-// Belongs to a machine but is no part of its state: neither copied nor restored.
+// Belongs to a machine, but is not part of its state: it is neither copied nor restored.
 class PinWatch {
  public:
   bool active() const { return !watched_.empty() || !calls_.empty(); }
-  // Whether a pin of these ports is watched; bit n: port n.
+  // Returns whether a pin of these ports is watched. Bit n is port n.
   bool watches(unsigned ports) const { return (ports_ & ports) != 0; }
   int watch(const Machine& m, Pin pin, PinListener listener, bool drivers, States at);
   void unwatch(int id);
@@ -33,9 +33,9 @@ class PinWatch {
   States next_event(const Machine& m) const;
   // Reports the edges at `to` and makes the calls that are due.
   void advance(Machine& m, States to);
-  // Reports the edges at `at`, after a change from outside.
+  // Reports the edges at `at`. Must be called after a change from outside.
   void sample(Machine& m, States at);
-  // Takes the pins' current levels without reporting edges, after the chip's state was replaced.
+  // Takes the current levels without reporting edges. Must be called after the chip's state was replaced.
   void forget(const Machine& m, States at);
 
  private:
@@ -44,7 +44,7 @@ class PinWatch {
     int id;
     Pin pin;
     PinState last;
-    bool drivers;  // changes of the driver are reported too
+    bool drivers;  // also report changes of the driver
     PinListener listener;
   };
   struct Call {
@@ -58,7 +58,7 @@ class PinWatch {
   int next_id_ = 1;
   States sampled_ = 0;  // edges up to this time have been reported
   bool reporting_ = false;
-  unsigned ports_ = 0;  // of the watched pins, bit n: port n
+  unsigned ports_ = 0;  // ports with watched pins; bit n is port n
 };
 
 }  // namespace kaz::h8s

@@ -1,4 +1,4 @@
-// The pins of the 64-pin package: names, drivers, levels.
+// Pins of the 64-pin package: names, drivers, levels.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace kaz::h8s {
 
-// I/O pins by port and bit (P5 has three), the inputs of port 7, and the control inputs. Supply and
-// crystal pins carry no signal and are not listed.
+// I/O pins by port and bit (port 5 has three pins), the inputs of port 7, and the control inputs. Supply and
+// crystal pins are not listed.
 enum class Pin : std::uint8_t {
   // clang-format off
   p10, p11, p12, p13, p14, p15, p16, p17,
@@ -32,9 +32,8 @@ struct PinInfo {
   Pin pin = Pin::p10;
   int port = 0;  // 1..7; 0 for the control inputs
   int bit = 0;
-  // All names, the port's first: "P50", "TxD0". Functions of the single-chip modes (hardware manual, pin
-  // functions); where the 64-pin part's manual was not available, as on its siblings
-  // (docs/explanation/emulator.md).
+  // All names in single-chip modes, the port's first: "P50", "TxD0". Source: hardware manual, pin functions.
+  // Where it does not cover the 64-pin part, names are those of related parts (docs/explanation/emulator.md).
   std::span<const std::string_view> names;
   bool input_only = false;
   // NMOS push-pull output: an external low level overrides its high level without a conflict.
@@ -42,17 +41,17 @@ struct PinInfo {
   std::string_view name() const { return names.front(); }
 };
 
-// The table in the order of Pin.
+// Returns the table of pins in the order of Pin.
 std::span<const PinInfo> pin_table();
 const PinInfo& info(Pin pin);
 // Finds a pin by any of its names, ignoring case: "P50", "txd0", "PW3", "TMO0", "AN7", "NMI".
 std::optional<Pin> find_pin(std::string_view name);
-// The pin of a port; nullopt where there is none (P53).
+// Returns the pin of a port; nullopt if it does not exist, for example P53.
 std::optional<Pin> pin_of(int port, int bit);
 
-// What determines a pin's level.
+// Source of a pin's level.
 enum class Driver : std::uint8_t {
-  nobody,   // an input that neither the board nor a pull-up defines
+  nobody,   // an input without a drive from the board and without a pull-up
   pull_up,  // the chip's internal pull-up
   board,
   port,   // the port's latch
@@ -66,18 +65,18 @@ enum class Driver : std::uint8_t {
 std::string_view name(Driver driver);
 
 struct PinState {
-  bool level = false;  // nobody: Options::floating_level; clock: low
+  bool level = false;  // Options::floating_level for `nobody`, low for `clock`
   Driver driver = Driver::nobody;
-  bool pull_up = false;  // switched on (PCR), whoever drives
-  // The chip drives the pin.
+  bool pull_up = false;  // the pull-up is switched on (PCR), even if the pin is driven
+  // Returns whether the chip drives the pin.
   bool output() const { return driver >= Driver::port; }
   bool operator==(const PinState&) const = default;
 };
 
 struct PinEdge {
   Pin pin = Pin::p10;
-  bool level = false;              // from `at` on
-  Driver driver = Driver::nobody;  // from `at` on
+  bool level = false;              // after the edge
+  Driver driver = Driver::nobody;  // after the edge
   States at = 0;
 };
 

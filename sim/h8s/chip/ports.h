@@ -1,4 +1,4 @@
-// Ports 1..7: data direction, latches, pull-ups, and which module owns a pin.
+// I/O ports 1..7: data direction, latches, pull-ups, and the module that drives each pin.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,17 +15,19 @@ class Machine;
 
 class Ports {
  public:
-  // Registers by low 16 bits, FFAC..FFBE; nullopt or false where there is none.
+  // Register accesses by the low 16 bits of the address, FFAC..FFBE. They return nullopt or false if it is
+  // not a register of a port.
   std::optional<std::uint8_t> read(const Machine& m, std::uint32_t address) const;
   bool write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Whether writing a latch or direction changes nothing.
+  // Returns whether a write of `value` to a latch or direction register changes nothing.
   bool holds(std::uint32_t address, std::uint8_t value) const;
-  // Levels driven by the board are kept.
+  // Keeps the levels that the board drives.
   void reset();
 
   PortOutput output(const Machine& m, unsigned port, States at) const;
-  // Levels read at the pins: own outputs, the board's levels, pull-ups.
+  // Returns the levels at the pins: outputs of the chip, levels from the board, pull-ups.
   std::uint8_t pins(const Machine& m, unsigned port, States at) const;
+  // Sets the level that the board drives; nullopt releases the pin.
   void set_input(Machine& m, unsigned port, unsigned bit, std::optional<bool> level, States at);
 
   std::uint8_t ddr(unsigned port) const { return ddr_[port]; }
@@ -33,7 +35,7 @@ class Ports {
   bool pulled_up(unsigned port, unsigned bit) const { return (pcr_[port] >> bit & 1) != 0; }
   bool given(unsigned port, unsigned bit) const { return (given_[port] >> bit & 1) != 0; }
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(ddr_, dr_, pcr_, given_, level_);
@@ -41,7 +43,7 @@ class Ports {
 
  private:
   std::array<std::uint8_t, 8> ddr_{}, dr_{}, pcr_{};  // by port number
-  std::array<std::uint8_t, 8> given_{}, level_{};     // driven by the board, and the level
+  std::array<std::uint8_t, 8> given_{}, level_{};  // pins that the board drives, and their levels
 };
 
 }  // namespace kaz::h8s

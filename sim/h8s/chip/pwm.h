@@ -1,4 +1,4 @@
-// The 8-bit PWM timer: sixteen channels on one counter, with pulse division.
+// 8-bit PWM timer: sixteen channels on one counter, with pulse division.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,37 +13,38 @@ class Machine;
 
 class Pwm {
  public:
-  // FFD2..FFD7, and PCSR at FF82.
+  // Register accesses: FFD2..FFD7, and PCSR at FF82.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // A write that changes no waveform, done at once; false: there is more to it.
+  // Does a write that changes no waveform. Returns false if write() is needed.
   bool write_quietly(std::uint32_t address, std::uint8_t value) {
     if (address == 0xffd7) return data_[select_ & 15] == value;
     if (address != 0xffd6 || ((value ^ select_) & 0xc0) != 0) return false;
     select_ = static_cast<std::uint8_t>((value & 0xcf) | 0x20);
     return true;
   }
-  // Prescaler and counter run from `epoch` on, the reset of the chip.
+  // Prescaler and counter start at `epoch`, the reset of the chip.
   explicit Pwm(States epoch = 0) : epoch_(epoch), base_(epoch) {}
-  // Module stop; PCSR too.
+  // Clears all registers, including PCSR, as module stop and standby do.
   void reset() { *this = Pwm(epoch_); }
 
   bool enabled(unsigned channel) const { return (oe_ >> channel & 1) != 0; }
-  // Duty cycle: high counts out of 256; with the clock stopped 0 or 256, by the comparator's output.
+  // Returns the duty cycle in high counts of 256. With the clock stopped it is 0 or 256, by the current
+  // level.
   int high_counts(unsigned channel, States at) const;
-  // Level of the waveform at `at`.
+  // Returns the level of the waveform at `at`.
   bool level(unsigned channel, States at, bool right_aligned) const;
-  // First state after `at` at which level() differs, kNever if it stays.
+  // Returns the first state after `at` at which level() changes; kNever if it is constant.
   States next_change(unsigned channel, States at, bool right_aligned) const;
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(oe_, os_, select_, pcsr_, data_, epoch_, base_, base_count_);
   }
 
  private:
-  // 0: stopped; else a power of two.
+  // Returns the states per count, a power of two; 0: stopped.
   States divisor() const {
     if (!(select_ & 0x80)) return 0;
     return select_ & 0x40 ? States{2} << (pcsr_ >> 1 & 3) : 1;
@@ -59,8 +60,7 @@ class Pwm {
   unsigned base_count_ = 0;
 };
 
-// High in count 0..255 of the conversion period for PWDR = data, before the output sense is
-// applied.
+// Returns the level in count 0..255 of the conversion period for PWDR = `data`, before OS inverts it.
 bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned);
 
 }  // namespace kaz::h8s

@@ -1,4 +1,4 @@
-// A serial channel (SCI0, SCI1), bit by bit at its pins TxD, RxD and SCK.
+// Serial channel (SCI0, SCI1), simulated bit by bit at its pins TxD, RxD and SCK.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
-// Bits of SSR and SCR, shared by the serial channel's files. Internal.
+// Bits of SSR and SCR. Internal to the files of the serial channel.
 namespace kaz::h8s::sci_bits {
 
 // SSR.
@@ -38,18 +38,19 @@ struct SerialFrame {
   }
 };
 
+// `n` is the number of the channel, 0 or 1.
 class Sci {
  public:
-  // `offset` 0..6: SMR, BRR, SCR, TDR, SSR, RDR, SCMR.
+  // Register accesses. `offset` 0..6: SMR, BRR, SCR, TDR, SSR, RDR, SCMR.
   std::uint8_t read(Machine& m, unsigned n, unsigned offset, States at);
-  // The same when no event is due.
+  // Like read(), when no event is due.
   std::uint8_t read_now(unsigned offset) {
     if (offset == 4) flags_.read();
     return peek(offset);
   }
   void write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, States at);
   std::uint8_t peek(unsigned offset) const;
-  // Reset or module stop; frames that are already on the line continue.
+  // Resets the channel. Received bytes that are already on the line still arrive.
   void reset(Machine& m, unsigned n, States at);
 
   States next_event() const {
@@ -59,41 +60,42 @@ class Sci {
   void advance(Machine& m, unsigned n, States to) {
     if (next_event() <= to) run_events(m, n, to);
   }
+  // Bytes that will arrive at RxD, in order of time.
   std::deque<ReceivedByte>& incoming() { return incoming_; }
 
   // --- pins --------------------------------------------------------------------------------------
   bool drives_txd() const { return (scr_ & 0x20) != 0; }
-  // Level of TxD while drives_txd(); `at` not before the current frame.
+  // Returns the level of TxD while drives_txd(). `at` must not be before the current frame.
   bool txd(States at) const;
-  // First state later than `after` at which TxD changes, if already determined; else kNever.
+  // Returns the first state later than `after` at which TxD changes, if it is already known; else kNever.
   States txd_change(States after) const;
-  // SCK is an output in clocked mode with the own clock, and for the bit clock (CKE = 01).
+  // SCK is an output in clocked mode with the internal clock, and if it outputs the bit clock (CKE = 01).
   bool drives_sck() const { return synchronous() ? !(scr_ & 2) : (scr_ & 3) == 1; }
   bool sck(States at) const;
   States sck_change(States after) const;
-  // RE makes RxD an input regardless of its DDR bit.
+  // RE makes RxD an input, regardless of its DDR bit.
   bool takes_rxd() const { return (scr_ & 0x10) != 0; }
   bool takes_sck() const { return (scr_ & 2) != 0; }
-  // The board has changed a level. `driven` applies to RxD: false when the board stops driving it; from
-  // then on only whole bytes are received.
+  // Must be called when the board has changed a level. `driven` is false when the board stops driving RxD.
+  // Then the channel receives only the bytes of incoming().
   void rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at);
   void sck_edge(Machine& m, unsigned n, bool rising, States at);
 
   States bit_states() const;
   bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
 
-  // The DTC has read RDR or written TDR and will do so again.
+  // Must be called when the DTC has read RDR or written TDR and remains active.
   void taken_by_dtc(Machine& m, unsigned n, States at);
   void filled_by_dtc(Machine& m, unsigned n, States at);
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(smr_, brr_, scr_, tdr_, rdr_, scmr_, flags_, tend_, mpbt_, mpb_, clock_base_, sending_, tsr_,
       frame_, before_, start_, bit_, end_, ticks_, incoming_, rxd_, rxd_driven_, receiving_,
       received_, rsr_, edge_, sample_, sample_ticks_, arrived_, arrives_, burst_);
     a.require(bit_ >= 0 && (sending_ != Sending::frame || frame_.count > 0), "bit to send");
-    // A frame has at most 12 bits, and each at most 16 clocks.
+    // A frame has at most 12 bits of at most 16 clocks.
     a.require(received_ >= 0 && received_ <= 12 && sample_ticks_ >= 0 && sample_ticks_ <= 16,
               "received bits");
   }
@@ -109,7 +111,8 @@ class Sci {
   bool parity() const { return (smr_ & 0x20) != 0 && !(smr_ & 4) && !synchronous(); }
   int stop_bits() const { return smr_ & 8 ? 2 : 1; }
   int frame_bits() const;
-  std::uint8_t on_wire(std::uint8_t byte) const;  // SCMR's order and inversion; its own inverse
+  // Applies the bit order and inversion of SCMR. This is its own inverse.
+  std::uint8_t on_wire(std::uint8_t byte) const;
   bool parity_of(std::uint8_t wire) const;
   SerialFrame frame_of(std::uint8_t wire) const;
 
@@ -137,30 +140,30 @@ class Sci {
   void update(Machine& m, unsigned n, States at);
 
   std::uint8_t smr_ = 0, brr_ = 0xff, scr_ = 0, tdr_ = 0xff, rdr_ = 0, scmr_ = 0xf2;
-  StickyFlags flags_ = empty();  // TDRE RDRF ORER FER PER in bits 7..3
+  StickyFlags flags_ = empty();  // TDRE, RDRF, ORER, FER, PER in bits 7..3
   bool tend_ = true, mpbt_ = false, mpb_ = false;
 
-  States clock_base_ = 0;  // an edge of the bit clock
+  States clock_base_ = 0;  // time of an edge of the bit clock
   Sending sending_ = Sending::nothing;
   std::uint8_t tsr_ = 0;
   SerialFrame frame_;
-  bool before_ = true;      // level before the frame
-  States start_ = 0;        // of the frame
-  States bit_ = 32;         // its bit time; 0: clocked from outside
+  bool before_ = true;      // level of TxD before the frame
+  States start_ = 0;        // start of the frame
+  States bit_ = 32;         // bit time of the frame; 0: external clock
   States end_ = kNever;     // time of the transmitter's next step
-  std::int64_t ticks_ = 0;  // clocks from outside since the frame began
+  std::int64_t ticks_ = 0;  // external clocks since the frame began
 
   std::deque<ReceivedByte> incoming_;
   bool rxd_ = true, rxd_driven_ = false;
   bool receiving_ = false;
   int received_ = 0;  // bits received of the current frame
   std::uint16_t rsr_ = 0;
-  States edge_ = 0;         // the start bit's
-  States sample_ = kNever;  // next sample of RxD
-  int sample_ticks_ = 0;    // the same in clocks from outside
-  ReceivedByte arrived_;    // sampled, not yet delivered
+  States edge_ = 0;         // edge of the start bit
+  States sample_ = kNever;  // time of the next sample of RxD
+  int sample_ticks_ = 0;    // external clocks to the next sample
+  ReceivedByte arrived_;    // sampled, but not yet delivered
   States arrives_ = kNever;
-  States burst_ = kNever;  // clocked reception alone: start of its eight clocks
+  States burst_ = kNever;  // clocked mode, reception only: start of its eight clocks
 
   static StickyFlags empty() {
     StickyFlags f;

@@ -1,4 +1,4 @@
-// 8-bit timers TMR0 and TMR1, brought up to date when accessed, with their cascades.
+// 8-bit timers TMR0 and TMR1 with their cascades. Their state is computed when it is accessed.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,42 +14,42 @@ class Machine;
 
 class Tmr {
  public:
-  // FFC8..FFD1: even addresses TMR0, odd TMR1.
+  // Register accesses, FFC8..FFD1: even addresses for TMR0, odd ones for TMR1.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
 
   States next_event(Machine& m) const;
   void advance(Machine& m, States to);
-  // The DTC has served the request of compare match A or B.
+  // Must be called when the DTC has served the request of compare match A or B.
   void taken_by_dtc(Machine& m, unsigned vector, States at);
-  // STCR has selected another prescaler.
+  // Must be called when STCR has selected another prescaler.
   void clock_changed(Machine& m, States at);
-  // Rising or falling edge at TMCI0/1 and TMRI0/1.
+  // Edges at TMCI0/1 and TMRI0/1.
   void clock_edge(Machine& m, unsigned n, bool rising, States at);
   void reset_edge(Machine& m, unsigned n, bool rising, States at);
 
-  // TMO0, TMO1: the timer owns the pin while any OS bit is set.
+  // A timer drives its pin TMO0 or TMO1 while any OS bit is set.
   bool drives(unsigned n) const { return timer_[n].drives(); }
   bool level(unsigned n) const { return timer_[n].level; }
-  // The next match that may change level(), from the last advance() on.
+  // Returns the next match after the last advance() that may change level().
   States next_change(const Machine& m, unsigned n) const;
-  // Duty cycle of the steady waveform, 0..1.
+  // Returns the duty cycle 0..1 of the steady waveform.
   double high_share(Machine& m, unsigned n) const;
   bool waits_for_input() const;
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(timer_);
   }
 
  private:
-  States divisor(const Machine& m, unsigned n) const;  // 0: stopped or clocked from outside
+  States divisor(const Machine& m, unsigned n) const;  // 0: stopped or external clock
   bool cascaded(unsigned n) const { return timer_[n].clock_select() == 4; }
   void step(Machine& m, unsigned n, std::int64_t counts, States at);
   void step_pair(Machine& m, std::int64_t counts, States at);
-  // Effects of a match A of TMR0 on TMR1.
+  // Effects of a match A of TMR0 on the A/D converter and on TMR1.
   void matched_a0(Machine& m, States at);
   void advance_one(Machine& m, unsigned n, States to);
   void update(Machine& m, unsigned n, States at);

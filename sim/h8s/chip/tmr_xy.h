@@ -12,19 +12,19 @@ namespace kaz::h8s {
 
 class Machine;
 
-// Hardware manual, 8-bit timers and timer connection. TMRX counts the system clock itself, measures
-// pulses at TMIX (P60) and drives TMOX (P67); TMRY has three interrupts and, on this part, no pin.
-// The timer connection's paths for sync signals are not modelled: enabling one is reported as misuse.
+// Source: hardware manual, 8-bit timers and timer connection. TMRX can count the undivided system clock,
+// measures pulses at TMIX (P60) and drives TMOX (P67). TMRY has three interrupts and, on this part, no output
+// pin. The signal paths of the timer connection are not modeled; enabling one is reported as misuse.
 class TmrXY {
  public:
   static constexpr unsigned x = 0, y = 1;
 
-  // FFF0..FFF7 (banked by TCONRS bit 7) and FFFC..FFFF.
+  // Register accesses: FFF0..FFF7 (banked by TCONRS bit 7) and FFFC..FFFF.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
 
-  // The DTC has served the request of TMRY's compare match A or B.
+  // Must be called when the DTC has served the request of TMRY's compare match A or B.
   void taken_by_dtc(Machine& m, unsigned vector, States at) {
     timer_[y].flags.drop(vector & 1 ? Timer8::kCmfb : Timer8::kCmfa);
     update(m, at);
@@ -32,17 +32,17 @@ class TmrXY {
 
   States next_event(const Machine& m) const;
   void advance(Machine& m, States to);
-  // Level of TMIX or TMIY, which are clock and reset input at once.
+  // Edge at TMIX or TMIY, which are clock and reset inputs at once.
   void pin_edge(Machine& m, unsigned n, bool rising, States at);
 
-  // TMOX.
+  // TMRX drives TMOX while any OS bit is set.
   bool drives() const { return timer_[x].drives(); }
   bool level() const { return timer_[x].level; }
-  // The next match that may change level(), from the last advance() on.
+  // Returns the next match after the last advance() that may change level().
   States next_change(const Machine& m) const;
   bool waits_for_input() const;
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(timer_, ticrr_, ticrf_, tcorc_, tisr_, rose_, icie_, tconri_, tconro_, tconrs_, sedgr_);
@@ -58,7 +58,7 @@ class TmrXY {
   void write_timer(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   void write_connection(Machine& m, std::uint32_t address, std::uint8_t value);
 
-  static constexpr std::uint8_t kIcf = 0x10;  // of TCSRX, kept among TMRX's flags
+  static constexpr std::uint8_t kIcf = 0x10;  // TCSRX.ICF, stored in TMRX's flags
   std::array<Timer8, 2> timer_;
   std::uint8_t ticrr_ = 0, ticrf_ = 0, tcorc_ = 0xff, tisr_ = 0xfe;
   bool rose_ = false;  // the first half of a pulse measurement is done

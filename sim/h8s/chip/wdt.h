@@ -1,4 +1,4 @@
-// The watchdog timers WDT0 and WDT1: interval timer or watchdog, with the write key.
+// Watchdog timers WDT0 and WDT1: interval timer or watchdog, with write keys.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,21 +11,23 @@ namespace kaz::h8s {
 
 class Machine;
 
+// `n` is the number of the timer, 0 or 1.
 class Wdt {
  public:
-  // Even address: TCSR, odd: TCNT.
+  // Register accesses. `counter`: TCNT (odd address), else TCSR (even address).
   std::uint8_t read(Machine& m, unsigned n, bool counter, States at);
   std::uint8_t peek(const Machine& m, unsigned n, bool counter, States at) const;
+  // The upper byte is the key: 5A writes TCNT, A5 writes TCSR. Other keys are reported as misuse.
   void write_word(Machine& m, unsigned n, std::uint16_t value, States at);
 
   States next_event(const Machine& m, unsigned n) const;
   void advance(Machine& m, unsigned n, States to);
   bool running() const { return (tcsr_ & 0x20) != 0; }
-  // WDT1 only: TCSR.PSS.
+  // Returns TCSR.PSS, which only WDT1 has.
   bool subclocked() const { return (tcsr_ & 0x10) != 0; }
   bool watchdog() const { return (tcsr_ & 0x60) == 0x60; }
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(tcsr_, ovf_, count_, tick_);
@@ -41,7 +43,7 @@ class Wdt {
   std::uint8_t tcsr_ = 0;  // without OVF
   StickyFlags ovf_;
   std::uint8_t count_ = 0;
-  std::int64_t tick_ = 0;
+  std::int64_t tick_ = 0;  // clock ticks that count_ includes
 };
 
 }  // namespace kaz::h8s

@@ -1,5 +1,8 @@
-// Registers and memory as handlers see them: the fast path inline, the rest in cpu/memory.cpp and the bus.
+// Access of instruction handlers to registers, memory and the stack.
 // SPDX-License-Identifier: Apache-2.0
+//
+// The inline functions serve RAM and flash. Other accesses go to cpu/memory.cpp and the bus. Addresses are
+// masked to the mode's width. A word at an odd address is accessed at the even address below.
 #pragma once
 
 #include <cstring>
@@ -10,16 +13,18 @@
 
 namespace kaz::h8s {
 
-// Slow path: short RAM, I/O, unmapped and odd addresses.
+// Slow path: short RAM, I/O, writes to flash, flash under programming, unmapped addresses, words at odd
+// addresses.
 std::uint8_t slow_load8(Cpu& c, std::uint32_t address);
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address);
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
 void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value);
-// Discards decoded instructions that may contain the bytes at `offset` (even, relative to ram_at).
+// Discards the decoded instructions that may contain the word at `offset` (even, from Cpu::ram_at).
 void forget_code(Cpu& c, std::uint32_t offset);
-// True when ER7 (`address`) points into RAM; raises Fault::stack otherwise.
+// Returns whether the stack `address` is in RAM, and raises Fault::stack if it is not.
 bool check_stack(Cpu& c, std::uint32_t address);
 
+// Read and write a register or a part of one. `offset` is its byte offset in Cpu::er (Insn::rs, Insn::rd).
 template <class T>
 T reg(const Cpu& c, unsigned offset) {
   T value;
@@ -51,7 +56,8 @@ inline void put_big32(std::uint8_t* p, std::uint32_t value) {
   put_big16(p + 2, value);
 }
 
-// Offset into Cpu::ram of a byte in either RAM window of the chip; nullopt elsewhere.
+// Returns the offset into Cpu::ram of an address in either RAM window; nullopt elsewhere and while RAM is
+// off.
 inline std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = (address & c.mask) - c.ram_at;
   if (c.ram_size == 0) return std::nullopt;
@@ -59,6 +65,7 @@ inline std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t addre
   return std::nullopt;
 }
 
+// Must be called after a write to RAM, which may have changed an instruction.
 inline void note_ram_write(Cpu& c, std::uint32_t offset) {
   if (c.has_code[offset / kLine]) [[unlikely]]
     forget_code(c, offset & ~1u);
@@ -138,12 +145,14 @@ void store(Cpu& c, std::uint32_t address, T value) {
     store32(c, address, value);
 }
 
-// Stack accesses must be in RAM (Fault::stack).
+// Inline form of check_stack().
 inline bool stack_ok(Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = (address & c.mask) - c.ram_base;
   return offset < c.ram_size || check_stack(c, address);
 }
 
+// Push and pop a value at ER7. With ER7 outside RAM they raise Fault::stack and access no memory; pop then
+// returns 0.
 template <class T>
 void push(Cpu& c, T value) {
   c.er[7] -= std::uint32_t{sizeof(T)};

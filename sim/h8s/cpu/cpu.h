@@ -1,4 +1,4 @@
-// The CPU's state and the decoded instruction: what every instruction handler works on.
+// State of the CPU and the decoded instruction, on which all instruction handlers work.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,58 +13,61 @@ namespace kaz::h8s {
 struct Cpu;
 struct Insn;
 
-// Runs one instruction and returns the next one.
+// Runs one decoded instruction and returns the next one.
 using Handler = const Insn* (*)(Cpu&, const Insn*);
 
-// One decoded instruction; there is one for each even address of memory. `run` is null until it is
-// decoded. Sequential flow is pointer arithmetic: the next instruction is `this + units`.
+// One decoded instruction. Cpu::code has an entry for each even address of memory. `run` is null until the
+// instruction is decoded. Without a jump the next instruction is `this + units`.
 struct Insn {
   Handler run;
-  std::uint32_t imm;    // immediate, absolute address or displacement; branches: units to add
+  // Immediate, absolute address or displacement. Near branches: units from this instruction to the target.
+  std::uint32_t imm;
   std::uint8_t rs, rd;  // byte offsets into the register file, bit numbers or vector numbers
-  std::uint8_t states;  // with all accesses to on-chip memory; I/O adds to Cpu::stall
+  std::uint8_t states;  // duration with on-chip memory; I/O accesses add to Cpu::stall
   std::uint8_t units;   // length in 16-bit units
 };
 static_assert(sizeof(void*) != 8 || sizeof(Insn) == 16);
 
+// Error that ends a run.
 enum class Fault : std::uint8_t { none, undefined, fetch, unmapped, stack, misuse, odd_pc };
 constexpr Fault last_value(Fault) {
   return Fault::odd_pc;
 }
 
-// The chip's address layout (hardware manual, memory map). RAM consists of two windows in the top 8 KiB
-// block. The flat machine has one window of RAM from 0 and nothing else; the CPU uses the members of Cpu.
+// Address layout of the chip (hardware manual, memory map). RAM consists of two windows in the top 8 KiB
+// block. The flat machine has only RAM, from address 0. The CPU core therefore uses the members of Cpu.
 inline constexpr std::uint32_t kFlashSize = 0x20000;
-inline constexpr std::uint32_t kBlock = 0xffe000;  // address of the block
+inline constexpr std::uint32_t kBlock = 0xffe000;  // address of the 8 KiB block
 inline constexpr std::uint32_t kRam = 0x0080;      // offsets into the block
 inline constexpr std::uint32_t kRamSize = 0x0f80;
 inline constexpr std::uint32_t kShortRam = 0x1f00;
 inline constexpr std::uint32_t kShortRamSize = 0x80;
-inline constexpr std::uint32_t kIo = 0x1e50;  // registers, and behind the short RAM again
+inline constexpr std::uint32_t kIo = 0x1e50;  // I/O registers, before and after the short RAM
 inline constexpr std::uint32_t kIoSize = 0x1b0;
-// Decoded instructions: flash, then the two RAM windows, each followed by a gap of entries that fault.
+// Layout of Cpu::code, in entries: flash, then the two RAM windows. A gap of faulting entries follows each.
 inline constexpr std::uint32_t kGap = 8;
 inline constexpr std::uint32_t kFlashCode = 0;
 inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;
 inline constexpr std::uint32_t kShortRamCode = kRamCode + kRamSize / 2 + kGap;
 inline constexpr std::uint32_t kCodeSize = kShortRamCode + kShortRamSize / 2 + kGap;
-// One flag per line of RAM: whether instructions there may have been decoded. Bytes.
+// Size of a line of RAM, bytes. Cpu::has_code has a flag for each line in which instructions may be decoded.
 inline constexpr std::uint32_t kLine = 64;
 static_assert(kRam % kLine == 0 && kShortRam % kLine == 0);
 
+// A recorded jump, for reports. The last kTrail jumps are kept. `from` is null if it is unknown.
 struct Jump {
   const Insn* from;
   const Insn* to;
 };
 inline constexpr std::uint32_t kTrail = 32;
 
-// Flags are evaluated lazily: kept as the values that they are computed from, packed by ccr(). Operands of
-// 8 and 16 bits are shifted to the top of 32, so the same bit positions serve all three sizes.
+// Condition codes, evaluated lazily: the values that they are computed from. ccr() packs them. Operands of 8
+// and 16 bits are shifted to the top of 32, so that the same bit positions serve all three sizes.
 struct Flags {
   std::uint32_t n = 0;  // N is bit 31
   std::uint32_t z = 1;  // Z is set when this is 0
   std::uint32_t v = 0;  // V is bit 31
-  std::uint32_t h = 0;  // H is bit 28: carry out of bit 3, 11 or 27
+  std::uint32_t h = 0;  // H is bit 28: the carry out of bit 3, 11 or 27
   std::uint32_t c = 0;  // 0 or 1
   template <class A>
   void transfer(A& a) {
@@ -74,88 +77,88 @@ struct Flags {
 };
 
 struct Cpu {
-  // Used by the inner loop.
+  // Members of the inner loop.
   std::array<std::uint32_t, 8> er{};
   Flags flags;
-  const Insn* ip = nullptr;  // the current instruction, or the next one between instructions
-  States now = 0;            // end of that instruction, without `stall`
+  const Insn* ip = nullptr;  // the running instruction; between instructions the next one
+  States now = 0;            // end of the running instruction, without `stall`
   States stop = 0;           // the inner loop ends at the first boundary where now >= stop
-  States stall =
-      0;  // additional states since the inner loop was entered: I/O accesses, block moves
-  std::int64_t executed = 0;
+  // States in addition to `now` since the inner loop was entered: I/O accesses, block moves.
+  States stall = 0;
+  std::int64_t executed = 0;  // instructions
 
   std::uint8_t* flash = nullptr;
-  std::uint8_t* ram = nullptr;       // contents at ram_at; the short window is at a higher offset
-  std::uint8_t* has_code = nullptr;  // a flag for each line of RAM, from ram_at on
-  Insn* code = nullptr;
+  std::uint8_t* ram = nullptr;        // byte at ram_at; the short window is at a higher offset
+  std::uint8_t* has_code = nullptr;   // flag for each line of RAM, from ram_at on (see kLine)
+  Insn* code = nullptr;               // decoded instructions
   std::uint32_t ram_size = kRamSize;  // 0 while SYSCR.RAME = 0
   std::uint32_t flash_size = kFlashSize;
-  std::uint32_t mask = 0xffffff;  // of addresses: 0xffff in normal mode
-  // Address ranges of the fast paths of access.h. While the chip is observed they are empty, so every
-  // access takes the slow path (Machine::choose_paths).
+  std::uint32_t mask = 0xffffff;  // address mask: 0xffff in normal mode
+  // Start of RAM and end of flash for the fast paths of access.h. While the chip is observed no address is in
+  // them, so that every access takes the slow path (Machine::choose_paths).
   std::uint32_t ram_base = kBlock + kRam;
   std::uint32_t quick_flash = kFlashSize;
   bool observed = false;
   std::uint32_t ram_at = kBlock + kRam;          // address of RAM, independent of ram_base
-  std::uint32_t ram_code = kRamCode;             // index of RAM in `code`
+  std::uint32_t ram_code = kRamCode;             // index of the first RAM entry in `code`
   std::uint32_t short_ram_code = kShortRamCode;  // index of the short window; flat: past the end
-  std::uint32_t code_size = kCodeSize;           // of `code`
+  std::uint32_t code_size = kCodeSize;           // number of entries in `code`
   Bus* bus = nullptr;                            // null: RAM at every address (Flat)
-  const std::uint64_t* pending = nullptr;  // requests to the CPU, two words of bits; with `bus`
-  bool hooks = false;                      // any code hooks set
+  const std::uint64_t* pending = nullptr;  // bits of the requests to the CPU, two words; with `bus`
+  bool hooks = false;                      // any code hook is set
   Engine engine = Engine::interpreter;
-  CodeCache* translated = nullptr;  // null: interpret
-  std::uint32_t translate_after = 1000;
+  CodeCache* translated = nullptr;       // null: interpret
+  std::uint32_t translate_after = 1000;  // Options::translate_after
 
   std::uint8_t control = 0x80;  // bits I, UI, U of CCR
   std::uint8_t exr = 0x7f;
-  bool flat = false;         // 16 MiB of RAM: addresses wrap, an odd PC is an error
+  bool flat = false;         // flat machine: 16 MiB of RAM, addresses wrap, an odd PC is an error
   bool semihost = false;     // JSR @@0xC5:8 to @@0xCC:8 are semihosting requests
-  std::uint8_t request = 0;  // vector of the request just made
-  bool normal = false;       // 16-bit mode
-  bool two_level = false;    // interrupt control mode 1: exceptions set UI too
-  bool stc_copies = false;   // Options
+  std::uint8_t request = 0;  // number of the semihosting request to handle; 0: none
+  bool normal = false;       // normal mode: 16-bit addresses
+  bool two_level = false;    // interrupt control mode 1: exceptions also set UI
+  bool stc_copies = false;   // these three: see Options
   bool rte_holds_off = false;
   bool predecrement_stores_decremented = true;
-  bool hold_off = false;  // interrupts are held off for one instruction
+  bool hold_off = false;  // no interrupt is accepted before the next instruction
   bool asleep = false;
-  bool moving = false;          // EEPMOV.W interrupted between two bytes
-  bool code_discarded = false;  // translated code has been discarded while it ran
-  bool code_in_ram = false;     // any flag of has_code; until then translated stores do not look
+  bool moving = false;          // EEPMOV.W is interrupted between two bytes
+  bool code_discarded = false;  // translated code was discarded while it ran
+  bool code_in_ram = false;  // has_code may have flags; if false, translated stores skip the check
   Fault fault = Fault::none;
   std::uint32_t fault_address = 0;
   std::uint32_t fault_pc = 0;
-  Insn outside{};  // any address without memory; imm is the address
+  Insn outside{};  // entry for an address without memory, which is in imm
 
-  // On the chip, the target of has_code.
+  // Storage of has_code on the chip.
   std::array<std::uint8_t, 0x2000 / kLine> chip_lines{};
 
   std::array<Jump, kTrail> trail{};
   std::uint32_t jumps = 0;
 };
 
-// Ends the inner loop at the next boundary: a time before every other, whose distance to them does not
-// overflow.
+// Ends the inner loop at the next boundary. -1 is before any time, and differences to it do not overflow.
 inline void end_stretch(Cpu& c) {
   c.stop = -1;
 }
 
-// Whether the chip has a register there, or could have one: FE50..FEFF and FF80..FFFF.
+// Returns whether `address` is in the register area of the chip: FE50..FEFF or FF80..FFFF.
 inline bool is_io(const Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = (address & c.mask) - (c.mask & (kBlock + kIo));
   return offset < kIoSize && offset - (kShortRam - kIo) >= kShortRamSize;
 }
 
-// Adds states that `now` does not include until the inner loop ends; `stop` is reduced instead.
+// Adds wait states. `now` includes them only after the inner loop ends, so `stop` is reduced instead.
 inline void add_stall(Cpu& c, int states) {
   c.stall += states;
   if (c.stop > 0) c.stop -= states;
 }
 
-// After a change of the interrupt mask or an instruction that holds interrupts off: leaves the inner loop
-// if a request is pending.
+// Must be called by an instruction that writes CCR or EXR. Ends the inner loop if a request is pending or the
+// time has reached `stop`. `hold_off`: no interrupt is accepted before the next instruction.
 void mask_changed(Cpu& c, bool hold_off);
 
+// Returns CCR, packed from the mask bits and the flags.
 inline std::uint8_t ccr(const Cpu& c) {
   const Flags& f = c.flags;
   return static_cast<std::uint8_t>(c.control | (f.h >> 28 & 1) << 5 | (f.n >> 31) << 3 |
@@ -171,7 +174,7 @@ inline void set_ccr(Cpu& c, std::uint32_t value) {
   c.flags.c = value & 1;
 }
 
-// Address of a decoded instruction.
+// Returns the address of a decoded instruction.
 inline std::uint32_t pc_of(const Cpu& c, const Insn* ip) {
   if (ip == &c.outside) return ip->imm;
   const auto index = static_cast<std::uint32_t>(ip - c.code);
@@ -180,7 +183,8 @@ inline std::uint32_t pc_of(const Cpu& c, const Insn* ip) {
   return (c.mask & (kBlock + kShortRam)) + (index - kShortRamCode) * 2;
 }
 
-// The decoded instruction of an address, `outside` where there is no memory. Bit 0 is ignored.
+// Returns the entry of Cpu::code for an address, or `outside` if the address has no memory. Bit 0 is ignored.
+// Exception: on the flat machine an odd address returns an `outside` that raises Fault::odd_pc.
 const Insn* at_address(Cpu& c, std::uint32_t address);
 
 inline const Insn* record_jump(Cpu& c, const Insn* from, const Insn* to) {
@@ -188,6 +192,7 @@ inline const Insn* record_jump(Cpu& c, const Insn* from, const Insn* to) {
   return to;
 }
 
+// Returns the instruction at `address` and records the jump.
 inline const Insn* jump_to(Cpu& c, const Insn* from, std::uint32_t address) {
   const std::uint32_t even = address & c.mask & ~1u;
   return record_jump(c, from,
@@ -197,26 +202,27 @@ inline const Insn* jump_to(Cpu& c, const Insn* from, std::uint32_t address) {
 // Decodes the instruction at `ip` into Cpu::code and returns its handler.
 Handler decode_in_place(Cpu& c, const Insn* ip);
 
-// Before the first flag of has_code is set.
+// Must be called before a flag of has_code is set. The first call discards translated code, because its
+// stores do not check the flags.
 void note_code_in_ram(Cpu& c);
 
-// For the reference engine: decodes from memory each time, with branches in their general form.
+// Like decode_in_place, for the reference engine: leaves branches in their general form.
 Handler decode_afresh(Cpu& c, const Insn* ip);
 
-// Runs instructions with the engine of `c` until now >= stop (run.cpp).
+// Run instructions until now >= stop, which is one stretch. run_stretch uses the engine of `c`.
 void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);
 
-// Whether the code hook of this address is due, before its instruction may run.
+// Bus::hook_due and Bus::has_hook; false without a bus.
 bool hooked_here(const Cpu& c, std::uint32_t pc);
-// Whether there is a code hook for this address at all, also while its instruction runs.
 bool has_hook(const Cpu& c, std::uint32_t pc);
 
-// Exception entry, shared by TRAPA and interrupts: stacks PC and CCR, sets the mask bits and returns
-// the handler's first instruction. Adds no time.
+// Enters an exception (TRAPA or interrupt): stacks PC and CCR, sets the mask bits and returns the first
+// instruction of the handler. Adds no time.
 const Insn* enter_exception(Cpu& c, const Insn* from, std::uint32_t return_pc, unsigned vector);
 
+// Records the first fault with its address and PC, and ends the inner loop.
 void raise_fault(Cpu& c, Fault fault, std::uint32_t address);
 
 }  // namespace kaz::h8s

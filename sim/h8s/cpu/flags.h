@@ -1,4 +1,4 @@
-// Arithmetic and its flags (programming manual, condition codes), for operands of 8, 16 and 32 bits.
+// Arithmetic of 8, 16 and 32 bits that sets the condition codes (programming manual, condition codes).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,10 +10,12 @@ using u8 = std::uint8_t;
 using u16 = std::uint16_t;
 using u32 = std::uint32_t;
 
+// The functions return the result of one operation and set the flags in Cpu::flags.
+
 template <class T>
 inline constexpr int kBits = 8 * static_cast<int>(sizeof(T));
 
-// The operand's bits moved to the top of 32, where Flags wants them.
+// Shifts an operand to the top of 32 bits, the format of Flags.
 template <class T>
 u32 up(u32 value) {
   return value << (32 - kBits<T>);
@@ -46,10 +48,10 @@ T flags_sub(Cpu& c, T a, T b) {
   return r;
 }
 
-// H is a carry for additions and a borrow for subtractions: a ^ b ^ r shows both at the next bit.
-// Bit 4, 12 or 28 of it is the carry out of bit 3, 11 or 27, and lands in bit 28.
+// H is the carry of an addition or the borrow of a subtraction out of bit 3, 11 or 27. Both appear in the
+// next bit of a ^ b ^ r (4, 12 or 28), which up() moves to bit 28.
 
-// With carry; Z is only ever cleared, so that a chain over several bytes tests the whole number.
+// Addition with carry. Clears Z but never sets it, so that a chain over several bytes tests the whole number.
 inline u8 flags_addx(Cpu& c, u8 a, u8 b) {
   const u32 sum = static_cast<u32>(a) + b + c.flags.c;
   const u8 r = static_cast<u8>(sum);
@@ -61,6 +63,7 @@ inline u8 flags_addx(Cpu& c, u8 a, u8 b) {
   return r;
 }
 
+// Subtraction with borrow; Z as in flags_addx.
 inline u8 flags_subx(Cpu& c, u8 a, u8 b) {
   const u32 difference = static_cast<u32>(a) - b - c.flags.c;
   const u8 r = static_cast<u8>(difference);
@@ -72,7 +75,7 @@ inline u8 flags_subx(Cpu& c, u8 a, u8 b) {
   return r;
 }
 
-// INC and DEC leave H and C alone.
+// INC and DEC do not change H and C.
 template <class T>
 T flags_inc(Cpu& c, T a, T by) {
   const T r = static_cast<T>(a + by);

@@ -1,4 +1,4 @@
-// Opcode table: encoding, text, handler and state counts of each form of an instruction.
+// Opcode table: encoding, assembler text, handler and state counts of each form of each instruction.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,50 +9,55 @@
 
 namespace kaz::h8s {
 
-// Accesses of an instruction (programming manual, number of states): states = I + J + K + L + M + N with
-// on-chip memory.
+// Columns of the manual's table of states (programming manual, number of states). With on-chip memory an
+// instruction takes I + J + K + L + M + N states.
 struct Counts {
   std::uint8_t i = 1;  // instruction fetches
-  std::uint8_t j = 0;  // branch address reads, for advanced mode (half of it in normal mode)
-  std::uint8_t k = 0;  // stack accesses; `k_fixed`: the same in both modes
-  std::uint8_t l = 0;  // byte data
-  std::uint8_t m = 0;  // word data
-  std::uint8_t n = 0;  // internal
+  std::uint8_t j = 0;  // branch address reads in advanced mode; half in normal mode
+  std::uint8_t k = 0;  // stack accesses in advanced mode; half in normal mode unless `k_fixed`
+  std::uint8_t l = 0;  // byte data accesses
+  std::uint8_t m = 0;  // word data accesses
+  std::uint8_t n = 0;  // internal operations
   bool k_fixed = false;
 };
 
-// `pattern` holds one character a nibble, spaces apart. 0-9 A-F stand for themselves; fields are
-//   r s  byte register, source and destination     u w  word register
-//   m n  long or address register, top bit 0       M N  the same, top bit 1
-//   Y X  the same, any top bit
-//   t T  bit number, top bit 0 and 1               p    vector number 0..3
-//   i    immediate            a  absolute address          d  displacement
-//   j    branch displacement  v  vector address
-// `operands` is the assembler text, `%` and a letter standing for the field.
+// One row of the table. `pattern` has one character for each nibble of the encoding; spaces are ignored.
+// 0-9 and A-F are fixed nibbles. The other letters are fields:
+// - r, s: byte register, source and destination.
+// - u, w: word register, source and destination.
+// - m, n: long or address register, source and destination, top bit of the nibble 0.
+// - M, N: the same with top bit 1. Y, X: the same with any top bit.
+// - t, T: bit number, top bit of the nibble 0 or 1.
+// - p: vector number 0..3. v: vector address.
+// - i: immediate. a: absolute address. d: displacement. j: branch displacement.
 struct Opcode {
   const char* pattern;
   const char* name;
-  const char* operands;
+  const char* operands;  // assembler text; `%` and a letter stand for a field
   Handler run;
   Counts counts;
 };
 
 struct Decoded {
-  const Opcode* opcode = nullptr;  // null: undefined
+  const Opcode* opcode = nullptr;  // null: undefined instruction
   Insn insn{};
 };
 
+// Length of the longest instruction, in 16-bit units.
 inline constexpr int kMaxUnits = 5;
 
-// `units` holds the memory at the address and after it, as far as it exists.
+// Decodes the instruction at the front of `units`, which may end before kMaxUnits where memory ends.
+// `normal`: count states for normal mode.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
-// Decodes the instruction in memory that belongs to Cpu::code[index], which stays unchanged.
+// Decodes the instruction in memory for Cpu::code[index], without changing that entry.
 Decoded decode_at(const Cpu& c, std::uint32_t index);
 
-// "mov.l @(0x10:16,er6),er0"; `address` resolves branches. Undefined: ".word 0x0001". `bytes` is set to
-// its length.
+// Returns the text of one instruction, such as "mov.l @(0x10:16,er6),er0", or of an undefined one, such as
+// ".word 0x0001". `address` is its place in memory, for the targets of branches. `bytes` receives its length
+// and may be null.
 std::string disassemble(std::span<const std::uint16_t> units, std::uint32_t address, int* bytes);
 
+// The rows of the table, by group.
 std::span<const Opcode> move_opcodes();
 std::span<const Opcode> arithmetic_opcodes();
 std::span<const Opcode> shift_opcodes();

@@ -1,4 +1,4 @@
-// Runs single instructions on the chip and on the tests' own model, with chosen or random operands.
+// Runs single instructions on the chip and on the model of oracle.h, with chosen or random operands.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,47 +15,49 @@
 
 namespace kaz::h8s::oracle {
 
-// The units of a form with these field values.
+// Returns the encoding of `form` with these field values.
 std::vector<u16> encode(const Form& form, const Fields& fields);
 
-// Bits of the units, valid where `mask` is set.
+// Fixed bits of an encoding: `value` where `mask` is set.
 struct Pin {
   std::array<u16, 5> mask{}, value{};
   std::vector<u16> apply(std::vector<u16> units) const;
 };
 
-// A chip and a model of it with the same memory, filled at random.
+// A chip and its model. Both have the same memory, filled with random bytes.
 class Bench {
  public:
   explicit Bench(bool normal, const Options& options = {});
 
-  // Runs the instruction at `at` from this state on both. Empty if they agree, else the differences.
+  // Writes `units` to address `at` and runs them on both, beginning with the state `before`. Returns the
+  // differences; empty if both agree.
   std::string trial(const Form& form, const std::vector<u16>& units, const World& before, u32 at);
-  // Fields, registers and flags at random, often at the borders; addresses point at memory or, if
-  // `io`, at registers that keep what is written.
+  // Runs a trial with random fields, registers and flags, often at the limits of their ranges. Addresses are
+  // in memory, or with `io` those of I/O registers that return the value written.
   std::string random_trial(const Form& form, bool io);
-  // The two halves of a random trial: units of `form`, with operands that instructions may work on;
-  // registers and flags with which these units reach them. `pin`: bits that are fixed.
+  // The two parts of a random trial. draw_units returns an encoding of `form` whose operands may be accessed;
+  // `pin` fixes some of its bits. draw_registers returns registers and flags for it.
   std::vector<u16> draw_units(const Form& form, bool io, const Pin& pin = {});
   World draw_registers(const Form& form, const std::vector<u16>& units, bool io);
-  // The model knows the contents of registers at io_states' addresses from the chip.
+  // Copies the I/O registers that trials with `io` use from the chip to the model.
   void read_io();
-  // Writes flash or RAM of both.
+  // Writes flash or RAM of both. `address` must be in one of them.
   void put(u32 address, std::span<const u8> bytes);
   void put(u32 address, const std::vector<u16>& units);
-  // States that an access takes besides those of memory.
+  // Returns the states that an access takes in addition to one to on-chip memory.
   int io_states(const Access& a) const;
-  // Compares registers and memory that the model has accessed; empty when equal. Values
-  // that the manual leaves open are copied from the chip.
+  // Compares registers, and memory at `accesses`. Returns the differences; empty if there are no differences.
+  // Register values that the manual leaves undefined are copied from the chip to the model.
   std::string compare(std::span<const Access> accesses, u8 open_flags, bool open_result);
-  // Accesses of the model outside memory since the last call.
+  // Returns the model's accesses outside memory since the last call, as text.
   std::string outside() { return std::exchange(outside_, {}); }
-  // Addresses that calls and jumps are drawn from, three times of four; none: any.
+  // Targets of three quarters of the random jumps, calls and returns; the others go to any address. If it is
+  // empty, all go to any address.
   std::vector<u32> landings;
-  // Whole RAM of both; empty when equal.
+  // Compares the whole RAM of both. Returns the first difference; empty if there is no difference.
   std::string compare_memory();
 
-  World world;  // the model; its memory is this object's
+  World world;  // the model; its memory belongs to this object
   Chip chip;
   std::mt19937 random{12345};
 
@@ -72,9 +74,9 @@ class Bench {
 
   u32 code_at_ = 0;
   std::vector<u16> code_;
-  std::vector<u8> flash_, ram_;  // RAM: 0xffe000 up
+  std::vector<u8> flash_, ram_;  // ram_ begins at address 0xffe000
   std::map<u32, u8> io_;
-  std::string outside_;  // an address without memory that the model touched
+  std::string outside_;  // accesses of the model to addresses without memory
 };
 
 }  // namespace kaz::h8s::oracle

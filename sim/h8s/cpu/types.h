@@ -1,4 +1,4 @@
-// Types of the CPU that users of the emulator see: time, engines, registers.
+// Public types of the CPU: time, execution engines, registers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,23 +8,24 @@
 
 namespace kaz::h8s {
 
-// Time in periods of the system clock ("states" in the manuals).
+// Time, in periods of the system clock ("states" in the manuals).
 using States = std::int64_t;
 inline constexpr States kNever = std::numeric_limits<States>::max();
 
-// How instructions are executed. All three produce the same registers, memory and time at every
-// instruction boundary; only the speed differs.
+// How instructions are executed. At every instruction boundary all three engines have the same registers,
+// memory and time. They differ only in speed.
 enum class Engine {
-  reference,    // decodes each instruction from memory every time it runs: slow, checks the others
+  reference,  // decodes each instruction from memory every time it runs; slow, to check the others
   interpreter,  // decodes each instruction once
-  translator,  // interpreter, plus host code for hot blocks; needs x86-64 and asmjit at build time,
-               // otherwise the same as `interpreter`
+  // Interpreter that runs hot blocks as host code. Needs x86-64 and asmjit at build time, otherwise it is the
+  // same as `interpreter`.
+  translator,
 };
 
-// "reference", "interpreter" or "translator".
+// Returns "reference", "interpreter" or "translator".
 const char* name_of(Engine engine);
 
-// The programmer's registers (H8S/2000 Programming Model).
+// CPU registers as a program sees them (H8S/2000 programming manual).
 struct Registers {
   std::array<std::uint32_t, 8> er{};  // ER7 is the stack pointer
   std::uint32_t pc = 0;               // address of the next instruction

@@ -1,4 +1,4 @@
-// The call stack, derived from instructions and the stack pointer.
+// Tracks the call stack of a running chip from its instructions and stack pointer.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,20 +8,22 @@
 
 namespace kaz::h8s {
 
+// One call of a function or interrupt handler.
 struct Frame {
   std::uint32_t function = 0;   // entry address
   std::uint32_t called_at = 0;  // address of the call, or of the interrupted instruction
   std::uint32_t sp = 0;         // ER7 at entry to the function
   bool interrupt = false;
-  States begin = 0;  // of the call or of the exception entry
-  // For Profile: states spent in interrupts and asleep before `begin`.
+  States begin = 0;  // time of the call or of the exception entry
+  // For Profile: states in completed interrupts and asleep before `begin`.
   States away = 0;
 };
 
-// Observer that tracks the call stack. A frame ends when a return leaves ER7 above it, so several end at
-// once after a tail jump or longjmp. A jump to the first instruction of another function counts as a call
-// by the function that jumps; TRAPA counts as a call; an interrupt begins a frame of its own. The first
-// frame is the function at PC when the first instruction is observed.
+// Observer that tracks the call stack. A frame ends when a return leaves ER7 above its `sp`, so several may
+// end at once after a tail jump or longjmp. A jump to the first instruction of another function counts as a
+// call by the function that jumps. TRAPA counts as a call. An interrupt begins its own frame. The first frame
+// is the function at PC when the first instruction is observed. At a depth of 4,096 the second-outermost
+// frame is dropped. `chip` must outlive this.
 class CallStack : public Observer {
  public:
   explicit CallStack(const Chip& chip) : chip_(chip) {}
@@ -32,10 +34,10 @@ class CallStack : public Observer {
   void was_reset(ResetCause, States) override;
 
  protected:
-  // The frame that begins or ends is the last one in frames_ during the call.
+  // Called when a frame begins or ends. During the call it is the last one in frames_.
   virtual void begun(Frame&) {}
   virtual void ended(const Frame&, States /*at*/) {}
-  // An instruction of the last frame has run.
+  // Called when an instruction of the last frame has run.
   virtual void spent(const Executed&) {}
 
   const Chip& chip_;

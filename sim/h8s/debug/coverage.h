@@ -1,4 +1,4 @@
-// Instruction and branch coverage.
+// Instruction and branch coverage of a running chip.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,25 +9,26 @@
 
 namespace kaz::h8s {
 
+// Attach it to the chip, which must outlive it.
 class Coverage final : public Observer {
  public:
   explicit Coverage(const Chip& chip) : chip_(chip) {}
 
   struct Count {
     std::int64_t executed = 0;
-    std::int64_t taken = 0, passed = 0;  // of conditional branches
-    bool branch = false;
-    std::uint8_t length = 2;
+    std::int64_t taken = 0, passed = 0;  // conditional branches: taken and not taken
+    bool branch = false;                 // conditional branch
+    std::uint8_t length = 2;             // bytes
   };
-  // By instruction address; instructions that never ran are absent.
+  // Returns the counts by instruction address. Instructions that never ran are absent.
   const std::map<std::uint32_t, Count>& counts() const { return counts_; }
 
-  // One line per function: instructions executed, bytes covered of its size, branches taken in one
-  // direction only. What lies between a function's end and the next one (constants, gaps, code that is no
-  // function) counts for neither. Where the image does not state a function's size its line has none, and
-  // counts what is covered up to the next function.
+  // Returns a table with one line per function: bytes covered, size, share covered, executions of its first
+  // instruction, and branches that always went one way. Bytes between functions (constants, gaps) do not
+  // count. If the image does not state the size of a function, size and share are "-", and the covered bytes
+  // up to the next function count.
   std::string text() const;
-  // lcov's tracefile for genhtml: FN, DA and BRDA records, for images with line numbers.
+  // Returns an lcov tracefile for genhtml, with FN, DA and BRDA records. The image must have line numbers.
   std::string lcov() const;
 
   void executed(const Executed& e) override;

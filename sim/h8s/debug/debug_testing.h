@@ -1,4 +1,4 @@
-// A chip with timer, serial and A/D interrupts at work, and its comparison with another.
+// Test fixtures: a chip with active timer, serial and A/D interrupts, and a comparison of two chips.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,6 +6,7 @@
 
 namespace kaz::h8s::testing {
 
+// Starts the modules and their interrupts, then computes in an endless loop.
 inline Program busy_program() {
   Program p;
   p.modules_on().out8(0xffffd9, 4).out8(0xffffda, 0x70).out16(0xffff94, 99).out8(0xffff91, 0x01);
@@ -18,14 +19,15 @@ inline Program busy_program() {
   return p;
 }
 
-// Address of the program's endless loop.
+// Returns the address of the endless loop.
 inline std::uint32_t busy_loop() {
   return end_of(busy_program()) - 14;
 }
 
+// Returns a chip with busy_program(), interrupt handlers, input voltages and queued serial bytes.
 inline Chip busy_chip(Options options = {}) {
   Chip chip = make_chip(busy_program(), options);
-  // FRT OCIA and SCI0 receive: clear the flag, return.
+  // Handlers of FRT OCIA and SCI0 reception: clear the flag and return.
   chip.poke(handler(52), std::vector<std::uint8_t>{0x7f, 0x91, 0x72, 0x30, 0x56, 0x70});
   chip.poke(handler(81), std::vector<std::uint8_t>{0x7f, 0xdc, 0x72, 0x60, 0x56, 0x70});
   chip.set_analog([](int channel, States) { return channel / 8.0; });
@@ -34,6 +36,7 @@ inline Chip busy_chip(Options options = {}) {
   return chip;
 }
 
+// Expects equal time, registers and memory.
 inline void expect_same(const Chip& a, const Chip& b) {
   EXPECT_EQ(a.now(), b.now());
   EXPECT_EQ(a.instructions(), b.instructions());

@@ -1,4 +1,4 @@
-// GDB's remote protocol, packet layer: framing, acknowledgements, hexadecimal numbers.
+// Packet layer of GDB's remote protocol: framing, acknowledgment, hexadecimal numbers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace kaz::h8s {
 
-// One item of the byte stream.
+// One item of the byte stream from GDB.
 struct GdbInput {
   enum class Kind {
-    packet,     // `data`, with its checksum right and escapes resolved
-    damaged,    // a packet whose checksum is wrong, or longer than kMaxPacket
+    packet,     // `data` of a packet with the correct checksum, escapes resolved
+    damaged,    // a packet with a wrong checksum, or longer than kMaxPacket
     interrupt,  // Ctrl-C
     repeat,     // '-': the peer requests retransmission of the last packet
   };
@@ -23,11 +23,12 @@ struct GdbInput {
   std::string data;
 };
 
-inline constexpr std::size_t kMaxPacket = 0x4000;
+inline constexpr std::size_t kMaxPacket = 0x4000;  // bytes of data
 
 class GdbFraming {
  public:
-  // Accepts bytes in pieces of any size; acknowledgements and noise between packets are ignored.
+  // Parses bytes, in pieces of any size, and appends the items to `to`. Ignores acknowledgments and other
+  // bytes between packets.
   void feed(std::span<const std::uint8_t> bytes, std::vector<GdbInput>& to);
 
  private:
@@ -39,24 +40,25 @@ class GdbFraming {
   bool too_long_ = false;
 };
 
-// "$data#xx"; the characters # $ } * are escaped.
+// Returns the packet "$data#xx". The characters # $ } * are escaped.
 std::string gdb_frame(std::string_view data);
 
 std::string to_hex(std::span<const std::uint8_t> bytes);
 std::string to_hex(std::string_view text);
-// The packet that shows text on GDB's console.
+// Returns the data of a packet that shows `text` on GDB's console.
 std::string console_packet(std::string_view text);
-// 8 digits, big-endian.
+// Returns 8 digits, most significant first.
 std::string hex32(std::uint32_t value);
-// nullopt: odd length or not hexadecimal.
+// Returns nullopt if the length is odd or a character is not a hexadecimal digit.
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view digits);
 
-// Parses a packet from front to back; functions consume nothing if the text does not match.
+// Parses a packet from front to back. A function whose text does not match consumes nothing.
 class GdbReader {
  public:
   explicit GdbReader(std::string_view text) : text_(text) {}
+  // Consumes `prefix`. Returns false if the text does not begin with it.
   bool take(std::string_view prefix);
-  // 1 to 16 hexadecimal digits.
+  // Consumes 1 to 16 hexadecimal digits.
   std::optional<std::uint64_t> number();
   std::string_view rest() const { return text_; }
   bool empty() const { return text_.empty(); }

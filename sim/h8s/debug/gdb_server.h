@@ -1,4 +1,4 @@
-// GDB's remote protocol for a chip: bytes in, bytes out, no sockets and no clock.
+// Server of GDB's remote protocol for a chip. It maps input bytes to output bytes, without sockets and clock.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,33 +14,38 @@
 
 namespace kaz::h8s {
 
-// Registers in the order of GDB's h8300s target, 4 bytes each, big-endian (the `g` packet):
-//   0-7 er0..er6, sp   8 ccr   9 pc   10 cycles: states since power-on, low 32 bits   11 exr
-//   12 tick: states, high 32 bits   13 inst: instructions executed   14, 15 mach, macl: 0
-// (this CPU has none, but GDB stops printing registers at a missing one)
-// Writable: 0-9 and 11. Versions of GDB that do not read the architecture from target.xml need `set
+// Registers are those of GDB's h8300s target, 4 bytes each, big-endian (the `g` packet):
+// - 0-7: er0..er6, sp.
+// - 8, 9: ccr, pc.
+// - 10, cycles: states since power-on, low 32 bits.
+// - 11: exr.
+// - 12, tick: states since power-on, high 32 bits.
+// - 13, inst: instructions executed.
+// - 14, 15, mach and macl: 0. The CPU does not have them, but GDB stops printing at a missing register.
+//
+// 0-9 and 11 are writable. Versions of GDB that do not read the architecture from target.xml need `set
 // architecture h8300s`.
 //
-// Memory reads have no side effects, not even on I/O registers. Writes go to RAM and to flash, the latter
-// without the programming sequence, as by a programmer. The number of breakpoints and watchpoints is not
-// limited. Reverse execution uses History, which records the chip from the server's construction on.
+// Memory reads have no side effects, not even at I/O registers. Writes go to RAM, and to flash without the
+// programming sequence. At most 4,096 breakpoints and watchpoints. Reverse execution uses History, which
+// records the chip from the server's construction on. `chip` must outlive this.
 class GdbServer {
  public:
   explicit GdbServer(Chip& chip, HistoryOptions history = {});
 
-  // Bytes from GDB, in pieces of any size.
+  // Processes bytes from GDB, in pieces of any size.
   void feed(std::span<const std::uint8_t> bytes);
-  // Bytes for GDB since the last call.
+  // Returns the bytes to send to GDB since the last call.
   std::string take_output();
 
-  // True after GDB has resumed the chip: call run(states) until this is false, and feed bytes that arrive
-  // meanwhile.
+  // Returns true after GDB has resumed the chip. Call run(states) while it is true, and feed bytes that
+  // arrive meanwhile.
   bool running() const { return running_; }
   void run(States states);
-  // Killed or detached.
+  // Returns whether GDB has killed the program or detached.
   bool finished() const { return finished_; }
 
-  // Reply to `monitor TEXT`.
+  // Returns the reply to `monitor TEXT`.
   std::string monitor(std::string_view text);
 
  private:

@@ -1,4 +1,4 @@
-// Reverse execution: snapshots, and replay of the inputs since.
+// Reverse execution with snapshots and replay of the inputs after them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace kaz::h8s {
 
-// Accesses to [address, address + size).
+// Watchpoint: accesses to [address, address + size).
 struct Watch {
   std::uint32_t address = 0;
   std::uint32_t size = 1;
@@ -22,39 +22,42 @@ struct Watch {
   bool operator==(const Watch&) const = default;
 };
 
-// Conditions that halt a run. A breakpoint replaces a code hook at its address for the duration of the
-// run. A breakpoint at the run's first instruction counts only with `at_start`.
+// Conditions that halt a run. Except in a replay, a breakpoint replaces a code hook at its address, and both
+// are removed at the end of the run. A breakpoint at the first instruction of a run counts only with
+// `at_start`.
 struct Triggers {
   std::vector<std::uint32_t> breakpoints;
   std::vector<Watch> watches;
   bool at_start = false;
 };
 
+// Reason for the end of a run or of a step.
 struct Halt {
   enum class Why {
-    reached,
-    breakpoint,  // the instruction there has not run
-    watch,       // forwards: after the access; backwards: before the instruction that does it
-    begin,       // backwards: the start of the history
-    stopped,     // the chip stopped by itself, for the reason in `stop`
+    reached,     // the time or step was reached
+    breakpoint,  // its instruction has not run
+    watch,       // forward: after the access; backward: before the instruction that accesses
+    begin,       // backward: at the start of the history
+    stopped,     // the chip stopped for the reason in `stop`
   };
   Why why = Why::reached;
   Stop stop;
   std::uint32_t address = 0;  // watch: address of the access
-  Watch watch;                // watch: the one that was hit
+  Watch watch;                // watch: the watchpoint
 };
 
 struct HistoryOptions {
   States spacing = 100'000;    // states between the newest snapshots
-  std::size_t snapshots = 40;  // maximum number; older ones are further apart; 0.2 MB each
-  // Inputs and A/D samples, about 40 bytes each. With more, the oldest part of the history is forgotten.
+  std::size_t snapshots = 40;  // maximum number, 0.2 MB each; older ones are farther apart
+  // Maximum number of inputs and A/D samples, about 40 bytes each. Beyond it the oldest part of the history
+  // is dropped.
   std::size_t records = 2'000'000;
 };
 
-// Records a chip from its construction on. The chip must be run through this object, which takes
-// snapshots meanwhile; execution before end() is replayed from the record, without calling the chip's
-// listeners a second time. An input in the past (a poke, a pin) discards the record after it. Load,
-// power_on, restore and inputs from inside listeners restart the history; inputs from code hooks are
+// Records a chip from the construction of this object on. The chip must outlive it, and must be run through
+// it, because it takes snapshots meanwhile. Execution before end() is replayed from the record, without a
+// second call of the chip's listeners. An input in the past (a poke, a pin) discards the record after it.
+// Load, power_on, restore, call and inputs from listeners restart the history. Inputs from code hooks are
 // recorded.
 class History final : public InputLog {
  public:
@@ -63,21 +66,22 @@ class History final : public InputLog {
   History(const History&) = delete;
   History& operator=(const History&) = delete;
 
-  // First and last state that can be visited. The first moves on in a session with many records.
+  // First and last state that can be reached. The first increases in a session with many records.
   States begin() const;
   States end() const;
-  // Whether the chip is before end(), so that running replays the record.
+  // Returns whether the chip is before end(), so that a run replays the record.
   bool replaying() const;
 
+  // Runs until `until` or a trigger.
   Halt run_until(States until, const Triggers& triggers = {});
-  // As Chip::step.
+  // Runs one step, as Chip::step.
   Halt step();
 
-  // To the boundary before this one. Halt::begin if there is none.
+  // Goes back to the previous instruction boundary. Returns Why::begin at the start of the history.
   Halt step_back();
-  // To the first boundary at or after `at`. Errors: outside begin()..end().
+  // Goes to the first boundary at or after `at`. Error: `at` is not in begin()..end().
   Result<void> back_to(States at);
-  // To the last boundary before this one where a trigger fires, else to begin().
+  // Goes back to the last boundary before this one at which a trigger fires, or to begin().
   Halt reverse_continue(const Triggers& triggers);
 
   void input(std::function<void(Chip&)> apply) override;
@@ -96,7 +100,7 @@ class History final : public InputLog {
   };
   struct Snapshot {
     States at;
-    std::size_t inputs;  // applied before it was taken
+    std::size_t inputs;  // number of inputs that it includes
     std::shared_ptr<const Chip> chip;
   };
   struct Player;
@@ -118,10 +122,10 @@ class History final : public InputLog {
   std::vector<Snapshot> snapshots_;
   std::vector<Input> inputs_;
   std::vector<Sample> samples_;
-  std::size_t cursor_ = 0;  // inputs applied to the chip so far
+  std::size_t cursor_ = 0;  // number of inputs that the chip's state includes
   States end_ = 0;
   bool adopting_ = false;
-  bool broken_ = false;  // cut while the chip ran: restart at the next boundary
+  bool broken_ = false;  // an input could not be recorded: restart at the next call
 };
 
 }  // namespace kaz::h8s

@@ -1,4 +1,4 @@
-// Stack depth, and reads of uninitialised RAM.
+// Observers that measure the stack depth and report reads of uninitialized RAM.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,17 +11,18 @@
 
 namespace kaz::h8s {
 
-// The lowest ER7 since attachment, and the call stack at that time.
+// Records the lowest ER7 since attachment, and the call stack at that time.
 class StackMeter final : public CallStack {
  public:
   explicit StackMeter(const Chip& chip) : CallStack(chip) {}
 
   std::uint32_t lowest() const { return lowest_; }
-  // Bytes between the highest ER7 observed and the lowest: the stack usage of a program that sets its stack
-  // pointer once.
+  // Returns the bytes between the highest and the lowest ER7 observed. This is the stack usage of a program
+  // that sets its stack pointer once.
   std::uint32_t used() const { return highest_ < lowest_ ? 0 : highest_ - lowest_; }
-  // Outermost first; interrupts among them.
+  // Returns the call stack at the lowest ER7, outermost frame first, including interrupts.
   const std::vector<Frame>& chain() const { return chain_; }
+  // Returns the time of the lowest ER7.
   States at() const { return at_; }
   std::string text() const;
 
@@ -41,8 +42,9 @@ struct UninitialisedRead {
   States at = 0;
 };
 
-// RAM is uninitialised from power-on, or from the construction of this object, until it is written by the
-// program or from outside (Chip::poke, restore). One report per instruction that reads such a byte.
+// Reports reads of uninitialized RAM, once for each instruction. A byte is uninitialized from power-on, or
+// from the construction of this object, until the program or Chip::poke writes it. After Chip::restore all
+// bytes count as initialized.
 class UninitialisedReads final : public Observer {
  public:
   explicit UninitialisedReads(const Chip& chip) : chip_(chip) {}

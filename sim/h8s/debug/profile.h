@@ -1,4 +1,4 @@
-// Profile: states by function, and in the longest window (such as a tick).
+// Profiler: states of each function, in total and in the longest window (such as a tick).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,7 +21,7 @@ class Durations {
   }
   std::int64_t count() const { return n_; }
   States worst() const { return counts_.empty() ? 0 : counts_.rbegin()->first; }
-  // Of an even number the lower of the two middle values.
+  // Returns the lower of the two middle values if count() is even.
   States median() const;
 
  private:
@@ -34,32 +34,33 @@ struct FunctionProfile {
   std::string name;
   bool interrupt = false;
   std::int64_t calls = 0;
-  States self = 0;               // in the function's own instructions; interrupts: with the entry
-  States with_callees = 0;       // of recursive functions the outermost calls only
-  States worst = 0, median = 0;  // of one call, with callees, of those that have returned
+  States self = 0;               // in own instructions; interrupts: with the exception entry
+  States with_callees = 0;       // if recursive, only the outermost calls count
+  States worst = 0, median = 0;  // duration of a completed call, with callees
 };
 
-// A repeated section of the program, from the instruction at `begin` to that at `end`.
+// A repeated section of the program, from before the instruction at `begin` to before that at `end`.
 struct ProfileWindow {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
 };
 
-// The longest window: its states (without sleep, with interrupts), and those of each function.
+// Statistics of the windows and the states of each function in the longest one. Sleep does not count,
+// interrupts do.
 struct WorstWindow {
   std::int64_t windows = 0;
-  States median = 0, worst = 0, at = 0;
-  std::vector<FunctionProfile> functions;  // name, address, self only
+  States median = 0, worst = 0, at = 0;    // durations; start of the longest window
+  std::vector<FunctionProfile> functions;  // only name, address and self
 };
 
-// Attach it to the chip. States asleep are not attributed to any function; those of an interrupt, including
-// its 8 states of entry, to its handler; those of a call instruction to the caller, those of RTS to the
-// callee.
+// Attach it to the chip, which must outlive it. States asleep belong to no function. Those of an interrupt,
+// including the exception entry, belong to its handler. Those of a call instruction belong to the caller,
+// those of RTS to the callee.
 class Profile final : public CallStack {
  public:
   explicit Profile(const Chip& chip, std::optional<ProfileWindow> window = {});
 
-  // In descending order of `self`.
+  // Returns the functions in descending order of `self`.
   std::vector<FunctionProfile> functions() const;
   WorstWindow worst_window() const;
   States asleep() const { return asleep_; }
@@ -67,7 +68,7 @@ class Profile final : public CallStack {
 
   std::string text() const;
   std::string json() const;
-  // For KCachegrind and callgrind_annotate; lines where the image has them.
+  // Returns the profile for KCachegrind and callgrind_annotate, with line numbers if the image has them.
   std::string callgrind() const;
 
   void before(std::uint32_t pc, States at) override;
@@ -98,7 +99,7 @@ class Profile final : public CallStack {
   std::unordered_map<std::uint32_t, Entry> entries_;
   std::unordered_map<std::uint64_t, States> by_address_;  // function << 32 | pc
   std::map<EdgeKey, Edge> edges_;
-  States away_ = 0;  // in interrupts that have ended, and asleep
+  States away_ = 0;  // states in completed interrupts and asleep
   States asleep_ = 0, total_ = 0;
 
   std::optional<ProfileWindow> window_;

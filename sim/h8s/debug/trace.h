@@ -1,4 +1,4 @@
-// Trace: a line of text for each instruction, with time, address, disassembly and effects.
+// Instruction trace: a line of text for each instruction, with time, address, disassembly and effects.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,14 +10,17 @@
 
 namespace kaz::h8s {
 
-// "     1234  001006  _main+0x6  mov.w r0,@0xffe100:16  ccr=80  [ffe100]=0005"
-// Start time in states, address, symbol, instruction, changed registers, bus accesses ("=" for writes,
-// "->" for reads). Interrupts, sleep and resets have lines of their own.
+// Observer that writes lines such as
+//
+//   "     1234  001006  _main+0x6  mov.w r0,@0xffe100:16  ccr=80  [ffe100]=0005"
+//
+// The columns are start time in states, address, symbol, instruction, changed registers and bus accesses ("="
+// for writes, "->" for reads). Interrupts, sleep and resets have their own lines. `chip` must outlive this.
 class Trace final : public Observer {
  public:
-  // Writes to `out` continuously.
+  // Writes each line to `out`, which must outlive this.
   Trace(const Chip& chip, std::ostream& out);
-  // Keeps the last `lines` lines for text().
+  // Keeps the last `lines` lines, which text() returns.
   Trace(const Chip& chip, std::size_t lines);
 
   std::string text() const;

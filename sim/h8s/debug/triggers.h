@@ -1,4 +1,4 @@
-// Breakpoints and watchpoints on a chip for the duration of one run. Internal to debug/.
+// Sets breakpoints and watchpoints on a chip for the duration of one run. Internal to debug/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,9 +9,11 @@
 
 namespace kaz::h8s {
 
+// Returns the first watchpoint that `access` hits; null if it hits no watchpoint.
 const Watch* find_watch(const std::vector<Watch>& watches, const Access& access);
 
-// Halts at the first trigger.
+// Halts the chip at the first trigger. `chip` and `triggers` must outlive it. The destructor removes all code
+// hooks at the breakpoints.
 class ArmedTriggers final : public Observer {
  public:
   ArmedTriggers(Chip& chip, const Triggers& triggers);
@@ -20,7 +22,7 @@ class ArmedTriggers final : public Observer {
   ArmedTriggers& operator=(const ArmedTriggers&) = delete;
 
   void accessed(const Access& access) override;
-  // Converts a stop of the chip to a Halt, given these triggers.
+  // Converts the stop of the run to a Halt.
   Halt halt(const Stop& stop) const;
 
  private:
@@ -29,7 +31,8 @@ class ArmedTriggers final : public Observer {
   std::optional<Halt> watched_;
 };
 
-// Records the last boundary before `limit` at which a trigger fires, without halting.
+// Records the last boundary before `limit` at which a trigger fires, without halting. Lifetimes as for
+// ArmedTriggers.
 class NotedTriggers final : public Observer {
  public:
   NotedTriggers(Chip& chip, const Triggers& triggers, States limit);

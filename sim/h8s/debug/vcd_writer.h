@@ -1,4 +1,4 @@
-// The text of a VCD file: header, values and times.
+// Writes the text of a VCD file: header, values and times.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,17 +9,19 @@
 
 namespace kaz::h8s {
 
+// Times are in picoseconds. A value has one of '0', '1', 'x' and 'z' for each bit, most significant bit
+// first.
 class VcdWriter {
  public:
   struct Variable {
     std::string scope, name;
     int bits = 1;
   };
-  // The header with one scope below "h8s2128" for each that the variables name.
+  // Writes the header, with the scopes of the variables inside "h8s2128". `to` must outlive this.
   VcdWriter(std::ostream& to, const std::vector<Variable>& variables);
-  // First values, one text of '0', '1', 'x' and 'z' a variable, most significant bit first.
+  // Writes the initial values, one for each variable. Must be called once, before change().
   void begin(std::int64_t picoseconds, const std::vector<std::string>& values);
-  // Ignored if the time is before the last one or the value is unchanged.
+  // Writes a value. Ignored if the time is before the last one or the value is unchanged.
   void change(std::size_t variable, std::int64_t picoseconds, const std::string& value);
   void end(std::int64_t picoseconds);
 
@@ -32,7 +34,7 @@ class VcdWriter {
   std::int64_t time_ = 0;
 };
 
-// Binary digits of the low bits of `value`.
+// Returns the low `bits` bits of `value` as binary digits.
 std::string binary(std::uint32_t value, int bits);
 
 }  // namespace kaz::h8s

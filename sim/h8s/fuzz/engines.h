@@ -1,4 +1,4 @@
-// The same chip in each engine, run in lockstep and compared.
+// Runs the same chip in lockstep in every engine and compares the results.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,16 +9,18 @@
 
 namespace kaz::h8s::fuzz {
 
+// One chip for each engine of this build.
 class Engines {
  public:
   Engines(Options options, const Image& image, std::uint8_t ram_fill);
 
-  // Applies `act` to all of them.
+  // Calls `act` with each chip.
   template <class Do>
   void each(Do act) {
     for (Chip& chip : chips_) act(chip);
   }
-  // Applies the input's events for at most `states` in all, comparing after each. Empty: all agree.
+  // Runs for at most `states` with events from `input`, and compares after each. Returns the difference;
+  // empty if all engines agree.
   std::string play(Reader& input, States states);
 
  private:

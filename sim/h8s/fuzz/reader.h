@@ -1,4 +1,4 @@
-// Reads an input from its front; past its end all values are 0.
+// Reads values from the front of a fuzzer input. Past its end all values are 0.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,11 +18,13 @@ class Reader {
     left_ = left_.subspan(1);
     return value;
   }
+  // Big-endian, 1 to 4 bytes.
   std::uint32_t number(int bytes) {
     std::uint32_t value = 0;
     for (int k = 0; k < bytes; ++k) value = value << 8 | byte();
     return value;
   }
+  // Returns the next `count` bytes, or fewer if the input ends.
   Bytes take(std::size_t count) {
     const Bytes part = left_.first(std::min(count, left_.size()));
     left_ = left_.subspan(part.size());

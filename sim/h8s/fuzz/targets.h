@@ -1,4 +1,4 @@
-// Fuzz targets: each accepts any bytes and returns a description of the failure, or an empty string.
+// Fuzz targets. Each accepts any bytes and returns a description of the failure, or an empty string.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,19 +12,19 @@ namespace kaz::h8s::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// The bytes as an image file of each format; what loads is put on a chip and run a little.
+// Parses the input as an image file of each format. Runs each image that loads for a short time.
 std::string image(Bytes input);
 
-// The bytes as packets from GDB, line by line, to a chip that runs.
+// Sends each line of the input as a packet from GDB to a server with a running chip.
 std::string gdb(Bytes input);
 
-// The bytes as the text of a netlist around a chip that runs.
+// Reads the input as the text of a netlist around a running chip.
 std::string netlist(Bytes input);
 
-// The bytes as flash, RAM and events at the pins, run by every engine side by side.
+// Uses the input as flash, RAM and events at the pins, and compares all engines.
 std::string chip(Bytes input);
 
-// The same with a working program whose bits the input flips. `base` is that program.
+// Flips bits of the working program `base` as the input specifies, and compares all engines.
 std::string flipped(const Image& base, Bytes input);
 
 }  // namespace kaz::h8s::fuzz

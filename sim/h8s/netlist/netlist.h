@@ -1,4 +1,4 @@
-// A netlist around the chip: nets that join pins, and parts on them.
+// Netlist around the chip: nets that connect pins, and parts on these nets.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,56 +20,57 @@ namespace kaz::h8s {
 
 class Netlist;
 
-// Index of a net; several may be the same net after wire().
+// Index of a net. After wire() several indices may mean the same net.
 using Net = int;
 
-// Base class of parts. A part drives nets through outputs (Netlist::output), is notified of changes on
-// nets that it listens to, and can schedule a call (Netlist::wake). Its reactions take effect at the
-// same state.
+// Base class of parts. A part drives nets through outputs (Netlist::output), is notified of changes on nets
+// (Netlist::listen), and can schedule a call (Netlist::wake). Its reactions take effect in the same state.
 class Part {
  public:
   virtual ~Part() = default;
   // Called once when the part is added, and after Netlist::restore.
   virtual void start(Netlist&, States) {}
-  // The voltage or the drive of a net that it listens to changes at `at`.
+  // Called when the voltage or the drive of a net that the part listens to has changed.
   virtual void changed(Netlist&, Net, States /*at*/) {}
+  // Called at the time scheduled with Netlist::wake.
   virtual void woken(Netlist&, States /*at*/) {}
-  // For outputs whose voltage moves between edges (Netlist::drive with `moving`): as a share of
-  // AVCC.
+  // Returns the voltage of an output that moves between edges (Netlist::drive with `moving`), as a fraction
+  // of AVCC.
   virtual double voltage(States /*at*/) const { return 0; }
-  // The part's state, for Netlist::save and restore.
+  // State of the part, for Netlist::save and restore.
   virtual std::vector<double> save() const { return {}; }
   virtual void restore(std::span<const double>) {}
 };
 
-// Two strong drivers with different levels, or a loop that does not settle.
+// Two strong drivers with different levels, or a loop that does not settle (`second` is then empty).
 struct Conflict {
   std::string net, first, second;
   States at = 0;
   std::string text() const;
 };
 
-// Voltages are shares of AVCC: 0 is ground, 1 is the supply; a net is high from 0.5 on.
+// Voltages are fractions of AVCC: 0 is ground, 1 is the supply. A net is high at 0.5 and above. Use it
+// in the thread of the chip.
 class Netlist {
  public:
   struct Settings {
     std::int64_t hertz = 18'432'000;  // states per second
-    double pull_up_ohms = 50'000;     // the chip's own pull-ups
+    double pull_up_ohms = 50'000;     // internal pull-ups of the chip
     double weak_high_ohms = 1'000;    // high level of NMOS push-pull outputs (P47, P52)
   };
-  // Watches the pins that are on nets, drives those that others drive, and is the chip's analog source.
-  // `chip` must outlive this and must not be moved.
+  // Watches the pins on nets, drives those that have another driver, and becomes the analog source of the
+  // chip. `chip` must outlive this and must not be moved.
   explicit Netlist(Chip& chip);
   Netlist(Chip& chip, const Settings& settings);
   ~Netlist();
   Netlist(const Netlist&) = delete;
   Netlist& operator=(const Netlist&) = delete;
 
-  // The net of a pin by any of its names, "vcc", "gnd", or a net of that name, created if new.
+  // Returns the net of a pin (by any of its names), "vcc", "gnd", or the net of that name. Creates it if new.
   Net net(std::string_view name);
   // Joins two nets into one.
   void wire(Net a, Net b);
-  // Adds a part, which the netlist owns.
+  // Adds a part, which the netlist then owns.
   template <class P>
   P& add(std::unique_ptr<P> part) {
     P& p = *part;
@@ -77,22 +78,25 @@ class Netlist {
     place(p);
     return p;
   }
-  // A constant voltage behind a resistance; 0 ohms is a strong drive.
+  // Adds a constant voltage behind a resistance. 0 ohms is a strong drive.
   void source(Net net, double voltage, double ohms, const std::string& name);
   void pull_up(Net net, double ohms) { source(net, 1, ohms, "pull-up"); }
   void pull_down(Net net, double ohms) { source(net, 0, ohms, "pull-down"); }
-  // Source for analog inputs that are on no net.
+  // Sets the source of analog inputs that are on no net.
   void set_analog_otherwise(std::function<double(int channel, States at)> source);
 
-  // Fraction of AVCC; nullopt if nothing drives. Strong drives override; the others are averaged,
-  // weighted by conductance.
+  // Returns the voltage of a net; nullopt if it is not driven. A strong drive overrides the others, and low
+  // overrides high. Without one the voltage is the mean of the drives, weighted by conductance.
   std::optional<double> voltage(Net net, States at) const;
+  // Returns whether a net is high. A net that is not driven is low.
   bool level(Net net) const;
   const std::vector<Conflict>& conflicts() const { return conflicts_; }
   const Settings& settings() const { return settings_; }
+  // Returns the time of the change while parts are called, else the time of the chip.
   States now() const { return inside_ ? at_ : chip_.now(); }
 
-  // The parts' states. Restore the chip first, then the netlist, both saved at the same time.
+  // States of the parts. Restore the chip first, then the netlist. Both must have been saved at the same
+  // time, and the netlist must have the same parts.
   struct Saved {
     std::vector<std::vector<double>> parts;
   };
@@ -100,14 +104,15 @@ class Netlist {
   void restore(const Saved& saved);
 
   // --- for parts ---------------------------------------------------------------------------------
-  // Creates an output of the part onto the net, not driving at first.
+  // Creates an output of the part on the net, which does not drive yet. Returns its index.
   int output(const Part& part, Net net, const std::string& name);
   void listen(Part& part, Net net);
+  // Drives with `voltage` behind `ohms`, or with Part::voltage if `moving`.
   void drive(int output, double voltage, double ohms = 0, bool moving = false);
   void release(int output);
-  // Schedules woken() at that time, replacing an earlier schedule.
+  // Schedules woken() for `at` and replaces an earlier schedule. The maximum of States cancels it.
   void wake(Part& part, States at);
-  // A moving voltage has crossed the threshold: evaluates its net again.
+  // Must be called when a moving voltage has crossed the threshold. Evaluates its net again.
   void touch(int output);
 
  private:
@@ -133,7 +138,7 @@ class Netlist {
   };
   struct Resolved {
     std::optional<double> voltage;
-    std::string first, second;  // of a conflict
+    std::string first, second;  // conflicting drivers
   };
   Net root(Net n) const;
   void place(Part& part);
@@ -160,15 +165,20 @@ class Netlist {
   States at_ = 0;
 };
 
-// Reads the text form into `netlist`: one part a line, `#` starts a comment.
-//   pull-up NET OHMS            pull-down NET OHMS
-//   wire NET NET ...            analog NET SHARE [OHMS]       (share of AVCC, 0..1)
-//   switch NET vcc|gnd [closed] [FROM..TO ...]                (closed, or open, from state to state)
-//   inverter IN OUT [DELAY]     open-drain IN OUT             (low while IN is high)
-//   rc IN OUT OHMS FARADS       divider IN OUT OHMS OHMS      (to OUT, from OUT to ground)
-//   probe NET
-// Numbers take k, M, m, u, n and p; times are states or end in s ("5ms"). `name` is for errors, which
-// contain file, line, column and what is expected. Parts before the error are added.
+// Reads the text form into `netlist`. A line has one part, and `#` starts a comment:
+// - `pull-up NET OHMS` and `pull-down NET OHMS`.
+// - `wire NET NET ...` joins nets.
+// - `analog NET SHARE [OHMS]`: SHARE is a fraction of AVCC, 0..1.
+// - `switch NET vcc|gnd [closed] [FROM..TO ...]`: closed (or, with `closed`, open) from time to time.
+// - `inverter IN OUT [DELAY]`.
+// - `open-drain IN OUT`: OUT is low while IN is high.
+// - `rc IN OUT OHMS FARADS`.
+// - `divider IN OUT OHMS OHMS`: from IN to OUT, and from OUT to ground.
+// - `probe NET`.
+//
+// Numbers may end in k, M, m, u, n or p. Times are states, or seconds if they end in s ("5ms"). An error
+// contains `name`, line, column and the expected text; parts before it are added. load_netlist reads a file
+// of up to 1 MiB.
 Result<void> read_netlist(Netlist& netlist, std::string_view text, const std::string& name);
 Result<void> load_netlist(Netlist& netlist, const std::string& path);
 

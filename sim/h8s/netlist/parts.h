@@ -1,4 +1,4 @@
-// Parts of a netlist; others can be derived from Part.
+// Parts of a netlist. Programs can derive others from Part.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ class Switch : public Part {
   Switch(Net net, bool to_supply) : net_(net), to_supply_(to_supply) {}
   // Switches at the netlist's current time.
   void set(Netlist& n, bool closed);
-  // Switches at that time. Calls must be in ascending order.
+  // Switches at `at`. Calls must be in ascending order of time.
   void set_at(Netlist& n, States at, bool closed);
   bool closed() const { return closed_; }
 
@@ -34,7 +34,7 @@ class Switch : public Part {
   std::vector<std::pair<States, bool>> schedule_;
 };
 
-// Inverter: the negated input after a delay.
+// Inverter with a delay in states.
 class Inverter : public Part {
  public:
   Inverter(Net in, Net out, States delay = 0) : in_(in), out_(out), delay_(delay) {}
@@ -49,10 +49,10 @@ class Inverter : public Part {
   States delay_;
   int output_ = -1;
   bool wanted_ = false, shown_ = false;
-  std::deque<std::pair<States, bool>> under_way_;
+  std::deque<std::pair<States, bool>> under_way_;  // delayed changes of the output
 };
 
-// Pulls its output to ground while its input is high, else does not drive it.
+// Open-drain stage: pulls its output to ground while its input is high, else does not drive it.
 class OpenDrain : public Part {
  public:
   OpenDrain(Net in, Net out) : in_(in), out_(out) {}
@@ -64,9 +64,9 @@ class OpenDrain : public Part {
   int output_ = -1;
 };
 
-// Low-pass of a resistor and a capacitor to ground. Between two edges of the input the output
-// follows v = vin + (v0 - vin) exp(-t / RC) exactly; it holds its voltage while the input is not
-// driven. The output bears no load, the input must not be another moving voltage.
+// Low-pass: a resistor, and a capacitor to ground. Between two edges of the input the output follows `v = vin
+// + (v0 - vin) exp(-t / RC)` exactly. It holds its voltage while the input is not driven. The output must not
+// be loaded, and the input must not be another moving voltage.
 class Rc : public Part {
  public:
   Rc(Net in, Net out, double ohms, double farads)
@@ -81,14 +81,14 @@ class Rc : public Part {
  private:
   void plan(Netlist& n, States at);
   Net in_, out_;
-  double ohms_, farads_, tau_ = 1;  // tau in states
-  double from_ = 0, to_ = 0;
+  double ohms_, farads_, tau_ = 1;  // tau_: time constant, states
+  double from_ = 0, to_ = 0;        // voltage at since_, and its limit
   bool driven_ = false;
   States since_ = 0;
   int output_ = -1;
 };
 
-// Two resistors: from the input to the output, and from there to ground.
+// Voltage divider: a resistor from the input to the output, and one from there to ground.
 class Divider : public Part {
  public:
   Divider(Net in, Net out, double upper_ohms, double lower_ohms)
@@ -102,14 +102,14 @@ class Divider : public Part {
   int output_ = -1;
 };
 
-// LED or logic probe: the levels of a net with their states.
+// LED or logic probe: records the levels of a net with their times.
 class Probe : public Part {
  public:
   Probe(Net net, std::string name) : net_(net), name_(std::move(name)) {}
   const std::string& name() const { return name_; }
-  // The first is the level at the start.
+  // Returns the level at the start and each change, with its time.
   const std::vector<std::pair<States, bool>>& levels() const { return levels_; }
-  // Fraction of the time from `from` to `to` in which the net was high.
+  // Returns the fraction of the time from `from` to `to` during which the net was high.
   double high_share(States from, States to) const;
   void start(Netlist& n, States at) override;
   void changed(Netlist& n, Net net, States at) override;

@@ -1,4 +1,4 @@
-// A basic block with side exits, and the liveness of its flags.
+// Basic block of guest instructions with side exits, and the liveness of its flags.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,56 +11,59 @@
 
 namespace kaz::h8s::translate {
 
-// Flags as bits of a mask.
+// Bits of a mask of flags.
 inline constexpr unsigned kN = 1, kZ = 2, kV = 4, kH = 8, kC = 16, kAllFlags = 31;
 inline constexpr int kFlags = 5;
 
-// A register or a part of one: byte and word registers start at bit 0, 8 or 16.
+// A register ERn or a part of it.
 struct Part {
-  std::uint8_t reg = 0;
-  std::uint8_t shift = 0;
-  std::uint8_t size = 4;
+  std::uint8_t reg = 0;    // n
+  std::uint8_t shift = 0;  // lowest bit: 0, 8 or 16
+  std::uint8_t size = 4;   // bytes
   bool operator==(const Part&) const = default;
 };
 
-// The part at an offset into the register file (Insn::rs, Insn::rd).
+// Returns the part at a byte offset into the register file (Insn::rs, Insn::rd).
 Part part_at(unsigned offset, unsigned size);
 
-// How flags can be recomputed from registers after the instruction.
+// How flags can be recomputed from registers after an instruction.
 enum class From : std::uint8_t {
   nothing,
-  result,  // N and Z of `r`, V is 0
+  result,  // N and Z from `r`, V is 0
   add,     // r := r + b
   sub,     // r := r - b
   cmp,     // r - b, r unchanged
   neg,     // r := 0 - r
   zero,    // a register minus itself
-  bit,     // Z of r & b
+  bit,     // Z from r & b
 };
 
+// Operands of a From. Operand b is `value` if `immediate`, else the register part `b`.
 struct Definition {
   From from = From::nothing;
   Part r{};
-  bool immediate = true;  // b is `value`, else the register `b`
+  bool immediate = true;
   Part b{};
   std::uint32_t value = 0;
 };
 
+// One instruction of a block.
 struct Step {
   Form form;
-  Insn insn;  // as decoded, branches with their displacement in bytes
-  std::uint32_t index = 0;
-  std::uint32_t target = 0;  // branches and jumps to known places: index in Cpu::code
-  std::uint32_t before = 0;  // states of the steps before
+  Insn insn;                 // decoded; branches have their displacement in bytes
+  std::uint32_t index = 0;   // in Cpu::code
+  std::uint32_t target = 0;  // branches and jumps to fixed addresses: index in Cpu::code
+  std::uint32_t before = 0;  // sum of the states of the earlier steps
 
-  unsigned sets = 0;         // flags written
-  unsigned recoverable = 0;  // of them, those that can be recomputed by `definition`
-  unsigned uses = 0;         // flags read from memory
-  unsigned keep = 0;         // of `sets`: must be in memory after the step
+  // Masks of flags.
+  unsigned sets = 0;         // written
+  unsigned recoverable = 0;  // subset of `sets` that `definition` can recompute
+  unsigned uses = 0;         // read from memory
+  unsigned keep = 0;         // subset of `sets` that must be in memory after the step
   bool exits = false;        // the block may be left before this step has any effect
-  bool io = false;           // accesses a register of the chip; the block may be left after it
+  bool io = false;           // accesses an I/O register; the block may be left after the step
   Definition definition;
-  // For each flag the last earlier step that set it; -1: none in the block.
+  // For each flag the last earlier step of the block that set it; -1: none did.
   std::array<std::int16_t, kFlags> set_by{};
 };
 
@@ -72,52 +75,55 @@ enum class End : std::uint8_t {
 };
 
 struct Block {
-  std::uint32_t start = 0;
-  std::uint32_t after = 0;
+  std::uint32_t start = 0;  // index in Cpu::code
+  std::uint32_t after = 0;  // index after the last step
   End end = End::next;
   std::vector<Step> steps;
-  std::uint32_t bound = 0;   // states before the last step
-  std::uint32_t states = 0;  // of all
-  unsigned live = 0;         // flags that must be in memory when it is entered
+  std::uint32_t bound = 0;   // states of all steps but the last
+  std::uint32_t states = 0;  // states of all steps
+  unsigned live = 0;         // flags that must be in memory at entry
 };
 
+// Index of an address without memory.
 inline constexpr std::uint32_t kNowhere = 0xffffffff;
 
-// Registers that a step writes, by bits.
+// Returns a mask of the registers ERn that a step may write.
 unsigned registers_written_by(const Step& s);
 
-// A step's access to memory through a register, beginning `displacement` from it. The step then adds `moves`
-// to the register.
+// Access of a step to memory through a register. It begins at register + `displacement`.
 struct Access {
   unsigned reg = 0;
   std::int32_t displacement = 0;
-  std::int32_t bytes = 0;  // 0: there is none
-  std::int32_t moves = 0;
-  bool words = false;  // must be at an even address
+  std::int32_t bytes = 0;  // 0: no such access
+  std::int32_t moves = 0;  // amount that the step adds to the register
+  bool words = false;      // the address must be even
 };
 Access access_of(const Step& s);
 
-// Flags that a condition of Bcc reads.
+// Returns the mask of flags that condition 0..15 of Bcc reads.
 unsigned flags_of_condition(unsigned condition);
 
-// The earlier step from whose registers, still unchanged at step `k`, all flags `wanted` can be
-// recomputed; -1: none.
+// Returns the earlier step whose `definition` recomputes all flags of the mask `wanted` at step `k`. Its
+// registers must be unchanged there. Returns -1 if no step does.
 int common_source(const Block& block, std::size_t k, unsigned wanted);
 
-// Memory region of an address known at translation time.
+// Memory region of an access of `size` bytes to an address that is known at translation time.
 enum class Place : std::uint8_t { ram, short_ram, flash, elsewhere };
 Place place_of(const Cpu& c, std::uint32_t address, unsigned size);
 
-// The block that begins at `start` of Cpu::code; without steps if its first instruction cannot be
-// translated. `known(index)`: whether another block already begins there.
+// Returns the block that begins at index `start` of Cpu::code. It has no steps if its first instruction
+// cannot be translated. `known(index)` returns whether the block must end before `index`, as where another
+// one begins.
 template <class Known>
 Block find_block(Cpu& c, std::uint32_t start, const Known& known);
 
-// Adds one instruction for find_block; false: the interpreter must run it.
+// Fills `step` with the instruction at `index`, for find_block. Returns false if the block must end before
+// it.
 bool take_step(Cpu& c, std::uint32_t index, Step& step);
-// Computes the members of steps that depend on the whole block.
+// Computes Block::live and the members of steps that depend on the whole block.
 void settle_flags(Block& block);
 
+// Limits of one block.
 inline constexpr std::size_t kMaxSteps = 16;
 inline constexpr std::uint32_t kMaxStates = 64;
 

@@ -1,10 +1,10 @@
-// Memory for host code: written, then executed, never both at once.
+// Memory for host code whose pages are never writable and executable at once.
 // SPDX-License-Identifier: Apache-2.0
 //
-// asmjit's own JitRuntime maps its memory writable and executable. Its option of two mappings of the same
-// memory keeps each of them from being both, but leaves the writable one there for good: whoever can write
-// anywhere can still write code that runs. Here a page has one mapping, and the permission to write to
-// it is given back before the code runs (mprotect). What that costs: docs/explanation/emulator.md.
+// asmjit's JitRuntime maps its memory writable and executable. Its dual mapping separates the permissions,
+// but keeps the writable mapping: an attacker who can write to any address can still inject code. Here each
+// page has one mapping, which mprotect makes read-only and executable before the code runs.
+// docs/explanation/emulator.md has the cost.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,10 @@
 
 namespace kaz::h8s::translate {
 
+// Owns one range of addresses. Not thread-safe.
 class CodeMemory {
  public:
-  // Size of the address range, bytes; pages are committed as code is added.
+  // Size of the address range, bytes. Pages are committed when code is added.
   static constexpr std::size_t kSize = std::size_t{16} << 20;
 
   CodeMemory() = default;
@@ -23,10 +24,11 @@ class CodeMemory {
   CodeMemory(const CodeMemory&) = delete;
   CodeMemory& operator=(const CodeMemory&) = delete;
 
-  // Appends finished code. Null: the range is full, or the host refuses executable memory (a security
-  // policy). Must not be called while code of this memory runs.
+  // Appends finished code and returns its address. Returns null if asmjit fails, the range is full, or a
+  // security policy forbids executable memory. Earlier code may then no longer be executable: call clear().
+  // Must not be called while code of this memory runs.
   const void* add(asmjit::CodeHolder& code);
-  // Discards all code; its memory is reused.
+  // Discards all code. Later code reuses its memory.
   void clear() { used_ = 0; }
 
  private:

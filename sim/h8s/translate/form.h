@@ -1,4 +1,4 @@
-// An instruction's operation and operands, derived from its row of the opcode table.
+// Operation and operands of an instruction for the translator, derived from its row of the opcode table.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,10 +9,10 @@
 namespace kaz::h8s::translate {
 
 enum class Op : std::uint8_t {
-  none,  // run by the interpreter
-  handler,  // the interpreter's handler is called from the host code; it changes registers and flags alone
-  // The same with all of the CPU's state: the handler may access the chip, or end the stretch. `detail`: it
-  // always continues elsewhere, or ends the stretch.
+  none,     // not translated: the block ends before it
+  handler,  // calls the interpreter's handler, which changes only registers and flags
+  // Calls the interpreter's handler with the complete CPU state: it may access the chip or end the stretch.
+  // `detail` 1: it never continues with the next instruction of the block.
   interpreted,
   nop,
   mov,
@@ -49,35 +49,40 @@ enum class Op : std::uint8_t {
   jsr,
   rts,
   rte,
-  control,  // ANDC, ORC, XORC #imm to CCR; `detail` is its Control
+  control,  // ANDC, ORC, XORC #imm to CCR; `detail` is the Control
   stm,
   ldm,
 };
 
+// Operation of Op::control.
 enum class Control : std::uint8_t { bit_and, bit_or, bit_xor };
 
+// Addressing mode of an operand.
 enum class Mode : std::uint8_t {
   none,
   reg,
   imm,
-  indirect,   // @ERn and @(d,ERn): the displacement is in imm
+  indirect,   // @ERn and @(d,ERn); the displacement is Insn::imm
   increment,  // @ERn+
   decrement,  // @-ERn
   absolute,
 };
 
+// Decoded form of one row of the opcode table.
 struct Form {
   Op op = Op::none;
-  std::uint8_t size = 1;    // bytes of the operand
-  Mode src = Mode::none;    // its register is Insn::rs
-  Mode dst = Mode::none;    // its register is Insn::rd
-  std::uint8_t detail = 0;  // condition; Shift; bit operations: 1 for the inverted ones
-  std::uint8_t count = 0;   // literal operand: steps of shifts, adds, inc; registers of ldm, stm
-  std::uint8_t first = 0;   // ldm, stm: lowest register
-  bool number_in_register = false;  // bit operations
+  std::uint8_t size = 1;  // operand size, bytes
+  Mode src = Mode::none;  // register: Insn::rs
+  Mode dst = Mode::none;  // register: Insn::rd
+  // bcc: condition; shift: Shift; control: Control; bit operations: 1 if inverted; adds: 1 for SUBS.
+  std::uint8_t detail = 0;
+  // Literal operand of shifts, adds, inc and dec; number of registers of ldm and stm.
+  std::uint8_t count = 0;
+  std::uint8_t first = 0;           // ldm, stm: lowest register
+  bool number_in_register = false;  // bit operations: the bit number is in a register
 };
 
-// The form of a row; computed once for each.
+// Returns the form of a row of the opcode table. Computed once for each row.
 const Form& form_of(const Opcode& opcode);
 
 }  // namespace kaz::h8s::translate

@@ -1,4 +1,4 @@
-// The translator: finds hot code, translates it to host code and runs that.
+// Translator: finds hot guest code, translates it to host code and runs it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace kaz::h8s {
 
-// Belongs to one Cpu. Code is translated at addresses that have been jumped to `Options::translate_after`
-// times, and discarded when its instructions change. The guest cannot observe the difference.
+// Belongs to one Cpu. Translates code at addresses that have been jumped to Options::translate_after times,
+// and discards it when its instructions change. Programs behave as with the interpreter.
 class Translator final : public CodeCache {
  public:
   Translator();
@@ -21,15 +21,17 @@ class Translator final : public CodeCache {
 
   // Runs instructions until now >= stop.
   void run(Cpu& c) override;
-  // Instructions in Cpu::code from `first` on, `count` of them, have changed.
+  // Must be called when `count` entries of Cpu::code from index `first` on have changed. If translated code
+  // contains one of them, all translated code is discarded.
   void forget(std::uint32_t first, std::uint32_t count) override;
-  // A code hook was set or cleared at `index`: blocks that hold the instruction are translated again.
+  // Must be called when a code hook was set or cleared at `index`. If translated code contains that
+  // instruction, all translated code is discarded.
   void hook_changed(std::uint32_t index);
-  // Discards all; also needed when the code array itself or the memory map has changed.
+  // Discards all translated code. Must be called when Cpu::code or the memory map has changed.
   void forget_all() override;
-  // Blocks translated since the start, for measurements.
+  // Returns the number of blocks translated since construction, for measurements.
   std::int64_t translated() const;
-  // Instructions executed in translated code since construction or the last reset_count().
+  // Returns the instructions executed in translated code since construction or the last reset_count().
   std::int64_t executed() const;
   void reset_count();
 
@@ -38,7 +40,7 @@ class Translator final : public CodeCache {
   std::unique_ptr<Cache> cache_;
 };
 
-// Null where this build cannot translate.
+// Returns null if this build cannot translate.
 std::unique_ptr<Translator> make_translator();
 
 }  // namespace kaz::h8s
