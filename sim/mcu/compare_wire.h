@@ -1,10 +1,10 @@
-// Compares the two engines as whole boards: seeded conversations, on the wire and at the pins.
+// Compares the two engines as whole boards, on the wire and at the pins, in seeded conversations.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The firmware image runs in the emulator, the native engine beside it; both are whole boards. Both receive
-// the same bytes at the same times and the same voltages. The emulated chip's bytes are decoded from the
-// waveform at TxD0. The replies must be equal byte by byte, each begins on both boards within one
-// tick, and the pins agree in every millisecond. Differences by design are in wire_differences.h.
+// The emulated board executes the firmware image, the native board runs the same C. Both receive the same
+// bytes at the same times, and the same voltages. The emulated chip's bytes are decoded from the waveform at
+// TxD0. Replies must be equal byte by byte and begin within one tick of each other. The pins must agree in
+// every millisecond. Differences by design are in wire_differences.h.
 #pragma once
 
 #include <cstdint>
@@ -22,53 +22,58 @@ namespace kaz::sim {
 
 struct WireOptions {
   std::string image_path;
-  std::int64_t conversations = 100;  // of a second each
+  std::int64_t conversations = 100;  // one second each
   std::uint64_t seed = 1;
-  std::int64_t first = 0;  // conversations before it are skipped
+  std::int64_t first = 0;  // number of the first conversation to run
+  // Called after each conversation.
   std::function<void(std::int64_t done, std::int64_t total)> progress;
-  std::function<bool()>
-      stop;  // looked at often; true ends the comparison with the report until then
-  // For tests: the other board, and a fault planted in the chip.
+  // Polled before each conversation. True ends the comparison with the report so far.
+  std::function<bool()> stop;
+  // For tests: makes the board that is compared with the emulated one, and plants a fault in the chip.
   std::function<std::unique_ptr<Mcu>(const NativeOptions&)> make_other =
       [](const NativeOptions& o) { return make_native(o); };
   std::function<void(H8Mcu&)> prepare_h8;
 };
 
 struct WireDifference {
-  std::int64_t conversation = 0;  // `first` for running it alone
-  double ms = 0;                  // since its beginning
+  std::int64_t conversation = 0;  // its number; give it as WireOptions::first to run it alone
+  double ms = 0;                  // since the conversation began
   std::string what;               // one sentence
-  std::string h8, native;         // side by side; empty where the sentence is complete
-  std::string requests;           // the last ones before, oldest first
+  std::string h8, native;         // both sides; empty if `what` is complete
+  std::string requests;           // the last requests before the difference, oldest first
 };
 
 struct WireReport {
-  std::string emulator_engine;  // as executed: "translator"
+  std::string emulator_engine;  // the engine that ran: "translator"
   std::uint64_t seed = 0;
   std::int64_t conversations = 0;
-  bool stopped = false;          // by WireOptions::stop
-  std::int64_t different = 0;    // conversations
-  std::int64_t ended_early = 0;  // conversations: replies one tick apart (wire_differences.h)
-  std::vector<WireDifference> differences;  // the first one of each of the first few conversations
-  std::int64_t requests = 0, fewest_requests = 0;
-  std::int64_t replies = 0, bytes = 0,
-               masked = 0;         // frames equal but for fields that differ by design
+  bool stopped = false;        // WireOptions::stop ended the comparison
+  std::int64_t different = 0;  // conversations with a difference
+  // Conversations that ended early because replies were one tick apart (wire_differences.h).
+  std::int64_t ended_early = 0;
+  // The first difference of each of the first few conversations that differ.
+  std::vector<WireDifference> differences;
+  std::int64_t requests = 0, fewest_requests = 0;  // in total, and fewest in a conversation
+  // Equal frames from the boards, their bytes, and those frames that differ only by design.
+  std::int64_t replies = 0, bytes = 0, masked = 0;
   std::int64_t pins_compared = 0;  // milliseconds
   std::int64_t resets = 0;
-  States largest_lag = 0;                        // between the first bytes of a reply
-  States largest_reset_lag = 0;                  // between requested resets
+  // Largest time between the first bytes of a reply, and between requested resets, on the two boards.
+  States largest_lag = 0;
+  States largest_reset_lag = 0;
   States h8_start = 0;                           // from power-on to the first tick
-  std::map<std::string, std::int64_t> kinds;     // what was sent (wire_host.h)
-  std::map<std::uint8_t, std::int64_t> by_type;  // replies
-  double chip_s = 0;
+  std::map<std::string, std::int64_t> kinds;     // sent, by kind (WireHost::kinds())
+  std::map<std::uint8_t, std::int64_t> by_type;  // replies by message type
+  double chip_s = 0;                             // simulated time of the chip
 
-  // Replies one tick apart are rare (2 in 10,000 conversations); more of them are a difference.
+  // Limit of `ended_early`; equal() is false above it. Such conversations are rare: 2 in 10,000.
   std::int64_t max_ended_early() const { return 1 + conversations / 1000; }
   bool equal() const { return different == 0 && ended_early <= max_ended_early(); }
   std::string text() const;
 };
 
-// Errors: an image that cannot be read or never ticks, a chip that stopped.
+// Runs the conversations. A difference is not an error. Returns Fault::usage if the image cannot be read or
+// was built from other sources, and Fault::failed if it never ticks or the chip stops.
 Result<WireReport> compare_wire(const WireOptions& options);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// The fields of a frame by the names of messages.def, to say where two boards differ.
+// Names the fields in which two frames differ, as in messages.def.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,13 +11,14 @@
 
 namespace kaz::sim {
 
-// The body that `sender` is sending, without stuffing: address, type, sequence number, fields. Empty if it
-// sends nothing, or its bytes are no stuffed body.
+// Returns the body that `sender` is sending, without stuffing: address, type, sequence number, fields. It is
+// empty if nothing is being sent or the stuffing is invalid.
 std::vector<std::uint8_t> sent_body(const kz_sender& sender);
 
-// The fields in which two bodies differ: "state_reply.angle[3]", "state_reply.header.sequence". Of different
-// messages only "type", with the codes. Empty if the bodies are equal, or one is of no known message.
-// Elements that only one body has are left out: their mask differs.
+// Returns the fields in which two bodies differ, such as "state_reply.angle[3]" or
+// "state_reply.header.sequence". If the types differ, it returns only "type (NAME, NAME)" with the codes. It
+// returns nothing if the bodies are equal or a type is unknown. Elements that only one body has are omitted,
+// because their mask differs.
 std::vector<CompareDifference> frame_differences(std::span<const std::uint8_t> native,
                                                  std::span<const std::uint8_t> h8);
 

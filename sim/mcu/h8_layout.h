@@ -1,7 +1,8 @@
-// Layout of the structures of shared/servo/snapshot.h as compiled for the H8.
+// Decodes the tick's input, output and startup structures from the H8's memory.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Big-endian; no padding except that numbers of more than one byte start at even offsets.
+// Layout of the H8 compiler: big-endian, without padding except that numbers of more than one byte start at
+// even offsets.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,7 @@ kz_startup decode_startup(std::span<const std::uint8_t, startup_size> bytes);
 kz_tick_input decode_input(std::span<const std::uint8_t, input_size> bytes);
 kz_tick_output decode_output(std::span<const std::uint8_t, output_size> bytes);
 
-// Big-endian number of 1, 2 or 4 bytes at `at`.
+// Returns the big-endian number of `size` bytes (1, 2 or 4) at offset `at`.
 std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size);
 
 }  // namespace kaz::sim::h8_layout

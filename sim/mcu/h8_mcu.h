@@ -1,4 +1,4 @@
-// The `h8` engine: executes the firmware image. Interface beyond Mcu, for tests and tools.
+// The `h8` engine, which executes the firmware image in the emulator, with access for tests and tools.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,10 +18,11 @@ namespace kaz::sim {
 
 class H8Mcu final : public Mcu {
  public:
-  // As make_h8(), with the emulator's options.
+  // As make_h8(), with options of the emulator.
   static Result<std::unique_ptr<H8Mcu>> load(const std::string& image_path,
                                              const h8s::Options& options = {});
 
+  // As make_erased_h8(), with options of the emulator.
   static std::unique_ptr<H8Mcu> erased(const h8s::Options& options = {});
 
   std::string name() const override { return to_string(McuKind::h8); }
@@ -55,9 +56,9 @@ class H8Mcu final : public Mcu {
   h8s::Chip& chip() { return chip_; }
   const h8s::Chip& chip() const { return chip_; }
 
-  // Whether the image has the symbols needed to record ticks: kz_input, kz_output, kz_tick_end.
+  // Returns whether the image has the symbols that on_tick() needs: kz_input, kz_output, kz_tick_end.
   bool has_tick_symbols() const { return symbols_.has_value(); }
-  // Bytes of a global variable of the image in RAM; empty if there is no such symbol.
+  // Returns the first `size` bytes of the image's global variable `symbol`; empty if the symbol is unknown.
   std::vector<std::uint8_t> global(std::string_view symbol, std::size_t size) const;
 
  private:
@@ -76,7 +77,7 @@ class H8Mcu final : public Mcu {
   void tick_ended();
 
   h8s::Chip chip_;
-  States base_ = 0;  // board time minus the chip's, which restarts at power-on
+  States base_ = 0;  // board time minus chip time, which restarts at power-on
   bool hung_ = false;
   States hung_at_ = 0;
   PinLevels pins_;

@@ -1,4 +1,4 @@
-// For tests: a host that speaks to a microcontroller through its pins.
+// For tests: a host that exchanges frames with a microcontroller through its pins.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,6 +12,7 @@
 
 namespace kaz::sim {
 
+// Encodes a message to the default address.
 inline std::vector<std::uint8_t> frame_of(std::uint8_t type, std::uint8_t sequence,
                                           const std::vector<std::uint8_t>& fields) {
   std::vector<std::uint8_t> body{KZ_ADDRESS_DEFAULT, type, sequence};
@@ -28,7 +29,7 @@ inline std::vector<std::uint8_t> enable_frame(std::uint8_t sequence, std::uint32
   return frame_of(KZ_TYPE_enable, sequence, fields);
 }
 
-// One joint, as fast as its ramp allows; 100 urad.
+// Moves one joint as fast as its ramp allows. `angle` in 100 urad.
 inline std::vector<std::uint8_t> target_frame(std::uint8_t sequence, int joint, int angle) {
   std::vector<std::uint8_t> fields(KZ_PAYLOAD_MAX);
   kz_targets message{};
@@ -38,7 +39,7 @@ inline std::vector<std::uint8_t> target_frame(std::uint8_t sequence, int joint, 
   return frame_of(KZ_TYPE_targets, sequence, fields);
 }
 
-// Sends from now on, back to back. Returns when the last stop bit has passed.
+// Sends `bytes` back to back from now on. Returns the time at which the last stop bit has passed.
 inline States send(Mcu& mcu, const std::vector<std::uint8_t>& bytes) {
   States at = mcu.now();
   for (const std::uint8_t value : bytes) {
@@ -48,7 +49,7 @@ inline States send(Mcu& mcu, const std::vector<std::uint8_t>& bytes) {
   return at;
 }
 
-// Bodies of the valid frames that the board sent.
+// Returns the bodies of the valid frames in `bytes`.
 inline std::vector<std::vector<std::uint8_t>> bodies_of(const std::vector<SerialByte>& bytes) {
   std::vector<std::vector<std::uint8_t>> bodies;
   kz_receiver receiver;
@@ -60,7 +61,7 @@ inline std::vector<std::vector<std::uint8_t>> bodies_of(const std::vector<Serial
   return bodies;
 }
 
-// All potentiometers at mid-scale, supply at 10 V, everything else at half scale.
+// Analog source: supply at 10 V, every other input at half scale.
 inline double quiet_board(int channel, const PinLevels& levels, States) {
   const int input = channel * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
   if (input == KZ_ANALOG_SUPPLY) return 10000.0 / KZ_SUPPLY_FULL_MV;

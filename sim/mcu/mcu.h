@@ -1,8 +1,8 @@
-// The microcontroller of the servo board, seen from its pins.
+// Interface of the servo board's microcontroller, seen from its pins.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two engines implement it: `h8` executes the firmware image instruction by instruction, `native`
-// runs the same C compiled for the PC.
+// Two engines implement it: `h8` executes the firmware image instruction by instruction, `native` runs the
+// same C compiled for the PC.
 #pragma once
 
 #include <algorithm>
@@ -26,10 +26,10 @@ namespace kaz::sim {
 using States = std::int64_t;
 
 // Levels driven by the chip. A pin that is an input, or floats during reset, has the level of the board's
-// pull resistor (multiplexer selects high, everything else low).
+// pull resistor. This is high for multiplexer selects and low for all others.
 struct PinLevels {
-  std::array<std::uint16_t, 16> pw{};  // high counts out of 256 of PW0..PW15; 256: constant high
-  std::array<std::uint16_t, 2> tmo{};  // the same for TMO0, TMO1
+  std::array<std::uint16_t, 16> pw{};  // PW0..PW15: high counts out of 256; 256 is constant high
+  std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1, in the same unit
   std::uint8_t p3 = 0, p4 = 0x07, p5 = 0, p6 = 0;
   bool operator==(const PinLevels&) const = default;
   template <class A>
@@ -42,9 +42,9 @@ struct PinLevels {
 
 struct SerialByte {
   std::uint8_t value = 0;
-  States at = 0;  // when its last stop bit has passed
+  States at = 0;  // end of the stop bit
   bool framing_error = false;
-  States bit_states = KZ_STATES_PER_BIT;  // its sender's bit time
+  States bit_states = KZ_STATES_PER_BIT;  // bit time of the sender
   template <class A>
   void transfer(A& a) {
     a(value, at, framing_error, bit_states);
@@ -52,7 +52,7 @@ struct SerialByte {
   }
 };
 
-// Input and output of one tick, at the interface of shared/servo.
+// Input and output of one tick of shared/servo.
 struct TickRecord {
   kz_tick_input input;
   kz_tick_output output;
@@ -62,68 +62,71 @@ class Mcu {
  public:
   virtual ~Mcu() = default;
 
-  // That of its McuKind; test doubles have others.
+  // Returns the name of the McuKind; test doubles have other names.
   virtual std::string name() const = 0;
-  // h8: the engine that the emulator executes with, "translator" by default; native: empty.
+  // Returns the engine with which the emulator executes, such as "translator". Empty for native.
   virtual std::string emulator_engine() const { return {}; }
   virtual States now() const = 0;
 
-  // Runs until `now() >= until`. Errors, repeated until the next reset: undefined instruction, unmapped
-  // access, stack outside RAM; the message contains the location.
+  // Runs until `now() >= until`. Fails on an undefined instruction, an unmapped access or a stack outside
+  // RAM. The error repeats until the next reset; its message contains the location.
   virtual Result<void> run_until(States until) = 0;
 
-  virtual void reset() = 0;        // RES pin; RAM is kept
-  virtual void power_cycle() = 0;  // everything but flash is lost
+  virtual void reset() = 0;        // by the RES pin; RAM is kept
+  virtual void power_cycle() = 0;  // everything except flash is lost
 
-  // Sets the mode pins to boot mode or to running from flash, effective at the next reset. h8 only.
+  // Sets the mode pins to boot mode or to running from flash. Takes effect at the next reset. Engines other
+  // than h8 return Fault::usage for boot mode.
   virtual Result<void> set_boot_pins(bool boot) {
     if (!boot) return {};
     return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; h8 has");
   }
   // True while the boot ROM runs, false once it has started the downloaded program.
   virtual bool in_boot_rom() const { return false; }
-  // With a listener, a chip error hangs the chip until reset instead of failing run_until().
+  // Sets the listener for chip errors. With a listener, an error hangs the chip until the next reset instead
+  // of failing run_until().
   virtual void on_hang(std::function<void(const std::string& report)> listener) { (void)listener; }
 
   // Non-volatile memory: flash blocks EB1 to EB3 with calibration and address (shared/servo/store.h).
-  // Setting it takes effect at the next reset.
+  // set_memory() takes effect at the next reset.
   static constexpr std::size_t memory_size = 3072;
   virtual std::array<std::uint8_t, memory_size> memory() const = 0;
   virtual void set_memory(std::span<const std::uint8_t, memory_size> bytes) = 0;
 
-  // State of the servo after the last tick, in this process's memory layout: native only, else null.
+  // Returns the servo's state after the last tick, in the memory layout of this process. Null unless native.
   virtual const struct kz_servo* servo() const { return nullptr; }
 
   virtual const PinLevels& pins() const = 0;
-  // Called at each change of a pin, with its exact time. One listener.
+  // Sets the listener for changes of pins, which gets their exact times. Replaces an earlier listener.
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
-  // Voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the converter's sample `at`. `levels` contains the
-  // multiplexer selects at that time. The source has no effects, and depends on its arguments and on what
-  // changes between runs or in listeners alone: samples that the program cannot read are not taken.
+  // Returns the voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the sample time `at`. `levels` contains
+  // the multiplexer selects at that time. Must have no side effects. May depend only on its arguments and on
+  // values that change between runs or in listeners: samples that the program cannot read are not taken.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 
-  // Bytes for RxD0; times must not decrease nor be in the past.
+  // Queues a byte for RxD0. Times must not decrease and must not be in the past.
   virtual void receive(const SerialByte& byte) = 0;
-  // Bytes that left TxD0 since the last call, each with the time of its last stop bit.
+  // Removes and returns the bytes whose stop bit has left TxD0.
   virtual std::vector<SerialByte> take_transmitted() = 0;
 
-  // Called after each tick's computation. Used to compare the engines and to record.
+  // Sets the listener for the end of each tick's computation, to compare the engines and to record.
   virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
 
-  // Called when the chip's watchdog has reset it, which also serves requests for reset or loader; with the
-  // native engine only on such requests.
+  // Sets the listener for resets by the chip's watchdog. The firmware also uses it for requested resets and
+  // for starting the loader. The native engine reports only these.
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 
-  // The chip's whole state; listeners and the analog source are kept. The archive fails if the engine does
-  // not support it, or if the bytes are those of no state; the native board is then as before, the other one
-  // has been powered on, with undefined flash.
+  // Saves or restores the whole state of the chip. Listeners and the analog source are kept. The archive
+  // fails if the engine does not support it or the bytes are not a valid state. The native board is then
+  // unchanged; the h8 board is powered on with undefined flash.
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 
-  // The same for many chips of a process that go on from one state: what takes long to read from bytes is in
-  // the returned object, the rest is in `to`. Null: all is in `to`. Several may take() from one at once.
+  // save() and restore() for many chips of one process that continue from the same state. The returned object
+  // holds the parts that are slow to read from bytes, `to` the rest. If it is null, `to` holds all. Several
+  // chips may take() from one object concurrently.
   struct Kept {
     virtual ~Kept() = default;
   };
@@ -137,11 +140,13 @@ class Mcu {
   }
 };
 
-// The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick`
-// works; the symbols of an S-record are read from a file of the same name ending in `.coff`.
+// Makes an h8 engine with a firmware image: S-record or COFF. The symbols of an S-record are read from a
+// file of the same name ending in `.coff`. Without symbols, reports have no names and on_tick() has no
+// effect. Returns Fault::usage if the image cannot be read.
 Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path);
-// The native engine, with blank non-volatile memory.
+// Makes an h8 engine with erased flash.
 std::unique_ptr<Mcu> make_erased_h8();
+// Makes a native engine with blank non-volatile memory.
 std::unique_ptr<Mcu> make_native();
 
 }  // namespace kaz::sim

@@ -7,8 +7,8 @@
 namespace kaz::sim {
 
 enum class McuKind {
-  h8,      // executes the firmware image
-  native,  // the same C compiled for this machine
+  h8,      // executes the firmware image in the emulator
+  native,  // runs the same C, compiled for the PC
 };
 inline constexpr std::array kMcuKinds{McuKind::h8, McuKind::native};
 

@@ -1,4 +1,4 @@
-// A board's non-volatile memory, kept in a file between runs.
+// Keeps a board's non-volatile memory in a file between runs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,11 +9,11 @@
 
 namespace kaz::sim {
 
-// Loads the file into the board, effective at the next reset. A missing file changes nothing. Errors
-// (usage): not a file written by save_memory.
+// Loads the file into the board's memory. Takes effect at the next reset. A missing file changes nothing.
+// Returns Fault::usage if the file does not have the size of Mcu::memory().
 Result<void> load_memory(Mcu& mcu, const std::string& path);
-// The bytes of Mcu::memory(), nothing else; the file is replaced as a whole. Errors (environment): the
-// file cannot be written.
+// Writes the bytes of Mcu::memory(). An old file remains until all bytes are written. Returns
+// Fault::environment if the file cannot be written.
 Result<void> save_memory(const Mcu& mcu, const std::string& path);
 
 }  // namespace kaz::sim

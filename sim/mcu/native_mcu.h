@@ -1,4 +1,4 @@
-// The `native` engine: options for tests and comparisons.
+// Options of the `native` engine, for tests and comparisons.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,10 +9,10 @@
 namespace kaz::sim {
 
 struct NativeOptions {
-  // From reset to the first tick, with nothing stored. The chip spends most of it on the CRC of its
-  // application, so it depends on the image; the default was measured on a built one. It stays as
-  // the image grows, since recordings depend on it; `kaz mcu compare --wire` measures it again and
-  // rejects a default that is 5 ms off.
+  // Time from reset to the first tick, with blank non-volatile memory. The chip spends most of it on the CRC
+  // of its application, so it depends on the image. The default was measured on a built image. It does not
+  // follow a growing image, because recordings depend on it. `kaz mcu compare --wire` measures the time again
+  // and rejects a default that is more than 5 ms off.
   static constexpr States default_start_states = 831751;
   States start_states = default_start_states;
 };

@@ -1,9 +1,9 @@
-// Non-volatile memory of the native engine's board: calibration and address, in flash of its own.
+// Non-volatile memory of the native engine: flash blocks with the logs of calibration and address.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The logs are those of shared/servo/store.h, as in the firmware (firmware/memory.c). Writing takes
-// pulse after pulse as on the chip. If power is lost during a pulse, only a fraction of its cells has
-// changed, in proportion to the time elapsed, selected by a seed.
+// The logs are those of shared/servo/store.h, as in the firmware (firmware/memory.c). Writing applies one
+// pulse after the other, as on the chip. If power is lost during a pulse, only a fraction of its cells
+// changes, in proportion to the elapsed time. A seed selects them.
 #pragma once
 
 #include <array>
@@ -22,27 +22,28 @@ class NativeMemory {
  public:
   NativeMemory() { bytes_.fill(0xFF); }
 
-  // Copies the contents of the logs to `startup`; values that are not in them are unchanged.
+  // Copies the logs' contents to `startup`. Values that are not in the logs stay unchanged.
   void load(kz_startup& startup);
+  // Copies the calibration log's sequence number and erase counts to `input`.
   void report(kz_tick_input& input) const;
 
-  // Plans a store that begins at `from`. Motors are off.
+  // Plans a store that begins at `from`. Motors must be off.
   void store_calibration(const kz_servo& servo, States from);
   void store_address(const kz_servo& servo, States from);
-  // Time from which the line is not served.
+  // Returns the time from which the board does not serve the line.
   States deaf_from() const { return deaf_from_; }
-  // Time at which the write ends, if power lasts.
+  // Returns the time at which the write ends if it is not cut.
   States over_at() const { return over_at_; }
-  // Duration of the firmware's verification of the write and the log around it.
+  // Returns how long the firmware takes to verify the write and read the log.
   States read_back_states() const { return read_back_; }
-  // Lines of both logs that are not blank.
+  // Returns the number of lines of both logs that are not blank.
   int lines() const;
-  // Verification: whether the stored values can be read back. Reads both logs again.
+  // Completes the write and reads both logs again. Returns whether flash has the intended contents.
   bool finish();
-  // Power loss or reset aborts a write in progress.
+  // Aborts a write in progress, by power loss or reset at time `at`.
   void cut(States at);
 
-  // Blocks EB1 to EB3, as memory of the board (mcu.h).
+  // Blocks EB1 to EB3, as Mcu::memory().
   std::span<const std::uint8_t, Mcu::memory_size> bytes() const { return bytes_; }
   void set_bytes(std::span<const std::uint8_t, Mcu::memory_size> bytes);
 
@@ -79,7 +80,7 @@ class NativeMemory {
                const std::array<std::uint8_t, Mcu::memory_size>& of) const;
   void plan(const kz_store& log, int first_block, States from,
             const std::function<void(u8* data, u8 part)>& pack);
-  // Changes the cells of a pulse of `share` (0..1) of its full length.
+  // Changes the cells that a pulse of `share` (0..1) of the full length changes.
   void apply(const Pulse& pulse, double share);
   void advance(States to);
 
@@ -87,7 +88,7 @@ class NativeMemory {
   kz_store calibration_{}, address_{};
   std::deque<Pulse> pulses_;
   States deaf_from_ = 0, over_at_ = 0, read_back_ = 0;
-  std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // contents of flash after the write
+  std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // flash contents after the write
   std::uint64_t pulses_done_ = 0;
 };
 

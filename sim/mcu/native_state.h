@@ -1,9 +1,9 @@
-// Whether the C structures of a saved state of the native engine's board are those of a board.
+// Validates the C structures in a saved state of the native engine.
 // SPDX-License-Identifier: Apache-2.0
 //
-// They are restored as they were in memory (archive.hpp, plain()), and the board's C trusts its own state: it
-// has no room for checks. These functions check each value that it uses as an index, a length, a mask, a
-// divisor, or in a product that has to fit 32 bits. Other values may be unusual, but do no harm.
+// They are restored as raw memory (archive.hpp, plain()). The firmware's C does not check its own state,
+// because it has no room for that. These functions check each value used as an index, length, mask or
+// divisor, or in a product that must fit 32 bits. Other values may be unusual but are harmless.
 #pragma once
 
 #include "shared/servo/servo.h"
@@ -14,7 +14,7 @@ namespace kaz::sim {
 
 bool is_possible(const kz_servo& servo);
 bool is_possible(const kz_tick_output& output);
-// Of a log of so many blocks, and lines in a copy.
+// Checks a log of `blocks` flash blocks whose copies have `parts` lines each.
 bool is_possible(const kz_store& log, int blocks, int parts);
 
 }  // namespace kaz::sim

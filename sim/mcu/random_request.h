@@ -1,9 +1,9 @@
-// Random requests to the board: every message of the table, valid and invalid.
+// Generates random requests to the board: every message of the table, valid and invalid.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Fields are drawn from the table's bounds (message_info.h): inside, at the edges, outside. Fields without
-// bounds are drawn so that most requests succeed: angles near the middle of the joint's range, calibration
-// near nominal. Some requests form short sequences: unlock and raw drive, calibrate and store, reset.
+// Fields are drawn inside, at and outside the bounds of the table (message_info.h). Fields without bounds are
+// drawn so that most requests succeed: angles near the middle of the joint's range, calibration near nominal.
+// Some requests form short sequences: unlock and raw drive, calibrate and store, reset.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,17 @@
 
 namespace kaz::sim {
 
-// Damages a frame with one of five random faults: a bit flipped, a byte lost, a byte inserted, the end
-// cut off, or all of it replaced by up to `max_noise` random bytes; at least `min_length` bytes are
-// left of the last two. One time in six it leaves the frame alone and returns false.
+// Damages a frame, which must not be empty, with one of five random faults. It flips a bit, removes a byte,
+// inserts a byte, cuts off the end, or replaces the frame with up to `max_noise` random bytes. The last two
+// leave at least `min_length` bytes. One time in six it returns false and leaves the frame unchanged.
 bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
                   std::uint32_t max_noise);
 
 class RandomRequest {
  public:
+  // `random` must outlive this.
   explicit RandomRequest(Random& random) : random_(random) {}
-  // Type and fields: a body without address and sequence number.
+  // Returns the next request as type and fields: a body without address and sequence number.
   std::vector<std::uint8_t> next();
 
  private:

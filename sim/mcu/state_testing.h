@@ -1,4 +1,4 @@
-// For tests: saved states of a microcontroller with bytes changed, restored and run.
+// For tests: changes bytes in saved states of a microcontroller, restores them and runs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,7 +20,8 @@ inline std::vector<std::uint8_t> saved_state(Mcu& mcu) {
   return to.bytes();
 }
 
-// Restores and runs a while, with a request. Returns the refusal, empty if the state was accepted.
+// Restores `state` and runs for `states`, with a request. Returns the archive's error, or an empty string if
+// the state was accepted.
 inline std::string restore_and_run(Mcu& mcu, const std::vector<std::uint8_t>& state, States states) {
   StateReader from(state);
   mcu.restore(from);
@@ -31,9 +32,10 @@ inline std::string restore_and_run(Mcu& mcu, const std::vector<std::uint8_t>& st
   return from.error();
 }
 
-// Each `stride`th byte of a state from `begin` to before `end` is replaced, one at a time. The state is
-// refused, or the microcontroller runs on it; sanitizers judge how. Afterwards a valid state continues as it
-// did before. Of the emulated chip memory and pins are compared: translated code notes jumps more rarely.
+// Replaces every `stride`th byte of a valid state in [begin, end), one at a time. The microcontroller must
+// reject the state or run it without a sanitizer report. Afterwards the valid state must run as before. For
+// the emulated chip only time, memory and pins are compared, because translated code records jumps more
+// rarely.
 inline void sweep_state(Mcu& mcu, const std::vector<std::uint8_t>& valid, std::size_t begin,
                         std::size_t end, std::size_t stride, States states) {
   ASSERT_LE(end, valid.size());

@@ -1,7 +1,7 @@
-// Random inputs for comparing the two engines: host traffic and potentiometers, from one seed.
+// Generates random inputs for comparing the two engines: host traffic and potentiometer voltages.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The host sends valid and invalid traffic; the joints move plausibly and implausibly.
+// Traffic is valid and invalid; joints move plausibly and implausibly. A seed determines both.
 #pragma once
 
 #include <array>
@@ -15,17 +15,17 @@
 
 namespace kaz::sim {
 
-// Phases of 50 to 1500 ms: orderly conversation, bursts of frames back to back, faulty frames and
-// noise, silence (up to longer than the firmware's link watchdog allows).
+// Random host with phases of 50 to 1500 ms: orderly conversation, bursts of frames back to back, faulty
+// frames and noise, or silence. A silence may exceed the timeout of the link watchdog.
 class RandomHost {
  public:
   explicit RandomHost(std::uint64_t seed) : random_(seed), requests_(random_) {}
   RandomHost(const RandomHost&) = delete;
   RandomHost& operator=(const RandomHost&) = delete;
-  // Bytes whose transmission starts in the millisecond that begins at `now`, with their times of arrival.
-  // None while the line is busy with earlier bytes.
+  // Returns the bytes whose transmission starts in the millisecond that begins at `now`, with their arrival
+  // times. Empty while the line is busy with earlier bytes. Call it once per millisecond.
   std::vector<SerialByte> millisecond(States now);
-  std::int64_t frames() const { return frames_; }  // sent, valid or not
+  std::int64_t frames() const { return frames_; }  // number sent, valid or not
 
  private:
   enum class Phase { orderly, burst, faulty, silent };
@@ -37,33 +37,34 @@ class RandomHost {
   Random random_;
   RandomRequest requests_;
   Phase phase_ = Phase::orderly;
-  int phase_left_ms_ = 300;  // the first phase is orderly, so that motors get on
+  int phase_left_ms_ = 300;  // the first phase is orderly so that motors are enabled
   int pause_ms_ = 0;
   States wire_free_ = 0;
   std::uint8_t sequence_ = 0;
-  std::vector<std::uint8_t> last_;  // frame sent before: to be repeated
+  std::vector<std::uint8_t> last_;  // last request, which may be repeated
   std::int64_t frames_ = 0;
 };
 
-// Inputs of the multiplexers as fractions of AVCC, 0..1.
+// Random voltages at the multiplexer inputs.
 class RandomAnalog {
  public:
   explicit RandomAnalog(std::uint64_t seed);
-  // One millisecond: slow walks; now and then a jump, a broken potentiometer, a supply out of
-  // range.
+  // Advances by one millisecond: slow random walks, sometimes a jump, a broken potentiometer or a supply out
+  // of range.
   void millisecond();
+  // Returns the voltage of an input (KZ_ANALOG_*) with noise, as a fraction of AVCC, 0..1.
   double ratio(unsigned input, States at) const;
 
  private:
   struct Input {
     double value = 0.5, velocity = 0;
-    int broken_ms = 0;  // time left at a rail
+    int broken_ms = 0;  // remaining time at a rail
     bool high = false;
   };
   std::uint64_t seed_;
   Random random_;
   std::array<Input, KZ_ANALOG> inputs_{};
-  int calm_ms_ = 2000;  // nothing breaks, so that the loops run
+  int calm_ms_ = 2000;  // time without broken inputs, so that the control loops run
 };
 
 }  // namespace kaz::sim

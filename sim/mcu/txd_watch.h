@@ -1,7 +1,7 @@
-// Bytes sent at TxD0 of the emulated chip, decoded from the edges at the pin.
+// Decodes the bytes that the emulated chip sends at TxD0 from the edges at the pin.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The edges are those that a recording of the pin (vcd.h) has. While the pin is not driven the board's
+// It observes the same edges as a recording of the pin (vcd.h). While the pin is not driven, the board's
 // pull-up holds the line at mark.
 #pragma once
 
@@ -14,15 +14,16 @@ namespace kaz::sim {
 
 class TxdWatch {
  public:
-  // `mcu` outlives this.
+  // `mcu` must outlive this.
   explicit TxdWatch(H8Mcu& mcu);
   ~TxdWatch();
   TxdWatch(const TxdWatch&) = delete;
   TxdWatch& operator=(const TxdWatch&) = delete;
 
-  // Bytes whose stop bit was sampled a bit's time ago or earlier, with times of the board.
+  // Removes and returns the bytes whose stop bit was sampled at least one bit time ago. Times are board
+  // times.
   std::vector<DecodedByte> take();
-  // The chip was reset or its power cut: a byte in progress is dropped.
+  // Drops a byte in progress. Call it after a reset or power cut of the chip.
   void restart();
 
  private:

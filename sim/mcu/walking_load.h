@@ -1,8 +1,8 @@
-// The servo firmware's walking load: all loops closed, targets sent and states queried at 100 Hz.
+// Load of the servo firmware as in walking: all loops closed, targets and state queries at 100 Hz.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The load under which the cost of a tick and the emulator's speed are measured. Potentiometers follow the
-// motors by the simplest model that closes the loops; there is no physics.
+// Measurements of the tick's cost and of the emulator's speed use this load. Potentiometers follow the motors
+// by the simplest model that closes the loops, without physics.
 #pragma once
 
 #include <array>
@@ -17,20 +17,20 @@ namespace kaz::sim {
 
 class WalkingLoad {
  public:
-  // Takes over the analog inputs of `mcu`, which must outlive it.
+  // Sets the analog source of `mcu`. `mcu` must outlive this; do not run it after this is destroyed.
   explicit WalkingLoad(Mcu& mcu);
   WalkingLoad(const WalkingLoad&) = delete;
   WalkingLoad& operator=(const WalkingLoad&) = delete;
 
-  // Runs from power-on to walking: 100 ms of start-up, motors on, half a second of steps.
+  // Runs from power-on to walking: 100 ms of start-up, motors on, 0.5 s of steps. Fails as Mcu::run_until().
   Result<void> start();
-  // Runs one millisecond. Once in ten the host sends targets for all joints, waits for the reply, and
-  // queries their states.
+  // Runs one millisecond. In every tenth the host sends targets for all joints, and 7 ms later it queries
+  // their states. Fails as Mcu::run_until().
   Result<void> millisecond();
 
   std::int64_t bytes_to_board() const { return bytes_to_board_; }
   std::int64_t bytes_from_board() const { return bytes_from_board_; }
-  // Distance of a joint from its target of the last step, rad.
+  // Returns the distance of a joint from its last target, rad.
   double error(int joint) const;
 
  private:

@@ -1,10 +1,10 @@
-// A seeded host that talks to a board over its serial line.
+// A seeded host for random conversations with a board over its serial line.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Covers the protocol's grammar: requests in and out of range, damaged, in pieces, back to back,
-// for other boards, with framing errors; telemetry; stores, resets and the loader in some; bytes while
-// the board starts. Requests during which the board does not serve the line (store, reset, loader) are sent
-// alone: their start depends on how long its CPU was busy, which the native engine does not model
+// It covers the protocol's grammar: requests in and out of range, damaged, in pieces, back to back, for other
+// boards, and with framing errors. Some conversations have telemetry, stores, resets, the loader, or bytes
+// while the board starts. The board does not serve the line during a store, a reset or the loader. These are
+// sent alone: their start depends on how long the CPU was busy, which the native engine does not model
 // (wire_differences.h).
 #pragma once
 
@@ -21,12 +21,12 @@
 
 namespace kaz::sim {
 
-// Times at which a byte must not end: while a tick reads the receive ring, and around the time at which a
-// starting board enables its receiver.
+// Times at which a byte must not end: while a tick reads the receive ring, and while a starting board enables
+// its receiver.
 struct WireWindows {
   bool ticks = false;  // the board ticks
-  States tick_at = 0;  // when one of the ticks is due
-  States closed_from = 0, closed_until = 0;
+  States tick_at = 0;  // due time of any tick; the others follow from the period
+  States closed_from = 0, closed_until = 0;  // around the start of the receiver
 };
 
 class WireHost {
@@ -38,20 +38,21 @@ class WireHost {
   // Events besides bytes.
   enum class Event : std::uint8_t { none, reset_pin, power_cycle };
 
-  // Bytes that end in [from, until), in this order; calls must follow each other without gaps.
+  // Returns the bytes that end in [from, until), ordered by time. The next call's `from` must be this
+  // `until`.
   std::vector<SerialByte> bytes(States from, States until, const WireWindows& windows);
-  // The event that is due by `at`.
+  // Removes and returns an event that is due by `at`. The event drops bytes that are not yet sent.
   Event take_event(States at);
-  // No more requests; those begun are completed.
+  // Ends the conversation: requests in progress are completed, no others begin.
   void finish() { finished_ = true; }
 
   struct Sent {
-    States at = 0;  // its last byte ends, or is planned to
+    States at = 0;  // planned end of its last byte
     std::string text;
   };
   const std::vector<Sent>& sent() const { return sent_; }
   int requests() const { return requests_; }
-  // By kind: "damaged", "in pieces", ...
+  // Counts by kind: "damaged", "in pieces", "silences" and others.
   const std::map<std::string, std::int64_t>& kinds() const { return kinds_; }
 
  private:
@@ -59,12 +60,12 @@ class WireHost {
   struct Pending {
     std::uint8_t value = 0;
     bool framing_error = false;
-    States gap = 0;  // before it
+    States gap = 0;  // idle time before the byte
   };
   struct Planned {
-    States not_before = 0;                          // since the conversation's beginning
+    States not_before = 0;                          // since the conversation began
     std::vector<std::vector<std::uint8_t>> bodies;  // type and fields
-    States pause = 0;                               // after each
+    States pause = 0;                               // after each body
   };
 
   void begin(States at);
@@ -81,15 +82,15 @@ class WireHost {
   bool begun_ = false, finished_ = false;
   States begun_at_ = 0;
   States line_free_ = 0;
-  States next_at_ = 0;  // the next request begins
-  States min_gap_ = 0;  // from the end of the last request to the next one, at least
+  States next_at_ = 0;  // start of the next request
+  States min_gap_ = 0;  // minimum time from the end of the last request to the next
   States manner_until_ = 0;
   Manner manner_ = Manner::polite;
   std::deque<Pending> pending_;
   std::deque<Planned> planned_;
   std::vector<std::pair<States, Event>> events_;
   std::uint8_t sequence_ = 0, address_ = KZ_ADDRESS_DEFAULT, other_address_ = KZ_ADDRESS_DEFAULT;
-  bool has_moved_ = false;  // set_address was sent: the board may reply to either
+  bool has_moved_ = false;  // set_address was sent: the board may have either address
   std::vector<std::uint8_t> last_;
   std::vector<Sent> sent_;
   int requests_ = 0;

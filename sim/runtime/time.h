@@ -1,4 +1,4 @@
-// Simulated time: states of the board's crystal, steps of the world, nanoseconds of the host.
+// Converts simulated time between states of the board's crystal and nanoseconds of the host.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,11 +10,11 @@
 
 namespace kaz::sim {
 
-// 1e9 / 18,432,000 = 15,625 / 288, so a millisecond is exact in both.
+// Rounds down. 1e9 / 18,432,000 = 15,625 / 288, so a millisecond is exact in both units.
 constexpr Time time_of(States states) {
   return Time(states * 15625 / 288);
 }
-// The first state at or after `t`.
+// Returns the first state at or after `t`.
 constexpr States states_of(Time t) {
   return (t.count() * 288 + 15624) / 15625;
 }

@@ -1,4 +1,4 @@
-// Sets of vector instructions that loops over pixels are compiled for.
+// Sets of vector instructions for which loops over pixels are compiled.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,10 +6,10 @@
 
 namespace kaz::sim {
 
-// Pictures are the same bytes with each of them.
+// All sets give the same pictures, byte for byte.
 enum class InstructionSet { plain, avx2, avx512 };
 
-// False where the processor, or the compiler's target, has not got it.
+// Returns false if the processor or the compiler's target lacks the set.
 inline bool is_available(InstructionSet set) {
 #if defined(__x86_64__)
   if (set == InstructionSet::avx2) return __builtin_cpu_supports("avx2") != 0;
@@ -20,7 +20,7 @@ inline bool is_available(InstructionSet set) {
   return set == InstructionSet::plain;
 }
 
-// The widest that is available.
+// Returns the widest set that is available.
 inline InstructionSet best_instructions() {
   for (const InstructionSet set : {InstructionSet::avx512, InstructionSet::avx2}) {
     if (is_available(set)) return set;

@@ -1,4 +1,4 @@
-// The renderers, by name.
+// The renderers and their names.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,8 @@
 namespace kaz::sim {
 
 enum class RendererKind {
-  opengl,  // off-screen Mesa: the reference for the other
-  raster,  // our rasteriser: no OpenGL, a third of the time
+  opengl,  // off-screen Mesa: the reference for the other renderer
+  raster,  // our rasterizer: needs no OpenGL, takes a third of the time
 };
 inline constexpr RendererKind kDefaultRenderer = RendererKind::raster;
 inline constexpr std::array kRendererKinds{RendererKind::opengl, RendererKind::raster};

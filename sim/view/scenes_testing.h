@@ -1,4 +1,4 @@
-// Small scenes by hand, for tests and benchmarks.
+// For tests and benchmarks: small scenes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,7 +23,7 @@ struct TestScene {
     pose.frames.push_back(Eigen::Isometry3d::Identity());
   }
 
-  // Returns the number of the new frame.
+  // Adds a visual in its own frame at `at` (world, m). Returns the number of the frame.
   int add(Shape::Kind kind, const Eigen::Vector3d& size, const Eigen::Vector3d& at,
           const Rgb& color, const std::string& texture = "") {
     Visual visual;
@@ -53,7 +53,7 @@ struct TestScene {
   }
 };
 
-// A table with twenty objects: 5,200 triangles in 22 pieces on a checkered ground.
+// Twenty objects and a ball on a checkered ground: 5,200 triangles in 22 pieces.
 inline TestScene table_scene() {
   TestScene s;
   s.add_ground("checker");
@@ -72,7 +72,7 @@ inline TestScene table_scene() {
   return s;
 }
 
-// As the robot sees when it stands: lens 0.3 m above the ground.
+// View of the standing robot: the eye is 0.3 m above the ground, tilted down by `tilt_rad`.
 inline View eye_view(int width = 320, double tilt_rad = 0.6) {
   View view;
   view.camera = Pinhole::from_horizontal_view(width, width * 3 / 4, kEyeView_rad);
@@ -80,6 +80,7 @@ inline View eye_view(int width = 320, double tilt_rad = 0.6) {
   return view;
 }
 
+// Returns the pixel of a point in the world frame.
 inline Eigen::Vector2d project(const View& view, const Eigen::Vector3d& world) {
   const Eigen::Vector3d p = view.world_from_optical.inverse() * world;
   return {view.camera.fx * p.x() / p.z() + view.camera.cx,

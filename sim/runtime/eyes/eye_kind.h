@@ -1,4 +1,4 @@
-// The kinds of simulated eyes, by name.
+// The kinds of simulated eyes and their names.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,9 +7,9 @@
 namespace kaz::sim {
 
 enum class EyeKind {
-  ideal,  // exactly parallel pinholes without noise
-  real,   // lens, exposure and noise as the camera file says; the pictures are rectified
-  none,   // closed: no pictures, as of a robot without eyes
+  ideal,  // exactly parallel pinhole cameras without noise
+  real,   // lens, exposure and noise of the camera file; pictures are rectified
+  none,   // no pictures, as for a robot without eyes
 };
 inline constexpr std::array kEyeKinds{EyeKind::ideal, EyeKind::real, EyeKind::none};
 

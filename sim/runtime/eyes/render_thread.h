@@ -1,7 +1,7 @@
-// The thread that renders all pictures.
+// Renders all pictures of a simulation, one job after the other, in its own thread.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Started by the first picture, so a simulation without pictures starts no renderer.
+// The first job starts the renderer, so a simulation without pictures starts none.
 #pragma once
 
 #include <condition_variable>
@@ -20,13 +20,13 @@ namespace kaz::sim {
 
 using RendererFactory = std::function<Result<std::unique_ptr<Renderer>>()>;
 
-// Who draws: a thread beside the one that steps, or that one itself, where many robots share a machine's
-// processors already.
+// Thread that renders: a separate one, or the one that steps the simulation. The latter suits many robots
+// that already share the machine's processors.
 enum class Drawing { own_thread, caller };
 
 class RenderThread {
  public:
-  // A job gets the renderer, or the error that prevented it. Jobs run in the order of submission.
+  // A job receives the renderer, or the error that prevented it. Jobs run in the order of submission.
   using Job = std::function<void(const Result<Renderer*>&)>;
 
   RenderThread(Scene scene, RendererFactory factory, Drawing drawing = Drawing::own_thread);
@@ -34,8 +34,9 @@ class RenderThread {
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
+  // Queues a job, or runs it with Drawing::caller. Call it from one thread only.
   void submit(Job job);
-  // Stores the first failure of a job; error() returns it, from any thread.
+  // Stores the first failure of a job, which error() returns. Both may be called from any thread.
   void set_error(Error error);
   std::optional<Error> error() const;
 
@@ -49,7 +50,7 @@ class RenderThread {
   RendererFactory factory_;
   Drawing drawing_;
   bool has_begun_ = false;
-  Result<std::unique_ptr<Renderer>> renderer_ = nullptr;  // of the thread, once that runs
+  Result<std::unique_ptr<Renderer>> renderer_ = nullptr;  // used only by `thread_` once it runs
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Job> jobs_;

@@ -1,4 +1,4 @@
-// Little-endian writer and reader of byte buffers, for MCAP and the ROS 1 message encoding.
+// Writes and reads little-endian byte buffers, for MCAP and the ROS 1 message encoding.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,8 +12,10 @@
 
 namespace kaz::sim {
 
+// Appends values to a buffer.
 class LittleEndian {
  public:
+  // `to` must outlive this.
   explicit LittleEndian(std::vector<std::uint8_t>& to) : to_(to) {}
 
   LittleEndian& number(std::unsigned_integral auto value) {
@@ -36,7 +38,7 @@ class LittleEndian {
     to_.insert(to_.end(), values.begin(), values.end());
     return *this;
   }
-  // Length in 4 bytes, then the characters.
+  // Writes the length in 4 bytes, then the characters.
   LittleEndian& text(std::string_view value) {
     number(static_cast<std::uint32_t>(value.size()));
     to_.insert(to_.end(), value.begin(), value.end());
@@ -47,8 +49,8 @@ class LittleEndian {
   std::vector<std::uint8_t>& to_;
 };
 
-// Reads fields from the front. Once a field would exceed the end, it and all later ones are zero or empty and
-// nothing more is consumed: a loop over `rest()` must also check `good()`.
+// Reads fields from the front of a buffer. The first field that exceeds the end and all later ones are zero
+// or empty and consume nothing. A loop over `rest()` must therefore also check `good()`.
 class LittleEndianFields {
  public:
   using Bytes = std::span<const std::uint8_t>;
@@ -61,7 +63,7 @@ class LittleEndianFields {
       value = static_cast<T>(value | static_cast<T>(T{front[i]} << (8 * i)));
     return value;
   }
-  // What follows its length in 4 bytes.
+  // Reads a length in 4 bytes, then as many bytes.
   Bytes array() { return take(number<std::uint32_t>()); }
   std::string text() {
     const Bytes chars = array();
@@ -75,9 +77,9 @@ class LittleEndianFields {
     return front;
   }
   Bytes rest() const { return bytes_; }
-  // Whether all fields so far were within the buffer.
+  // Returns whether all fields so far were within the buffer.
   bool good() const { return good_; }
-  // Whether all fields were within the buffer and nothing is left.
+  // Returns whether all fields were within the buffer and no bytes are left.
   bool whole() const { return good_ && bytes_.empty(); }
 
  private:

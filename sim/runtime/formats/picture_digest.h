@@ -1,8 +1,8 @@
-// Digest of a picture's bytes, by which recordings are compared: 32 hexadecimal digits.
+// Digest of a picture's bytes for comparing recordings: 32 hexadecimal digits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// XXH3 of 128 bits, seed 0 (`xxhsum -H2` prints the same): it shows that bytes differ, and withstands no
-// attacker. SHA-256, which does, took seven times as long as one that is slower than this.
+// XXH3 with 128 bits and seed 0; `xxhsum -H2` prints the same. It detects differences but does not resist
+// attackers. SHA-256 does, but takes more than seven times as long.
 #pragma once
 
 #include <cstdint>

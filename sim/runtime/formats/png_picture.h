@@ -11,11 +11,11 @@
 
 namespace kaz::sim {
 
-// 8-bit RGB, low compression for speed. Deterministic for the same libpng and zlib. Error: `image` is empty
-// or its number of pixels does not match its size.
+// Encodes 8-bit RGB with low compression for speed. Deterministic for the same libpng and zlib. Fails if
+// `image` is empty or its number of pixels does not match its size.
 Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image);
 
-// The encoded pixels. Error: not a PNG, a damaged one, or a side above 8192 px.
+// Decodes a PNG. Fails if it is not a PNG, is damaged, or has a side above 8192 px.
 Result<vision::Image> decode_png(std::span<const std::uint8_t> bytes);
 
 }  // namespace kaz::sim

@@ -1,7 +1,8 @@
-// Messages as ROS 1 has them, which viewers decode and draw: schemas, and how they are written.
+// Schemas and serialization of ROS 1 messages, which viewers decode and draw.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Fields in order, little-endian, no padding; units m, rad, s. Frames: `world`, links and objects by name.
+// Encoding: fields in order, little-endian, without padding. Units: m, rad, s. Frames: `world`, and links and
+// objects by name.
 #pragma once
 
 #include <cstdint>
@@ -57,15 +58,15 @@ inline constexpr char kCameraInfo[] =
 inline constexpr char kPicture[] =
     "std_msgs/Header header\nstring format\nuint8[] data\n" KAZ_ROS_STD_HEADER;
 
-// The beginning of most messages: std_msgs/Header.
+// Writes std_msgs/Header, with which most messages begin.
 LittleEndian& header(LittleEndian& to, std::uint64_t time_ns, std::string_view frame,
                      std::uint32_t sequence = 0);
-// geometry_msgs/Pose or Transform.
+// Writes geometry_msgs/Pose or Transform.
 void pose(LittleEndian& to, const Eigen::Isometry3d& at);
 
 using NamedPose = std::pair<std::string, Eigen::Isometry3d>;  // in the frame `world`
 
-// tf2_msgs/TFMessage, as all below into an empty `data`.
+// Writes tf2_msgs/TFMessage to `data`. In this and the functions below, `data` must be empty.
 void transforms(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
                 std::span<const NamedPose> poses);
 
@@ -77,22 +78,22 @@ struct Marker {
   Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
-  std::string texture;  // Visual::texture; stands in `text`, which these types do not use
+  std::string texture;  // Visual::texture; written to `text`, which these types do not use
   bool removes_all = false;
 };
 
-// visualization_msgs/MarkerArray.
+// Writes visualization_msgs/MarkerArray.
 void markers(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
              std::span<const Marker> markers);
 
-// Of what stands in the world: its visuals but for those of the frames in `without`.
+// Returns markers of the scene's visuals, without those of the frames `without` and without meshes.
 std::vector<Marker> markers_of(const Scene& scene, std::span<const std::string> without);
 
-// Forces of contacts as arrows, 1 cm a newton and 30 cm at most, along the force on the first of the two;
-// without those below 0.05 N. The first marker removes the arrows of the message before.
+// Returns contact forces above 0.05 N as arrows of 1 cm/N, at most 30 cm. An arrow has the direction of the
+// force on the first of the two bodies. The first marker removes the arrows of the previous message.
 std::vector<Marker> markers_of(std::span<const ContactPoint> contacts);
 
-// sensor_msgs/CameraInfo of a rectified pair.
+// Writes sensor_msgs/CameraInfo of one camera of a rectified pair.
 void camera_info(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
                  const vision::CameraModel& model, bool right);
 

@@ -1,4 +1,4 @@
-// SHA-256 of bytes, as hexadecimal digits.
+// Computes the SHA-256 of bytes as hexadecimal digits.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

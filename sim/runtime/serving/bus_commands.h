@@ -1,4 +1,4 @@
-// Commands of the control socket of `kaz sim --bus`: power, supply, damage, a hand, status.
+// Executes commands of the control socket of `kaz sim --bus`: power, supply, damage, turning joints, status.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,11 +13,11 @@ namespace kaz::sim {
 
 class BusCommands {
  public:
-  // `serving`: what the server adds to the status.
+  // `serving` returns the server's part of the status. `bus` must outlive this.
   BusCommands(VirtualBus& bus, std::function<nlohmann::ordered_json()> serving)
       : bus_(&bus), serving_(std::move(serving)) {}
-  // One request: words, or {"command": "power", "argument": "off"}. The reply has "ok"; if false, also
-  // "error".
+  // Executes one request: words, or {"command": "power", "argument": "off"}. The reply has "ok" and, if that
+  // is false, "error".
   nlohmann::ordered_json answer(std::string_view line) const;
 
  private:

@@ -1,9 +1,9 @@
-// The server of `kaz sim --bus`: a servo bus for other processes, paced by the wall clock.
+// Serves a servo bus to other processes (`kaz sim --bus`), paced by the wall clock.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The port is a pty, a control socket is beside it (bus_commands.h). The servos hear the host at the rate
-// that it has set. What they answer reaches the host when the wire falls silent, or a USB packet is full, as
-// with an adapter; never before it would have passed the wire.
+// The port is a pty with a control socket beside it (bus_commands.h). The servos receive bytes at the rate
+// that the host has set. As with an adapter, replies reach the host when the wire becomes idle or a USB
+// packet is full. They never arrive before the wire could have carried them.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@ namespace kaz::sim {
 
 struct BusServerOptions {
   std::string serial_path;  // symbolic link to the pty; the control socket is serial_path + ".ctl"
-  // One line for the user: host connected, gone, its rate; overruns. Without newline.
+  // Receives messages for the user: host connected or gone, its rate, overruns. One line without newline.
   std::function<void(const std::string&)> report;
 };
 
@@ -29,16 +29,17 @@ struct BusServerStatistics {
   double lost_s = 0;           // total time by which the bus fell behind the wall clock
   double worst_late_s = 0;
   std::uint64_t bytes_from_host = 0, bytes_to_host = 0;
-  std::uint64_t bytes_lost = 0;  // that the host did not read
+  std::uint64_t bytes_lost = 0;  // bytes that the host did not read
 };
 
 class BusServer {
  public:
-  // Creates pty, link and socket; the destructor removes them. Errors: why a path cannot be used.
+  // Creates pty, link and socket; the destructor removes them. Fails if a path cannot be used. `bus` must
+  // outlive the server.
   static Result<std::unique_ptr<BusServer>> open(VirtualBus& bus, const BusServerOptions& options);
   ~BusServer();
 
-  // Serves until `stop` is set, also by a signal handler. Error: the physics broke down.
+  // Serves until `stop` is set, which a signal handler may do. Returns Fault::failed if the physics fails.
   Result<BusServerStatistics> run(const std::atomic<bool>& stop);
 
  private:

@@ -17,24 +17,27 @@
 
 namespace kaz::sim {
 
-// Runs its own thread: neither rendering nor a slow reader blocks the publisher.
+// Runs its own thread: neither rendering nor a slow reader blocks the publisher. Serves at most 8 readers and
+// disconnects others.
 class CameraServer {
  public:
+  // Listens on a Unix socket at `path`. Errors as UnixListener::open().
   static Result<std::unique_ptr<CameraServer>> open(const std::string& path,
                                                     const vision::CameraModel& model, Time latency);
   ~CameraServer();
 
-  // `exposure`: on CLOCK_MONOTONIC. A reader that is still receiving an earlier pair misses this one.
+  // Queues a pair. `exposure` is a time on CLOCK_MONOTONIC. A reader that is still receiving an earlier pair
+  // misses this one.
   void publish(vision::StereoPair pair, Time exposure);
   int readers() const { return reader_count_; }
-  std::uint64_t missed() const { return missed_; }  // pairs not sent to some reader
+  std::uint64_t missed() const { return missed_; }  // missed pairs, summed over readers
 
  private:
   using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
   struct Reader {
     Descriptor socket;
     Bytes sending;         // null: idle
-    std::size_t sent = 0;  // bytes of it
+    std::size_t sent = 0;  // bytes of `sending` already sent
   };
   struct Published {
     vision::StereoPair pair;

@@ -1,5 +1,5 @@
-// The control socket: reset, mode pins, power, faults and status, which a pty cannot carry. One request per
-// line, one JSON object as reply.
+// Control socket for commands that a pty cannot carry: reset, mode pins, power, faults and status. A request
+// is one line, its reply one JSON object.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,18 +17,16 @@
 
 namespace kaz::sim {
 
-// What a line of the control socket requests.
+// A parsed line of the control socket.
 struct ControlRequest {
   std::string command, argument;
 };
-// A JSON object {"command": "power", "argument": "off"} or plain text "power off". Errors say what is wrong
-// with it.
+// Parses a JSON object {"command": "power", "argument": "off"} or plain text "power off". The error states
+// the reason.
 Result<ControlRequest> parse_control_request(std::string_view line);
 
-// Executes one request and returns the reply. A request is a JSON object {"command": "power", "argument":
-// "off"} or plain text "power off". Replies have "ok"; if false, also "error". docs/reference/simulator.md
-// lists
-// them.
+// Executes requests. Replies have "ok" and, if that is false, "error". docs/reference/simulator.md lists the
+// commands.
 class ControlCommands {
  public:
   struct Handlers {
@@ -40,11 +38,12 @@ class ControlCommands {
     std::function<void()> watch_touches;
     std::function<void(const faults::Fault& fault)> fault;
     std::function<void()> clear_faults;
-    std::function<Time()> now;  // simulated
+    std::function<Time()> now;  // simulated time
     // Motor stand: maps the rest of the line to a reply without "ok". Empty: no stand.
     std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand = nullptr;
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}
+  // Executes one request and returns the reply.
   nlohmann::ordered_json answer(std::string_view line) const;
 
  private:
@@ -53,11 +52,12 @@ class ControlCommands {
   Handlers handlers_;
 };
 
-// Non-blocking: poll() handles the requests received since the last call.
+// Serves at most 8 clients. Non-blocking: poll() handles the requests received since the last call.
 class ControlServer {
  public:
   // Executes one line and returns the reply.
   using Answer = std::function<nlohmann::ordered_json(std::string_view line)>;
+  // Listens on a Unix socket at `path`. Errors as UnixListener::open().
   static Result<std::unique_ptr<ControlServer>> open(const std::string& path, Answer answer);
   static Result<std::unique_ptr<ControlServer>> open(const std::string& path,
                                                      ControlCommands commands);
@@ -67,7 +67,7 @@ class ControlServer {
   struct Client {
     Descriptor socket;
     std::string received, to_send;
-    bool closing = false;  // once `to_send` is sent
+    bool closing = false;  // disconnects once `to_send` is sent
   };
 
   ControlServer(std::unique_ptr<UnixListener> listener, Answer answer)

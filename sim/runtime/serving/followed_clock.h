@@ -1,16 +1,15 @@
-// The clock of another machine, which paces a simulation instead of this machine's.
+// The clock of another machine, which paces a simulation instead of this machine's clock.
 // SPDX-License-Identifier: Apache-2.0
 //
-// For a host program in a virtual machine (tests/system/guest): an emulated processor is slower than this
-// one, and its clock may stand still while it computes. A world paced by this machine's clock would run away
-// from it, and the board's watchdog would act on a host that is not late by its own clock.
+// It serves host programs in a virtual machine (tests/system/guest). An emulated processor is slower than
+// this one, and its clock may stand still while it computes. A world paced by this machine's clock would run
+// ahead. The board's watchdog would then act on a host that is on time by its own clock.
 //
-// A Unix stream socket; the one client sends its CLOCK_MONOTONIC in ns, 8 bytes little-endian, about once per
-// millisecond. The time stands still between two messages, before the first and while nobody is connected.
-// Another client waits until the first one disconnects or has sent nothing for kMaxSilence, and then replaces
-// it.
-// One message is read at a time, when the world has come to the one before: a client whose socket holds few
-// bytes waits for the world.
+// Protocol: a Unix stream socket with one client. The client sends its CLOCK_MONOTONIC in ns, 8 bytes
+// little-endian, about once per millisecond. Time stands still between two messages, before the first one
+// and without a client. A second client waits until the first one disconnects or has sent nothing for
+// kMaxSilence, and then replaces it. The next message is read only when the world has reached the previous
+// time. A client with a small socket buffer therefore waits for the world.
 #pragma once
 
 #include <array>
@@ -28,14 +27,15 @@
 
 namespace kaz::sim {
 
-// Times out of the bytes of a stream.
+// Parses times from the bytes of a stream.
 class ClockStream {
  public:
-  // The latest time, once there was one. Errors (environment): a time before an earlier one, or out of range.
+  // Consumes bytes. Returns Fault::environment if a time is before an earlier one or out of range.
   Result<void> feed(std::span<const std::uint8_t> bytes);
+  // Returns the latest time, empty before the first.
   std::optional<Time> latest() const { return latest_; }
-  std::size_t part() const { return have_; }  // bytes of a message that has not come whole
-  // Of another client, whose clock may be any.
+  std::size_t part() const { return have_; }  // bytes of an incomplete message
+  // Prepares for another client, whose clock may have any value.
   void restart() { *this = {}; }
 
  private:
@@ -46,17 +46,16 @@ class ClockStream {
 
 class FollowedClock {
  public:
-  // Errors: those of UnixListener.
+  // Listens on a Unix socket at `path`. Errors as UnixListener::open().
   static Result<std::unique_ptr<FollowedClock>> open(const std::string& path);
 
-  // Reads the next message. At most `patience` is waited for, by this machine's clock, and less if something
-  // comes. True: another clock than before, because a client has connected and sent its first time. Errors:
-  // those of ClockStream.
+  // Reads the next message, if one arrives within `patience` by this machine's clock. Returns true if it is
+  // the first time of a new client, so that the clock may have jumped. Errors as ClockStream::feed().
   Result<bool> poll(Time patience);
-  // Zero before the first message.
+  // Returns the latest time, zero before the first message.
   Time now() const { return now_; }
 
-  // By this machine's clock. A guest's clock may stand still for longer: it is only replaced by a client.
+  // By this machine's clock. A guest's clock may stand still for longer: only a waiting client replaces it.
   static constexpr std::chrono::seconds kMaxSilence{1};
 
  private:
@@ -66,7 +65,7 @@ class FollowedClock {
 
   std::unique_ptr<UnixListener> listener_;
   Descriptor client_;
-  Clock::time_point heard_{};  // when the client connected, or its newest bytes came
+  Clock::time_point heard_{};  // time of the connection or of the newest bytes
   ClockStream stream_;
   Time now_{};
 };

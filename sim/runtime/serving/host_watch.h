@@ -1,7 +1,7 @@
 // Reports events of the host on the serial line (connected, silent, gone) and of the motors, as text.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Simulated time.
+// Times are simulated time.
 #pragma once
 
 #include <functional>
@@ -14,21 +14,23 @@ namespace kaz::sim {
 class HostWatch {
  public:
   static constexpr Time silence = std::chrono::milliseconds(1000);
-  static constexpr Time shortest_watchdog =
-      std::chrono::milliseconds(10);  // docs/reference/protocol.md
+  // Minimum timeout of the link watchdog (docs/reference/protocol.md).
+  static constexpr Time shortest_watchdog = std::chrono::milliseconds(10);
 
   HostWatch(std::string port, std::function<void(const std::string&)> report)
       : port_(std::move(port)), report_(std::move(report)) {}
 
-  // To be called in each step, with ascending times.
+  // Call it in each step, with ascending times. `baud` is the rate that the host set, 0 if unsupported.
   void presence(Time now, bool present, long baud);
+  // The host has sent bytes.
   void bytes_came(Time now);
-  void bytes_lost(std::size_t count);  // the host did not read what the board sent
-  // `why`: why they are off, a few words; "" where it is not known.
+  // The host has not read `count` bytes of the board.
+  void bytes_lost(std::size_t count);
+  // Call it in each step. `why` states in a few words why the drivers are off; empty if unknown.
   void drivers(Time now, bool enabled, const std::string& why = "");
-  // The board's link watchdog has expired, and its joints hold where they are.
+  // The board's link watchdog has expired and the joints hold their positions.
   void held(Time now);
-  // Whether that can be: not reported yet since the host's last byte, and long enough after it.
+  // Returns whether the link watchdog may have expired and held() was not called since the host's last byte.
   bool may_hold(Time now) const {
     return heard_ && !held_ && now - last_byte_ >= shortest_watchdog;
   }

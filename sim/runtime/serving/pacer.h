@@ -11,15 +11,15 @@
 
 namespace kaz::sim {
 
-// Simulated time t is due at origin + t. A late world catches up, unless it is later than `tolerance`: then
-// the origin is shifted, so that a stall is not followed by a burst, and the loss is counted.
+// Simulated time t is due at origin + t. A late world catches up. If it is later than `tolerance`, the origin
+// is shifted so that no burst follows a stall, and the loss is counted.
 class Pacer {
  public:
   explicit Pacer(Time tolerance) : tolerance_(tolerance) {}
 
   void start(Time simulated, Time wall) { origin_ = wall - simulated; }
 
-  // To be called after the step that ends at `simulated`. Returns the time to wait before the next one.
+  // Call it after the step that ends at `simulated`. Returns the time to wait before the next step.
   Time step_done(Time simulated, Time wall) {
     const Time late = wall - wall_of(simulated);
     worst_late_ = std::max(worst_late_, late);
@@ -34,7 +34,7 @@ class Pacer {
   Time wall_of(Time simulated) const { return origin_ + simulated; }
   std::uint64_t overruns() const { return overruns_; }
   Time lost() const { return lost_; }
-  // With what the step under way, which is not done yet, has lost already: this process may just have been
+  // Returns lost() plus the loss of the step in progress. That may be large if this process has just been
   // continued after a stop.
   Time lost_until(Time simulated, Time wall) const {
     const Time late = wall - wall_of(simulated);

@@ -1,7 +1,7 @@
-// The server of `kaz sim`: a simulation for other processes, paced by the wall clock or another machine's.
+// Serves a simulation to other processes (`kaz sim`), paced by the clock of this or another machine.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The serial line is a pty, stereo pairs come from a Unix socket, a control socket is beside the pty
+// The serial line is a pty with a control socket beside it. A Unix socket delivers stereo pairs
 // (docs/reference/simulator.md).
 #pragma once
 
@@ -20,18 +20,19 @@ namespace kaz::sim {
 struct RealTimeOptions {
   std::string serial_path;   // symbolic link to the pty; the control socket is serial_path + ".ctl"
   std::string cameras_path;  // Unix socket of shared/base/camera_stream.hpp; none if empty
-  std::string
-      clock_path;  // Unix socket of the clock that paces it (followed_clock.h); the wall's if empty
-  bool fast = false;  // as fast as the machine allows instead of paced
+  // Unix socket of the clock that paces the simulation (followed_clock.h). Empty: the wall clock.
+  std::string clock_path;
+  bool fast = false;  // runs as fast as the machine allows, without pacing
   // True: an illegal operation of the firmware hangs the board until reset instead of ending run().
   bool keep_hung = false;
   // Motor stand: handles `stand ...` on the control socket (control_server.h).
   std::function<Result<nlohmann::ordered_json>(const std::string&)> stand;
-  // Each pair as it is exposed, its pixels perhaps still being drawn, while `wants_pairs` says so, with
-  // readers of cameras_path or without.
+  // Receives each pair at its exposure while `wants_pairs` returns true, with or without readers of
+  // cameras_path. Its pixels may not be rendered yet.
   std::function<void(const vision::StereoPair&)> on_pair;
   std::function<bool()> wants_pairs;
-  // One line for the user: host connected, silent, gone; motors off; overruns. Without newline.
+  // Receives messages for the user: host connected, silent or gone, motors on or off, overruns. One line
+  // without newline.
   std::function<void(const std::string&)> report;
 };
 
@@ -45,12 +46,14 @@ struct RealTimeStatistics {
 
 class RealTimeServer {
  public:
-  // Creates pty, link and sockets; the destructor removes them. Errors: why a path cannot be used.
+  // Creates pty, link and sockets; the destructor removes them. Fails if a path cannot be used. `simulation`
+  // must outlive the server.
   static Result<std::unique_ptr<RealTimeServer>> open(Simulation& simulation,
                                                       const RealTimeOptions& options);
   ~RealTimeServer();
 
-  // Serves until `stop` is set, also by a signal handler. Error: that of the simulation.
+  // Serves until `stop` is set, which a signal handler may do. Fails if the simulation or the followed clock
+  // fails.
   Result<RealTimeStatistics> run(const std::atomic<bool>& stop);
 
  private:

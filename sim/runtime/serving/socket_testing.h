@@ -1,4 +1,4 @@
-// A client of the simulator's sockets, for tests.
+// For tests: a client of the simulator's sockets.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@ inline Descriptor unconnected() {
   return Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
 }
 
-// Empty where nobody listens.
+// Returns an empty descriptor if no process listens at `path`.
 inline Descriptor connect_to(const std::string& path, Descriptor socket = unconnected()) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -11,19 +11,20 @@
 
 namespace kaz::sim {
 
-// Non-blocking. Accessible by its user only.
+// Non-blocking. Only its user has access.
 class UnixListener {
  public:
-  // Replaces a stale socket. Errors: a socket in use or anything else exists at the path.
+  // Replaces a stale socket. Returns Fault::environment if another process serves the socket or it cannot be
+  // created. Returns Fault::usage for a path that is too long or is not a socket.
   static Result<std::unique_ptr<UnixListener>> open(const std::string& path);
-  ~UnixListener();  // removes the path, if it is still ours
+  ~UnixListener();  // removes the path if it is still ours
 
-  // The next client, non-blocking; an empty descriptor if none is waiting, or if the process has no
-  // descriptor left. In the latter case the socket stays readable, so fd() is -1 for the next 100 ms.
+  // Returns the next client without blocking. The descriptor is empty if no client waits or the process has
+  // no free descriptor. In the latter case the socket stays readable, so fd() is -1 for the next 100 ms.
   Descriptor accept();
-  // For poll(), which ignores -1.
+  // Returns the descriptor for poll(), which ignores -1.
   int fd() const { return paused() ? -1 : socket_.get(); }
-  // The longest poll() may wait so as not to miss the end of such a pause, ms; -1: any time.
+  // Returns the longest timeout of poll() that does not miss the end of such a pause, ms; -1 is unlimited.
   int max_wait_ms() const;
   const std::string& path() const { return path_; }
 

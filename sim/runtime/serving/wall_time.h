@@ -1,4 +1,4 @@
-// The wall clock, as Time.
+// Reads the wall clock (CLOCK_MONOTONIC) as Time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

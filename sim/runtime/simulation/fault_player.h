@@ -1,8 +1,9 @@
 // Injects faults of sensors, power and mechanics into board and world, step by step.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A fault begins with the step that contains its start time and ends with the first step after its end.
-// Faults of the serial line are injected by SerialLine, byte by byte.
+// A fault is reported in the step that contains its start. A power reset acts in this step. Other faults act
+// in each step that begins within their duration. SerialLine injects faults of the serial line, byte by
+// byte.
 #pragma once
 
 #include <functional>
@@ -22,11 +23,11 @@ class FaultPlayer {
   void add(const faults::Fault& fault) { schedule_.add(fault); }
   void clear();
 
-  // To be called before the board runs the step that begins at `start`. `begins` is called for each new
-  // fault.
+  // Applies faults of potentiometers and power. Call it before the board runs the step that begins at
+  // `start`. Calls `begins` for each new fault.
   void begin_step(Time start, ServoBoard& board,
                   const std::function<void(const faults::Fault&)>& begins);
-  // Applies faults of the gears to the drives of the same step.
+  // Applies faults of joints and motors to the drives of the step that begins at `start`.
   void apply(Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
 
   // Complete state (archive.hpp).
@@ -40,7 +41,7 @@ class FaultPlayer {
   void set_power(Time start, ServoBoard& board);
 
   faults::Schedule schedule_;
-  std::vector<bool> begun_;  // by fault of the schedule
+  std::vector<bool> begun_;  // whether a fault was reported, indexed as the schedule
   bool touched_ = false;     // the board has a fault that may have to be cleared
   bool cut_ = false;         // a fault switched the power off
 };

@@ -1,16 +1,16 @@
-// What somebody does by hand to a simulated robot and its world while a run goes on.
+// Applies actions by hand to a simulated robot and its world during a run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// One line for each act, as recordings have it in `/hand` (docs/reference/recording.md):
+// An action is one line, as in the topic `/hand` of recordings (docs/reference/recording.md):
 //
-//   push LINK X Y Z        impulse on a link of the robot, at its centre of mass: N s, world axes
-//   hold OBJECT X Y Z      a hand takes an object of the world, and draws it to that place: m, world frame
-//   release OBJECT
-//   [for TIME] FAULT ...   a fault that begins now (shared/faults/faults.h)
-//   clear                  all faults end
+//   `push LINK X Y Z`: impulse on a link of the robot at its center of mass, N s, world axes.
+//   `hold OBJECT X Y Z`: a hand grips an object and pulls it to a position, m, world frame.
+//   `release OBJECT`: the hand releases the object.
+//   `[for TIME] FAULT ...`: a fault that begins now (shared/faults/faults.h).
+//   `clear`: ends all faults.
 //
-// It acts from the step on that begins when it is taken. A run in which the same lines are taken in the same
-// steps is the same run.
+// An action starts with the step in which it is taken. Runs that take the same lines in the same steps are
+// equal.
 #pragma once
 
 #include <span>
@@ -32,33 +32,36 @@ namespace kaz::sim {
 struct HandAct {
   enum class Kind { push, hold, release, fault, clear };
   Kind kind = Kind::clear;
-  std::string name;                                  // of link or object
-  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  // impulse, N s; place, m
-  faults::Fault fault;                               // begins at the time that parse_hand() had
+  std::string name;                                  // link or object
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  // impulse, N s, or position, m
+  faults::Fault fault;                               // begins at the time `now` of parse_hand()
 
   static constexpr double kMaxImpulse = 5;  // N s, along each axis
   static constexpr double kMaxPlace = 20;   // m, along each axis
 };
 
-// Errors (usage) state what was expected. Whether there is such a link or object only the world can tell.
+// Parses a line. Returns Fault::usage with the expected syntax. HandPlayer::begin() checks that the link or
+// object exists.
 Result<HandAct> parse_hand(std::string_view line, Time now);
 
-// Where such lines come from.
+// Source of action lines.
 class HandSource {
  public:
   virtual ~HandSource() = default;
-  // Those that act from the step on that begins at `start`. Called once for each step.
+  // Returns the lines that act from the step that begins at `start`. Called once in each step that is
+  // recorded or tapped.
   virtual std::vector<std::string> take(Time start) = 0;
-  // One of them did nothing.
+  // Called for a line that had no effect.
   virtual void refused(const std::string& /*line*/, const Error& /*error*/) {}
 };
 
 class HandPlayer {
  public:
-  // Begins an act. Errors (usage): no such link or object, or one that does not move.
+  // Begins an action. Returns Fault::usage if the link or object is unknown or cannot move, or an object to
+  // be released is not held.
   Result<void> begin(const HandAct& act, World& world, FaultPlayer& faults);
-  // To be called before each step of the world: draws what is held. An object follows its hand as a mass on
-  // a critically damped spring of kStiffness does, with its weight carried, and no faster than kMaxPull.
+  // Pulls the held objects; call it before each step of the world. An object follows its hand like a mass on
+  // a critically damped spring. The hand carries its weight and accelerates it by at most kMaxPull.
   void pull(World& world);
   bool holds() const { return !grips_.empty(); }
 
@@ -75,8 +78,8 @@ class HandPlayer {
  private:
   struct Grip {
     std::string object;
-    std::array<double, 3> to{}, last{};  // m, world frame
-    bool moved = false;                  // `last` is its place one step ago
+    std::array<double, 3> to{}, last{};  // target and last position, m, world frame
+    bool moved = false;                  // `last` is the position one step ago
     template <class A>
     void transfer(A& a) {
       a(object, to, last, moved);

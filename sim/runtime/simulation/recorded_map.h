@@ -1,4 +1,4 @@
-// A host's map of the floor, for the recording.
+// The host's map of the floor, for recordings.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,13 +9,13 @@
 
 namespace kaz::sim {
 
-// Frame "map": x ahead, y left, on the floor. m, rad.
+// Positions in m in the frame "map": x ahead, y left, on the floor.
 struct RecordedMap {
   double cell_m = 0;
   int cells_x = 0, cells_y = 0;
-  Eigen::Vector2d corner{0, 0};    // of the first cell
-  std::vector<std::int8_t> cells;  // x fastest; 0..100: % of an obstacle's probability, -1: unknown
-  std::vector<Eigen::Vector2d> path;  // corners, from start to goal; empty: none
+  Eigen::Vector2d corner{0, 0};       // corner of the first cell
+  std::vector<std::int8_t> cells;     // x fastest; obstacle probability, 0..100 %; -1: unknown
+  std::vector<Eigen::Vector2d> path;  // corners from start to goal; empty: no path
   Eigen::Vector2d robot{0, 0};
   double heading_rad = 0;
 };

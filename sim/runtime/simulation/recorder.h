@@ -1,7 +1,7 @@
-// Records all signals between the parts as an MCAP file, with simulated time only.
+// Records all signals between the parts to an MCAP file, with simulated time only.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The channels are described in docs/explanation/time.md.
+// docs/reference/recording.md describes the channels.
 #pragma once
 
 #include <array>
@@ -26,14 +26,14 @@ namespace kaz::sim {
 
 class Recorder {
  public:
-  // As McapWriter::create().
+  // As McapWriter::create(). `facts` is written as the metadata record `kaz`.
   static Result<std::unique_ptr<Recorder>> create(const std::string& path,
                                                   const McapWriter::Metadata& facts,
                                                   MessageTap* tap = nullptr);
 
   enum class Direction { to_board, to_host };
-  // Bytes whose stop bit ended in the step that began at `step_start`. `line`: 0, or that of one of several
-  // boards, which has topics of its own (/wire/2/to_board of line 1).
+  // Bytes whose stop bit ended in the step that began at `step_start`. `line` is the number of the board's
+  // line, from 0. Lines from 1 on have topics of their own: line 1 has /wire/2/to_board.
   void wire(Direction direction, States step_start, std::span<const SerialByte> bytes,
             std::size_t line = 0);
   void pins(States at, const PinLevels& pins);
@@ -44,34 +44,34 @@ class Recorder {
   // Supply voltage at the board (V) and current (A).
   void supply(States at, double volts, double amperes);
   void contacts(States at, std::span<const ContactPoint> points);
-  // Links in contact only; `names` by link.
+  // Records only links in contact. `names` is indexed as `links`.
   void link_forces(States at, std::span<const std::string> names, std::span<const LinkForce> links);
   void joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads);
-  // With the pictures, if they were stored.
+  // Records the digests, and the pictures if they were kept.
   void eyes(const Eyes::Digest& digest);
-  // Calibration of the pictures, recorded with each of them.
+  // Sets the calibration that is recorded with each picture.
   void camera(const vision::CameraModel& model) { camera_ = model; }
-  // What viewers draw: the robot's URDF, and what stands in the world but for the robot's own frames.
+  // For viewers: the robot's URDF, and the objects of the world without the robot's own frames.
   void description(States at, std::string_view urdf);
   void scene(States at, const Scene& scene, std::span<const std::string> robot_frames);
   void transforms(States at, std::span<const ros::NamedPose> poses);
   void contact_markers(States at, std::span<const ContactPoint> points);
   void behavior(States at, std::string_view json);
   void map(States at, const RecordedMap& map);
-  // Start of a fault, as a line of docs/reference/faults.md.
+  // Start of a fault, as a line of a fault schedule (docs/reference/simulator.md).
   void fault(States at, std::string_view line);
 
-  // What was done by hand, as a line of hand_player.h. The channel is there from the first one on.
+  // Action by hand, as a line of hand_player.h. The first one adds the channel.
   void hand(States at, std::string_view line);
 
-  // Adds the channels that else are there from their first message on: for whoever wants all schemas.
+  // Adds the channels that otherwise exist only from their first message on, for readers of all schemas.
   void add_all_channels();
 
-  // States in the file that the run went on: "SIGINT".
+  // Records that a signal, such as "SIGINT", interrupted the run.
   void interrupted(const std::string& by);
-  // SHA-256 of the file.
+  // As McapWriter::finish().
   Result<std::string> finish() { return file_->finish(); }
-  // Fails (environment) from the first write on that did not succeed.
+  // As McapWriter::written().
   Result<void> written() const { return file_->written(); }
 
  private:
@@ -92,10 +92,9 @@ class Recorder {
   std::vector<Line> lines_;
   std::uint16_t wire_bytes_, pins_, analog_, joints_, ball_, supply_, contacts_, link_forces_,
       joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
-  // From the first map on.
+  // Channels that the first message adds.
   std::optional<MapChannels> maps_;
   std::optional<std::uint16_t> hands_;
-  // From the first picture on, and from the first of the robot.
   std::optional<std::array<std::uint16_t, 2>> camera_infos_;
   RobotChannels robot_channels();
   MapChannels map_channels();
@@ -103,7 +102,7 @@ class Recorder {
   std::uint16_t hand_channel();
   std::optional<RobotChannels> robot_;
   std::optional<vision::CameraModel> camera_;
-  std::vector<std::uint8_t> data_;  // of the current message
+  std::vector<std::uint8_t> data_;  // content of the current message
 };
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// Whoever hears what a recording gets while the run goes on.
+// Observer of the messages written to the recording.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,10 +7,10 @@
 
 namespace kaz::sim {
 
-// What it does must not change the run: it reads.
+// Implementations must not change the run.
 class RecordingTap : public MessageTap {
  public:
-  // Behind a step's messages; the step's end.
+  // Called after the messages of a step, with the time of its end.
   virtual void stepped(Time /*time*/) {}
 };
 

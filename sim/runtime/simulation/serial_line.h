@@ -13,37 +13,39 @@
 
 namespace kaz::sim {
 
-// The line with the host's adapter, in which bytes queue until the line is free. Time in states (periods of
-// the board's crystal).
+// The line with the host's adapter, in which bytes wait until the line is free. Times are in states (periods
+// of the board's crystal).
 class SerialLine {
  public:
   explicit SerialLine(std::uint64_t seed = 1)
       : fault_to_board_(seed, faults::Way::to_board), fault_to_host_(seed, faults::Way::to_host) {}
-  // Goes on with the random numbers of another seed.
+  // Restarts the random numbers of the link faults with another seed.
   void reseed(std::uint64_t seed) {
     fault_to_board_ = faults::LinkFaults(seed, faults::Way::to_board);
     fault_to_host_ = faults::LinkFaults(seed, faults::Way::to_host);
   }
-  // Link faults for bytes written or sent from now on. Null: none. Must outlive the line.
+  // Sets the link faults for bytes written or sent from now on; null for none. `schedule` must outlive the
+  // line.
   void set_faults(const faults::Schedule* schedule) { schedule_ = schedule; }
-  // The host's bit rate from now on; each byte of the board carries its own. If they differ, the receiver
-  // samples the waveform at its own rate.
+  // Sets the host's bit time from now on. Each byte of the board carries its own bit time. If they differ,
+  // the receiver samples the waveform at its own rate.
   void set_host_bit(States bit) { host_bit_ = bit; }
-  // Bytes that the host writes at `now`. The first starts then, or after the byte before it.
+  // Queues bytes that the host writes at `now`. The first one starts then, or after the last byte before it.
   void write(std::span<const std::uint8_t> bytes, States now);
-  // The same with every byte damaged.
+  // As write(), with a framing error in every byte.
   void write_garbled(std::span<const std::uint8_t> bytes, States now);
-  // Number of bytes written whose stop bit has not ended by `now`; a full adapter blocks its writer.
+  // Returns the number of written bytes whose stop bit has not ended by `now`. Callers model with it an
+  // adapter that blocks its writer when it is full.
   std::size_t waiting(States now) const;
-  // Removes and returns the bytes that arrive at the board until `until`.
+  // Removes and returns the bytes that arrive at the board by `until`.
   std::vector<SerialByte> take_for_board(States until);
 
-  // Bytes that the board sent, in order of time.
+  // Queues bytes that the board has sent, ordered by time.
   void from_board(std::span<const SerialByte> bytes);
-  // Moves bytes whose stop bit has ended by `now` into `bytes`; returns their number.
+  // Moves bytes whose stop bit has ended by `now` into `bytes` and returns their number.
   std::size_t read(std::span<std::uint8_t> bytes, States now);
   bool readable(States now) const;
-  // The host closed the port: unread bytes are discarded.
+  // Discards bytes that the host has not read. Call it when the host closes the port.
   void drop_unread() { to_host_.clear(); }
 
   // Complete state (archive.hpp).

@@ -1,10 +1,10 @@
-// The simulated robot on one clock: servo board, world, stereo camera, serial line, recorder.
+// Simulates the robot on one clock: servo board, world, stereo camera, serial line, recorder.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Time advances only in step(), by one millisecond: the board runs to the end of the step, its mean motor
-// drives move the world, and the joint angles return to the potentiometers. With shorter physics steps board
-// and world alternate within the millisecond; physics steps may also be longer. Nothing here reads the wall
-// clock: the same options and calls give the same recording, byte for byte (docs/explanation/time.md).
+// Time advances only in step(), by one millisecond. The board runs to the end of the step, its mean motor
+// drives move the world, and the joint angles return to the potentiometers. With shorter physics steps, board
+// and world alternate within the millisecond; physics steps may also be longer. The wall clock is never read:
+// the same options and calls give the same recording, byte for byte (docs/explanation/time.md).
 #pragma once
 
 #include <cstdint>
@@ -43,48 +43,49 @@ struct RecordedMap;
 
 struct SimulationOptions {
   McuKind mcu = McuKind::native;
-  std::string image_path;   // firmware, for h8; empty: its flash is erased
+  std::string image_path;   // firmware for h8; empty: erased flash
   std::string world_path;   // SDF
   std::string robot_path;   // URDF
   std::string camera_path;  // camera.json beside the URDF; not read for a robot without eyes
   std::uint64_t seed = 1;
   std::string dynamics = "reduced";  // sim/body/world/world.h
-  double physics_step_ms = 1;        // of the world: 0.125, 0.25, 0.5, 1, 2 or 4
+  double physics_step_ms = 1;        // step of the world: 0.125, 0.25, 0.5, 1, 2 or 4
   bool suspended = false;            // WorldOptions::hung
   SensorSwitches sensors = {};
   SensorParams sensor_params = {};  // create() reads them from sensors.xml beside the URDF
   bool imu = false;                 // the board has gyro and accelerometer
   EyeKind eyes = EyeKind::ideal;
-  int eye_width = 0;  // px of 4:3 pictures; 0: as the camera file says
+  int eye_width = 0;  // width of 4:3 pictures, px; 0: size from the camera file
   double supply_volts = 10.0;
-  double supply_ohms = 0.15;  // battery, switch and wires
+  double supply_ohms = 0.15;  // resistance of battery, switch and wires
   FramePolicy frames = FramePolicy::wait;
-  faults::Schedule faults;      // times since the start
-  std::string recording_path;   // none if empty
-  RecordingTap* tap = nullptr;  // hears what is, or would be, recorded; must outlive this
-  // What is done by hand, in each step that is recorded or heard by the tap; must outlive this.
+  faults::Schedule faults;     // times since the start
+  std::string recording_path;  // no recording if empty
+  // Observes the messages of the recording, even without a file. Must outlive the simulation.
+  RecordingTap* tap = nullptr;
+  // Source of actions by hand, used in each step that is recorded or tapped. Must outlive the simulation.
   HandSource* hands = nullptr;
-  bool record_pictures = false;          // the eyes' pictures too, not only their digests
-  McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
+  bool record_pictures = false;          // records pictures of the eyes, not only their digests
+  McapWriter::Metadata recording_facts;  // for the recording's metadata, such as versions
   RendererFactory renderer = maker_of(kDefaultRenderer);
   Drawing drawing = Drawing::own_thread;
   // For tests: period of detour() calls. Zero: never.
   Time detour_every{};
 };
 
-// Everything that determines the course of a simulation: options and the contents of its files.
+// Returns all inputs that determine the course of a simulation: options, and digests of its files.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world);
 
-// The microcontroller that the options name. Errors: invalid firmware image.
+// Makes the microcontroller that the options select. Returns Fault::usage for an invalid firmware image.
 Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options);
 
 class Simulation {
  public:
-  // Errors: missing or invalid files, more joints than the servo board has channels, invalid
-  // physics step.
+  // Loads the files and starts the recording, if there is one. Fails for missing or invalid files and an
+  // invalid physics step. Also fails if the joints exceed the servo board's channels in number or limits.
   static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
-  // With the given microcontroller and world: for tests and other boards.
+  // As create(), with the given microcontroller, world and camera, for tests and other boards.
   static Result<std::unique_ptr<Simulation>> assemble(const SimulationOptions& options,
                                                       std::unique_ptr<Mcu> mcu,
                                                       std::unique_ptr<World> world,
@@ -93,10 +94,11 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // Advances by one millisecond. Errors (chip stopped, rendering failed, disk full) persist.
+  // Advances by one millisecond. After an error (chip stopped, physics or rendering failed, disk full), later
+  // calls return the same error.
   Result<void> step();
   const std::optional<Error>& error() const { return error_; }
-  // End of the last step. A whole number of milliseconds.
+  // Returns the end of the last step, a whole number of milliseconds.
   States now() const { return now_; }
   Time time() const { return time_of(now_); }
 
@@ -105,16 +107,16 @@ class Simulation {
   std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
   SerialLine& line() { return line_; }
 
-  // The eyes are closed initially, so nothing is rendered without a reader. A robot without eyes has no
-  // pairs.
+  // The eyes are closed initially, so that a simulation without a reader renders nothing. For a robot without
+  // eyes, open_eyes() has no effect.
   bool has_eyes() const { return world_->head_frame() >= 0 && options_.eyes != EyeKind::none; }
-  static Error no_eyes();  // the error for requests of pairs from such a robot
+  static Error no_eyes();  // error for requests of pairs from a robot without eyes
   void open_eyes();
   void close_eyes() { eyes_open_ = false; }
   const CameraFile& camera() const { return camera_; }
-  // The next pair that has reached the host by now, oldest first.
+  // Removes and returns the next pair that has reached the host by now, oldest first.
   std::optional<vision::StereoPair> next_pair();
-  // The same without the declared latency, for publishers whose readers apply it themselves.
+  // As next_pair(), without latency and jitter, for publishers whose readers apply the latency.
   std::optional<vision::StereoPair> next_exposed_pair();
   std::uint64_t pairs_dropped() const;
   // Renders the world at `pose` (World::pose()) from an observer's camera. Blocks.
@@ -125,47 +127,47 @@ class Simulation {
   World& world() { return *world_; }
   const World& world() const { return *world_; }
 
-  // Adds a fault to those of the options, or clears all. Times are on time()'s scale; past ones begin with
-  // the next step.
+  // Adds a fault to those of the options, or clears all. Times are on the scale of time(). A fault with a
+  // past start begins in the next step.
   void add_fault(const faults::Fault& fault) { faults_.add(fault); }
   void clear_faults() { faults_.clear(); }
   const faults::Schedule& faults() const { return faults_.schedule(); }
 
-  // Records the behaviour's internal state (one JSON object) at the present time.
+  // Records the internal state of the behavior (one JSON object) at the present time.
   void record_behavior(std::string_view json);
   // Records the host's map at the present time.
   void record_map(const RecordedMap& map);
-  // Starts recording, as `recording_path` does from the start. Errors: the file cannot be written; a
+  // Starts a recording, as `recording_path` does from the start. Fails if the file cannot be written or a
   // recording is in progress.
   Result<void> start_recording(const std::string& path);
-  // A recording is in progress, but not all of it could be written. step() has failed then, too.
+  // Returns whether a recording is in progress and a write has failed. step() has then failed, too.
   bool recording_failed() const;
-  // Finishes the recording and returns its SHA-256; empty if there is none. `interrupted_by`: the signal
-  // before which the run would have gone on, empty if it has ended; the recording states it.
+  // Finishes the recording and returns its SHA-256, empty without a recording or without a file.
+  // `interrupted_by` is the signal that ended the run early, else empty; the recording contains it.
   Result<std::string> finish_recording(const std::string& interrupted_by = "");
 
-  // Saves the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
-  // generators, time; not the recording, which continues. Waits for pictures being rendered. Errors: the
-  // simulation has failed; a part cannot be saved (test doubles).
+  // Returns the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
+  // generators and time. The recording is not part of it and continues. Waits for pictures being rendered.
+  // Fails if the simulation has failed or a part cannot be saved (test doubles).
   Result<std::vector<std::uint8_t>> save();
   // Continues exactly like the saved simulation. This one must have the same options and build. The bytes may
-  // be damaged or hostile: indices, lengths and ranges are checked. Errors: those of Snapshot; bytes of no
-  // state. The simulation is then as before.
+  // be damaged or hostile: indices, lengths and ranges are checked. Returns Fault::usage, as
+  // Snapshot::unpack() or for invalid bytes, and leaves the simulation unchanged.
   Result<void> restore(std::span<const std::uint8_t> blob);
-  // A state from which many episodes of one process begin.
+  // State from which many episodes of one process begin.
   struct Start {
     std::unique_ptr<const World> world;
     std::unique_ptr<const Mcu::Kept> chip;
     std::vector<std::uint8_t> rest;
   };
-  // As save(). Errors also: this kind of world cannot be cloned.
+  // As save(). Also fails if the world cannot be cloned.
   Result<Start> keep();
-  // Goes on from there as the simulation that it was kept of, but with the random numbers, and the constant
-  // errors of the sensors, of `seed`. This one must have the same options but for seed and sensors. Takes
-  // microseconds, where restore() takes milliseconds; several may begin from one start at once. Errors: a
-  // recording is in progress; the start does not fit.
+  // Continues from `start`, but with the random numbers and constant sensor errors of `seed`. This simulation
+  // must have the same options except seed and sensors. Takes microseconds, while restore() takes
+  // milliseconds. Several simulations may begin from one start concurrently. Fails if a recording is in
+  // progress or the start does not fit.
   Result<void> begin(const Start& start, std::uint64_t seed);
-  // Saves, runs `steps` steps that are not recorded, and restores. Must have no visible effect: tests that
+  // Saves, runs `steps` steps without recording, and restores. Must have no visible effect, which tests that
   // save() is complete.
   Result<void> detour(int steps);
 
@@ -189,7 +191,7 @@ class Simulation {
   Result<void> describe_robot();
 
   SimulationOptions options_;
-  std::vector<std::string> robot_frames_;  // of a recording; empty: none are recorded
+  std::vector<std::string> robot_frames_;  // frames to record; empty: no transforms are recorded
   CameraFile camera_;
   std::unique_ptr<World> world_;
   StepRatio ratio_;

@@ -1,8 +1,8 @@
 // File format of a saved state: header, metadata, payload, checksum.
 // SPDX-License-Identifier: Apache-2.0
 //
-// "KAZSTATE", version (4 bytes), facts (options as pairs of name and value), length, payload (state of all
-// parts), SHA-256 of everything before it.
+// Layout: "KAZSTATE", version (4 bytes), facts (options as pairs of name and value), length of the payload,
+// payload (state of all parts). At the end is the SHA-256 of all bytes before it, in hexadecimal.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,9 @@ class Snapshot {
   static constexpr std::uint32_t version = 2;
 
   static std::vector<std::uint8_t> pack(const Facts& facts, std::span<const std::uint8_t> state);
-  // The payload, a view into `blob`. Errors (usage), one sentence each: not a saved state, damaged, another
-  // version, options that differ from `facts` (named).
+  // Returns the payload, a view into `blob`. Returns Fault::usage if `blob` is not a saved state, is damaged,
+  // has another version, or its options differ from `facts`. The message is one sentence that names the
+  // option.
   static Result<std::span<const std::uint8_t>> unpack(std::span<const std::uint8_t> blob,
                                                       const Facts& facts);
 };

@@ -1,4 +1,4 @@
-// For tests of the clockwork: a world without physics and pictures without OpenGL.
+// For tests: a simulation with a world without physics and a renderer that draws nothing.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace kaz::sim {
 
-// Each joint turns at 5 rad/s times its duty; the head frame follows neck_pan.
+// World whose joints turn at 5 rad/s times their duty. The head frame follows neck_pan.
 class TestWorld final : public World {
  public:
   explicit TestWorld(double step_s = 0.001) : step_s_(step_s) {
@@ -71,7 +71,7 @@ class TestWorld final : public World {
   std::array<JointState, KZ_JOINTS> joints_{};
 };
 
-// A picture's first bytes tell where the camera stood: x and y in mm, modulo 256.
+// Renderer whose pictures begin with the camera's position: x and y in mm, modulo 256.
 class TestRenderer final : public Renderer {
  public:
   Result<void> set_scene(const Scene&) override { return {}; }
@@ -107,7 +107,7 @@ inline std::unique_ptr<Simulation> test_simulation(SimulationOptions options = {
   return std::move(*simulation);
 }
 
-// A folder of its own, gone with the test.
+// Temporary folder that the destructor removes.
 class TestFolder {
  public:
   TestFolder() {

@@ -1,4 +1,4 @@
-// The OpenGL functions in use, looked up at run time: nothing here is bound to one OpenGL library.
+// OpenGL functions, looked up at run time so that the program is not linked to one OpenGL library.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -68,7 +68,8 @@ struct Gl {
   KAZ_GL_FUNCTIONS(KAZ_GL_MEMBER)
 #undef KAZ_GL_MEMBER
 
-  // The context must be current. Fails with the name of the function that is missing.
+  // Looks up all functions. The context must be current. Returns Fault::environment with the name of a
+  // missing function.
   static Result<Gl> load(GlContext& context);
 };
 

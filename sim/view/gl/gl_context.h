@@ -16,14 +16,14 @@ class GlContext {
   // Between make_current() and release() the calling thread may call OpenGL.
   virtual Result<void> make_current() = 0;
   virtual void release() = 0;
-  // Address of an OpenGL function, or null. The context must be current.
+  // Returns the address of an OpenGL function, or null. The context must be current.
   virtual Function function(const char* name) = 0;
 };
 
-// On off-screen Mesa.
+// Makes a context with off-screen Mesa. Returns Fault::environment if it is not available.
 Result<std::unique_ptr<GlContext>> make_osmesa_context();
-// On EGL 1.5 without a surface (EGL_MESA_platform_surfaceless). libEGL is loaded at run time; error if
-// absent.
+// Makes a context with EGL 1.5 without a surface (EGL_MESA_platform_surfaceless). Loads libEGL at run time
+// and returns Fault::environment if it is absent.
 Result<std::unique_ptr<GlContext>> make_egl_context();
 
 }  // namespace kaz::sim

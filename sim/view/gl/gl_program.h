@@ -1,4 +1,4 @@
-// A linked shading program and its uniforms.
+// A linked shader program and its uniforms.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,11 +12,12 @@ namespace kaz::sim {
 
 class GlProgram {
  public:
+  // Compiles and links both shaders. `gl` must outlive the program.
   static Result<GlProgram> build(const Gl& gl, const std::string& vertex,
                                  const std::string& fragment);
 
   void use() const { gl_->UseProgram(id_); }
-  // All of these need use() first. Names that the program does not have are ignored.
+  // Sets a uniform; call use() first. Unknown names are ignored.
   void set(const char* name, const Eigen::Matrix4d& value) const;
   void set(const char* name, const Eigen::Vector3d& value) const;
   void set(const char* name, double value) const;

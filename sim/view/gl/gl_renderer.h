@@ -1,4 +1,4 @@
-// Renderer on any OpenGL context.
+// Renderer for any OpenGL context.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,10 +12,10 @@ namespace kaz::sim {
 
 using ContextMaker = std::function<Result<std::unique_ptr<GlContext>>()>;
 
-// Sets the environment variables that influence Mesa's drawing, for this process.
+// Sets the environment variables that influence Mesa's pictures, for this process.
 void fix_mesa_environment();
 
-// The context is made in the first call to render().
+// Makes a renderer that makes its context in the first call of render().
 std::unique_ptr<Renderer> make_gl_renderer(ContextMaker make_context);
 
 }  // namespace kaz::sim

@@ -18,7 +18,7 @@ class GlScene {
   // `gl` and `model` must outlive this.
   static Result<GlScene> create(const Gl& gl, const SceneModel& model);
 
-  // Draws into `framebuffer`, whose size is that of the picture times `samples_per_axis`.
+  // Draws into `framebuffer`, which must have the size of the picture times `samples_per_axis`.
   void draw(const ScenePose& pose, const View& view, GLuint framebuffer);
 
  private:
@@ -33,11 +33,11 @@ class GlScene {
     int texels = 0;
     GLuint framebuffer = 0, texture = 0;
     ShadowView view{};
-    std::vector<Eigen::Isometry3d> pose;  // for which it was drawn; empty: never
+    std::vector<Eigen::Isometry3d> pose;  // pose at the last drawing; empty: never drawn
     Eigen::Vector3d to_key = Eigen::Vector3d::Zero();
   };
 
-  // The current draw().
+  // State of the current draw().
   struct Frame {
     const ScenePose& pose;
     const View& view;
@@ -66,7 +66,7 @@ class GlScene {
 
   std::array<Surface, 6> surfaces_;  // plain and textured, for each kind of shadow
   GlProgram depth_, background_;
-  std::vector<ShadowMap> shadow_maps_;  // for the eyes, and for supersampled pictures
+  std::vector<ShadowMap> shadow_maps_;  // one for the eyes, one for supersampled pictures
 };
 
 }  // namespace kaz::sim

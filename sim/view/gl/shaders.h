@@ -1,4 +1,4 @@
-// The shading programs, in GLSL 3.30; the model is that of lighting.h.
+// Sources of the shaders in GLSL 3.30, for the lighting model of lighting.h.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,9 +7,9 @@
 namespace kaz::sim {
 
 enum class Shadow {
-  none,  // for parts without shadow; same colours as `hard` there
+  none,  // for parts that no shadow reaches; there it gives the colors of `hard`
   hard,  // one tap, for the eyes
-  soft,  // twelve taps, for pictures
+  soft,  // twelve taps, for supersampled pictures
 };
 struct SurfaceVariant {
   bool textured = false;
@@ -18,10 +18,10 @@ struct SurfaceVariant {
 
 std::string surface_vertex_shader(const SurfaceVariant& variant);
 std::string surface_fragment_shader(const SurfaceVariant& variant);
-// Positions alone, for the shadow map.
+// Only positions, for the shadow map.
 std::string depth_vertex_shader();
 std::string depth_fragment_shader();
-// One triangle over the whole picture, at the far end.
+// One triangle over the whole picture, at maximum depth.
 std::string background_vertex_shader();
 std::string background_fragment_shader();
 

@@ -1,5 +1,5 @@
-// Splits a picture into parts where a flat ground may be in shadow and where it is lit: the shadow map is
-// sampled only in the former.
+// Splits a picture into parts where a flat ground may be in shadow and parts where it is lit. Only the former
+// need the shadow map.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -29,8 +29,8 @@ struct GroundParts {
   std::vector<PictureRectangle> shaded, lit;
 };
 
-// Conservative: `shaded` covers every sample of the ground that the bounding sphere of a caster, enlarged by
-// the width of the shadow's edge (`edge_m`, perpendicular to the light), may shade.
+// Conservative: `shaded` covers every sample of the ground that may be in the shadow of a caster's bounding
+// sphere. The spheres are enlarged by `edge_m`, the width of the shadow's edge perpendicular to the light.
 GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose, const View& view,
                             const GroundPlane& ground, double edge_m);
 

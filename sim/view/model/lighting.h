@@ -1,19 +1,20 @@
 // Constants of the lighting model, shared by all renderers.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Transfer function: a colour code c, 0..1, stands for the light c^2 (close to sRGB, and cheap). Lights are
-// summed linearly: a key light from the upper right front with a shadow, hemispheric ambient light, a weak
-// fill light from the left, a small specular highlight. Distant surfaces fade to the horizon's colour.
+// Transfer function: a color code c, 0..1, stands for the light c^2, which is close to sRGB and cheap.
+// Lights are summed linearly. The key light from the upper right front casts shadows and makes a small
+// specular highlight. Ambient light is hemispheric; a weak fill light comes from the left. Distant surfaces
+// fade to the color of the horizon.
 //
-// For a surface of colour c with normal n (unit), seen from the direction v (unit) at distance d, with l the
-// direction to the key light, s its visible share, a and b the gains of View::light:
+// A surface has color c and unit normal n. It is seen from the unit direction v at distance d. The key light
+// has direction l and visible share s. Its gain is a, that of ambient light is b (View::light).
 //   ambient   = mix(ground, sky, (1 + n.z) / 2) + fill max(n . to_fill, 0)
 //   key       = max(n . l, 0) s a
 //   light     = c^2 (b ambient + key_light key) + highlight max(n . (v + l) / |v + l|, 0)^32 key
 //   haze      = d^2 / (d^2 + haze_m2)
 //   code      = sqrt(mix(light, horizon, haze))
-// Textured surfaces have no highlight; c^2 is then the product with the pattern's light, and n the normal of
-// the whole triangle. Background in the direction r (unit): u = clamp(r.z, 0, 1),
+// Textured surfaces have no highlight. For them c^2 includes the light of the pattern, and n is constant in a
+// triangle. The background in the unit direction r, with u = clamp(r.z, 0, 1):
 //   code      = sqrt(mix(horizon, zenith, u (2 - u)))
 #pragma once
 
@@ -48,7 +49,7 @@ inline constexpr std::array<std::array<float, 2>, 12> taps{{{-0.33F, -0.84F},
                                                             {0.42F, 0.86F}}};
 inline constexpr float soft_texels = 3.0F;
 
-// Sides of the shadow maps in texels, with the free ring. That of the eyes is limited by 4 ms a pair.
+// Sides of the shadow maps in texels, with the free ring. The budget of 4 ms per pair limits the eyes' map.
 inline constexpr int eye_shadow_texels = 512, picture_shadow_texels = 2048;
 
 }  // namespace kaz::sim::lighting

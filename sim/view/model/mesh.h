@@ -1,4 +1,4 @@
-// Triangle meshes of the shapes in a scene, in the frame of their visual.
+// Makes triangle meshes of the shapes in a scene, in the frame of their visual.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,10 +20,10 @@ struct Vertex {
   std::array<float, 2> uv;        // m along the surface; the texture defines the period
 };
 
-// Counter-clockwise triangles seen from outside.
+// Triangles are counter-clockwise seen from outside.
 struct Mesh {
   std::vector<Vertex> vertices;
-  std::vector<std::uint32_t> indices;  // three a triangle
+  std::vector<std::uint32_t> indices;  // three per triangle
 
   std::uint32_t add(const Eigen::Vector3d& position, const Eigen::Vector3d& normal, double u,
                     double v);
@@ -31,22 +31,24 @@ struct Mesh {
   void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
 };
 
-// Fine meshes are for pictures, coarse ones (closed, about a quarter of the triangles) for the
-// shadow map.
+// Coarse meshes are closed and have about a quarter of the triangles. They serve the shadow map and pieces
+// that are small in the picture.
 enum class Detail { fine, coarse };
 
-// Fine: edges are bevelled by min(2 mm, 12 % of the shortest side), shaded as if they were round.
+// Sizes in m. A fine box has edges beveled by min(2 mm, 12 % of the shortest side), shaded as if round.
 Mesh box_mesh(const Eigen::Vector3d& lengths, Detail detail = Detail::fine);
 Mesh cylinder_mesh(double radius, double length, Detail detail = Detail::fine);
 Mesh capsule_mesh(double radius, double length, Detail detail = Detail::fine);
-// Subdivided icosahedron with the sphere's volume, so that the mean size of its outline is the sphere's.
+// Subdivided icosahedron with the sphere's volume, so that its mean outline has the sphere's size.
 Mesh sphere_mesh(double radius, Detail detail = Detail::fine);
-// Normal +z, centre at the origin.
+// Normal +z, center at the origin.
 Mesh plane_mesh(double length_x, double length_y);
-// OBJ (v, vn, f with any polygon) or STL (text or binary), by the ending of the path.
+// Reads OBJ (v, vn, f with any polygon) or STL (text or binary), selected by the path's extension. Returns
+// Fault::usage if the file is missing or invalid.
 Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale);
 
-// Fails where a size is not a positive number, or a file cannot be read.
+// Returns Fault::usage if a size is not positive or a mesh file cannot be read. Meshes from files have one
+// level of detail.
 Result<Mesh> make_mesh(const Shape& shape, Detail detail = Detail::fine);
 
 }  // namespace kaz::sim

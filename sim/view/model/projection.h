@@ -1,4 +1,4 @@
-// Projection matrices from world to clip space, and the test of a sphere against the view frustum.
+// Computes projection matrices to clip space, and tests spheres against the view frustum.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace kaz::sim {
 
-// Clip space of OpenGL with y downwards, so that the first row in memory is the top row.
-// Column-major.
+// Returns the projection to OpenGL's clip space with y downwards, so that the first row in memory is the top
+// row. Column-major.
 Eigen::Matrix4d clip_from_optical(const Pinhole& camera);
 
-// False if the sphere (optical frame, m) is outside the view frustum.
+// Returns false if the sphere (optical frame, m) is outside the view frustum. The far plane is not tested.
 bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double radius);
 
 inline constexpr double kNear_m = 0.008, kFar_m = 40.0;
@@ -23,10 +23,11 @@ inline constexpr double kNear_m = 0.008, kFar_m = 40.0;
 // Orthographic view from the key light onto the shadow casters.
 struct ShadowView {
   Eigen::Matrix4d clip_from_world;
-  Eigen::Matrix4d texture_from_world;  // 0..1 in all three
+  Eigen::Matrix4d texture_from_world;  // 0..1 in all three coordinates
 };
-// `texels`: side of the map; the outermost ring stays free. The bounds move in whole texels, so that shadow
-// edges do not crawl while other objects move.
+// Fits the view to the casters. `texels` is the side of the map, whose outermost ring stays free. `to_key` is
+// the direction to the key light. The bounds move in whole texels, so that shadow edges do not crawl while
+// other objects move. Casters more than 1.5 m from the mean may cast no shadow.
 ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
                            const Eigen::Vector3d& to_key);
 

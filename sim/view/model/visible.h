@@ -1,4 +1,4 @@
-// What of a scene a view shows, and whether a view can be drawn: shared by all renderers.
+// Selects the visible pieces of a scene and validates views, for all renderers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,10 +10,11 @@
 
 namespace kaz::sim {
 
-// Largest side of a picture, px, samples included.
+// Largest side of a picture, in samples.
 inline constexpr int kLargestSide = 8192;
 
-// Error: why the view, or the pose of a scene of `frames` frames, cannot be drawn.
+// Returns Fault::usage with the reason if the view, or the pose of a scene of `frames` frames, cannot be
+// drawn.
 Result<void> check_view(std::size_t frames, const ScenePose& pose, const View& view);
 
 struct VisiblePiece {
@@ -22,8 +23,8 @@ struct VisiblePiece {
   bool fine;        // the piece is large enough in the picture for its fine mesh
 };
 
-// Pieces whose bounding spheres reach into the view, from near to far: plain ones, textured ones, grounds
-// (everything is in front of them). Hidden surfaces then mostly come after what hides them.
+// Returns the pieces whose bounding spheres reach into the view: plain pieces, then textured ones, then
+// grounds, each from near to far. Hidden surfaces then mostly follow the surfaces that hide them.
 std::vector<VisiblePiece> visible_pieces(const SceneModel& model, const ScenePose& pose,
                                          const View& view);
 

@@ -1,4 +1,4 @@
-// Fill kernels: clipping, set-up of triangles, coverage, depth; for one set of instructions.
+// Fill kernels for one instruction set: clipping, triangle setup, coverage, depth.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,8 +20,8 @@ static inline std::int32_t first_centre(std::int32_t at) {  // ceil(at / kSubpix
 }
 static_assert(kSubpixel == 1 << 8);
 
-// Column of the first centre at or right of an edge, row by row: ceil(x / kSubpixel) with
-// x = x0 + dx (kSubpixel row - y0) / dy, in exact integers.
+// Computes the column of the first sample center at or right of an edge, row by row, in exact integers.
+// Formula: ceil(x / kSubpixel) with x = x0 + dx (kSubpixel row - y0) / dy.
 class Edge {
  public:
   Edge(const Outline& t, int from, int to, std::int64_t row) {
@@ -53,7 +53,7 @@ class Edge {
   std::int64_t column_, rest_, step_, rest_step_, divisor_;
 };
 
-// Calls span(row, first, end) for each row with covered centres inside left..right - 1, top..bottom - 1.
+// Calls span(row, first, end) for each row with covered centers inside left..right - 1, top..bottom - 1.
 template <class Span>
 static inline void scan(const Outline& t, int left, int top, int right, int bottom,
                         const Span& span) {
@@ -65,7 +65,7 @@ static inline void scan(const Outline& t, int left, int top, int right, int bott
             end = std::min(first_centre(t.y[c]), bottom);
   if (first >= end) return;
   Edge whole(t, a, c, first);
-  const bool bend_is_right = (b - a + 3) % 3 == 1;  // clockwise: a, b, c
+  const bool bend_is_right = (b - a + 3) % 3 == 1;  // a, b, c are clockwise
   const int middle = std::clamp(first_centre(t.y[b]), first, end);
   const auto rows = [&](int from, int to, int upper, int lower) {
     if (from >= to) return;
@@ -87,9 +87,9 @@ static inline std::int64_t twice_area(const Outline& t) {
   return dx1 * dy2 - dx2 * dy1;
 }
 
-// Slopes of functions over a triangle with values f at its corners:
+// Computes slopes of functions over a triangle with values f at its corners:
 //   by_x = ((f1 - f0) dy2 - (f2 - f0) dy1) / (2 area), by_y = ((f2 - f0) dx1 - (f1 - f0) dx2) / (2 area).
-// Triangles thinner than 1/256 sample get the mean instead: their slopes could be of any size.
+// Triangles thinner than 1/256 sample get the constant mean, because their slopes are unbounded.
 struct Gradients {
   double dx1, dy1, dx2, dy2;
   bool flat;
@@ -120,7 +120,7 @@ static inline Outline outline_of(const Vertices& v, std::uint32_t a, std::uint32
   return {{v.px[a], v.px[b], v.px[c]}, {v.py[a], v.py[b], v.py[c]}};
 }
 
-// Depth test and store of the samples first .. end - 1 of a row.
+// Tests the depth of samples first .. end - 1 of a row, and stores the primitive's number where it wins.
 KAZ_LANES_INLINE void fill_span(Target& target, const Primitive& p, std::uint32_t number, int row,
                                 int first, int end) {
   const std::size_t begin =
@@ -148,10 +148,10 @@ struct FillJob {
   std::uint32_t surface;
 };
 
-// Vertices a, b, c, counter-clockwise seen from outside of the body, all in front of the eye.
+// Fills a triangle in front of the eye. Vertices a, b, c are counter-clockwise seen from outside the body.
 static inline void fill_triangle(const FillJob& job, std::uint32_t a, std::uint32_t b,
                                  std::uint32_t c, std::uint32_t provoking) {
-  // With y downwards, triangles that face the eye are counter-clockwise with negative area.
+  // With y downwards, a triangle that faces the eye has a negative area, so b and c are swapped.
   const Outline t = outline_of(job.v, a, c, b);
   if (twice_area(t) <= 0) return;
   Primitive p{};
@@ -173,7 +173,7 @@ static inline void fill_triangle(const FillJob& job, std::uint32_t a, std::uint3
   if (covers) job.primitives.push_back(p);
 }
 
-// Corner of a polygon that is being clipped: optical frame, m; weights of the triangle's vertices.
+// Corner of a polygon during clipping: position (optical frame, m) and weights of the triangle's vertices.
 struct ClipCorner {
   std::array<double, 3> at;
   std::array<double, 3> weight;
@@ -183,7 +183,7 @@ struct ClipPolygon {
   int count = 0;
 };
 
-// The part with plane . (x, y, z, 1) >= 0 (Sutherland & Hodgman).
+// Returns the part with plane . (x, y, z, 1) >= 0 (Sutherland & Hodgman).
 static inline ClipPolygon clipped(const ClipPolygon& from, const std::array<double, 4>& plane) {
   ClipPolygon to;
   const auto height = [&](const ClipCorner& c) {
@@ -196,7 +196,7 @@ static inline ClipPolygon clipped(const ClipPolygon& from, const std::array<doub
     if (ha >= 0) to.corners[static_cast<std::size_t>(to.count++)] = a;
     if ((ha >= 0) == (hb >= 0)) continue;
     ClipCorner& cut = to.corners[static_cast<std::size_t>(to.count++)];
-    // From the inner to the outer corner, so that both triangles at an edge compute the same point.
+    // Interpolate from the inner to the outer corner, so that both triangles at an edge get the same point.
     const ClipCorner &in = ha >= 0 ? a : b, &out = ha >= 0 ? b : a;
     const double share = height(in) / (height(in) - height(out));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -244,7 +244,7 @@ static inline std::uint32_t append_vertex(Vertices& v, const ClipCorner& corner,
   return number;
 }
 
-// A triangle that reaches behind the eye, beyond the far plane, or far outside of the picture.
+// Clips and fills a triangle that reaches behind the eye, beyond the far plane, or far outside the picture.
 static inline void fill_clipped(const FillJob& job, const Projection& p,
                                 const std::array<std::uint32_t, 3>& of) {
   ClipPolygon polygon;
@@ -316,7 +316,7 @@ KAZ_LANES_INLINE void fill_shadow_span(ShadowTexels& map, float x0, float base, 
 static inline void fill_shadow(const Vertices& v, const Batch& batch, ShadowTexels& map) {
   for (std::uint32_t i = 0; i < batch.count; i += 3) {
     const std::uint32_t a = batch.indices[i], b = batch.indices[i + 1], c = batch.indices[i + 2];
-    // Rows of the map count away from the lamp's down: what faces away from the lamp is clockwise.
+    // Map rows count upwards as seen from the lamp. A triangle that faces away has a negative area.
     const Outline t = outline_of(v, a, c, b);
     if (twice_area(t) <= 0) continue;
     const float x0 = static_cast<float>(t.x[0]) * (1.0F / kSubpixel);

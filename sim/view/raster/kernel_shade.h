@@ -1,4 +1,4 @@
-// Shading kernels: each visible sample once, by the formulas of lighting.h; for one set of instructions.
+// Shading kernels for one instruction set: shade each visible sample once, by the formulas of lighting.h.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@
 KAZ_RASTER_BEGIN
 namespace kaz::sim::raster::KAZ_RASTER_SET {
 
-// Slopes of what shading interpolates, and the light of textured primitives.
+// Computes the slopes of interpolated values, and the light of textured primitives.
 static inline void prepare(const Vertices& v, const Shading& s, Primitive& p) {
   p.prepared = true;
   const Gradients g(outline_of(v, p.a, p.b, p.c));
@@ -25,7 +25,7 @@ static inline void prepare(const Vertices& v, const Shading& s, Primitive& p) {
     p.shaded = tint;
     return;
   }
-  // Whole repeats are added so that coordinates are positive, where truncation is floor().
+  // Whole repeats are added to make coordinates positive, so that truncation equals floor().
   const auto coordinate = [&](const std::vector<float>& f) {
     const float from = 1.0F - std::floor(std::min({f[p.a], f[p.b], f[p.c]}));
     return g.slope((f[p.a] + from) * wa, (f[p.b] + from) * wb, (f[p.c] + from) * wc);
@@ -50,7 +50,7 @@ struct Vector3 {
   Floats x, y, z;
 };
 
-// at + slope * x, for the constants of a row.
+// Linear functions of the column x in a row: at + by x.
 struct Along {
   float at[3], by[3];
 };
@@ -67,7 +67,7 @@ struct Row {
   const Shading& s;
   float y;
   int number;
-  const float* w;  // depths of the row
+  const float* w;  // 1 / z of the samples
   Along ray, shadow;
   float b2;  // 1 + (by y + b0)^2
 };
@@ -75,12 +75,12 @@ struct Row {
 KAZ_LANES_INLINE Floats square(Floats x) {
   return x * x;
 }
-// Squared length of the rays.
+// Returns the squared length of the rays.
 KAZ_LANES_INLINE Floats ray_square(const Row& row, Floats x) {
   return square(row.s.ax * x + row.s.a0) + row.b2;
 }
 
-// Codes 0..255 of one channel from linear light.
+// Converts linear light of one channel to codes 0..255.
 KAZ_LANES_INLINE Ints code_of(Floats light) {
   const Floats code = root(light) * 255.0F + 0.5F;
   return to_int(smaller(code, splat(255.0F)));
@@ -94,8 +94,8 @@ KAZ_LANES_INLINE Ints hazy(Floats r, Floats g, Floats b, Floats haze) {
                 code_of(b + (h[2] - b) * haze));
 }
 
-// Share of the key light at shadow coordinates in texels and depth codes: linear between the comparisons at
-// the four nearest texels, as OpenGL's LINEAR with COMPARE_REF_TO_TEXTURE.
+// Returns the share of the key light at shadow coordinates in texels and depth codes. It interpolates
+// linearly between comparisons at the four nearest texels, as OpenGL's LINEAR with COMPARE_REF_TO_TEXTURE.
 KAZ_LANES_INLINE Floats lit_at(const ShadowTexels& map, Floats sx, Floats sy, Floats depth) {
   const float limit = static_cast<float>(map.side) - 1.5F;
   const Floats fx = larger(smaller(sx - 0.5F, splat(limit)), splat(0.0F));
@@ -145,7 +145,7 @@ static inline void shade_background(const Row& row, int first, int end, std::uin
   }
 }
 
-// Normals and colours of a run of samples of one primitive, for shade_plain().
+// Stores normals and tints of a run of samples of one primitive for shade_plain().
 static inline void spread(const Primitive& p, const Row& row, int first, int end,
                           RowScratch& scratch) {
   float at[3];
@@ -166,7 +166,7 @@ KAZ_LANES_INLINE Floats dot(const Vector3& a, const Three& b) {
   return a.x * b[0] + a.y * b[1] + a.z * b[2];
 }
 
-// Untextured samples first .. end - 1, of any primitives.
+// Shades untextured samples first .. end - 1, which may belong to several primitives.
 static inline void shade_plain(const Row& row, int first, int end, const RowScratch& scratch,
                                std::uint32_t* codes) {
   const Shading& s = row.s;
@@ -180,7 +180,7 @@ static inline void shade_plain(const Row& row, int first, int end, const RowScra
     const Floats z = 1.0F / load(row.w + at);
     const Floats square_ray = ray_square(row, x), zero = splat(0.0F);
     const Floats distance2 = square_ray * square(z);
-    // Towards the eye: the ray's opposite.
+    // `view` points to the eye, opposite to the ray.
     const Floats back = -1.0F / root(square_ray);
     const Vector3 view{(row.ray.at[0] + row.ray.by[0] * x) * back,
                        (row.ray.at[1] + row.ray.by[1] * x) * back,
@@ -211,7 +211,7 @@ struct Pattern {
 KAZ_LANES_INLINE Pattern mix(const Pattern& a, const Pattern& b, Floats share) {
   return {a.r + (b.r - a.r) * share, a.g + (b.g - a.g) * share, a.b + (b.b - a.b) * share};
 }
-// The four texels around a point, and its place between them.
+// The four texels around a point, and its position between them.
 struct Footprint {
   Ints index;
   Floats across, down;
@@ -232,8 +232,8 @@ KAZ_LANES_INLINE Pattern interpolated(const TextureLevels& t, const Footprint& f
           interpolated(words.third, f)};
 }
 
-// Footprint at (u, v), in repeats, above 0. `side_bits`, `mask` and `offset` of the level: for all lanes, or
-// of each.
+// Returns the footprint at (u, v), in repeats, which must be positive. `side_bits`, `mask` and `offset`
+// describe the mip level, either one for all lanes or one per lane.
 template <class Level>
 KAZ_LANES_INLINE Footprint footprint(Floats u, Floats v, Floats side, Level side_bits, Level mask,
                                      Level offset) {
@@ -254,12 +254,12 @@ KAZ_LANES_INLINE Pattern texel_at(const TextureLevels& t, Floats u, Floats v, In
   return interpolated(t, footprint(u, v, to_float(mask + 1), side_bits, mask, offset));
 }
 
-// Texture coordinates of a primitive in a row, and their derivatives over blocks of 2 x 2 samples.
+// Texture coordinates of a primitive in a row, and their differences in blocks of 2 x 2 samples.
 struct TextureRow {
   Along plane;  // u w, v w, w at column x: at + by (x - x0)
   float x0;
-  // Between neighbouring columns, u changes by (by_u w - by_w u w) / (w w'), whose numerator is the same for
-  // the whole row; likewise between rows. Numerators at the block's upper row.
+  // Between neighboring columns, u changes by (by_u w - by_w u w) / (w w'). The numerator is the same for the
+  // whole row; likewise between rows. These are the numerators at the block's upper row.
   float across_u, across_v;
   Slope down_u, down_v;    // at + by_x (x - x0)
   float w_upper, w_lower;  // w of both rows of the block at x0
@@ -292,8 +292,8 @@ KAZ_LANES_INLINE TextureRow texture_row(const Primitive& p, const Row& row) {
   return t;
 }
 
-// Squared way on the texture between neighbours in the block of 2 x 2, the longer of both directions, in
-// texels of level 0.
+// Returns the squared distance on the texture between neighbors in the block of 2 x 2, in texels of level 0.
+// It is the longer one of both directions.
 KAZ_LANES_INLINE Floats texels_a_sample(const TextureRow& t, int at, float side) {
   const Floats dx = to_float((lane_numbers() + at) & ~1) - t.x0;
   const Floats w00 = t.w_upper + t.by_w * dx, w10 = t.w_upper + t.by_w * (dx + 1.0F);
@@ -308,19 +308,20 @@ KAZ_LANES_INLINE Ints exponent(Floats x) {
   return ((bits(x) >> 23) & 255) - 127;
 }
 
-// round(log2(root(texels2))): half the exponent of the square times 2.
+// Returns round(log2(root(texels2))), limited to 0..last. It is half the exponent of 2 texels2.
 KAZ_LANES_INLINE Ints nearest_level(Floats texels2, int last) {
   const Ints level = exponent(texels2 * 2.0F) >> 1;
   return larger_int(smaller_int(level, splat_int(last)), splat_int(0));
 }
 
-// Nearest level, or linear between two (OpenGL's LINEAR_MIPMAP_NEAREST and LINEAR_MIPMAP_LINEAR, as llvmpipe
-// computes them: in the latter, only the half of the way around the middle between two levels is mixed).
+// Samples the texture at the nearest level, or linearly between two levels if `soft`. These are OpenGL's
+// LINEAR_MIPMAP_NEAREST and LINEAR_MIPMAP_LINEAR as computed by llvmpipe. The latter mixes two levels only in
+// the middle half of the interval between them.
 KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Floats texels2,
                                  bool soft) {
   if (!soft) return texel_at(t, u, v, nearest_level(texels2, t.last));
   const Ints last = splat_int(t.last), zero = splat_int(0);
-  // log2 of the root, linear between powers of two.
+  // log2 of the root, interpolated linearly between powers of two.
   const Floats mantissa = (Floats)((bits(texels2) & 0x007FFFFF) | 0x3F800000);
   const Floats lod = 0.5F * (to_float(exponent(texels2)) + (mantissa - 1.0F)) + 0.25F;
   const Floats whole = floor_of(lod);
@@ -334,8 +335,8 @@ KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Flo
   return mix(one, texel_at(t, u, v, coarse), part);
 }
 
-// The level of all samples first .. end - 1, or -1 if there may be several. Bounds: w is extreme at the ends,
-// so are the numerators.
+// Returns the level of all samples first .. end - 1, or -1 if there may be several. The ends give the bounds,
+// because w and the numerators are linear.
 static inline int level_of_all(const TextureRow& t, const TextureLevels& texture, int first,
                                int end) {
   const float from = static_cast<float>(first & ~1) - t.x0;
@@ -375,7 +376,7 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
   for (int at = first; at < end; at += kLanes) {
     const Floats x = column_numbers(at), dx = x - t.x0;
     const Floats w = t.plane.at[2] + t.plane.by[2] * dx;
-    // One division for 1 / w and 1 / (q + haze w^2).
+    // One division computes both 1 / w and 1 / (q + haze w^2).
     const Floats q = ray_square(row, x), near = lighting::haze_m2 * square(w), sum = q + near;
     const Floats both = 1.0F / (w * sum), z = both * sum, share = both * w;
     const Floats u = (t.plane.at[0] + t.plane.by[0] * dx) * z;
@@ -416,7 +417,7 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
   }
 }
 
-// Textured run, split where the marked blocks begin and end.
+// Shades a textured run, split where marked blocks begin and end.
 static inline void shade_textured_run(const Row& row, const Primitive& p, int first, int end,
                                       std::uint32_t* codes) {
   const Shading& s = row.s;
@@ -439,7 +440,7 @@ static inline void shade_textured_run(const Row& row, const Primitive& p, int fi
   }
 }
 
-// First column after `x` whose primitive is another.
+// Returns the first column after `x` with another primitive, at most `right`.
 static inline int run_end(const std::uint32_t* owner, int x, int right) {
   const Ints mine = splat_int(static_cast<std::int32_t>(owner[x]));
   for (; x < right; x += kLanes) {
@@ -464,7 +465,7 @@ static inline void shade_row(const Vertices& v, const Shading& s, const Target& 
                 along_row(s.shadow0, s.shadow_x, s.shadow_y, fy),
                 1.0F + b * b};
   std::uint32_t* codes = scratch.codes.data();
-  int plain = -1;  // where the plain samples before x begin
+  int plain = -1;  // first of the plain samples that end at x; -1: none
   for (int x = target.left; x < target.right;) {
     const int end = run_end(owner, x, target.right);
     Primitive& p = primitives[owner[x]];

@@ -1,4 +1,4 @@
-// Vertex kernels: world normals, projection to fixed point, for one set of instructions.
+// Vertex kernels for one instruction set: world normals, projection to fixed point.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,12 +17,12 @@ static inline void turn_normals(Vertices& v, VertexRange range, const std::array
   }
 }
 
-// Row of a 3 x 4 matrix times (x, y, z, 1).
+// Returns a row of a 3 x 4 matrix times (x, y, z, 1).
 KAZ_LANES_INLINE Floats row_times(const float* row, Floats x, Floats y, Floats z) {
   return row[0] * x + row[1] * y + (row[2] * z + row[3]);
 }
 
-// Nearest integer of `samples` * kSubpixel; `samples` within kRange.
+// Returns the integer nearest to `samples` * kSubpixel. `samples` must be within kRange.
 KAZ_LANES_INLINE Ints snap(Floats samples) {
   const Floats scaled = samples * static_cast<float>(kSubpixel);
   return to_int(scaled + (scaled < 0.0F ? splat(-0.5F) : splat(0.5F)));
@@ -47,7 +47,7 @@ static inline void project(Vertices& v, VertexRange range, const Projection& p) 
     outside |= ((px < 0.0F) & out_left) | ((px > p.width) & out_right);
     outside |= ((py < 0.0F) & out_top) | ((py > p.height) & out_bottom);
     outside |= ((cx != px) | (cy != py)) & out_of_range;
-    // The sides of the picture are planes through the eye: behind it they are swapped.
+    // The sides of the picture are planes through the eye, so they are swapped behind it.
     outside = behind ? splat_int(out_near) : outside;
     store(&v.px[i], snap(cx));
     store(&v.py[i], snap(cy));

@@ -1,4 +1,4 @@
-// Renderer without OpenGL: a rasteriser for the processor's vectors.
+// Renderer without OpenGL: a rasterizer that uses the processor's vectors.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace kaz::sim {
 
-// `set` must be available.
+// Makes the rasterizer with an instruction set, which must be available.
 std::unique_ptr<Renderer> make_raster_with(InstructionSet set);
 
 }  // namespace kaz::sim

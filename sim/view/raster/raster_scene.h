@@ -1,4 +1,4 @@
-// A scene prepared for the rasteriser: arrays of vertices and textures.
+// A scene prepared for the rasterizer: arrays of vertices and textures.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,14 +18,14 @@ struct RasterScene {
   explicit RasterScene(SceneModel from);
 
   SceneModel model;
-  std::vector<std::uint32_t> indices;  // as model.indices, of `vertices`
+  std::vector<std::uint32_t> indices;  // as model.indices, but into `vertices`
   Vertices vertices;
-  std::size_t own_vertices = 0;  // those of the scene; clipping appends others
-  std::vector<PieceVertices> ranges;
+  std::size_t own_vertices = 0;       // number of scene vertices; clipping appends others
+  std::vector<PieceVertices> ranges;  // by piece
   std::vector<TextureLevels> textures;
 
  private:
-  // Copies the vertices of a range of indices.
+  // Copies the vertices of a range of indices and returns their range in `vertices`.
   VertexRange add(std::uint32_t first, std::uint32_t count, float repeats_per_m);
 };
 

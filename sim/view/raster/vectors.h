@@ -1,10 +1,9 @@
-// Vectors of floats and integers, one pixel a lane, for one set of instructions.
+// Vectors of floats and integers for one instruction set, with one sample per lane.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Included by kernels_plain.cpp, kernels_avx2.cpp and kernels_avx512.cpp, each with its own KAZ_RASTER_SET
-// (the namespace) and KAZ_RASTER_LANES. All operations are single steps of IEEE arithmetic, correctly
-// rounded, so the sets compute the same bits. Vectors are local to functions of the set: none is passed to
-// code outside.
+// (the namespace) and KAZ_RASTER_LANES. All operations are single IEEE operations, correctly rounded, so all
+// sets compute the same bits. Vectors are local to functions of a set and are not passed to other code.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +15,12 @@
 #include <cmath>
 #endif
 
-#ifndef KAZ_RASTER_SET  // for tools that look at this file alone
+#ifndef KAZ_RASTER_SET  // for tools that parse this file alone
 #define KAZ_RASTER_SET plain
 #define KAZ_RASTER_LANES 4
 #endif
 
-// Begin and end of code for a set: both compilers then use its instructions in all functions between.
+// Begin and end the code of a set: GCC and Clang use its instructions in all functions between.
 #if !defined(__x86_64__) || KAZ_RASTER_LANES == 4
 #define KAZ_RASTER_BEGIN
 #define KAZ_RASTER_END
@@ -84,7 +83,7 @@ KAZ_LANES_INLINE void store(void* to, const V& v) {
 KAZ_LANES_INLINE Floats to_float(Ints x) {
   return __builtin_convertvector(x, Floats);
 }
-// Towards zero.
+// Rounds towards zero.
 KAZ_LANES_INLINE Ints to_int(Floats x) {
   return __builtin_convertvector(x, Ints);
 }
@@ -111,22 +110,22 @@ KAZ_LANES_INLINE Floats floor_of(Floats x) {
   return whole > x ? whole - 1.0F : whole;
 }
 
-// The first three of four words, for each lane.
+// The first three of four words in each lane.
 struct ThreeWords {
   Ints first, second, third;
 };
 
-// Forms with a mask, as those without make GCC 12 warn of its own headers.
+// Masked forms are used, because GCC 12 warns about its own headers for the others.
 #if defined(__x86_64__) && KAZ_RASTER_LANES == 16
 KAZ_LANES_INLINE Floats root(Floats x) {
   return (Floats)_mm512_maskz_sqrt_ps(0xFFFF, (__m512)x);
 }
-// A bit for each lane of a mask.
+// Returns one bit for each lane of a mask.
 KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return _mm512_movepi32_mask((__m512i)mask);
 }
-// Sixteen loads instead of AVX-512's gather, which takes twice as long on AMD's processors (three times for
-// gather_three()), and on Intel's since their microcode keeps it from leaking data.
+// Sixteen loads instead of AVX-512's gather. On AMD processors the gather takes twice as long, three times
+// for gather_three(). On Intel processors it is slow since microcode keeps it from leaking data.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[16];
   store(at, index);
@@ -147,11 +146,11 @@ KAZ_LANES_INLINE Ints gather(const void* from, Ints index) {
 KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
   return gather_at(reinterpret_cast<const char*>(from), index, 2);
 }
-// Of a table of 16 words.
+// Looks up words in a table of 16.
 KAZ_LANES_INLINE Ints look_up(const std::int32_t* table, Ints index) {
   return (Ints)_mm512_maskz_permutexvar_epi32(0xFFFF, (__m512i)index, _mm512_loadu_si512(table));
 }
-// A load for each lane, then 4 x 4 words transposed in all quarters.
+// Loads four words for each lane, then transposes 4 x 4 words in each quarter.
 KAZ_LANES_INLINE ThreeWords gather_three(const std::uint32_t* from, Ints index) {
   std::int32_t at[16];
   store(at, index);
@@ -180,7 +179,7 @@ KAZ_LANES_INLINE Floats root(Floats x) {
 KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
 }
-// Eight loads, as above.
+// Eight loads instead of the gather, for the same reason as with AVX-512.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[8];
   store(at, index);
@@ -205,7 +204,7 @@ KAZ_LANES_INLINE Ints look_up(const std::int32_t* table, Ints index) {
   };
   return index > 7 ? eight(8) : eight(0);
 }
-// A load for each lane, then 4 x 4 words transposed in both halves.
+// Loads four words for each lane, then transposes 4 x 4 words in both halves.
 KAZ_LANES_INLINE ThreeWords gather_three(const std::uint32_t* from, Ints index) {
   std::int32_t at[8];
   store(at, index);
@@ -264,7 +263,7 @@ KAZ_LANES_INLINE ThreeWords gather_three(const std::uint32_t* from, Ints index) 
 KAZ_LANES_INLINE Ints look_up(const std::int32_t* table, Ints index) {
   return gather(table, index);
 }
-// Two neighbours of 16 bits in each lane, the first in the lower half.
+// Loads two neighbors of 16 bits into each lane, the first into the lower half.
 KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
   Ints found{};
   for (int i = 0; i < kLanes; ++i) {

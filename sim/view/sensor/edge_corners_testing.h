@@ -1,4 +1,4 @@
-// For tests: chessboard corners from fitted edges.
+// For tests: locates chessboard corners by fitting the edges.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace kaz::sim {
 
-// Corners as intersections of edges: a parabola is fitted to each edge between the neighbours of a corner,
-// and two of them intersect in the corner. OpenCV's cornerSubPix uses a small window; whole edges average
-// out the steps of rasterisation. Pixels; picture as grey codes.
+// A corner is the intersection of two edges. A parabola is fitted to each edge between the neighbors of the
+// corner. OpenCV's cornerSubPix uses a small window, while whole edges average out the steps of
+// rasterization. Units: px and gray codes.
 class EdgeCorners {
  public:
-  // `found`: initial corners, row by row.
+  // `found`: initial corners, row by row. `grey` and `found` must outlive this.
   EdgeCorners(const cv::Mat& grey, const std::vector<cv::Point2f>& found, int columns)
       : grey_(grey),
         found_(found),
@@ -41,7 +41,7 @@ class EdgeCorners {
     }
   };
 
-  // Initial corner; beyond the border, where there is one more square, extrapolated linearly.
+  // Returns the initial corner. Beyond the border, where the board has one more square, it extrapolates.
   cv::Point2d seed(int column, int row) const {
     const auto at = [&](int x, int y) {
       return cv::Point2d(found_[static_cast<std::size_t>(y * columns_ + x)]);
@@ -50,7 +50,7 @@ class EdgeCorners {
     return 2 * at(x, y) - at(2 * x - column, 2 * y - row);
   }
 
-  // Light (code squared) at p, bilinear.
+  // Returns the light (code squared) at p by bilinear interpolation.
   double light(const cv::Point2d& p) const {
     const int x = std::clamp(static_cast<int>(p.x), 0, grey_.cols - 2);
     const int y = std::clamp(static_cast<int>(p.y), 0, grey_.rows - 2);
@@ -62,8 +62,8 @@ class EdgeCorners {
     return (1 - b) * ((1 - a) * at(0, 0) + a * at(1, 0)) + b * ((1 - a) * at(0, 1) + a * at(1, 1));
   }
 
-  // Position of the edge along `across` from `p`, px in [-reach, reach]: the ideal step with the same two
-  // levels a, b and the same integral of light, x = reach (2 (mean - b) / (a - b) - 1).
+  // Returns the position of the edge along `across` from `p`, px in [-reach, reach]. An ideal step there has
+  // the same two levels a, b and the same integral of light: x = reach (2 (mean - b) / (a - b) - 1).
   double crossing(const cv::Point2d& p, const cv::Point2d& across, double reach) const {
     constexpr int kSteps = 64;
     std::array<double, kSteps> codes{};
@@ -81,7 +81,7 @@ class EdgeCorners {
     return reach * (2 * (sum / kSteps - last) / (first - last) - 1);
   }
 
-  // Least-squares parabola c0 + c1 s + c2 s^2 through the edge positions between `before` and `after`.
+  // Fits a least-squares parabola c0 + c1 s + c2 s^2 to the edge positions between `before` and `after`.
   Curve edge(const cv::Point2d& before, const cv::Point2d& at, const cv::Point2d& after,
              double reach) const {
     Curve curve{at, (after - before) / cv::norm(after - before), {}, {}};
@@ -104,7 +104,7 @@ class EdgeCorners {
     return curve;
   }
 
-  // Intersection of the two parabolas by alternating projections.
+  // Computes the intersection of the two parabolas by alternating projections.
   cv::Point2f corner(int column, int row) const {
     const cv::Point2d at = seed(column, row), left = seed(column - 1, row),
                       right = seed(column + 1, row), up = seed(column, row - 1),

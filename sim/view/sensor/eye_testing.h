@@ -1,4 +1,4 @@
-// For tests: picture of a scene by an eye with lens, exposure and noise.
+// For tests: takes a picture of a scene with an eye that has lens, exposure and noise.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,8 @@
 
 namespace kaz::sim {
 
-// `world_from_eye`: of the nominal optical frame, m. The noise is that of exposure number `exposure`.
+// `world_from_eye` is the pose of the mounting's optical frame, m. `exposure` is the number of the exposure
+// and determines the noise.
 inline vision::Image take(Renderer& renderer, const ScenePose& pose, const Sensor& sensor,
                           const Eigen::Isometry3d& world_from_eye, std::uint64_t exposure) {
   View view;

@@ -1,4 +1,4 @@
-// One of the robot's cameras as its host gets it: drawn, through lens and sensor, rectified.
+// One of the robot's cameras as its host receives it: rendered, distorted by lens and sensor, rectified.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,25 +12,25 @@
 
 namespace kaz::sim {
 
-// Of the pictures before rectification only that part is drawn and exposed which the rectified one is made
-// of.
+// Draws and exposes only the part of a picture that the rectified picture uses.
 class RealEye {
  public:
-  // `noise_seed`: as Sensor has it.
+  // `noise_seed` as for Sensor.
   RealEye(const EyeModel& model, const vision::StereoCalibration& calibration, Sensor::Eye eye,
           std::uint64_t noise_seed);
 
   void set_noise_seed(std::uint64_t seed) { sensor_.set_noise_seed(seed); }
-  // `world_from_eye`: of the mounting's optical frame, m.
+  // Returns the view for take(). `world_from_eye` is the pose of the mounting's optical frame, m.
   View view(const Eigen::Isometry3d& world_from_eye) const;
-  // `view`: by view(), and the light. Error: the renderer's.
+  // Takes the picture number `exposure`. `view` comes from view(), with the world's light. Errors as
+  // Renderer::render().
   Result<void> take(Renderer& renderer, const ScenePose& pose, const View& view,
                     std::uint64_t exposure, vision::Image& rectified);
 
  private:
   Sensor sensor_;
   vision::Remap rectification_;
-  Picture ideal_, raw_;  // of the last call
+  Picture ideal_, raw_;  // reused memory of take()
 };
 
 }  // namespace kaz::sim

@@ -1,9 +1,9 @@
-// Camera model: turns an ideal pinhole picture into that of a real lens and image sensor.
+// Camera model that converts an ideal pinhole picture to the picture of a real lens and image sensor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Modelled: lens distortion (Brown-Conrady, as in OpenCV), vignetting, exposure, shot and read noise, 8-bit
-// codes. Not modelled: rolling shutter (the paper's cameras expose all rows of a field at once), motion blur,
-// interlacing, the colour mosaic, blooming.
+// Modeled: lens distortion (Brown-Conrady, as in OpenCV), vignetting, exposure, shot and read noise, 8-bit
+// codes. Not modeled: rolling shutter (the paper's cameras expose all rows of a field at once), motion blur,
+// interlacing, color mosaic, blooming.
 #pragma once
 
 #include <cstdint>
@@ -20,23 +20,24 @@ namespace kaz::sim {
 // Nominal parameters of a camera and the tolerances of its series.
 struct EyeModel {
   int width = 320, height = 240;
-  double rectified_view_rad = 1.3962634015954636;  // 80 degrees: of the rectified pictures
+  // Horizontal view of the rectified pictures: 80 degrees.
+  double rectified_view_rad = 1.3962634015954636;
   // Horizontal view of the middle row through the lens. Wider than the rectified view, so that rectified
-  // pictures have no empty margin where centre and direction deviate.
+  // pictures have no empty margin if center and direction deviate.
   double lens_view_rad = 1.4922565104551517;                // 85.5 degrees
   std::array<double, 5> distortion{-0.15, 0.022, 0, 0, 0};  // k1 k2 p1 p2 k3
   double vignetting = 0.3;  // fraction of the light lost in the corners; grows as r^2
   NoiseLaw noise;
   // Standard deviations over the series.
   double focal_spread = 0.004;          // relative to the focal length
-  double centre_spread = 0.004;         // relative to the width
+  double centre_spread = 0.004;         // principal point, relative to the width
   double distortion_spread = 0.03;      // relative to k1, k2
-  double tangential_spread = 0.0003;    // of p1, p2: tilt of the lens against the sensor
-  double direction_spread_rad = 0.004;  // about each axis: 0.23 degrees
+  double tangential_spread = 0.0003;    // p1, p2: tilt of the lens against the sensor
+  double direction_spread_rad = 0.004;  // about each axis, 0.23 degrees
 };
 
-// Two cameras of the series, `baseline_m` apart. The same `unit` gives the same cameras; deviations are
-// clamped to 2.5 sigma, as rejects are sorted out at the factory.
+// Returns the calibration of two cameras of the series, `baseline_m` apart. The same `unit` gives the same
+// cameras. Deviations are clamped to 2.5 sigma, because the factory rejects larger ones.
 vision::StereoCalibration make_calibration(const EyeModel& model, std::uint64_t unit,
                                            double baseline_m);
 
@@ -44,33 +45,34 @@ class Sensor {
  public:
   enum class Eye { left = 0, right = 1 };
 
-  // `noise_seed`, the eye and the number of the exposure determine the noise.
+  // `noise_seed`, `eye` and the number of the exposure determine the noise.
   Sensor(const EyeModel& model, const vision::StereoCalibration& calibration, Eye eye,
          std::uint64_t noise_seed);
 
   void set_noise_seed(std::uint64_t seed);
 
-  // The pinhole camera whose picture expose() needs: the lens's full view, at 0.92 of the rectified picture's
-  // angular resolution. The loss is below the blur of a wide conversion lens.
+  // Returns the pinhole camera whose picture expose() needs. It covers the full view of the lens with 0.92
+  // times the angular resolution of the rectified picture. The loss is below the blur of a wide conversion
+  // lens.
   const Pinhole& ideal() const { return ideal_; }
-  // Rotation from that pinhole's optical frame to the eye's mounting frame.
+  // Returns the rotation from the optical frame of ideal() to the eye's mounting frame.
   Eigen::Isometry3d mounting_from_optical() const;
-  // Limits the exposed pixels to these columns of each row, for example to what a rectified picture shows.
-  // Without it: all.
+  // Limits the exposed pixels to these columns of each row, for example to those that a rectified picture
+  // uses. Initially all pixels are exposed.
   void limit(std::span<const vision::Remap::Columns> rows);
-  // What expose() reads of the ideal picture.
+  // Returns the part of the ideal picture that expose() reads.
   const PicturePart& ideal_part() const { return ideal_part_; }
-  // Lens, vignetting, noise and quantisation. `ideal` has the size of ideal(). Pixels that are not exposed
-  // keep the codes that `picture` has.
+  // Applies lens, vignetting, noise and quantization. `ideal` must have the size of ideal(). Pixels that are
+  // not exposed keep their codes in `picture`.
   void expose(const Picture& ideal, std::uint64_t exposure, Picture& picture) const;
-  // Lens and vignetting only, codes rounded: for tests of geometry.
+  // Applies only lens and vignetting and rounds the codes, for tests of geometry.
   void bend(const Picture& ideal, Picture& picture) const;
 
  private:
   Pinhole ideal_;
   Eigen::Matrix3d rotation_;
   vision::Remap lens_;
-  std::vector<vision::Remap::Columns> rows_;  // exposed
+  std::vector<vision::Remap::Columns> rows_;  // exposed columns of each row
   PicturePart ideal_part_;
   NoiseRow noise_;
   Eye eye_;

@@ -1,4 +1,4 @@
-// Image sensor noise of a row of pixels: exposure, shot noise, read noise, quantisation to codes.
+// Noise of an image sensor for a row of pixels: exposure, shot noise, read noise, quantization to codes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,33 +9,34 @@
 
 namespace kaz::sim {
 
-// Photon-transfer model: a code c stands for the light c^2 (lighting.h), code 255 for `full_well_e`
-// electrons; variance of the electron count = n + read_noise_e^2 (EMVA 1288, shot and dark noise).
+// Photon-transfer model (EMVA 1288, shot and dark noise). A code c stands for the light c^2 (lighting.h), and
+// code 255 for `full_well_e` electrons. The variance of a count of n electrons is n + read_noise_e^2.
 struct NoiseLaw {
   double exposure = 1.0;  // factor on the light
   double full_well_e = 10'000;
   double read_noise_e = 12;  // rms
 };
 
-// Applies the law to rows; light in units of codes squared.
+// Applies a NoiseLaw to rows of pixels. Light is in codes squared.
 class NoiseRow {
  public:
   explicit NoiseRow(const NoiseLaw& law);
 
-  // Values of a row: first .. end - 1.
+  // Values first .. end - 1 of a row.
   struct Range {
     std::size_t first = 0, end = 0;
   };
-  // Converts values of a row in 1/64 codes to codes. n electrons are read as n + z sqrt(n + read^2), z with
-  // mean 0 and sigma 1: the sum of four random bytes (nearly normal, |z| <= 3.46), a function of `key` and
-  // the position in the row. `with` must be available.
+  // Converts values of a row from 1/64 codes to codes. A count of n electrons is read as
+  // n + z sqrt(n + read^2), where z has mean 0 and sigma 1. It is a scaled sum of four random bytes (nearly
+  // normal, |z| <= 3.46), which depend on `key` and the position in the row. `with` must be available; all
+  // sets give the same codes.
   void expose(const std::uint16_t* codes64, std::uint8_t* codes, Range range, std::uint64_t key,
               InstructionSet with = best_instructions()) const;
 
   struct Factors {
     float code = 0;  // codes per 1/64 code, times sqrt(exposure)
-    float shot = 0,
-          read = 0;  // variance = shot * code^2 + read, for the unscaled sum of random bytes
+    // Variance = shot * code^2 + read, for the unscaled sum of random bytes.
+    float shot = 0, read = 0;
   };
 
  private:
