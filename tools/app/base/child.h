@@ -1,4 +1,4 @@
-// A program of its own beside this one.
+// A child process.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,16 +14,18 @@
 
 namespace kaz::tools {
 
-// In a process group of its own: a Ctrl-C in the terminal does not reach it.
+// Runs in a process group of its own, so that Ctrl-C in the terminal does not reach it. Standard output and
+// standard error go to a log file.
 class Child {
  public:
-  // of_parent: it ends when its object goes, and when the process that began it is gone, however that ended.
-  // own: it ends by itself, also without that process.
+  // of_parent: killed by the destructor of Child, and when the parent process ends for any reason.
+  // own: runs on after both.
   enum class Lifetime { of_parent, own };
-  // This very program with other arguments; what it prints goes into the file `log`.
+  // Starts this executable again with other arguments. `log` is replaced.
   static Result<Child> begin(const std::vector<std::string>& arguments, const std::string& log);
-  // Starts a program of PATH. If there is none, its exit status is 127. `input` is a descriptor for its
-  // standard input, and stays the caller's. With -1 its standard input is empty.
+  // Starts a program, searched in PATH. If the program is missing, the child exits with status 127. `input`
+  // becomes its standard input; the caller keeps ownership of the descriptor. With -1 standard input is
+  // /dev/null.
   static Result<Child> begin(const std::string& program, const std::vector<std::string>& arguments,
                              const std::string& log, Lifetime lifetime = Lifetime::of_parent,
                              int input = -1);
@@ -32,8 +34,9 @@ class Child {
   Child& operator=(Child&&) = delete;
   ~Child();
 
-  // Its exit status, 128 + signal if one ended it; nothing while it runs.
+  // Returns its exit status, or 128 + signal if a signal ended it. Returns nullopt while it runs.
   std::optional<int> ended();
+  // Waits up to `at_most` for its end. Returns as ended().
   std::optional<int> wait(std::chrono::seconds at_most);
   void signal(int number);
 

@@ -1,4 +1,4 @@
-// Ctrl-C and termination end a program in order: motors off, files closed, links removed.
+// Orderly end of a program on Ctrl-C and termination: motors off, files closed, links removed.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,45 +15,51 @@ namespace kaz::tools {
 using host::InterruptibleClock;
 using host::InterruptibleLink;
 
-// Signals within this time are one: a terminal signals its whole process group, and a wrapper (`timeout`, a
-// shell) forwards what it got; a supervisor or a closing terminal sends a second one behind the first.
+// Signals within this time count as one. A terminal signals its whole process group, and a wrapper
+// (`timeout`, a shell) forwards the signal that it received. A supervisor or a closing terminal sends a
+// second one soon after the first.
 inline constexpr std::chrono::milliseconds kOneSignal{400};
 
-// From now on the first SIGINT, SIGTERM or SIGHUP requests the interrupt of the newest InterruptSignals;
-// where there is none the program ends at once. A second one, after kOneSignal, always does. The exit status
-// is 128 + signal. SIGHUP stays ignored where it was (nohup).
+// Installs handlers of SIGINT, SIGTERM and SIGHUP. The first signal requests the interrupt of the newest
+// InterruptSignals; without one the program exits at once. A second signal, after kOneSignal, always exits at
+// once. The exit status is 128 + signal. If SIGHUP was ignored (nohup), it stays ignored.
 void catch_signals();
 
-// What a program that ends at once prints: its verb ("kaz eyes"), and what is not as it was and how to mend
-// it; "" if nothing is. One thread.
+// Sets the command name ("kaz eyes") that an exit at once prints. Only one thread may call these functions.
 void name_verb(const std::string& verb);
 std::string named_verb();  // "kaz" before name_verb()
+// Sets the sentence that an exit at once prints: which state is left changed, and how to restore it. "":
+// none.
 void leaves_behind(const std::string& sentence);
-// What a program that ends at once does before; null: nothing. Runs in a signal handler, so only functions
-// that are async-signal-safe. One thread.
+// Sets a function that an exit at once calls first; null: none. It runs in a signal handler, so it may only
+// call async-signal-safe functions. Only one thread may call this.
 void does_at_last(void (*last)() noexcept);
 
-// A program that ends at once removes the file before: it has no result yet. Returns a number for the other
-// two, which take -1 too: there are more such files than are kept count of. One thread.
+// Makes an exit at once remove the file, which has no result yet. Returns a number for keep_what_grows() and
+// forget_file(), or -1 if the table is full or the path too long. Both functions accept -1. Only one thread
+// may call these functions.
 int remove_file_at_last(const std::string& path);
-// Only while it is empty: what has grown in it is of use.
+// From now on, removes the file only if it is empty: partial content is useful.
 void keep_what_grows(int number);
+// Stops tracking the file.
 void forget_file(int number);
 
-// The signal that came, 0 if none: SIGINT and "SIGINT".
+// Returns the received signal (SIGINT) and its name ("SIGINT"); 0 and "no signal" if none was received.
 int received_signal() noexcept;
 const char* received_signal_name() noexcept;
-// For a process that goes on after an interrupted run.
+// Resets the received signal, for a process that continues after an interrupted run.
 void forget_signal() noexcept;
 
-// What the program's status is for an error: its fault, and for an interrupted one 128 + signal.
+// Returns the exit status for an error: the value of its fault, plus the signal number for
+// Fault::interrupted.
 int exit_status(const Error& error);
 
-// Marks a result that an interrupt has cut short: "interrupted": true, "signal": "SIGINT".
+// Marks a result that an interrupt has truncated: "interrupted": true, "signal": "SIGINT".
 void mark_interrupted(nlohmann::ordered_json& result);
 
-// While it lives signals request `interrupt`; a signal that came before it does so at once. The newest in a
-// process counts.
+// Signals request `interrupt` while this object lives; an earlier signal requests it at once. With several
+// objects the newest is active. The constructor also calls catch_signals() and ignores SIGPIPE. `interrupt`
+// must outlive the object.
 class InterruptSignals {
  public:
   explicit InterruptSignals(host::Interrupt& interrupt);
@@ -61,8 +67,8 @@ class InterruptSignals {
   InterruptSignals(const InterruptSignals&) = delete;
   InterruptSignals& operator=(const InterruptSignals&) = delete;
 
-  // In a child after fork(): no interrupt of the parent's is requested from here, what it does at last is not
-  // done, and no signal came yet.
+  // Resets this state in a child after fork(): the parent's interrupt, exit function, files to remove and
+  // received signal.
   static void forget_earlier();
 
  private:

@@ -1,4 +1,4 @@
-// Another process that holds a file or a folder, for tests of locks.
+// A second process that holds a file or folder, for tests of locks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace kaz::tools {
 
-// Begins with take(), whose result it holds until the object goes, which kills it.
+// Forks a process that calls take() and keeps the result. The destructor kills the process.
 class OtherProcess {
  public:
   template <class Take>

@@ -1,4 +1,4 @@
-// How a task of the command line ended.
+// Result of a command-line task, as an exit status.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace kaz::tools {
 
-// The exit status: 0 done, 1 the task failed, or the status of the program that was run.
+// Exit status: 0 success, 1 the task failed, or the status of a program that the task ran.
 struct Outcome {
   Outcome(bool succeeded = true) : status(succeeded ? 0 : static_cast<int>(Fault::failed)) {}
   static Outcome with_status(int status) {

@@ -1,4 +1,4 @@
-// Output of a verb: a folder of results, JSON on standard output, progress on standard error.
+// Output of a command: JSON on standard output, progress on standard error, temporary files.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,9 +12,9 @@
 
 namespace kaz::tools {
 
-// A bar on a terminal; in a pipe a plain line every ten per cent, and after ten seconds without one
-// (`longest_silence`). Goes to standard error, so that
-// results on standard output stay clean. Prints nothing if `quiet`.
+// Prints progress to standard error, so that standard output contains only results. On a terminal it draws a
+// bar. In a pipe it prints a line every 10 %, and after `longest_silence` without one. Prints nothing if
+// `quiet`.
 class Progress {
  public:
   Progress(std::string label, bool quiet,
@@ -23,12 +23,14 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // share: 0..1 done; note: a few words on what is going on.
+  // `share`: completed part, 0 to 1. `note`: a few words on the current work.
   void update(double share, const std::string& note);
-  // For work whose end is not known: how long it runs and its phase. In a pipe a line every ten seconds.
+  // For work of unknown length: prints the time in seconds and the phase. In a pipe it prints a line every
+  // 10 s of `at_s`.
   void show(double at_s, const std::string& phase);
-  // A new phase of the work: a line of its own.
+  // Prints a new phase on a line of its own.
   void announce(double at_s, const std::string& phase);
+  // Erases the bar. The destructor does the same.
   void done();
 
  private:
@@ -37,38 +39,39 @@ class Progress {
   bool terminal_;
   std::chrono::milliseconds longest_silence_;
   int last_decile_ = -1;
-  double shown_s_ = 0;  // last line of show() or announce()
+  double shown_s_ = 0;  // time of the last line of show() or announce()
   bool line_open_ = false;
   std::chrono::steady_clock::time_point last_draw_{};
 };
 
-// A row of a list, with its line break: `columns`, then a text that is broken at spaces where it is wider
-// than `width`, and goes on below itself; or in lines of its own, if `columns` leave too little room. 0: no
-// width.
+// Returns a row of a list, with its line break: `columns`, then `text`. Text beyond `width` is wrapped at
+// spaces below its first line. If fewer than 30 characters remain beside `columns`, the text starts on a new
+// line. 0: no limit.
 std::string list_row(const std::string& columns, const std::string& text, std::size_t width);
-// Of the terminal at standard output; 0: there is none, so that what reads the list has a line a row.
+// Returns the width of the terminal at standard output. 0: no terminal, so that a list has one line per row.
 std::size_t list_width();
 
-// Lines wider than `width` go on, indented by two columns more than they begin; 0: no width.
+// Wraps lines wider than `width` at spaces, with 2 more columns of indentation. 0: no limit.
 std::string broken_lines(const std::string& text, std::size_t width);
-// printf() of whole lines, broken at the terminal's width.
+// printf() of complete lines, wrapped at the terminal's width.
 [[gnu::format(printf, 1, 2)]] void print_lines(const char* format, ...);
 
-// A result on standard output. Text that is not UTF-8 (a recording may hold any bytes) is
-// replaced: JSON has none.
+// Prints a result to standard output. Replaces bytes that are not UTF-8: a recording may contain any bytes,
+// but JSON may not.
 void print_json(const nlohmann::ordered_json& value);
-// Whether this process has printed a result by print_json().
+// Returns whether print_json() was called in this process.
 bool json_printed();
 
-// The path of a file of that name in a folder that only this process uses.
+// Returns a path in a folder that only this process uses. The folder is removed at exit if it is empty.
+// Throws std::runtime_error if it cannot be created.
 std::string temporary_file(const std::string& name);
-// Removes that folder if it is empty: for a process that ends without its destructors.
+// Removes that folder if it is empty, for a process that ends without its destructors.
 void remove_temporary_folder();
 
-// Gives a file its name when it is whole, and on the disk.
+// Flushes the complete file `part` to disk and renames it to `path`.
 Result<void> put_in_place(const std::string& part, const std::string& path);
 
-// Removes a file, if it is there, when the object goes; unless keep() was called.
+// The destructor removes the file, unless keep() was called.
 class FileRemover {
  public:
   explicit FileRemover(std::string path) : path_(std::move(path)) {}

@@ -1,4 +1,4 @@
-// A folder of results: checked and locked before a run starts, results of two runs never mixed.
+// A folder of results: checked and locked before a run starts. It never mixes the results of two runs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,40 +14,38 @@
 
 namespace kaz::tools {
 
-// What a kind of run writes into its folder. A name that begins with '*' stands for all that end so.
+// Files that one kind of run writes. A name that begins with '*' matches all names with that ending.
 struct OutputKind {
-  std::string name;  // is_output_kind(): "run"
+  std::string name;  // "run"; see is_output_kind()
   std::vector<std::string> files;
 };
 
-// Each file in it appears whole or not at all. A list in it, `.kaz-results`, names the files that such
-// runs have written (output_list.h); it is locked as long as the object and its copies live. May be used
-// by several threads.
+// Each file appears complete or not at all. The list `.kaz-results` names the files that such runs have
+// written (output_list.h). It is locked while this object or a copy lives. Thread-safe.
 class OutputFolder {
  public:
-  // Creates the folder if need be, locks it, writes a test file. Nothing that is there is changed, except
-  // temporary files of a run that was killed. If nothing is written afterwards, list and created folders go
-  // with the object. Errors:
-  // - usage: it cannot be created or written to; it holds results of another kind, or files with names of
-  //   this kind that the list does not contain
-  // - environment: another process writes there; the disk is full
+  // Creates the folder if necessary, locks it, and writes a test file. Changes no existing results, but
+  // removes temporary files of a killed run. The last copy of the object removes the list and created folders
+  // if there are no results. Errors:
+  // - usage: the folder cannot be written to, or contains results of another kind. Or it contains files with
+  //   names of this kind that are not in the list.
+  // - environment: another process writes there, or the disk is full.
   static Result<OutputFolder> open(const std::string& path, const OutputKind& kind);
-  // Removes the results of an earlier run, which open() has left, and says so on standard error: when a run
-  // begins.
+  // Removes the results of an earlier run, and reports this on standard error. Call it when a run begins.
   Result<void> clear() const;
-  // Both.
+  // Calls open() and clear().
   static Result<OutputFolder> begin(const std::string& path, const OutputKind& kind);
 
   const std::string& folder() const;
-  // Of one of the kind's files, or one that was added.
+  // Returns the path of a file of this kind, or of an added one.
   std::string path(const std::string& name) const { return folder() + "/" + name; }
-  // A file whose name the kind does not state: into the list, before it is written. Returns its path.
+  // Adds a file whose name is not in OutputKind to the list, before it is written. Returns its path.
   Result<std::string> add(const std::string& name) const;
   Result<void> remove(const std::string& name) const;
   Result<void> write(const std::string& name, std::string_view bytes) const;
   Result<void> write_json(const std::string& name, const nlohmann::ordered_json& value) const;
 
-  // Errors of a full disk, with what is saved in this folder; others as they are.
+  // Appends the list of saved files to the error of a full disk. Returns other errors unchanged.
   Error explained(Error error) const;
   template <class T>
   Result<T> explained(Result<T> result) const {

@@ -1,4 +1,4 @@
-// Where the program's own files are: robot, worlds, firmware.
+// Locations of installed files: robot, worlds, page, firmware.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,22 +9,22 @@
 
 namespace kaz::tools {
 
-// Path of a file under share/kaz, e.g. "robot/kaz/kaz.urdf". The folder is $KAZ_DATA if that is
-// set, else
-// ../share/kaz seen from the program. Fails where the file is not there.
+// Returns the path of a file under share/kaz, for example "robot/kaz/kaz.urdf". The folder is $KAZ_DATA if
+// set, else ../share/kaz relative to the executable. Fails (environment) if the file is missing.
 Result<std::string> data_file(const std::string& name);
 
-// A world by path, or by the name of one that comes with Kaz ("ball").
+// Finds a world by the name of an installed one ("ball"), or by path. Fails with Fault::usage.
 Result<std::string> world_file(const std::string& name);
 
-// The folder of the page of --view. Where there is none the error says what builds it.
+// Returns the folder of the --view page. If it is missing, the error (environment) states the command that
+// builds it.
 Result<std::string> view_page();
 
-// The firmware image to emulate: `given` if not empty, else the one built with the program. Where
-// there is none the error says what to install.
+// Returns the firmware image to emulate: `given`, or the installed one if `given` is empty. A missing
+// installed image fails with Fault::environment, and the message lists the packages to install.
 Result<std::string> firmware_image(const std::string& given);
 
-// recording.mcap of a folder that `kaz run` has written; else the path itself.
+// Returns recording.mcap in a folder written by `kaz run`, or `path` itself if it is no folder.
 std::string recording_of(const std::string& path);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Questions to whoever sits at the keyboard.
+// Questions to the user at the keyboard.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace kaz::tools {
 
-// Prints `prompt` on standard error and returns the line that is typed, without its end. Ctrl-C ends the
-// wait. Error (usage): standard input has ended; `nobody` is the sentence.
+// Prints `prompt` on standard error and returns the typed line without its end. Ctrl-C ends the wait with
+// Fault::interrupted. At the end of standard input it fails with Fault::usage and the message `nobody`.
 Result<std::string> prompt_user(const std::string& prompt, const host::Interrupt& interrupt,
                                 const std::string& nobody);
 

@@ -1,6 +1,7 @@
-// Date, version, machine and command line of this run of the program, for its reports. Never part of a
-// recording: the same seed gives the same bytes at any time on any machine.
+// Date, version, machine and command line of this program run, for reports.
 // SPDX-License-Identifier: Apache-2.0
+//
+// They are never part of a recording: the same seed must give the same bytes at any time on any machine.
 #pragma once
 
 #include <string>
@@ -12,14 +13,14 @@
 
 namespace kaz::tools {
 
-// Once, from main().
+// Stores the command line. Call it once, from main().
 void set_command_line(int argc, const char* const* argv);
-// Its words, without the program.
+// Returns the words of the command line without the program.
 const std::vector<std::string>& command_words();
 
-// The date is that of the call.
+// `date` is the time of the call.
 hil::Provenance provenance();
-// Under `provenance` in JSON.
+// Value of `provenance` in JSON reports.
 nlohmann::ordered_json provenance_json();
 
 }  // namespace kaz::tools

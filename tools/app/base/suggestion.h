@@ -1,4 +1,4 @@
-// The name that a mistyped one was meant to be.
+// Suggestion of a name for a mistyped one.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,8 @@
 
 namespace kaz::tools {
 
-// "; did you mean --duration?", or nothing where no name is near. The beginning of a name is near.
+// Returns "; did you mean --duration?", or "" if no name is similar: an edit distance of at most 2, or a name
+// that starts with `given`.
 std::string suggestion(std::string_view given, const std::vector<std::string>& names);
 
 }  // namespace kaz::tools

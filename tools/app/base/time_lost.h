@@ -1,5 +1,4 @@
-// What the simulator behind a port says of itself: how far it has fallen behind the wall clock, which mcu it
-// runs.
+// Status of the simulator behind a port: its lag behind the wall clock, and its kind of microcontroller.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,11 +9,12 @@
 
 namespace kaz::tools {
 
-// Reads it from the control socket beside the port (`kaz sim`). Null if there is none, as at a real port.
-// Once interrupted, it waits for the reply for 0.3 s at most: what was measured before is still judged.
+// Returns a function that reads the lag from the control socket beside the port (`kaz sim`). Null without a
+// socket, as at a real port. After an interrupt the function waits at most 0.3 s for the reply, so that a
+// run's end can still be evaluated. `interrupt` must outlive it.
 host::LatenessMeter::TimeLost time_lost_behind(const std::string& port, host::Interrupt& interrupt);
 
-// "native" or "h8", from the same socket; empty if there is none, or it does not say.
+// Returns "native" or "h8" from the same socket; empty without a socket, or without a valid reply.
 std::string simulated_mcu(const std::string& port, const host::Interrupt& interrupt);
 
 }  // namespace kaz::tools

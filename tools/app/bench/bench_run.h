@@ -1,4 +1,4 @@
-// `kaz bench`: measures a board and fits the motor model to the measurements.
+// `kaz bench`: measures a board, and fits the motor model to the measurements.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,12 +14,12 @@ namespace kaz::tools {
 
 struct BenchOptions {
   BenchTargetOptions target;
-  bool motor = false, link = false, tick = false;  // what to measure
-  std::string joints = "l_sh_pitch";               // names with commas between, or "all"
+  bool motor = false, link = false, tick = false;  // groups to measure
+  std::string joints = "l_sh_pitch";               // names separated by commas, or "all"
   std::string filter, limits;
-  std::string out = "kaz-bench";  // the verb adds what is measured
+  std::string out = "kaz-bench";  // `kaz bench` appends the group, as "-motor"
   double supply_volts = 10;
-  std::string of_motors;  // an option that was given and is of motors alone; empty: none
+  std::string of_motors;  // name of a given option that applies only to motors; empty: none
   bool allow_motion = false, json = false;
 };
 
@@ -29,14 +29,15 @@ struct BenchFitOptions {
   bool json = false;
 };
 
-// Numbers of the joints in a list of names; each once.
+// Parses a list of joint names. Returns their numbers, each once.
 Result<std::vector<int>> joints_of(const std::string& text);
 
-// Writes the reports to `out`, prints each measurement. Status 1: one failed, or nothing was
-// measured; 3: none failed, but this machine was too late to judge some.
+// Writes the reports to `out`, and prints each measurement. Status 1: a measurement failed, or none passed.
+// Status 3: none failed, but some are undecided because of a warm motor, a disturbed line, or a late machine.
 Result<Outcome> run_bench(const BenchOptions& arguments);
 // Fits the motor model to a report of run_bench().
 Result<bool> run_fit(const BenchFitOptions& arguments);
+// Prints a list of all measurements with their limits.
 void print_measurements(bool json);
 
 }  // namespace kaz::tools

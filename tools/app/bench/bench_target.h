@@ -1,5 +1,4 @@
-// What `kaz bench` measures: an emulated board on the virtual motor stand, or one on a port with
-// whatever stand there is.
+// Target of `kaz bench`: an emulated board on the virtual motor stand, or a board at a port with its stand.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,24 +17,24 @@
 namespace kaz::tools {
 
 struct BenchTargetOptions {
-  std::string port;                           // as parse_port_address() has it; empty: the virtual stand
+  std::string port;                           // for parse_port_address(); empty: the virtual stand
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // at a port
   std::string stand;                          // at a port: "", "manual" or "ctl:PATH"
-  BackendOptions backend;  // of the virtual stand: mcu, image, motor, disc, sensors, seed
+  BackendOptions backend;  // for the virtual stand: mcu, image, motor, disc, sensors, seed
 };
 
 class BenchTarget {
  public:
-  // Errors: options that exclude each other, files (usage); a port or stand that is not there
-  // (environment). `interrupt` must outlive it.
+  // Fails with Fault::usage for options that exclude each other and for invalid files, and with
+  // Fault::environment if a port or stand is missing. `interrupt` must outlive the target.
   static Result<std::unique_ptr<BenchTarget>> open(const BenchTargetOptions& options,
                                                    host::Interrupt& interrupt);
   virtual ~BenchTarget() = default;
   virtual std::string name() const = 0;  // "virtual board (h8)", "/dev/ttyUSB0"
   virtual host::Link& link() = 0;
   virtual host::Clock& clock() = 0;
-  virtual hil::Stand* stand() = 0;  // null: none
-  // Of link() and clock(), at a port; null in simulated time.
+  virtual hil::Stand* stand() = 0;  // null without a stand
+  // Meter that link() and clock() belong to, at a port; null in simulated time.
   virtual host::LatenessMeter* lateness() = 0;
 };
 

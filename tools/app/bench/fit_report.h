@@ -1,4 +1,4 @@
-// A fit of the motor model for machines and people.
+// Reports a fit of the motor model as JSON, HTML and text.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,11 +11,11 @@
 namespace kaz::tools {
 
 nlohmann::ordered_json fit_json(const lockstep::MotorFit& fit);
-// One page with the parameters, the gap before and after, and the curves. `report`: the report's name;
-// `from`: when, by which program and command the fit was made.
+// Returns a page with the parameters, the residuals before and after, and the curves. `report`: name of the
+// bench report. `from`: time, program version and command of the fit.
 std::string fit_html(const lockstep::MotorFit& fit, const std::string& report,
                      const hil::Provenance& from);
-// The same parameters and gaps as lines of text.
+// Returns the same parameters and residuals as lines of text.
 std::string fit_text(const lockstep::MotorFit& fit);
 
 }  // namespace kaz::tools

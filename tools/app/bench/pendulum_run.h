@@ -1,4 +1,4 @@
-// `kaz bench pendulum`: logs of a pendulum on a bus servo, for `kaz bench servo`.
+// `kaz bench pendulum`: records logs of a pendulum on a bus servo, for `kaz bench servo`.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,16 +11,16 @@
 namespace kaz::tools {
 
 struct PendulumArguments {
-  std::string robot;                            // as parse_bus() accepts it
-  std::optional<servo_bus::Protocol> protocol;  // where `robot` has none
-  long baud = 0;                                // 0: that of `robot`, or of servos as they are sold
+  std::string robot;                            // for parse_bus()
+  std::optional<servo_bus::Protocol> protocol;  // used if `robot` contains none
+  long baud = 0;  // 0: the rate in `robot`, or the servos' factory setting
   hil::PendulumOptions recorder;
   double amplitude_deg = 80;
   std::string out = "kaz-pendulum";
   bool yes = false, json = false;
 };
 
-// Records twelve logs and leaves them in the folder, with record.json.
+// Records twelve logs, and writes them to the folder with record.json.
 Result<bool> record_pendulum_logs(PendulumArguments arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz bench servo`: motor and friction of a servo from logs of a pendulum.
+// `kaz bench servo`: fits motor and friction of a servo to logs of a pendulum.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,12 +11,12 @@ namespace kaz::tools {
 
 struct ServoFitArguments {
   std::vector<std::string> logs, held_out;  // files (servo_log.h)
-  int model = 0;                            // up to which; 0: all six
+  int model = 0;                            // largest model to fit; 0: all six
   std::string out = "kaz-servo";
   bool json = false;
 };
 
-// Fits, prints a table, and leaves report.html, result.json and a plot of each log held out.
+// Fits the models and prints a table. Writes report.html, result.json and a plot of each held-out log.
 Result<bool> run_servo_fit(const ServoFitArguments& arguments);
 
 }  // namespace kaz::tools

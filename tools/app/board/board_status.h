@@ -1,4 +1,4 @@
-// `kaz status`: reads the state of a board; moves and changes nothing.
+// `kaz status`: reads the state of a board. It moves and changes nothing.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,12 +11,12 @@
 namespace kaz::tools {
 
 struct StatusOptions {
-  std::string port;  // as parse_port_address() has it
+  std::string port;  // for parse_port()
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   bool json = false;
 };
 
-// Prints the state. False: a shutdown is latched.
+// Prints the state. Returns false if a shutdown is latched.
 Result<bool> print_status(const StatusOptions& arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz conformance`: the protocol certificate of a board, case by case.
+// `kaz conformance`: certifies the protocol of a board, case by case.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,22 +14,22 @@
 namespace kaz::tools {
 
 struct ConformanceOptions {
-  std::string port;                           // of a board; empty: a virtual one
-  std::optional<sim::McuKind> mcu;            // of the virtual board; nullopt: a board at a port
-  std::string image;                          // firmware image for h8; the built one if empty
-  std::string junit, json, html;              // files of reports; "-": standard output, empty: none
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // at the port
+  std::string port;                           // port of a board; empty: a virtual one
+  std::optional<sim::McuKind> mcu;            // for the virtual board; nullopt: a board at a port
+  std::string image;                          // firmware image for h8; empty: the installed one
+  std::string junit, json, html;              // report files; "-": standard output; empty: none
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // address at the port
   bool list = false, allow_motion = false, allow_flash = false;
   hil::RunOptions run;
-  // A servo on a bus instead of a board; nullopt: a board.
+  // Tests a servo on a bus instead of a board; nullopt: a board.
   std::optional<servo_bus::Protocol> bus;
   int id = 1;
-  long baud = 0;  // of the bus; 0: that of servos as they are sold
+  long baud = 0;  // baud rate of the bus; 0: the servos' factory setting
   bool allow_eeprom = false, alone = false, release = false;
 };
 
-// Runs the cases and writes the reports, or lists the cases. Status 1: a case failed; 3: none did,
-// but this machine was too late to judge some.
+// Runs the cases and writes the reports, or lists the cases. Status 1: a case failed. Status 3: no case
+// failed, but this machine was too late to judge some.
 Result<Outcome> run_conformance(ConformanceOptions arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz recover`: brings a board back, whatever address an interrupted run has left it at.
+// `kaz recover`: restores a board, whatever address an interrupted run has left it at.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,12 +14,12 @@
 namespace kaz::tools {
 
 struct RecoverOptions {
-  std::string port = {};                      // as parse_port_address() has it
-  std::optional<std::uint8_t> address = {};   // where it is to be; that of the notes, else 1
-  std::optional<std::uint8_t> found_at = {};  // which board, where there are several
-  std::optional<bool> shared_line = {};       // as in the notes, else as it is
+  std::string port = {};                      // for parse_port()
+  std::optional<std::uint8_t> address = {};   // final address; empty: from the notes, else 1
+  std::optional<std::uint8_t> found_at = {};  // present address, if there are several boards
+  std::optional<bool> shared_line = {};       // empty: as in the notes, else unchanged
   std::string from = {};                      // notes of an interrupted run; empty: none
-  bool port_changed = false;  // the notes are of this board, but name another port
+  bool port_changed = false;  // the notes describe this board, but name another port
   bool json = false;
 };
 
@@ -30,15 +30,16 @@ struct Recovered {
   std::vector<std::string> done, left, notes;
 };
 
-// Finds the board, waiting `patience` for one that starts or is in its loader, switches its motors off,
-// resets it and gives it its address; with `kept` all that those notes have. Its calibration in flash stays,
-// except that of `kept` is put back. Errors: no board, several of which none is chosen, the address is
-// another board's (usage, environment).
+// Finds the board, switches its motors off, resets it and sets its address. Waits up to `patience` for a
+// board that starts or is in its loader. With `kept` it also restores all settings in those notes, including
+// the calibration in flash. Without them the calibration stays. Fails (usage or environment) if no board is
+// found, if there are several and none is selected, or if another board has the address.
 Result<Recovered> recover_board(host::Link& link, host::Clock& clock, const RecoverOptions& options,
                                 const std::optional<KeptFile>& kept,
                                 Time patience = std::chrono::seconds(6));
 
-// The verb; prints what was found and done. False: a fault remains, or something could not be put back.
+// Runs the command, and prints what was found and done. Returns false if a fault remains, or if something
+// could not be restored.
 Result<bool> recover(const RecoverOptions& options);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz can-bridge`: a board's serial line on a CAN bus.
+// `kaz can-bridge`: connects a board's serial line to a CAN bus.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,12 +12,13 @@
 namespace kaz::tools {
 
 struct CanBridgeOptions {
-  std::string port;       // of the line, as parse_port_address() has it
+  std::string port;       // port of the line, for parse_port_address()
   std::string interface;  // "can0"
-  std::vector<std::uint8_t> addresses = {KZ_ADDRESS_DEFAULT};  // of the boards on the line
+  // Addresses of the boards on the line.
+  std::vector<std::uint8_t> addresses = {KZ_ADDRESS_DEFAULT};
 };
 
-// Runs until SIGINT, SIGTERM or SIGHUP, which are its normal end.
+// Runs until SIGINT, SIGTERM or SIGHUP, which end it normally.
 Result<bool> bridge_can(const CanBridgeOptions& options);
 
 }  // namespace kaz::tools

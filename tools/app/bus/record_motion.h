@@ -1,4 +1,4 @@
-// `kaz bus record`: a motion by hand, for `kaz run play`; and `kaz bus status`: each servo once.
+// `kaz bus record`: records a motion by hand for `kaz run play`. `kaz bus status`: reads each servo once.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,15 +11,15 @@
 namespace kaz::tools {
 
 struct MotionRecordOptions {
-  BackendOptions backend;  // robot and robot_file
+  BackendOptions backend;  // uses robot and robot_file
   double seconds = 20;
   std::string out;       // file of poses
-  bool release = false;  // a torque that is on is switched off at the beginning
+  bool release = false;  // switches the torque off first, if it is on
   bool json = false;
 };
 
-// Reads the joints while somebody moves them, and writes the file of poses. Nothing is driven. False: nothing
-// moved, or a joint was outside of its limits.
+// Reads the joints while the user moves them, and writes the file of poses. Drives no servo. The outcome is a
+// failure if nothing moved, or if a joint was outside of its limits.
 Result<Outcome> record_motion(const MotionRecordOptions& options);
 
 struct BusStatusOptions {
@@ -27,8 +27,8 @@ struct BusStatusOptions {
   bool json = false;
 };
 
-// Prints angle, torque, load, current, voltage, heat and errors of each servo. Writes nothing. False: one
-// does not answer, or reports an error.
+// Prints angle, torque, load, current, voltage, temperature and errors of each servo. Writes to no servo. The
+// outcome is a failure if a servo does not reply or reports an error.
 Result<Outcome> print_bus_status(const BusStatusOptions& options);
 
 }  // namespace kaz::tools

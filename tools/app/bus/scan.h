@@ -1,4 +1,4 @@
-// `kaz bus scan`: which servos are on a bus, at which rate, and what is wrong with them or the wire.
+// `kaz bus scan`: finds the servos on a bus and their baud rates, and checks them and the wiring.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,16 +11,16 @@
 namespace kaz::tools {
 
 struct BusScanOptions {
-  std::string robot;     // as parse_bus() accepts it; with a protocol, `protocol` is empty
-  std::string protocol;  // "feetech", "dynamixel"; empty: that of `robot`, or both
+  std::string robot;     // for parse_bus(); if it contains a protocol, `protocol` must be empty
+  std::string protocol;  // "feetech", "dynamixel"; empty: the one in `robot`, or both
   std::vector<long> bauds;
   int first_id = 0, last_id = 252;
   int readings = 20;
   bool json = false;
 };
 
-// Prints the servos. Status 1: there are none, or something is wrong; 3: nothing is wrong, but this machine
-// was too late to judge all.
+// Prints the servos. Status 1: no servo found, or a problem found. Status 3: no problem found, but this
+// machine was too late to judge all ids.
 Result<Outcome> run_bus_scan(const BusScanOptions& options);
 
 }  // namespace kaz::tools

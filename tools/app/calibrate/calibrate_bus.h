@@ -1,4 +1,4 @@
-// `kaz calibrate joints` of a robot on a bus of servos: ranges by hand, and positions that do not wrap.
+// `kaz calibrate joints` for a servo bus: measures ranges by hand, and prevents wrapping positions.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,18 +11,19 @@
 namespace kaz::tools {
 
 struct BusCalibrationOptions {
-  BackendOptions backend;  // robot and robot_file
-  double seconds = 120;    // at most, for turning the joints
+  BackendOptions backend;  // uses robot and robot_file
+  double seconds = 120;    // maximum time to turn the joints
   std::string out;         // folder for result.json; none if empty
-  bool release = false;    // a torque that is on is switched off at the beginning
-  bool yes = false;        // write without a question
+  bool release = false;    // switches the torque off first, if it is on
+  bool yes = false;        // writes without confirmation
   bool store = true;       // false: report only
   bool json = false;
 };
 
-// Reads positions while somebody turns each joint from stop to stop, places each range so that it does not
-// wrap, shows what that writes, and writes it to the servos' EEPROM and to bus.json. A joint without a good
-// range is a failure, and nothing is written. So it is after an interrupt or an error, or it is taken back.
+// Reads positions while the user turns each joint from stop to stop. Places each range so that it does not
+// wrap, and prints the changes. Then writes them to the servos' EEPROM and to bus.json. The outcome is a
+// failure, and nothing is written, if a joint has no good range. After an interrupt or an error nothing is
+// written, or the writes are undone.
 Result<Outcome> calibrate_bus_joints(const BusCalibrationOptions& options);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz compare`: two recordings side by side.
+// `kaz compare`: compares two recordings.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,12 +11,12 @@ namespace kaz::tools {
 struct CompareOptions {
   std::string a, b;  // recordings, or folders with recording.mcap
   std::string out;   // folder for report.html, plots and result.json; none if empty
-  bool all = false;  // prints what does not differ, too
+  bool all = false;  // also prints measures without a difference
   bool json = false;
 };
 
-// False: something differs by more than its noise. Errors: usage, of files that are no recordings of runs;
-// environment, of results that cannot be written.
+// Returns false if a measure differs by more than its noise. Fails with Fault::usage if a file is not a run
+// recording, and with Fault::environment if results cannot be written.
 Result<bool> compare_recordings(const CompareOptions& options);
 
 }  // namespace kaz::tools

@@ -1,6 +1,6 @@
-// What a recording says of a run to someone who has only the wire: commands, postures, replies, pictures.
+// Run as observed on the wire: commands, postures, replies and pictures from a recording.
 // SPDX-License-Identifier: Apache-2.0
-//
+// It is the same for recordings of a virtual robot and of a port: the simulator's ground truth is not read.
 // The same of a virtual robot's recording and of one made at a port: the simulator's truth is not read.
 #pragma once
 
@@ -15,52 +15,53 @@
 
 namespace kaz::tools {
 
-// Times in s from the behaviour's first record; without one, from the recording's begin.
+// Times are in s since the first record of the behavior; without one, since the start of the recording.
 struct RunTrace {
-  std::string name;      // as given
-  std::string behavior;  // empty: not known
+  std::string name;      // as passed to of(); load() passes the file
+  std::string behavior;  // empty if unknown
   std::string settings;  // JSON
   std::string robot;     // "virtual", or the port
   double duration_s = 0;
-  std::string early_end;  // why the recording ends before the run; empty: it does not
+  std::string early_end;  // why the recording ends before the run; else empty
 
   struct Posture {
-    double time_s =
-        0;  // when the angles were measured: the board's tick, set to the earliest arrivals
+    // When the angles were measured: the board's tick, aligned with the earliest arrivals.
+    double time_s = 0;
     std::array<double, KZ_JOINTS> angle_rad{};
     double supply_v = 0;
   };
   std::vector<Posture> postures;
 
   struct Targets {
-    double time_s = 0;  // when the request had arrived at the board, as far as the wire shows
+    // Time at which the request had arrived at the board, as far as the wire shows.
+    double time_s = 0;
     double ramp_s = 0;
     std::uint32_t mask = 0;
-    std::array<double, KZ_JOINTS> angle_rad{};  // of the joints in the mask
+    std::array<double, KZ_JOINTS> angle_rad{};  // for the joints in the mask
   };
   std::vector<Targets> targets;
 
   struct Exchange {
-    double time_s = 0;        // of the request
-    double round_trip_s = 0;  // until its reply was there
+    double time_s = 0;        // start of the request
+    double round_trip_s = 0;  // until the complete reply
   };
   std::vector<Exchange> exchanges;
 
   struct Picture {
     double exposure_s = 0;
-    double delay_s = 0;  // until the behaviour had what vision makes of it
-    bool found = false;  // the ball
+    double delay_s = 0;  // until the behavior received the result of vision
+    bool found = false;  // the ball was found
   };
   std::vector<Picture> pictures;
 
-  int unanswered = 0;  // requests without reply
+  int unanswered = 0;  // requests without a reply
   int refused = 0;
-  int damaged = 0;                     // frames, in either direction
-  std::vector<std::string> shutdowns;  // reasons that the board gave, each once
+  int damaged = 0;                     // damaged frames in either direction
+  std::vector<std::string> shutdowns;  // reasons that the board reported, each once
 
-  // Errors (usage), one sentence: nothing to compare in it, damaged.
+  // Fails (usage) if the recording is damaged or contains no posture.
   static Result<RunTrace> of(const sim::McapRecording& recording, const std::string& name);
-  // Of a file, or of recording.mcap in a folder.
+  // Loads a file, or recording.mcap in a folder.
   static Result<RunTrace> load(const std::string& path);
 };
 

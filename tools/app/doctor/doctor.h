@@ -1,4 +1,4 @@
-// `kaz doctor`: what of this machine would keep a real robot from working, and the command that mends it.
+// `kaz doctor`: finds problems of this machine that affect a real robot, and the commands that fix them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,28 +15,29 @@ namespace kaz::tools {
 struct Finding {
   enum class Level {
     good,   // works
-    note,   // works, or is not there, and could be better
-    wrong,  // does not work until it is mended
+    note,   // works, or is absent, and could be improved
+    wrong,  // does not work until it is fixed
   };
   Level level = Level::good;
   std::string part;     // "serial", "can", "camera", "kernel", "toolchain", "cores", "board"
   std::string subject;  // "/dev/ttyUSB0"
   std::string text;     // one sentence without the subject
-  std::string remedy;   // a command, or several joined by &&; empty if there is none
+  std::string remedy;   // a command, or several joined by &&; empty: none
 };
 
-// Reads only; opens video devices, and no serial port: a board would be reset by some adapters.
+// Examines this machine without changes. Opens video devices, but no serial port: some adapters would reset a
+// board.
 std::vector<Finding> examine(const MachineFiles& files);
 
-// About the board at `port`, as it has identified itself.
+// Returns the finding on the board at `port`, from its reply to identify.
 Finding examine_board(const std::string& port, const Result<kz_identify_reply>& board);
 
 struct DoctorOptions {
   bool json = false;
-  std::string port;  // of a board to be asked for its firmware; empty: none
+  std::string port;  // port of a board whose firmware to check; empty: none
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
 };
-// Prints the findings. False: something is wrong. Errors: usage, of the port's name.
+// Prints the findings. Returns false if a finding is `wrong`. Fails (usage) if the port is not valid.
 Result<bool> run_doctor(const DoctorOptions& options);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// What this machine's kernel reports of its devices, in files; a test has a folder of its own instead.
+// Files in which this machine's kernel reports its devices. Tests use a folder of their own.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,33 +12,33 @@
 namespace kaz::tools {
 
 struct VideoFormats {
-  bool captures = false;             // false: a node of a camera for something else than pictures
-  std::vector<std::string> formats;  // "YUYV", as the driver names them
-  std::string error;                 // why it could not be opened; empty if it could
+  bool captures = false;             // false: the node of a camera is not for pictures
+  std::vector<std::string> formats;  // "YUYV": names from the driver
+  std::string error;                 // why the device could not be opened; empty if it could
 };
 
 struct MachineFiles {
-  std::string root;  // in front of /sys, /dev, /proc; empty: the machine's
-  uid_t user = 0;    // whose permissions count
+  std::string root;  // prefix of /sys, /dev, /proc; empty: this machine
+  uid_t user = 0;    // user whose permissions are checked
   std::vector<gid_t> groups;
   int cores = 1;
-  std::string kernel;       // release, as uname -r prints it
-  std::string search_path;  // of programs, separated by colons
-  // Output of `ip -json -details link show NAME`; empty if there is no such program.
+  std::string kernel;       // release, as from uname -r
+  std::string search_path;  // folders of programs, separated by colons
+  // Returns the output of `ip -json -details link show NAME`; empty if the program is missing.
   std::function<std::string(const std::string& name)> interface_details;
   std::function<VideoFormats(const std::string& path)> video_formats;
 
   static MachineFiles of_this_machine();
 
-  // First line of a file; nothing if it cannot be read.
+  // Returns the first line of a file; nullopt if it cannot be read.
   std::optional<std::string> line(const std::string& path) const;
-  // Names in a folder, sorted; none if there is none.
+  // Returns the names in a folder, sorted; none if the folder is missing.
   std::vector<std::string> names(const std::string& folder) const;
   bool exists(const std::string& path) const;
-  // Where a link, or a path with links in it, leads, without `root`; empty if nowhere.
+  // Resolves links in a path. Returns it without `root`; empty if the target is missing.
   std::string target(const std::string& path) const;
   bool may_use(const std::string& device) const;
-  // "PID (NAME)" of processes that have the device open, of those whose files `user` may see.
+  // Returns "PID (NAME)" of the processes that have the device open, as far as `user` may see their files.
   std::vector<std::string> holders(const std::string& device) const;
   bool has_program(const std::string& name) const;
 };

@@ -1,4 +1,4 @@
-// Many episodes of one behaviour: each in a process of its own, each kept as soon as it has ended.
+// Runs many episodes of one behavior, each in its own process, and stores each result at once.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,44 +21,51 @@ namespace kaz::tools {
 
 struct CampaignOptions {
   std::string behavior;
-  std::string judged_as;  // of a plug-in: the behaviour of Kaz whose criterion decides; empty: none
-  std::map<std::string, std::string> settings;  // of the behaviour
-  BackendOptions backend;                       // mcu, eyes, sensors, imu and so on
+  // For a plug-in: the behavior of Kaz whose criterion applies; empty: none.
+  std::string judged_as;
+  std::map<std::string, std::string> settings;  // options of the behavior
+  BackendOptions backend;  // options of the robot: mcu, eyes, sensors, imu and others
   Variation variation;
   std::uint64_t seed = 1;
   std::uint64_t episodes = 20;
-  std::uint64_t shard = 1, shards = 1;  // this is part `shard` of so many
-  bool calibrated = false;              // each robot's joints, before its episode
+  std::uint64_t shard = 1, shards = 1;  // this is part `shard` of `shards`
+  bool calibrated = false;              // calibrates each robot's joints before its episode
   bool realtime = false;                // two processes and a pty instead of lockstep
   int jobs = 1;
   std::string out;
   bool json = false;
-  // Lets viewers see an episode, in its own process, until what it returns goes; null: not this one.
+  // Lets viewers watch an episode, in the episode's process, while the returned object lives. Null: not this
+  // episode.
   std::function<std::shared_ptr<void>(SessionOptions&)> watch;
 
-  // What truth decides by.
+  // Behavior whose criterion decides success.
   const std::string& task() const { return judged_as.empty() ? behavior : judged_as; }
 };
 
-// What decides how each episode goes: campaigns with the same text differ only in which they ran.
+// Returns everything that determines the course of the episodes. Campaigns with equal JSON differ only in
+// which episodes they ran.
 nlohmann::ordered_json campaign_json(const CampaignOptions& options);
 
-// Runs those episodes of the part that are not in the folder yet, then writes summary and table.
-// False where not one episode succeeded. Errors: a folder of another campaign, or with episodes that are not
-// asked for; interruption (what has ended is kept), a behaviour that there is none of, episodes lost to the
-// machine (environment; the others are kept and summarized, the same command runs the lost ones again).
+// Runs the episodes of this part that the folder lacks, then writes summary and table. Returns false if no
+// episode succeeded. Errors:
+// - The folder belongs to another campaign, or contains episodes beyond the requested ones.
+// - Unknown behavior.
+// - Interrupted: completed episodes are kept.
+// - Episodes lost to the machine (environment): the others are kept and summarized, and the same command runs
+//   the lost ones again.
 Result<bool> run_campaign(const CampaignOptions& options);
 
-// Joins folders of parts of one campaign. Errors: parts of different campaigns, the same episode
-// with different results, none; episodes that no part holds (environment; the others are merged and
-// summarized, marked as interrupted).
+// Merges folders of parts of one campaign. Errors:
+// - The parts belong to different campaigns, have no episodes, or contain different results for one episode.
+// - Episodes are missing in all parts (environment): the others are merged and summarized, marked as
+//   interrupted.
 Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
                              bool json);
-// The same into a folder of open_campaign(), which is not one of `folders`.
+// Merges into a folder from open_campaign(), which must not be one of `folders`.
 Result<bool> merge_campaigns(const std::vector<std::string>& folders, const OutputFolder& out,
                              bool json);
 
-// The results folder of an evaluation, locked. Errors: as of OutputFolder::open().
+// Opens and locks the results folder of an evaluation. Errors as of OutputFolder::open().
 Result<OutputFolder> open_campaign(const std::string& out);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Random numbers of an episode's scenario: the same on all machines, each purpose with its own stream.
+// Random numbers of an episode's scenario: equal on all machines, with one stream per purpose.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace kaz::tools {
 
-// What random numbers are for.
+// Purpose of a random number; its value is the key of the stream.
 enum class Draw : std::uint64_t {
   friction = 301,
   supply,
@@ -36,12 +36,12 @@ enum class Draw : std::uint64_t {
   pushes
 };
 
-// 0..1, from a normal deviate, which is keyed alike on all machines.
+// Maps a normal deviate to a uniform one, 0 to 1. keyed_normal() returns the same deviates on all machines.
 inline double from_normal(double normal) {
   return std::clamp(0.5 * std::erfc(-normal / std::numbers::sqrt2), 0.0, 1.0);
 }
 
-// Evenly distributed, one after the other.
+// Uniform random numbers, drawn in sequence.
 class Dice {
  public:
   Dice(std::uint64_t seed, Draw what) : seed_(seed), what_(what) {}
@@ -49,10 +49,11 @@ class Dice {
     return from + (to - from) * from_normal(keyed_normal(seed_, ++number_,
                                                          static_cast<std::uint64_t>(what_)));
   }
-  // 0 to `count` - 1.
+  // Returns 0 to `count` - 1.
   std::size_t below(std::size_t count) {
     return static_cast<std::size_t>((*this)(0, static_cast<double>(count) - 0.001));
   }
+  // Returns -1 or 1.
   double side() { return (*this)(0, 1) < 0.5 ? -1 : 1; }
 
  private:

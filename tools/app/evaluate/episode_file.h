@@ -1,4 +1,4 @@
-// The files of a campaign as they are read back: what the summary takes for granted is checked here.
+// Reads the files of a campaign, and checks everything that the summary relies on.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,11 +10,11 @@
 
 namespace kaz::tools {
 
-// campaign.json. Errors (usage) name the file.
+// Parses campaign.json. Errors (usage) contain `name`.
 Result<nlohmann::ordered_json> parse_campaign(const std::string& text, const std::string& name);
-// One episode: its number, scenario, outcome, times, results and ground truth.
+// Parses one episode: its number, scenario, outcome, times, results and ground truth.
 Result<nlohmann::ordered_json> parse_episode(const std::string& text, const std::string& name);
-// result.json, as far as a merge reads it: what was planned, lost, interrupted.
+// Parses the members of result.json that a merge needs: planned, lost and interrupted episodes.
 Result<nlohmann::ordered_json> parse_result(const std::string& text, const std::string& name);
 
 }  // namespace kaz::tools

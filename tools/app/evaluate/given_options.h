@@ -1,4 +1,4 @@
-// Options of `kaz evaluate` that would draw nothing for the behaviour and the worlds they are given with.
+// Rejects options of `kaz evaluate` that have no effect for the given behavior and worlds.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace kaz::tools {
 
-// `given`: names on the command line, as "--obstacles". Errors (usage): the first one that has no effect, and
-// what it is for.
+// `given`: option names on the command line, as "--obstacles". Fails (usage) for the first option without
+// effect; the message states its purpose.
 Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given);
 
 }  // namespace kaz::tools

@@ -1,7 +1,7 @@
-// Kinds of worlds to walk in: what stands where, and where the goal is.
+// Kinds of worlds to walk in: draws obstacles and goal, and finds the shortest walk.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frame: from between the feet of the robot at its start; x ahead, y left. Units m, rad.
+// Frame: between the feet of the robot at its start; x ahead, y left. Units m, rad.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace kaz::tools {
 
-// From where to where something is drawn, evenly.
+// Range of a uniform distribution.
 using trials::Interval;
 
 enum class WorldKind {
@@ -40,59 +40,63 @@ enum class WorldKind {
 struct WorldKindInfo {
   WorldKind kind;
   const char* name;
-  const char* text;   // what is in it, and what density changes
-  double min_goal_m;  // the goal is never drawn nearer than that: else it does not fit
+  const char* text;   // contents, and what density changes
+  double min_goal_m;  // least distance of a drawn goal, so that the structure fits
 };
-// In the order of the enumeration.
+// All kinds, in the order of the enumeration.
 std::span<const WorldKindInfo> world_kinds();
 const char* to_string(WorldKind kind);
-// Boxes and cans stand about, as many as LayoutRange::max_obstacles and the density make them.
+// Returns whether the world has scattered boxes and cans. LayoutRange::max_obstacles and the density set
+// their number.
 bool has_clutter(WorldKind kind);
-// Names, or "all". Errors (usage): none of them, with the names that there are.
+// Parses names, or "all". Fails (usage) for an unknown name; the message lists all names.
 Result<std::vector<WorldKind>> parse_world_kinds(const std::vector<std::string>& names);
 
-// "sparse", "medium", "dense": thirds of 0..1.
+// Returns "sparse", "medium" or "dense", the thirds of 0 to 1.
 const char* density_grade(double density);
 
-// A part of a table top, its middle at x, y.
+// Part of a table top, centered at x, y.
 struct Slab {
   double x_m = 0, y_m = 0, yaw_rad = 0, length_m = 1, width_m = 1;
 };
 
 struct Layout {
   std::vector<Obstacle> obstacles = {};
-  std::vector<Slab> table = {};  // the robot stands on it; empty: on a floor without end
+  std::vector<Slab> table = {};  // The robot stands on it. Empty: an infinite floor.
   Eigen::Vector2d goal{0, 0};
   std::optional<double> goal_heading_rad = {};
-  double density = 0;  // 0..1
+  double density = 0;  // 0 to 1
 };
 
-// What layouts are drawn from.
+// Ranges from which layouts are drawn.
 struct LayoutRange {
-  double bearing_deg = 90;  // of the goal, at most so far to either side
+  double bearing_deg = 90;  // largest bearing of the goal to either side
   Interval goal_distance_m{0.7, 1.5};
   Interval density{0, 1};
-  int max_obstacles = 8;  // of kinds with clutter: half of it to all
+  int max_obstacles = 8;  // for kinds with clutter; the least number is half of it
 };
 
-// One that may be of no use. `ball_is_goal`: the goal has no heading, and is at `ball` in clutter and
-// two-balls; in the other kinds, which need room for what they are, it is drawn anyway.
+// Draws a layout, which may have no path to the goal (least_seconds()). With `ball_is_goal` the goal has no
+// heading. Then clutter and two_balls put it at `ball`. The other kinds draw it anyway, because their
+// structures need room.
 Layout draw_layout(WorldKind kind, const LayoutRange& range, std::uint64_t seed, bool ball_is_goal,
                    const Eigen::Vector2d& ball);
 
-// A box, can or large ball `near` to `far` m from the start, in any direction. `rgb`: its colour, that of the
-// ball to catch; null: one that no ball has. No ball that it draws is of the size of one to catch.
 class Dice;
+// Draws a box, can or large ball, `near_m` to `far_m` from the start in any direction. `rgb`: its color, that
+// of the target ball; null: a color that no ball has. Distractor balls never have the target ball's radius.
 Obstacle draw_prop(Dice& dice, double near_m, double far_m, const std::array<double, 3>* rgb);
 
-// The floor as it truly is, after everything has slid to its place, in a square of 2 `reach_m` around the
-// start: what stands there, and what is beside the table, is obstacle.
+// Returns the true floor after all slides, in a square of 2 `reach_m` around the start. Obstacles, and the
+// area beside the table, are obstacle cells.
 plan::Grid true_grid(const Layout& layout, double reach_m);
-// Of the grid to plan in: around start and goal, with room to walk around what is between.
+// Returns the `reach_m` for planning: it contains start and goal, with room to walk around obstacles between
+// them.
 double reach_of(const Layout& layout);
-// Start and goal are free, before and after the slides, and a robot of 20 cm around its middle can walk from
-// one to the other: more than it plans for itself, so that what it may think impassable is not drawn. The
-// least time of walking there with the room that it needs, s; nothing where there is no way.
+// Returns the shortest walking time from start to goal, in s; nullopt if there is no path. Start and goal
+// must be free before and after the slides. A robot of 20 cm radius must find a path. This exceeds the
+// robot's own planning radius, so that a drawn path does not look blocked to it. The time is for the robot's
+// own planning radius.
 Result<std::optional<double>> least_seconds(const Layout& layout);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// The ball's colour of an episode, learned as by `kaz vision learn-color`, from a picture in another light.
+// Learns the ball's color for an episode as `kaz vision learn-color` does, from a picture in different light.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,17 +11,17 @@
 
 namespace kaz::tools {
 
-// The picture that somebody took before the episode, of the left eye with its lens and noise, and what they
-// marked in it.
+// Picture as a user takes it before the episode, with the left eye's lens and noise, and the region marked in
+// it.
 struct ColorLesson {
-  Scenario scenario;  // the ball before the robot on another floor, nothing else
+  Scenario scenario;  // the ball in front of the robot on another floor, and no other objects
   vision::Image picture;
   vision::PictureRegion region;
 };
-// The lamp is at least 90 degrees aside from that of the episode, and as bright as in any usual one. Of the
-// episode there are the ball's paint and size. Errors: as make_simulation().
+// Draws a picture of a ball with the episode's paint and size. The lamp is at least 90 degrees from that of
+// the episode in azimuth, and as bright as in a default episode. Errors as make_simulation().
 Result<ColorLesson> draw_color_lesson(const Scenario& episode, const BackendOptions& backend);
-// What vision looks for in the episode. Errors also: no colour can be learned from the picture.
+// Returns the color range to detect in the episode. Also fails if no color can be learned from the picture.
 Result<vision::ColorRange> learned_ball_color(const Scenario& episode,
                                               const BackendOptions& backend);
 

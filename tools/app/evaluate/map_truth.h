@@ -1,4 +1,4 @@
-// How far the map of a walking robot agrees with what truly stands about.
+// Compares the map of a walking robot with the true obstacles.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,40 +16,43 @@
 
 namespace kaz::tools {
 
-// Frame: from between the feet of the start; x ahead, y left; m, rad. A map is compared where the robot is in
-// truth: the drift of its odometry, which is judged by where it arrives, does not count here.
+// Frame: between the feet at the start; x ahead, y left; m, rad. A map is compared relative to the robot's
+// true pose. So drift of its odometry does not count here; the position of arrival shows that. Counts at
+// every report:
 //
-// Obstacles: points of their outlines, 1 cm apart, that lay in both eyes' pictures within 1 m, hidden by
-// nothing, the robot's own limbs included, for half a second or more; found are those with an obstacle's cell
-// of the map within 2.5 cm. Each counts at every report from then on, however long ago it was in view.
-// In view: of these, points that were so in both eyes' pictures 2 s or less before the report: what the look
-// before a plan shows, and the last steps. Pictures that the behaviour does not enter (turns) count, too.
-// Floor: cells within 1 m that the map knows, 2 cm or more from anything that stands there; wrong are those
-// that it has as obstacles. A cell's state is the one by which paths are planned, LocalMap::certain().
-// Counted at every report.
+// - Outline points lie on the outlines of obstacles, 1 cm apart. A point counts once it has been visible in
+//   both eyes' pictures, at most 1 m away, for at least 0.5 s in total. Other obstacles and the robot's own
+//   limbs may hide it. From then on it counts at every report within 1 m of it. It is found if the map has an
+//   obstacle cell within 2.5 cm.
+// - Outline points in view were last visible at most 2 s before the report: during the look before a plan and
+//   the last steps. Pictures that the behavior does not add to its map (turns) count, too.
+// - Floor cells are known cells within 1 m of the robot, and at least 2 cm from any obstacle. They are wrong
+//   if the map has them as obstacles.
+//
+// A cell's state is the one used for planning, LocalMap::certain().
 class MapTruth {
  public:
-  // Those that slide or roll are left out, and so is what is near them.
+  // Leaves out obstacles that slide or roll, and everything within 0.3 m of them.
   explicit MapTruth(const std::vector<Obstacle>& obstacles);
 
-  // Whether the next look counts: those nearer together than 0.1 s are left out.
+  // Whether the next look would count. Looks less than 0.1 s after the last one do not count.
   bool looks_at(Time now) const;
-  // What the eyes see now. `start_from_eye`: optical frame of the left one; `own`: the robot, where it is now
-  // in the frame of the start, if any of it may be in view.
+  // Adds what the eyes see now. `start_from_eye`: pose of the left eye's optical frame. `own`: the robot's
+  // shapes in the frame of the start, if its limbs may be in view; else null.
   void look(Time now, const Eigen::Isometry3d& start_from_eye, const vision::CameraModel& camera,
             const OwnBody* own = nullptr);
-  // `robot`: its true place and heading.
+  // Compares one report. `robot`: true position and heading.
   void compare(const behavior::MapReport& report, const Eigen::Isometry2d& robot);
 
-  // `outline_points`, `outline_found`, `outline_points_in_view`, `outline_found_in_view`, `floor_cells`,
-  // `floor_wrong`.
+  // Counts: `outline_points`, `outline_found`, `outline_points_in_view`, `outline_found_in_view`,
+  // `floor_cells` and `floor_wrong`.
   nlohmann::ordered_json json() const;
 
  private:
   struct Outline {
     Eigen::Vector2d at;
     double seen_s = 0;
-    Time newest{};  // look that had it in view; of those with seen_s > 0
+    Time newest{};  // last look in which it was visible; valid if seen_s > 0
   };
   bool hidden(const Eigen::Vector2d& from, const Eigen::Vector2d& at) const;
 

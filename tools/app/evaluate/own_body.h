@@ -1,4 +1,4 @@
-// The robot's own shapes as the eyes see them: what its limbs hide.
+// Shapes of the robot as its eyes see them, to find what its limbs hide.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,16 +13,16 @@
 
 namespace kaz::tools {
 
-// The triangles of which the eyes' pictures are drawn. For the judge alone: a behaviour knows its limbs by
-// joint angles, and roughly.
+// Contains the triangles of which the eyes' pictures are drawn. Only the judge uses it. A behavior estimates
+// its limbs roughly, from joint angles.
 class OwnBody {
  public:
-  // Of the scene's shapes those of the frames named in `links`. Error: a shape's file cannot be read.
+  // Takes the scene's shapes of the frames in `links`. Fails if a shape's file cannot be read.
   static Result<OwnBody> make(const sim::Scene& scene, std::span<const std::string> links);
 
-  // Where the shapes are; `from_world`: the frame of hides().
+  // Moves the shapes to their poses. `from_world`: transform to the frame of hides().
   void move(const sim::ScenePose& pose, const Eigen::Isometry3d& from_world);
-  // Whether a shape is between the eye and what it looks at.
+  // Whether a shape is between the eye and the point `at`.
   bool hides(const Eigen::Vector3d& eye, const Eigen::Vector3d& at) const;
 
  private:
@@ -31,10 +31,10 @@ class OwnBody {
   };
   struct Part {
     int frame = 0;
-    Eigen::Isometry3d in_frame,
-        into;             // of the visual in its frame; from hides()' frame to the visual's
-    double radius_m = 0;  // of a sphere around its origin
-    std::vector<Triangle> triangles;  // frame of the visual
+    // in_frame: pose of the visual in its frame. into: from the frame of hides() to the visual's.
+    Eigen::Isometry3d in_frame, into;
+    double radius_m = 0;              // radius of a sphere around its origin
+    std::vector<Triangle> triangles;  // in the frame of the visual
   };
   std::vector<Part> parts_;
 };

@@ -1,7 +1,7 @@
-// An evaluation as a Slurm job array: written, submitted, waited for, merged.
+// Runs an evaluation as a Slurm job array: writes and submits it, waits, and merges the parts.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tasks are those of tasks.h; DIR/slurm has their script, what they printed, and the job's number.
+// The tasks are those of tasks.h. DIR/slurm contains their script, their output, and the number of the job.
 #pragma once
 
 #include <string>
@@ -13,24 +13,24 @@
 namespace kaz::tools {
 
 struct SlurmOptions {
-  int tasks = 0;                         // of the array; 0: no Slurm
+  int tasks = 0;                         // size of the array; 0: no Slurm
   std::vector<std::string> submit = {};  // options for sbatch
-  // How this program was called, without its name: what tasks repeat, as task_words() has it.
+  // Command line of this program without its name; tasks repeat it (task_words()).
   std::vector<std::string> words = {};
 };
 
-// Waits until all parts are there and merges them into options.out, whose result is returned as
-// run_campaign() does. Called again, it waits for the tasks that are under way and submits those that have
-// ended without a part; so it does by itself, as long as some parts come. Errors (environment): no sbatch,
-// or it refuses; tasks that ended without a part, whose output is named. An interrupt ends the waiting alone:
-// the tasks go on.
+// Waits until all parts exist and merges them into options.out. Returns the merged result as run_campaign().
+// A later call waits for running tasks, and submits those that ended without a part. The same happens within
+// a call while further parts arrive. Fails (environment) if sbatch is missing or rejects the job, or if tasks
+// ended without a part; the message names their output. An interrupt ends only the wait; the tasks continue.
 Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& slurm);
 
-// The array's script. `program`: the path of kaz.
+// Returns the script of the array. `program`: path of kaz.
 std::string slurm_script(const std::string& program, const std::vector<std::string>& words,
                          const std::string& folder, int tasks, int jobs);
 
-// A path without backslash as part of Slurm's name of an output file, in which `%` begins a symbol.
+// Returns a path for Slurm's output-file option, in which `%` begins a symbol. `path` must not contain a
+// backslash.
 std::string slurm_pattern(const std::string& path);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Whether a robot took note of a thing that was put into its way.
+// Checks whether a robot noticed an object that was moved into its way.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,33 +15,33 @@
 
 namespace kaz::tools {
 
-// By the thing's true place and the paths that the behaviour reports. Frame: from between the feet of the
-// start; m. The thing lies in the way if, as it comes to rest, what is left of the path leads nearer to it
-// than the robot is wide. It was noticed if a later plan leads around it, or finds no way.
+// Uses the object's true position and the paths that the behavior reports. Frame: between the feet at the
+// start; m. The object is in the way if it comes to rest less than 0.15 m (the reach of the hands) from the
+// remaining path. It was noticed if a later plan avoids it by 0.10 m or finds no path.
 class WayWatch {
  public:
-  // `thing` slides; `name`: its model.
+  // `thing` slides. `name`: its model.
   WayWatch(const Obstacle& thing, std::string name) : thing_(thing), name_(std::move(name)) {}
 
   const std::string& name() const { return name_; }
-  // At each look: true places of thing and robot.
+  // Call at each look, with the true positions of object and robot.
   void look(Time now, const Eigen::Vector2d& thing, const Eigen::Vector2d& robot);
-  // After each plan.
+  // Call after each plan.
   void plan(Time now, const std::vector<Eigen::Vector2d>& path);
 
   bool arrived() const { return arrived_.has_value(); }
   bool in_the_way() const { return in_the_way_; }
-  // From when it lay there to the plan that took note, s.
+  // Time in s from its arrival to the plan that avoids it.
   std::optional<double> noticed_s() const { return noticed_s_; }
-  // `in_the_way`, `arrived_s`, `away_m` (from the robot's middle to the thing's wall then), `nearest_m` (the
-  // least of it since then), `noticed_s`.
+  // `in_the_way`, `arrived_s`, `away_m` (distance from the robot's center to the object's wall at its
+  // arrival), `nearest_m` (the smallest such distance since then), `noticed_s`.
   nlohmann::ordered_json json() const;
 
  private:
-  // Least distance from the thing's wall of what is left of the path.
+  // Least distance from the object's wall to the remaining path.
   double passes(const std::vector<Eigen::Vector2d>& path) const;
 
-  Obstacle thing_;  // as it is now
+  Obstacle thing_;  // at its present position
   std::string name_;
   Eigen::Vector2d robot_{0, 0};
   std::optional<Time> looked_, arrived_;

@@ -1,4 +1,4 @@
-// Temporary files of an evaluation's episodes: removed however it ends, also by a second Ctrl-C.
+// Temporary files of an evaluation's episodes, which are removed however it ends.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,25 +11,25 @@
 
 namespace kaz::tools {
 
-// A folder in TMPDIR or /tmp, which the processes of the episodes get as their TMPDIR. An episode's process
-// that is killed cannot remove its files, so its parent does. A program that ends at once
-// (interrupt_signals.h) kills those processes and removes the folder first. One at a time in a process.
+// The folder is in TMPDIR or /tmp. The processes of the episodes use it as their TMPDIR. A killed process
+// cannot remove its files, so its parent removes them. A program that exits at once (interrupt_signals.h)
+// first kills these processes and removes the folder. Only one object may exist in a process.
 class WorkFolder {
  public:
   static constexpr const char* kPrefix = "kaz-evaluate-";
-  static constexpr int kMaxUsers = 256;  // as many as --jobs may be
+  static constexpr int kMaxUsers = 256;  // largest value of --jobs
 
-  // Also removes folders that killed evaluations of this user have left: an evaluation that runs holds a
-  // lock on its folder. Errors (environment): TMPDIR cannot be written.
+  // Creates and locks the folder. Also removes folders of killed evaluations of this user, which hold no lock
+  // any more. Fails (environment) if TMPDIR cannot be written to.
   static Result<WorkFolder> make();
   WorkFolder(WorkFolder&& other) noexcept
       : path_(std::exchange(other.path_, {})), folder_(std::exchange(other.folder_, -1)) {}
   WorkFolder& operator=(WorkFolder&&) = delete;
-  // The processes that use it have ended before.
+  // All processes that use the folder must have ended.
   ~WorkFolder();
 
   const std::string& path() const { return path_; }
-  // A child of this process begins to use it, and has ended.
+  // Call these when a child of this process starts to use the folder, and when it has ended.
   void add_user(pid_t child);
   void remove_user(pid_t child);
 

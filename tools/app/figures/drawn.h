@@ -1,4 +1,4 @@
-// The paper's figures of a run as pictures, and the numbers that belong to them.
+// Draws the paper's figures of a run, and returns the numbers in them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,14 +16,16 @@ namespace kaz::tools {
 
 struct DrawnFigure {
   figure::Image picture;
-  nlohmann::ordered_json numbers;  // what the picture shows, in SI units
+  nlohmann::ordered_json numbers;  // values that the picture shows, in SI units
 };
 
-// Each laid out as in the paper. All but figure 7: errors (failed) say what the run has not shown.
-Result<DrawnFigure> draw_scene(const RunCollector& run);         // 3
-Result<DrawnFigure> draw_setup(const RunCollector& run);         // 5
-Result<DrawnFigure> draw_map_and_path(const RunCollector& run);  // 6
+// Each figure has the layout of the paper. All but figure 7 fail (Fault::failed) if the run lacks what they
+// show.
+Result<DrawnFigure> draw_scene(const RunCollector& run);         // figure 3
+Result<DrawnFigure> draw_setup(const RunCollector& run);         // figure 5
+Result<DrawnFigure> draw_map_and_path(const RunCollector& run);  // figure 6
+// Figure 7.
 DrawnFigure draw_frame_information(const figure7::Sweep& sweep, const figure7::Options& options);
-Result<DrawnFigure> draw_catch(const RunCollector& run);  // 8
+Result<DrawnFigure> draw_catch(const RunCollector& run);  // figure 8
 
 }  // namespace kaz::tools

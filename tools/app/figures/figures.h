@@ -1,4 +1,4 @@
-// `kaz figures`: the paper's figures, each of one run.
+// `kaz figures`: draws the paper's figures, each from one run.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,20 +10,20 @@
 namespace kaz::tools {
 
 struct FiguresOptions {
-  BackendOptions backend;  // its world is that of figures 5 and 6
+  BackendOptions backend;  // its world is for figures 5 and 6
   std::string out = "kaz-figures";
-  std::set<int> only;         // of figure_numbers(); empty: all
-  std::string goal = "ball";  // of figures 5 and 6, as navigate takes it
-  std::string yard = "yard";  // world of figure 7: boxes on a floor
-  std::string recording;      // of a run; its figures are drawn then, and no others
-  bool json = false;          // result.json on standard output, no progress
+  std::set<int> only;         // numbers from figure_numbers(); empty: all
+  std::string goal = "ball";  // for figures 5 and 6: option `goal` of navigate
+  std::string yard = "yard";  // world for figure 7: boxes on a floor
+  std::string recording;      // recording of a run; only the figures of this run are drawn
+  bool json = false;          // prints result.json to standard output, and no progress
 };
 
-// 3, 5, 6, 7, 8: those that show what a robot does.
+// Figures that show what a robot does: 3, 5, 6, 7, 8.
 const std::set<int>& figure_numbers();
-// Leaves figureN.png, the same as figureN.jpg, figures.html and result.json in the folder, and each run in a
-// folder of its own in it, named as its behaviour. False: a run did not succeed, or has not shown what a
-// figure needs. Interrupted, the figures that are drawn by then are kept.
+// Writes figureN.png and figureN.jpg, figures.html and result.json into the folder. Each run has its own
+// subfolder, named as its behavior. Returns false if a run did not succeed, or lacks what a figure shows.
+// After an interrupt the completed figures stay.
 Result<bool> make_figures(const FiguresOptions& options);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// The figures on a page, beside what the paper shows.
+// HTML page of the figures, beside descriptions of the paper's.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,9 +8,9 @@
 
 namespace kaz::tools {
 
-// The paper's caption of a figure that there is (figures.h).
+// Returns the paper's caption. `number` must be in figure_numbers().
 std::string paper_caption(int number);
-// `result`: what result.json has. HTML that needs nothing but the pictures beside it.
+// `result`: content of result.json. The page needs only the pictures beside it.
 std::string figures_page(const nlohmann::ordered_json& result);
 
 }  // namespace kaz::tools

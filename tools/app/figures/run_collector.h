@@ -1,4 +1,4 @@
-// What the paper's figures need of a run, collected while it goes on.
+// Collects what the paper's figures show, during a run.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,35 +20,35 @@
 
 namespace kaz::tools {
 
-// Figure 3: one frame with the ball in view, what vision made of it, and the world from outside at its
+// Figure 3: one frame with the ball in view, the results of vision, and the world from outside at its
 // exposure.
 struct SceneView {
   std::shared_ptr<const vision::StereoImages> images;
   vision::BallObservation ball;  // ball.info is the frame information
   vision::DepthImage depth;
-  vision::FlowImage flow;      // since the frame before
-  double ball_moved_px = 0;    // since the frame before
-  vision::Image outside = {};  // an onlooker's view
+  vision::FlowImage flow;      // since the previous frame
+  double ball_moved_px = 0;    // since the previous frame
+  vision::Image outside = {};  // external view
 };
 
 // Figure 5: the world before the robot moves.
 struct SetupView {
   vision::Image from_side, from_above;
-  // In the view from above, px; nothing where there is no ball.
+  // In the view from above, px; empty without a ball.
   std::pair<double, double> robot_px{0, 0};
   std::optional<std::pair<double, double>> ball_px;
-  std::optional<Eigen::Vector2d> ball_m;  // ahead of and left of the robot's start
+  std::optional<Eigen::Vector2d> ball_m;  // x ahead, y left of the robot's start
 };
 
-// Figure 6: a frame of the looking-around.
+// Figure 6: a frame from looking around.
 struct PlaneView {
-  double wanted_pan_rad = 0, pan_rad = 0;  // of the head; positive to the left
+  double wanted_pan_rad = 0, pan_rad = 0;  // head angle; positive to the left
   std::shared_ptr<const vision::StereoImages> images;
   vision::PlaneSegments planes;  // planes.info is the frame information
   vision::DepthImage depth;
 };
 
-// Figure 6: the map and the path as they were when the robot began to walk.
+// Figure 6: map and path when the robot begins to walk.
 struct PlanView {
   Time time{};
   map::LocalMap map;
@@ -57,15 +57,16 @@ struct PlanView {
   std::vector<Eigen::Vector2d> path;  // corners, from the robot to the place that it walks to
 };
 
-// Listens to one session. Only what a behaviour reports, the pictures that it sees and views of an onlooker
-// are collected: truth is used to point the onlooker's camera alone.
+// Observes one session. Collects only the behavior's reports, its pictures and external views. Ground truth
+// only points the camera of the external views.
 class RunCollector final : public Onlooker, public VisionWatcher, public behavior::Sink {
  public:
   struct Wanted {
     bool scene = false, setup = false, plan = false, moments = false;
   };
   explicit RunCollector(Wanted wanted) : wanted_(wanted) {}
-  // Adds itself, and the modules of vision that it needs, to the session that is about to run.
+  // Adds this object, and the vision modules that it needs, to the options of a session. Must outlive the
+  // session.
   void listen(SessionOptions& options);
 
   const std::optional<SceneView>& scene() const { return scene_; }
@@ -73,7 +74,7 @@ class RunCollector final : public Onlooker, public VisionWatcher, public behavio
   const std::vector<PlaneView>& look_around() const { return look_around_; }
   const std::optional<PlanView>& plan() const { return plan_; }
   const std::vector<MomentPictures>& moments() const { return moments_; }
-  // A view could not be drawn.
+  // Set if a view could not be drawn.
   const std::optional<Error>& error() const { return error_; }
 
   void look(sim::Simulation& simulation) override;
@@ -83,7 +84,7 @@ class RunCollector final : public Onlooker, public VisionWatcher, public behavio
   void map(const behavior::MapReport& report) override;
 
  private:
-  // The world at one time, for views of it.
+  // State of the world at one time, for views of it.
   struct Pose {
     Time time{};
     sim::ScenePose scene;
@@ -105,8 +106,8 @@ class RunCollector final : public Onlooker, public VisionWatcher, public behavio
 
   Wanted wanted_;
   sim::Simulation* simulation_ = nullptr;
-  std::deque<Pose> poses_;  // the newest
-  std::deque<Seen> seen_;   // of the newest frames
+  std::deque<Pose> poses_;  // newest
+  std::deque<Seen> seen_;   // results of the newest frames
   std::optional<vision::BallObservation> ball_before_;
   std::optional<Pose> scene_pose_;
   double scene_score_ = 0;

@@ -1,4 +1,4 @@
-// `kaz replay --video`: a film of a recorded run, drawn from its poses.
+// `kaz replay --video`: draws a film of a recorded run from its poses.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,19 +10,19 @@ namespace kaz::tools {
 
 struct FilmOptions {
   std::string recording;  // file
-  std::string path;       // of the film; its ending names the format: .mp4, .webm, .webp, .gif
-  double pace = 1;        // seconds of the recording in one of the film
-  int fps = 0;            // pictures a second; 0: the format's default
+  std::string path;  // path of the film; its ending selects the format: .mp4, .webm, .webp, .gif
+  double pace = 1;   // seconds of the recording per second of the film
+  int fps = 0;       // pictures per second; 0: the format's default
   bool json = false;
 };
 
-// An onlooker's view of robot, ball and world; in a corner the left eye's picture, as recorded or else drawn
-// from its pose; the time and the behavior's phase. Equal recordings give equal pictures. Nothing is
-// simulated. Prints the result. Without success no file is left. Errors:
-// - usage: the recording (recorded_poses.h, recorded_backend.h, a damaged chunk); another ending; a film of
-//   more than 100,000 pictures
-// - environment: ffmpeg is missing or fails; the disk is full
-// - interrupted
+// Draws an external view of robot, ball and world, with the time and the behavior's phase. A corner shows the
+// left eye's picture: the recorded one, or else one drawn from its pose. Equal recordings give equal
+// pictures. It simulates nothing. Prints the result. Leaves no file unless it succeeds. Errors:
+// - usage: invalid recording (recorded_poses.h, recorded_backend.h, a damaged chunk), unknown ending, or a
+//   film of more than 100,000 pictures.
+// - environment: ffmpeg is missing or fails, or the disk is full.
+// - interrupted.
 Result<void> make_film(const FilmOptions& options);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Pictures into a file of a film, by the program ffmpeg.
+// Encodes pictures as a film, with the program ffmpeg.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,29 +18,30 @@ namespace kaz::tools {
 
 struct FilmFormat {
   const char* ending;                // ".mp4"
-  FileKind kind;                     // which files it may replace
-  int fps;                           // where none is asked for
-  std::vector<std::string> options;  // of ffmpeg, behind those of its input
+  FileKind kind;                     // type of files that it may replace
+  int fps;                           // default
+  std::vector<std::string> options;  // options of ffmpeg after those of its input
 };
 
-// Error (usage): the ending is of no format; it lists those that are.
+// Returns the format for the ending of `path`. Fails (usage) for an unknown ending; the message lists all
+// endings.
 Result<FilmFormat> film_format(const std::string& path);
 
 struct FilmSize {
   int width = 0, height = 0, fps = 0;
 };
 
-// ffmpeg is a process of its own, which ends with the object.
+// Runs ffmpeg as a child process, which ends with this object.
 class FilmEncoder {
  public:
-  // ffmpeg replaces what is at `path`. `interrupt` must outlive the encoder.
+  // Starts ffmpeg, which replaces the file at `path`. `interrupt` must outlive the encoder.
   static Result<FilmEncoder> begin(const FilmFormat& format, const FilmSize& size,
                                    const std::string& path, const host::Interrupt& interrupt);
 
-  // One picture: rows from top to bottom, 3 bytes a pixel. Errors: interrupted; environment: ffmpeg is not
-  // installed, or has ended with an error, whose last line is in the sentence.
+  // Adds one picture: rows from top to bottom, 3 bytes per pixel. Fails if interrupted, or (environment) if
+  // ffmpeg is not installed or ended with an error; the message contains the last line of its output.
   Result<void> add(std::span<const std::uint8_t> rgb);
-  // Returns when the file is complete. Errors as of add().
+  // Waits until the file is complete. Errors as add().
   Result<void> finish();
 
  private:
@@ -53,7 +54,7 @@ class FilmEncoder {
 
   Child child_;
   Descriptor input_;
-  std::string log_;  // standard error of ffmpeg
+  std::string log_;  // output of ffmpeg
   const host::Interrupt* interrupt_;
 };
 

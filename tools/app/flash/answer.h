@@ -1,4 +1,4 @@
-// Output of `kaz flash`: lines for people, or one JSON object.
+// Output of `kaz flash`: lines for users, or one JSON object.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,23 +16,24 @@ class Answer {
  public:
   explicit Answer(bool json) : json_(json) {}
 
-  // For people alone.
+  // Prints a line, unless the output is JSON.
   void say(const std::string& line) const;
-  // For programs alone.
+  // Adds a member to the JSON object.
   template <class T>
   void put(const char* key, const T& value) {
     object_[key] = value;
   }
 
   void image(const host::FlashImage& image);
-  // `by_boot_mode`: that has erased the whole flash before.
+  // Reports a completed write. `by_boot_mode`: boot mode has erased the whole flash before.
   void written(const host::FlashReport& report, bool by_boot_mode);
-  // Whether written() was called: the flash is whole.
+  // Whether written() was called: the flash is complete.
   bool has_written() const { return has_written_; }
   void application(const std::optional<host::ImageIdentity>& identity);
   void runs(const kz_identify_reply& board);
 
-  // The object, with `ok`, and of a failure `error` and the exit code.
+  // Prints the JSON object with `ok`; for a failure also with `error` and the exit code. Prints nothing
+  // without JSON.
   void finish(const std::string& verb, const Result<void>& done);
 
  private:

@@ -1,4 +1,4 @@
-// The options of `kaz flash`.
+// Options of `kaz flash`.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,11 +17,11 @@ struct FlashArguments {
   std::uint32_t from = 0, length = host::kFlashBytes;
   std::vector<int> blocks;
   int boot_baud = 9600;
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board on its line
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // address of the board on its line
   bool dry_run = false, force = false, start = true, json = false;
 };
 
-// Checks that need no board: missing options, options that exclude each other.
+// Checks without a board: missing options, and options that exclude each other.
 Result<void> check(const FlashArguments& arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz flash`: puts a firmware into a servo board, through boot mode or the resident loader.
+// `kaz flash`: writes firmware to a servo board, through boot mode or the resident loader.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace kaz::tools {
 
-// Prints what was done. Errors name what is on the board now.
+// Prints what was done. Error messages describe the present content of the board's flash.
 Result<bool> run_flash(const FlashArguments& arguments);
 
 }  // namespace kaz::tools

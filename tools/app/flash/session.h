@@ -1,4 +1,4 @@
-// One board under `kaz flash`, from the port to its flash writer.
+// Connection of `kaz flash` to one board: port, reset line and flash writer.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -25,30 +25,32 @@ class FlashSession {
         interrupt_(interrupt),
         progress_("kaz flash", arguments.json) {}
 
+  // Opens the port, and loads the flash writer.
   Result<void> open();
-  // Through boot mode where the reset line can be driven; a running firmware reports its board's id
-  // first. Nothing is changed before the image has been checked against that.
+  // Enters boot mode if the reset line can be driven, else the loader. A running firmware reports its board's
+  // id first. `image` is checked against that id before anything is changed; null: no check.
   Result<void> enter(const host::FlashImage* image);
-  // Leaves boot mode or loader, and gives the firmware time to start.
+  // Leaves boot mode or loader, and waits until the firmware has started.
   Result<void> start();
-  // Identity of the running firmware; asked again while this machine is late.
+  // Returns the identity of the running firmware. Repeats the request while this machine is late.
   Result<kz_identify_reply> identify();
 
-  // The error of identify(), after a search of all addresses; nullopt: no board is at another one.
+  // Searches all addresses after identify() returned `error`. Returns the error for a board at another
+  // address; nullopt if no board is found.
   std::optional<Error> at_another_address(const Error& error);
 
-  // Why identify() may have failed although the board is healthy; empty: this machine was not so late.
+  // Why identify() may have failed although the board is healthy; empty if this machine was on time.
   std::string excuse() const { return meter_->excuse(host::kIdentifyBears); }
 
   host::Flasher& flasher() { return *flasher_; }
   bool through_boot() const { return reset_ != nullptr; }
-  // Without `serial:`. After open().
+  // Without `serial:`. Valid after open().
   const std::string& port() const { return port_; }
   void end_progress() { progress_.done(); }
-  // After an interrupt: a board that waits in its loader, with nothing erased, is started. The error with
-  // what became of it.
+  // After an interrupt or a usage error, starts a board that waits in its loader with nothing erased. Returns
+  // the error, extended by the result.
   Error start_again(const Error& error);
-  // An error with what it leaves on the board.
+  // Appends the resulting state of the board to the error.
   Error with_advice(const Error& error) const;
 
  private:

@@ -1,4 +1,4 @@
-// The notes of a run that alters a board: what the board was like before.
+// Notes of a run that alters a board: the board's previous state.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,28 +12,29 @@ namespace kaz::tools {
 
 struct KeptFile {
   std::string verb, port;  // "kaz conformance", "/dev/ttyUSB0"
-  // Of the port, with symbolic links but the last followed; empty in notes of version 0.1.0.
+  // The port, with all symbolic links except the last one resolved. Empty in notes of version 0.1.0.
   std::string line;
-  std::int64_t process = 0;  // of the run, and when it began, in ticks since the machine did;
-  std::uint64_t process_began = 0;   // 0 in notes of version 0.1.0
+  // Process of the run, and its start in clock ticks since boot; both 0 in notes of version 0.1.0.
+  std::int64_t process = 0;
+  std::uint64_t process_began = 0;
   std::vector<std::uint8_t> others;  // addresses of other boards on the line
   host::BoardState board;
 };
 
-// The notes of a `kaz flash write` that is under way. Of `run` the board is not known.
+// Notes of a running `kaz flash write`. `run.board` is unknown.
 struct WriteFile {
   KeptFile run;
-  std::string command, folder;  // what was given, and where
+  std::string command, folder;  // command line, and its working directory
 };
 std::string write_text(const WriteFile& write);
 Result<WriteFile> parse_write(const std::string& text, const std::string& name);
-// Errors (usage): why it cannot be read, too.
+// Fails (usage) if the file cannot be read or is not valid.
 Result<WriteFile> read_write(const std::string& path);
 
-// As JSON, and back. Errors (usage) name the file.
+// Converts to JSON and back. Errors (usage) contain `name`.
 std::string kept_text(const KeptFile& kept);
 Result<KeptFile> parse_kept(const std::string& text, const std::string& name);
-// Those of a file. Errors (usage): why it cannot be read, too.
+// Reads notes from a file. Fails (usage) if the file cannot be read or is not valid.
 Result<KeptFile> read_kept(const std::string& path);
 
 }  // namespace kaz::tools

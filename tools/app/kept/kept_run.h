@@ -1,4 +1,4 @@
-// A run at a port that leaves the board as it found it, however the run ends.
+// Restores the board after a run at a port, however the run ends.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,68 +14,70 @@
 
 namespace kaz::tools {
 
-// Of the notes: $XDG_STATE_HOME/kaz, else ~/.local/state/kaz; empty without a home.
+// Returns the folder of the notes: $XDG_STATE_HOME/kaz, else ~/.local/state/kaz. Empty without a home.
 std::string kept_folder();
 
-// One sentence for each of the notes in `folder` that an earlier run on the port has left: what to do with
-// them, also where they are damaged. None is there while that run goes on, since it has the port.
+// Returns a sentence for each of the notes in `folder` that an earlier run on this port left: what to do with
+// them. Includes damaged notes. Excludes notes of a run that still has the port.
 std::vector<std::string> earlier_notes(const std::string& port,
                                        const std::string& folder = kept_folder());
 
-// The error of a board that was not found on the port, with those notes: without them `kaz recover` would put
-// back its address alone. Other errors (usage, failed, interrupted) as they are.
+// Inserts these sentences into the error if no board was found on the port. Without its notes `kaz recover`
+// would restore only the board's address. Returns errors other than Fault::environment unchanged.
 Error with_earlier_notes(Error error, const std::string& port,
                          const std::string& folder = kept_folder());
 
-// The run of this process on a port, without its board.
+// Returns notes of this process on a port, without its board.
 KeptFile this_run(const std::string& verb, const std::string& port);
-// Writes `text` as KIND_PORT-PROCESS.json, a name that no other notes have. Errors (environment). Returns the
-// path.
+// Writes `text` as KIND_PORT-PROCESS.json, or with a counter if that name is in use. Returns the path.
+// Errors: environment.
 Result<std::string> write_new_notes(const std::string& folder, const std::string& kind,
                                     const std::string& port, const std::string& text);
 
-// Whether the run that wrote these notes, wherever they lie now, is still under way.
+// Returns whether the run that wrote these notes is still running.
 bool notes_in_use(const KeptFile& kept);
-// Whether the notes are of the board on this port: its name leads where theirs did then, or both are names of
-// one device. The device's own number is none: it changes with each plugging, and a pty's with each run.
+// Returns whether the notes belong to the board on this port. Its name must resolve as the noted one did, or
+// both must name the same device. The device number alone is no criterion: it changes with each plugging, and
+// a pty's with each run.
 bool same_port(const KeptFile& kept, const std::string& port);
 
 struct KeptRunOptions {
   std::string verb;  // "kaz conformance"
   std::string port;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  bool flash = false;  // the run may write the board's flash: its address, its calibration
-  bool motors_off =
-      true;  // at the end; false: the run does that itself, once it has moved anything
-  // Of a bus of servos, those that are not off, with what to do (PortLink::still_on).
+  bool flash = false;  // the run may write the board's flash: address, calibration
+  // Switches the motors off at the end. False: the run does this itself, once it has moved a joint.
+  bool motors_off = true;
+  // Lists the servos on a bus that are not off, with advice (PortLink::still_on). Null for boards.
   std::function<std::string()> still_on = nullptr;
-  bool reset = false;  // at the end: the run may latch a shutdown, such as an emergency stop
+  // Resets the board at the end, because the run may latch a shutdown, such as an emergency stop.
+  bool reset = false;
   bool alone = false;  // the run disturbs every board on the line
   Time patience = host::PutBackOptions{}.patience;
-  bool notes = true;                   // false: the run alters only what a reset undoes
-  std::string folder = kept_folder();  // of the notes
+  bool notes = true;                   // false: a reset undoes all changes of the run
+  std::string folder = kept_folder();  // folder of the notes
 };
 
 class KeptRun {
  public:
-  // Reads the board and writes down what it is like (kept_file.h), for `kaz recover --from` in case this
-  // program is killed. Motors go off if `flash`. Prints earlier_notes(). `link`, `clock` and `interrupt`,
-  // which is that of both, must outlive it. Errors: nothing answers; other boards on the line although
-  // `alone`; notes cannot be written. The board is as it was then.
+  // Reads the state of the board and writes it down (kept_file.h), for `kaz recover --from` if this program
+  // is killed. With `flash` the motors go off. Prints earlier_notes(). `link`, `clock` and `interrupt` must
+  // outlive the object; `interrupt` is the one that link and clock use. Fails if no board replies, if other
+  // boards are on the line although `alone`, or if notes cannot be written. Then the board is as before.
   static Result<std::unique_ptr<KeptRun>> begin(host::Link& link, host::Clock& clock,
                                                 host::Interrupt& interrupt, KeptRunOptions options);
-  // end(), where an exception has skipped it; the error is printed.
+  // Calls end() if an exception skipped it, and prints its error.
   ~KeptRun();
   KeptRun(const KeptRun&) = delete;
   KeptRun& operator=(const KeptRun&) = delete;
 
-  // Puts the board back now, interrupted or not; the run may go on afterwards.
+  // Restores the board now, even after an interrupt. The run may continue afterwards.
   Result<void> put_back();
-  // put_back(), and removes the notes. The error names what could not be put back, and the command that does
-  // it; the notes then remain.
+  // Calls put_back(), and removes the notes. The error contains what could not be restored, and the command
+  // to do it; the notes then remain.
   Result<void> end();
 
-  // From now on motors are switched off at the end (KeptRunOptions::motors_off).
+  // From now on put_back() switches the motors off (KeptRunOptions::motors_off).
   void switch_motors_off();
 
   const host::BoardState& before() const { return kept_.board; }
@@ -84,7 +86,7 @@ class KeptRun {
  private:
   KeptRun(host::Link& link, host::Clock& clock, host::Interrupt& interrupt, KeptRunOptions options);
   Result<void> write_notes();
-  std::string command() const;  // that puts the board back
+  std::string command() const;  // command that restores the board
   void say_what_is_left() const;
 
   host::Link& link_;
@@ -96,7 +98,8 @@ class KeptRun {
   bool ended_ = false;
 };
 
-// How a run ended together with how its board was left: the first error counts, its sentence has both.
+// Combines the result of a run with that of restoring its board. The first error counts; its message has
+// both.
 template <class T>
 Result<T> together(Result<T> ran, const Result<void>& left) {
   if (left) return ran;

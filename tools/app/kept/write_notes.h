@@ -1,4 +1,4 @@
-// Notes of a `kaz flash write` under way: if it is killed, they name the command that completes it.
+// Notes of a running `kaz flash write`. If it is killed, they contain the command that completes it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,13 +12,13 @@ namespace kaz::tools {
 
 class WriteNotes {
  public:
-  // Of this process's command line. Errors (environment): they cannot be written.
+  // Writes the command line of this process. Fails (environment) if that is not possible.
   static Result<WriteNotes> begin(const std::string& port,
                                   const std::string& folder = kept_folder());
 
-  // The board was not changed: removes these notes.
+  // Removes these notes: the board was not changed.
   void drop() const;
-  // The board's flash is whole: removes these notes, and those of earlier writes on the port.
+  // Removes these notes, and those of earlier writes on the port: the board's flash is complete.
   void done() const;
 
  private:
@@ -26,8 +26,8 @@ class WriteNotes {
   std::string port_, folder_, path_;
 };
 
-// A sentence for each write on the port that has left such notes: the command that completes it. None of a
-// write that is under way.
+// Returns a sentence with the completing command for each interrupted write on the port. Excludes writes that
+// still run.
 std::vector<std::string> interrupted_writes(const std::string& port,
                                             const std::string& folder = kept_folder());
 

@@ -1,4 +1,4 @@
-// What `kaz mcu run` puts around the chip: a netlist, and a recording.
+// Attaches a netlist and a VCD recording to the chip of `kaz mcu run`.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,10 +18,11 @@ namespace kaz::tools {
 
 class Attached {
  public:
-  // Empty paths: none. `chip` must outlive this.
+  // Opens both; an empty path means none. `chip` must outlive this. Fails with Fault::usage for an invalid
+  // netlist or signal, else as OutputFile::open().
   Result<void> open(h8s::Chip& chip, const std::string& netlist, const std::string& vcd,
                     const std::vector<std::string>& signals, double crystal_hz);
-  // Completes the recording and prints the netlist's conflicts on standard error.
+  // Completes the recording, and prints conflicts of the netlist to standard error.
   Result<void> close();
 
  private:

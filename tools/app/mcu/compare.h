@@ -1,4 +1,4 @@
-// `kaz mcu compare`: native beside h8, the servo's tick alone or whole boards on the line.
+// `kaz mcu compare`: compares native with h8, for the servo's tick alone or for whole boards on the line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace kaz::tools {
 
-// Both print the report, as JSON if `json`, and return whether native and h8 are equal.
-// `image_path`: the built firmware if empty.
+// Print the report, as JSON if `json`, and return whether native and h8 are equal. `image_path`: the
+// installed firmware if empty.
 Result<bool> compare_ticks(sim::CompareOptions options, bool json);
 Result<bool> compare_on_wire(sim::WireOptions options, bool json);
 

@@ -1,4 +1,4 @@
-// What `kaz mcu run` can look at while it runs: trace, profile, coverage, stack, fresh RAM, GDB.
+// Observers for `kaz mcu run`: trace, profile, coverage, stack, uninitialized reads, GDB.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,13 +10,13 @@
 
 namespace kaz::tools {
 
-// Files: "-" is standard error; empty: not wanted.
+// File names: "-" is standard error, empty is off.
 struct McuDebugOptions {
   std::string trace;
   std::string profile;
   std::string profile_format = "text";  // text, json, callgrind
   std::string tick;                     // "BEGIN,END": two symbols or addresses (0x...)
-  std::string coverage;                 // lcov's format
+  std::string coverage;                 // in the format of lcov
   bool check_uninitialised = false;
   bool stack = false;
   std::string gdb;  // port, path or "-"
@@ -24,15 +24,15 @@ struct McuDebugOptions {
 
 class McuDebug {
  public:
-  // Attaches what is wanted; before power_on, so that fresh RAM is known. Errors: a symbol or a
-  // file that cannot be had.
+  // Attaches the requested observers. Call it before power_on, so that it detects reads of uninitialized RAM.
+  // Fails if a symbol is unknown or a file cannot be written. `chip` must outlive the object.
   static Result<std::unique_ptr<McuDebug>> attach(h8s::Chip& chip, const h8s::SymbolTable& symbols,
                                                   const McuDebugOptions& options);
   ~McuDebug();
   McuDebug(const McuDebug&) = delete;
   McuDebug& operator=(const McuDebug&) = delete;
 
-  // Detaches and writes the reports. Errors: a file cannot be written.
+  // Detaches the observers and writes the reports. Fails if a file cannot be written.
   Result<void> report();
 
  private:
@@ -41,7 +41,7 @@ class McuDebug {
   std::unique_ptr<Parts> parts_;
 };
 
-// Serves one GDB; what it does to the chip is all that happens. Returns too when `stop` is readable.
+// Serves one GDB client, which alone controls the chip. Also returns when the descriptor `stop` is readable.
 Result<bool> serve_gdb(h8s::Chip& chip, const std::string& where, int stop);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz mcu run`: the bare chip with any image, no board around it.
+// `kaz mcu run`: runs an image on the bare chip, without a board.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,28 +19,28 @@ struct McuRunOptions {
   std::string image;
   h8s::LoadOptions load;
   h8s::Engine engine = h8s::Engine::translator;
-  std::optional<std::int64_t> max_states;  // chip: one second of it; flat: no limit
-  std::optional<std::int64_t> max_insns;   // flat only
+  std::optional<std::int64_t> max_states;  // empty: one second on the chip, no limit with `flat`
+  std::optional<std::int64_t> max_insns;   // for `flat` only
   bool flat = false;
   bool semihost = false;
-  bool count = false;  // instructions and states, on standard error
-  // Chip only. Empty: from the reset vector; "image": from the image's entry; else an address.
+  bool count = false;  // prints instructions and states to standard error
+  // For the chip only. Empty: start at the reset vector. "image": at the image's entry. Else an address.
   std::string entry;
-  int mode = 2;         // of the mode pins
-  int ram_fill = 0xa5;  // each byte of RAM when power comes
+  int mode = 2;         // mode pins
+  int ram_fill = 0xa5;  // value of each byte of RAM at power-on
   double crystal_hz = 18.432e6;
-  std::string input;                               // file with bytes for RxD0, "-": standard input
+  std::string input;                               // file with bytes for RxD0; "-": standard input
   std::string netlist, vcd;                        // files; empty: none
-  std::vector<std::string> signals{"pins", "pc"};  // of the recording
-  McuDebugOptions debug;                           // chip only
+  std::vector<std::string> signals{"pins", "pc"};  // signals in the VCD file
+  McuDebugOptions debug;                           // for the chip only
   bool json = false;
 };
 
-// What the program sends on SCI0 goes to standard output, the summary to standard error. Not done
-// where the chip stopped on an error. Every input pin is low but RxD0, which idles.
+// Prints bytes that the program sends on SCI0 to standard output, and the summary to standard error. The
+// outcome is a failure if the chip stopped with an error. All input pins are low except RxD0, which idles.
 Result<Outcome> run_mcu(const McuRunOptions& options);
-// The same on the flat machine (flat.cpp). With semihosting the outcome is the program's status,
-// 125 where it has none; one line on standard error then says why.
+// Runs the image on the flat machine (flat.cpp). With semihosting the outcome is the program's exit status,
+// or 125 without one; a line on standard error then states the reason.
 Result<Outcome> run_flat(const McuRunOptions& options, const h8s::Image& image);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// The terminal, by ncurses: lines out, keys in.
+// Terminal output and keys, with ncurses.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,22 +24,22 @@ enum class Key {
   quit
 };
 
-// While it lives the terminal shows these lines and nothing else; afterwards it is as before.
+// Shows text lines on the whole terminal. The destructor restores the terminal.
 class Terminal {
  public:
-  // Errors: standard input or output is no terminal, or one of a kind that nobody knows (TERM).
+  // Fails if standard input or output is no terminal, or if its type (TERM) is unknown.
   static Result<Terminal> open();
-  // The first of them.
+  // Checks that standard input and output are a terminal.
   static Result<void> check();
   Terminal(Terminal&& other) noexcept : open_(other.open_) { other.open_ = false; }
   Terminal& operator=(Terminal&&) = delete;
   ~Terminal();
 
-  // Lines of at most columns() columns.
+  // Each line may have at most columns() columns.
   void show(const std::vector<Line>& lines);
-  int rows() const;  // of the window as it is now
+  int rows() const;  // present size of the window
   int columns() const;
-  // The next key that was pressed; never waits.
+  // Returns the next pressed key, or Key::none at once.
   Key key();
 
  private:

@@ -1,4 +1,4 @@
-// Where two messages of a recording differ, in the terms of their channel.
+// Finds the field in which two messages of a recording differ.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,8 +14,8 @@ struct FieldDifference {
   std::string recorded, now;  // "angle[3] = 0.12 (2 more differ)"
 };
 
-// The first field that differs; nothing for channels whose messages have no fixed layout, or where a
-// length is wrong.
+// Returns the first field that differs. Returns nullopt for topics without a fixed layout, or if a length is
+// wrong.
 std::optional<FieldDifference> field_difference(std::string_view topic,
                                                 std::span<const std::uint8_t> recorded,
                                                 std::span<const std::uint8_t> now);

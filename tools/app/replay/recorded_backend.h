@@ -1,4 +1,4 @@
-// How a run was put together, as its recording states it.
+// Options of a run, read from its recording.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,29 +17,31 @@ namespace kaz::tools {
 
 struct RecordedBackend {
   std::string behavior;
-  std::map<std::string, std::string> settings;  // of the behaviour
-  BackendOptions backend;                       // the simulated robot's
-  vision::BallOptions ball;                     // that vision looked for
+  std::map<std::string, std::string> settings;  // options of the behavior
+  BackendOptions backend;                       // options of the simulated robot
+  vision::BallOptions ball;                     // ball for which vision looked
 };
 
-// `name`: of the recording, for the errors (usage): it does not state its backend, or not as kaz does.
+// `name`: name of the recording for errors. Fails (usage) if the recording lacks its options or contains
+// invalid ones, or if it was made at a port.
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
                                          const std::string& name);
 
-// What was done by hand (sim/runtime/simulation/hand_player.h), with its time, ns, in order.
+// Returns the manual actions (sim/runtime/simulation/hand_player.h) with their times in ns, in order.
 std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
     const sim::McapRecording& recording);
 
-// What was asked of the behaviour (behavior::Requests), with its time, ns, in order.
+// Returns the requests to the behavior (behavior::Requests) with their times in ns, in order.
 std::vector<std::pair<std::uint64_t, std::string>> recorded_requests(
     const sim::McapRecording& recording);
 
-// The behavior's phases, as "search", with the times of their beginnings, ns, in order.
+// Returns the phases of the behavior, as "search", with their start times in ns, in order.
 std::vector<std::pair<std::uint64_t, std::string>> recorded_phases(
     const sim::McapRecording& recording);
 
-// World and robot that are not where they were, and are beside the recording, as kaz evaluate keeps them of
-// episodes that failed, or beside its folder, as where the run was started in the folder of its world.
+// Replaces paths of world and robot files that no longer exist. Searches the folder of the recording, where
+// kaz evaluate stores them for failed episodes. Then searches its parent, in which the run may have been
+// started.
 void find_beside(BackendOptions& options, const std::string& recording);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// The true poses in a recording.
+// Reads the true poses in a recording.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,15 +14,16 @@
 
 namespace kaz::tools {
 
-// Of one time, in the world.
+// Poses at one time. World frame.
 struct RecordedPoses {
   Time time{};
-  std::vector<Eigen::Isometry3d> frames;  // in the order asked for
+  std::vector<Eigen::Isometry3d> frames;  // in the requested order
 };
 
-// Of these frames, from /tf, in order of time; at least one. Messages with none of them, such as that of a
-// map, are skipped. Errors (usage) name the recording: it has no poses; a message does not fit its schema,
-// lacks one of the frames, or is not later than the one before; a pose is no rotation, or above 1 km away.
+// Returns the poses of `frames` from /tf in order of time, at least one. Skips messages with none of the
+// frames, such as those of a map. Fails (usage) if there are no poses. Fails if a message does not fit its
+// schema, lacks one of the frames, or is not later than the previous one. Also fails if a pose is no
+// rotation, or a coordinate exceeds 1 km.
 Result<std::vector<RecordedPoses>> recorded_poses(const sim::McapRecording& recording,
                                                   std::span<const std::string> frames,
                                                   const std::string& name);

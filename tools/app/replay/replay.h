@@ -1,4 +1,4 @@
-// Runs again what a recording holds, and compares.
+// Runs a recorded run again, and compares.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,45 +17,46 @@ namespace kaz::tools {
 
 struct SessionOptions;
 
-// What runs again: the host on what is recorded, or host and simulation from the seed. By itself: the
-// host where the recording allows it.
+// host: the host alone on recorded input. whole: host and simulation from the seed. by_itself: host if the
+// recording allows it, else whole.
 enum class ReplayMode { by_itself, host, whole };
 
 struct ReplayOptions {
   std::string file;
   ReplayMode mode = ReplayMode::by_itself;
-  std::optional<std::uint64_t> seed;            // another one than the recording's; whole only
-  std::map<std::string, std::string> settings;  // instead of the recording's
-  std::string plugin;  // path to load where the recording is of a plug-in's behaviour
+  std::optional<std::uint64_t> seed;            // another seed; for `whole` only
+  std::map<std::string, std::string> settings;  // override the recording's settings
+  std::string plugin;  // path of the plug-in, if the recording's behavior was one
   bool json = false;
   bool quiet = false;                // prints no result
-  std::string label = "kaz replay";  // in front of its progress
+  std::string label = "kaz replay";  // prefix of progress messages
   VisionOptions vision;
   VisionWatcher* watcher = nullptr;
-  // Before it begins: further listeners to the run.
+  // Called before the run, to add further observers.
   std::function<void(SessionOptions&)> on_session;
-  // Of the host alone. The recording ends once the watcher has heard of so many pairs; 0: at its end.
+  // Host alone: the replay ends once the watcher has received this number of pairs; 0: at the recording's
+  // end.
   std::uint64_t max_pairs = 0;
-  // Of the host alone, before it runs: the recording's eyes. An error is that of the replay.
+  // Host alone: called before the run with the recording's camera. An error ends the replay.
   std::function<Result<void>(const vision::CameraModel&)> on_camera;
 };
 
-// The first message in which two recordings differ.
+// First message in which two recordings differ.
 struct Difference {
   double time_s = 0;
   std::string topic;
-  // The first field that differs, where the channel has a fixed layout; else the content: text as it is,
-  // the rest hexadecimal. "nothing" beyond an end.
+  // First different field, if the topic has a fixed layout. Otherwise the content, as text or in hexadecimal.
+  // "nothing" beyond the end of a recording.
   std::string recorded, now;
 };
 std::optional<Difference> first_difference(const sim::McapRecording& recorded,
                                            const sim::McapRecording& now);
 
-// With --json: that the replay was interrupted. Nothing for other errors.
+// With --json, prints that the replay was interrupted. Ignores other errors.
 void print_interrupted(const Error& error, const ReplayOptions& options, const std::string& mode);
 
-// False: they differ. Errors: no recording of `kaz run` or `kaz demo`, a damaged one, files that
-// have changed since.
+// Returns false if the recordings differ. Fails (usage) if the file is damaged, or is no recording of `kaz
+// run` or `kaz demo`. Files that have changed since are listed, and are no error.
 Result<bool> replay(const ReplayOptions& options);
 
 }  // namespace kaz::tools

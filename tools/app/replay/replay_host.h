@@ -1,4 +1,4 @@
-// Runs the host alone against a recording, and compares what it sends.
+// Runs the host alone on a recording, and compares what it sends.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,11 +9,11 @@
 
 namespace kaz::tools {
 
-// Whether it can be done: it has pictures, or the behaviour needs none.
+// Whether the recording has pictures, or the behavior needs none.
 Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::string& behavior);
 
-// Prints the result. False: the host did something else. `session` says what runs. Errors: a
-// recording that cannot be read, or without the pictures that the behaviour needs.
+// Prints the result. Returns false if the host acted differently. `session`: the run to repeat. Fails if the
+// recording cannot be read, or lacks pictures that the behavior needs.
 Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording& recording,
                          SessionOptions session);
 

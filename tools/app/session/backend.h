@@ -1,6 +1,7 @@
-// What a behaviour runs on: the virtual robot in lockstep, or a board on a serial port with a
-// published camera or real ones. Both have the same three interfaces; callers cannot distinguish them.
+// Robot and camera on which a behavior runs: virtual in lockstep, or boards at ports with a camera.
 // SPDX-License-Identifier: Apache-2.0
+//
+// The camera of boards is published or real. A behavior uses the same interfaces for virtual and real robots.
 #pragma once
 
 #include <memory>
@@ -21,84 +22,87 @@
 
 namespace kaz::tools {
 
-// A servo bus by the robot's files, before its port is open. Errors (usage): the files, another protocol.
+// Servo bus as described by the robot's files, before its port is open.
 struct ServoBusOfFile {
   servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
   host::PortAddress address;
-  std::vector<host::BusJoint> joints;  // in the robot's order
+  std::vector<host::BusJoint> joints;  // in the order of the robot's joints
 };
+// `options.robot` must name a servo bus. Fails (usage) if the robot's files are not valid or describe another
+// protocol.
 Result<ServoBusOfFile> servo_bus_of(const BackendOptions& options);
 
-// Such a bus for verbs that speak to its servos themselves.
+// Open servo bus, for commands that communicate with the servos directly.
 struct ServoBus {
   servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
-  std::unique_ptr<host::PortLink> port;  // at the bus's rate
-  std::vector<host::BusJoint> joints;    // in the robot's order
+  std::unique_ptr<host::PortLink> port;  // at the bus's baud rate
+  std::vector<host::BusJoint> joints;    // in the order of the robot's joints
 };
-// Of --robot, which must name one, and --robot-file. Errors: as of SessionBackend::open(); no servo is heard.
+// Opens the port of the servo bus in `options.robot`, without any request to the servos. Errors as of
+// SessionBackend::open().
 Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Interrupt& interrupt);
 
-// That a servo at a port does not answer, with what to do.
+// Returns the error for a servo that does not reply, with advice for the user.
 Error silent_servo(const servo_bus::BusServo& servo, const std::string& port);
-// Fails (environment) unless each servo says that its torque is off, naming those that do not. `release`:
-// switches it off first.
+// Fails (environment) unless every servo confirms that its torque is off; the message lists the others. With
+// `release` it first switches the torque off.
 Result<void> require_limp(host::BusDriver& driver, std::span<const host::BusJoint> joints,
                           const std::string& port, bool release);
 
 class SessionBackend {
  public:
-  // Errors: wrong or missing files (usage), ports that are not there (environment).
-  // `interrupt` ends waiting and must outlive the backend.
+  // Opens the robot, but not its camera. Fails with Fault::usage for wrong or missing files, and with
+  // Fault::environment for missing ports. `interrupt` ends waits and must outlive the backend.
   static Result<std::unique_ptr<SessionBackend>> open(const BackendOptions& options,
                                                       host::Interrupt& interrupt);
   virtual ~SessionBackend() = default;
 
-  // Of the robot's boards: one with all joints, but for --robot boards:FILE.
+  // The robot's boards: several with --robot boards:FILE, else one with all joints.
   virtual std::vector<host::RobotBoard> boards() = 0;
-  // That of the first board.
+  // Link of the first board.
   host::Link& link() { return *boards().front().link; }
   virtual host::Clock& clock() = 0;
-  // The port of the first board; null where the robot is simulated in this process.
+  // Port of the first board; null if the robot is simulated in this process.
   virtual const host::PortLink* port() const { return nullptr; }
-  // Of buses of servos, those that have not confirmed that they are off (PortLink::still_on).
+  // Lists the servos that have not confirmed that they are off (PortLink::still_on). Empty for boards.
   virtual std::string still_on() const { return ""; }
-  // To be called once, before camera() and camera_latency(): apart from open(), so that a board that does
-  // not answer is reported before a camera that is not there.
+  // Call this once, before camera() and camera_latency(). It is separate from open() so that an unresponsive
+  // board is reported before a missing camera.
   virtual Result<void> open_camera() = 0;
-  // False: there is no camera, and camera() has no pictures. Valid after open_camera().
+  // False if there is no camera, and camera() never has pictures. Valid after open_camera().
   virtual bool sees() const = 0;
   virtual vision::Camera& camera() = 0;
-  // What is wrong with the pictures so far, one sentence; empty if nothing is.
+  // One sentence on a problem with the pictures so far; empty if they are good.
   virtual std::string camera_warning() const { return ""; }
-  // Of the vision that runs on it.
+  // Pace of the vision pipeline on this backend.
   virtual vision::Pace pace() const = 0;
-  // From exposure to arrival at the host.
+  // Time from exposure to arrival at the host.
   virtual Time camera_latency() const = 0;
-  // For recording, pictures and scoring; null where the robot is not simulated in this process.
-  // Behaviours never see it.
+  // For recording, pictures and scoring; null if the robot is not simulated in this process. Behaviors have
+  // no access to it.
   virtual sim::Simulation* simulation() = 0;
-  // Faults of BackendOptions::faults that begin later than now.
+  // Faults of BackendOptions::faults that have not begun yet.
   virtual std::vector<faults::Fault> faults_not_begun() const { return {}; }
-  // The state of the behaviour, as one JSON object, for a recording where there is one.
+  // Records the state of the behavior, as one JSON object, if there is a recording.
   virtual void record_behavior(const std::string& /*json*/) {}
   virtual void record_map(const sim::RecordedMap& /*map*/) {}
-  // Ends the recording, if there is one, and returns its SHA-256: of a virtual robot, or of a port.
-  // `interrupted_by`: a signal's name, or empty.
+  // Ends the recording and returns its SHA-256; empty without a recording. `interrupted_by`: name of a
+  // signal, or empty.
   virtual Result<std::string> finish_recording(const std::string& interrupted_by = "") = 0;
-  // Something of it could not be written.
+  // Whether writing the recording has failed.
   virtual bool recording_failed() const = 0;
 };
 
-// Checks what can be checked without opening anything.
+// Checks everything that does not require opening a device. Fails with Fault::usage.
 Result<void> check(const BackendOptions& options);
 
-// The virtual robot of `kaz demo`, `kaz run` and `kaz sim`: finds its files and loads them. Errors (usage):
-// options that exclude each other; wrong or missing files.
+// Creates the virtual robot of `kaz demo`, `kaz run` and `kaz sim` from its files. Fails (usage) if options
+// exclude each other, or if files are wrong or missing.
 Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& options,
                                                          sim::FramePolicy frames);
 
-// BackendOptions::memory of a file that `kaz sim --memory` or `kaz calibrate joints` has written. Errors
-// (usage): no such file, or another one.
+// Reads BackendOptions::memory from a file written by `kaz sim --memory` or `kaz calibrate joints`. Fails
+// (usage) if the file is missing or has another size.
 Result<std::string> read_memory(const std::string& path);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// What a behaviour runs on, as the command line or a recording states it.
+// Options of the robot and camera on which a behavior runs, from the command line or a recording.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,47 +23,49 @@ namespace kaz::tools {
 
 constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
 
-// Where none is given: a world in which the behaviour has something to do.
+// Returns the default world: one that contains what the behavior needs.
 inline const char* usual_world(std::string_view behavior) {
   return behavior == "catch-ball" ? "catch" : behavior == "navigate" ? "boxes" : "ball";
 }
 
 struct BackendOptions {
-  std::string robot = "sim";  // "sim", a port as parse_port_address() has it, or boards:FILE
-  std::uint8_t address = 1;   // of the board at a port
-  double reconnect_s = 3;     // how long a lost board is sought there
-  host::Reaction reaction = host::Reaction::hold;  // of its link watchdog
-  std::string camera = "sim";                      // "sim", or as open_live_camera() has it
-  std::string calibration;                         // file; of real cameras
-  bool needs_camera = true;                        // false: at a port the camera may be left out
-  std::string world = "ball";                      // the rest for "sim" only
-  std::string robot_file;           // URDF; Kaz if empty. At a port: of the robot there
-  std::vector<std::string> joints;  // of that file (other_joints()); a replay has no file
+  // "sim", a port (parse_port_address()), a servo bus (parse_bus()), or boards:FILE.
+  std::string robot = "sim";
+  std::uint8_t address = 1;                        // address of the board at a port
+  double reconnect_s = 3;                          // how long to try to reconnect to a lost board
+  host::Reaction reaction = host::Reaction::hold;  // reaction of the link watchdog
+  std::string camera = "sim";                      // "sim", or an argument of open_live_camera()
+  std::string calibration;                         // file, for real cameras
+  bool needs_camera = true;                        // false: no camera is necessary at a port
+  std::string world = "ball";                      // this and the rest are for "sim" only
+  std::string robot_file;           // URDF; Kaz if empty. Also describes the robot at a port.
+  std::vector<std::string> joints;  // joints of robot_file (other_joints()); a replay has no file
   sim::McuKind mcu = sim::McuKind::h8;
-  std::string image;              // firmware image for h8; the built one if empty
-  bool stand = false;             // a motor stand instead of robot and world
-  std::string motor_file, motor;  // of the stand; Kaz's motor.xml and its default if empty
-  double disc_kgm2 = 4e-4;        // on each shaft of the stand
-  bool erased = false;            // no image: the flash is blank
-  // Calibration and address in the board's flash (Mcu::memory), in hexadecimal; none if empty.
+  std::string image;              // firmware image for h8; the installed one if empty
+  bool stand = false;             // motor test stand instead of robot and world
+  std::string motor_file, motor;  // for the stand; empty: Kaz's motor.xml and its default motor
+  double disc_kgm2 = 4e-4;        // inertia on each shaft of the stand
+  bool erased = false;            // blank flash, no image
+  // Calibration and address in the board's flash (Mcu::memory), in hexadecimal; empty: none.
   std::string memory;
-  bool suspended = false;  // by the trunk, feet free
+  bool suspended = false;  // held at the trunk, with free feet
   sim::SensorSet sensors = sim::SensorSet::nominal;
-  bool imu = false;  // the board's option
+  bool imu = false;  // the board has the optional IMU
   sim::EyeKind eyes = sim::EyeKind::ideal;
   std::string dynamics = "reduced";  // WorldOptions::dynamics
-  double physics_step_ms = 1;        // SimulationOptions
+  double physics_step_ms = 1;        // SimulationOptions::physics_step_ms
   double supply_volts = 10;          // kMinSupply_v to kMaxSupply_v
-  int eye_width = 0;                 // 320 or 640; 0: as in camera.json
+  int eye_width = 0;                 // px: 320 or 640; 0: as in camera.json
   sim::RendererKind renderer = sim::kDefaultRenderer;
   std::uint64_t seed = 1;
-  std::string faults;                // file with a schedule of faults; none if empty
-  std::string recording;             // path of the recording; none if empty
-  sim::RecordingTap* tap = nullptr;  // SimulationOptions; at a port, of what the host knows
-  sim::HandSource* hands = nullptr;  // SimulationOptions
-  double restore_every_s = 0;        // detours of the simulation; 0: none
+  std::string faults;     // file with a schedule of faults; none if empty
+  std::string recording;  // path of the recording; none if empty
+  // Observer of the recorded messages; at a port, those of the host.
+  sim::RecordingTap* tap = nullptr;
+  sim::HandSource* hands = nullptr;  // SimulationOptions::hands
+  double restore_every_s = 0;        // for tests: period of Simulation::detour(); 0: never
   bool record_pictures = false;
-  // Of what runs on it, for the recording: name and value.
+  // Names and values for the header of the recording.
   std::vector<std::pair<std::string, std::string>> facts;
 };
 

@@ -1,4 +1,4 @@
-// The setting `balance` of go-forward: weights of a file become the setting itself.
+// Replaces a file name in the setting `balance` of go-forward by the weights in the file.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace kaz::tools {
 
-// `none`, `learned` and weights stay; else it is a file, whose weights take its place, so that what is
-// recorded, evaluated or run elsewhere does not depend on the file any more. Nothing for other behaviours.
-// Errors (usage): the file cannot be read, or holds no weights.
+// Keeps `none`, `learned` and weights. Otherwise reads the named file and stores its weights as the setting,
+// so that a recording or another machine does not depend on the file. Does nothing for other behaviors. Fails
+// (usage) if the file cannot be read or contains no weights.
 Result<void> load_balance(const std::string& behavior,
                           std::map<std::string, std::string>& settings);
 

@@ -1,4 +1,4 @@
-// Which joint is on which board: the file of `--robot boards:FILE`.
+// Reads the file of `--robot boards:FILE`, which assigns joints to boards.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,15 +17,15 @@ namespace kaz::tools {
 struct BoardOfFile {
   host::PortAddress port;
   std::uint8_t address = 1;
-  std::uint32_t joints = 0;  // mask
-  std::optional<servo_bus::Protocol>
-      bus;  // what is at the port is a bus of servos, and not a board
+  std::uint32_t joints = 0;  // bit mask of joints
+  // Set if the port is a servo bus instead of a board.
+  std::optional<servo_bus::Protocol> bus;
 };
 
-// {"boards": [{"port": "can:can0", "address": 2, "joints": ["neck_pan", ...]}, ...]}
-// The address is 1 if it is not given. Each joint is on exactly one board; a serial line or a network
-// port has one board, a CAN bus any number with addresses of their own. Errors (usage): what is wrong, in
-// which board of `name`, and what to do.
+// Format: {"boards": [{"port": "can:can0", "address": 2, "joints": ["neck_pan", ...]}, ...]}
+// The default address is 1. Each joint must be on exactly one board. A serial line or network port has one
+// board. A CAN bus has any number, with different addresses. Errors (usage) contain `name`, the board's
+// number and advice.
 Result<std::vector<BoardOfFile>> parse_boards(const std::string& name, std::string_view text);
 Result<std::vector<BoardOfFile>> read_boards(const std::string& path);
 

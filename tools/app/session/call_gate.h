@@ -1,4 +1,4 @@
-// The boundary between a plug-in's code and Kaz's: which of them runs, and a way to shut the plug-in out.
+// Gate between a plug-in's code and Kaz's: tracks calls into Kaz, and can block further ones.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,10 +13,11 @@
 
 namespace kaz::tools {
 
+// Thread-safe.
 class CallGate {
  public:
-  // A call from the plug-in into Kaz: counted, and one at a time. Calls nest. Blocks for good once the gate
-  // is shut. Without a gate (null: the behaviour is Kaz's own) it does nothing.
+  // One call from the plug-in into Kaz. Calls are counted and serialized, and may nest. The constructor
+  // blocks while the gate is shut. With a null gate (for Kaz's own behaviors) it does nothing.
   class Call {
    public:
     explicit Call(CallGate* gate) : gate_(gate) {
@@ -37,12 +38,15 @@ class CallGate {
     CallGate* gate_;
   };
 
-  // Waits until no call is under way; from then on every call of another thread blocks. False: one did not
-  // end in time.
+  // Waits until no call is in progress. From then on, calls of other threads block. Returns false if a call
+  // did not end within `at_most`.
   bool shut(std::chrono::milliseconds at_most) { return mutex_.try_lock_for(at_most); }
+  // Lets calls pass again. Call it from the thread that shut the gate.
   void open() { mutex_.unlock(); }
 
+  // Whether a call is in progress.
   bool in_call() const { return depth_ > 0; }
+  // Number of calls so far.
   std::uint64_t count() const { return count_; }
 
  private:
@@ -51,6 +55,7 @@ class CallGate {
   std::atomic<std::uint64_t> count_{0};
 };
 
+// Passes all calls on through a gate, which may be null. `link` and `gate` must outlive it.
 class GatedLink final : public host::Link {
  public:
   GatedLink(host::Link& link, CallGate* gate) : link_(link), gate_(gate) {}
@@ -78,6 +83,7 @@ class GatedLink final : public host::Link {
   CallGate* gate_;
 };
 
+// Passes polls on through a gate, as GatedLink.
 class GatedDetector final : public behavior::BallDetector {
  public:
   GatedDetector(behavior::BallDetector& detector, CallGate* gate)
@@ -92,6 +98,7 @@ class GatedDetector final : public behavior::BallDetector {
   CallGate* gate_;
 };
 
+// Passes calls on through a gate, as GatedLink.
 class GatedFloor final : public behavior::FloorDetector {
  public:
   GatedFloor(behavior::FloorDetector& detector, CallGate* gate)

@@ -1,4 +1,4 @@
-// Motors off at the end of a run whose own requests are out of reach.
+// Switches the motors off at the end of a run whose robot object cannot be used.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,9 @@
 
 namespace kaz::tools {
 
-// By requests of its own: another thread may be in the midst of one. Whether the board's reply confirms
-// that its motors are off; nothing: it does not answer. `counts`: the board's own, where it answers.
+// Sends its own requests, because another thread may be in the middle of one. Returns whether the reply
+// confirms that the motors are off; nullopt if the board does not reply. `counts` receives the board's
+// statistics if it replies.
 std::optional<bool> leave_board(const host::RobotBoard& board, host::Clock& clock,
                                 Result<kz_statistics_reply>& counts);
 

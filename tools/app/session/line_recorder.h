@@ -1,9 +1,9 @@
-// The recording of a run at a port: what the host wrote and read, and when; what its behaviour reported.
+// Records a run at a port: bytes that the host wrote and read, and reports of its behavior.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The same topics as in the recording of a virtual robot (docs/reference/recording.md), of those that a host
-// knows. Times count from the opening of the recording, on the host's clock; of bytes: when they were
-// written, or had been read.
+// Writes the topics of a virtual robot's recording (docs/reference/recording.md) that a host can measure.
+// Times count from the opening of the recording, on the host's clock. Bytes have the time after the write or
+// read.
 #pragma once
 
 #include <map>
@@ -19,41 +19,43 @@ namespace kaz::tools {
 
 class LineRecorder {
  public:
-  // The fact of such a recording: on the host's clock, ns, where its times begin. Those in the texts of
-  // `/behavior` are on that clock.
+  // Fact in such a recording: host clock, in ns, at which its times begin. Times in the texts of `/behavior`
+  // are on the host's clock.
   static constexpr const char* kStart = "host_clock_start_ns";
 
-  // Replaces the file; without a path nothing is written, and only the tap hears of it. `clock` and `tap`
-  // must outlive the recorder. Errors (environment): it cannot be written.
+  // Replaces the file. With an empty path only the tap receives messages. `clock` and `tap` must outlive the
+  // recorder. Fails (environment) if the file cannot be written.
   static Result<std::unique_ptr<LineRecorder>> create(const std::string& path,
                                                       sim::McapWriter::Metadata facts,
                                                       const host::Clock& clock,
                                                       sim::MessageTap* tap = nullptr);
 
-  // A link that records what passes through it, as line `line`: the number of the board. The recorder owns
-  // what is returned, until the line is recorded anew; `link` must outlive it.
+  // Returns a link that records its traffic as line `line`, the number of the board. The recorder owns it
+  // until record() is called again for this line. `link` must outlive it.
   host::Link* record(host::Link& link, std::size_t line);
+  // These functions, finish() and failed() are thread-safe, as are the recorded links.
   void behavior(const std::string& json);
   void map(const sim::RecordedMap& map);
 
-  // SHA-256 of the file. Nothing is recorded from then on. `interrupted_by`: a signal's name, or empty.
-  // A second call returns what the first did.
+  // Ends the recording and returns the SHA-256 of the file. Later calls return the same result.
+  // `interrupted_by`: name of a signal, or empty.
   Result<std::string> finish(const std::string& interrupted_by);
-  // Something could not be written.
+  // Whether something could not be written.
   bool failed() const;
 
  private:
   class RecordedLink;
   LineRecorder(std::unique_ptr<sim::Recorder> recorder, const host::Clock& clock, Time start)
       : clock_(clock), start_(start), recorder_(std::move(recorder)) {}
-  // On the scale of the file, never before that of an earlier call: messages of a file are in order.
+  // Returns the time in the file's unit. It never decreases, because the messages of a file are in order.
   sim::States now();
   void wire(sim::Recorder::Direction direction, std::size_t line,
             std::span<const std::uint8_t> bytes);
 
   const host::Clock& clock_;
   Time start_;
-  mutable std::mutex mutex_;  // of what follows; plug-ins are ended by another thread
+  // For the members below; another thread ends a run whose plug-in crashed.
+  mutable std::mutex mutex_;
   std::unique_ptr<sim::Recorder> recorder_;  // until finish()
   sim::States last_ = 0;
   Result<std::string> finished_;

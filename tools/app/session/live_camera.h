@@ -1,4 +1,4 @@
-// A camera that is not in this process: a published one, or two real ones at this machine.
+// Cameras outside of this process: a published camera, or two real ones at this machine.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,38 +12,38 @@
 
 namespace kaz::tools {
 
-// How long a lost real camera is waited for.
+// Longest time to wait for a lost real camera.
 inline constexpr Time kCameraPatience = std::chrono::seconds(60);
 
 struct LiveCamera {
   std::unique_ptr<vision::Camera> camera;
-  Time latency{};  // from exposure to arrival, as a publisher declares it; else zero
+  Time latency{};  // from exposure to arrival, as declared by the publisher; else zero
 
-  // What became of the pictures of real cameras, one line; empty for others.
+  // Returns one line of counts of the pictures for real cameras; empty for others.
   std::string summary() const;
 };
 
-// Whether `where` names real cameras, as v4l2:/dev/video0,/dev/video2 (host/camera/v4l2_camera.h).
+// Returns whether `where` names real cameras, as v4l2:/dev/video0,/dev/video2 (host/camera/v4l2_camera.h).
 bool is_real_camera(const std::string& where);
-// Checks what can be checked without opening anything; `calibration` is a file, empty for none.
+// Checks both arguments without opening anything. `calibration` is a file; empty for none.
 Result<void> check_live_camera(const std::string& where, const std::string& calibration);
-// `where`: real cameras, or else the path of a camera socket.
+// Opens real cameras, or else connects to the camera socket at the path `where`.
 Result<LiveCamera> open_live_camera(const std::string& where, const std::string& calibration);
 
-// Two real cameras that come back: when one is lost there are no pairs, and both are opened again until that
-// succeeds. One line on standard error for each loss and each return.
+// Two real cameras that are opened again after a loss. While one is lost, poll() returns no pairs. Reports
+// one line for each loss and each return.
 class ReturningCamera final : public vision::Camera {
  public:
   using Open = std::function<Result<std::unique_ptr<vision::Camera>>()>;
-  // `open` opens it again, in another thread; `report` gets the lines. `patience` is named in them: how long
-  // their user waits.
+  // `open` runs on another thread to open the cameras again. `report` receives the lines. `patience`, the
+  // caller's timeout, appears in them.
   ReturningCamera(std::unique_ptr<vision::Camera> camera, Open open, Time patience,
                   std::function<void(const std::string&)> report);
   ~ReturningCamera() override;
 
   const vision::CameraModel& model() const override { return model_; }
   Result<std::optional<vision::StereoPair>> poll() override;
-  // Null while it is lost.
+  // Null while the cameras are lost.
   const vision::Camera* camera() const { return camera_.get(); }
 
  private:
@@ -56,17 +56,18 @@ class ReturningCamera final : public vision::Camera {
   const std::function<void(const std::string&)> report_;
   std::future<Result<std::unique_ptr<vision::Camera>>> opening_;
   Time lost_{}, tried_{};
-  std::uint64_t first_sequence_ = 0, next_sequence_ = 0;  // of the pairs passed on
+  // For consecutive numbers of the returned pairs.
+  std::uint64_t first_sequence_ = 0, next_sequence_ = 0;
 };
 
-// Passes the pairs of another one on, and judges whether left and right are exchanged.
+// Passes pairs on, and checks whether left and right are swapped.
 class JudgedCamera final : public vision::Camera {
  public:
   // `camera` must outlive this.
   explicit JudgedCamera(vision::Camera& camera) : camera_(camera) {}
   const vision::CameraModel& model() const override { return camera_.model(); }
   Result<std::optional<vision::StereoPair>> poll() override;
-  // Over all pairs so far; one sentence, empty if nothing is wrong.
+  // Returns a warning about swapped cameras, based on all pairs so far; empty if there is no problem.
   std::string warning() const { return eyes_.found() ? vision::kSwappedCameras : ""; }
 
  private:
@@ -74,7 +75,7 @@ class JudgedCamera final : public vision::Camera {
   vision::SwappedCameras eyes_;
 };
 
-// In front of a behaviour that does not look.
+// Camera without pictures, for behaviors that need none.
 class NoCamera final : public vision::Camera {
  public:
   const vision::CameraModel& model() const override { return model_; }

@@ -1,4 +1,4 @@
-// Which moments of a run are worth a picture.
+// Selects the moments of a run at which pictures are taken.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,16 +9,16 @@
 
 namespace kaz::tools {
 
-// Of catch-ball: searching, tracking, walking there, the hand at the ball, the ball held. Of
-// everything else that tracks: four, spread evenly over that time. Seconds are of the robot, since the
-// start.
+// catch-ball has five moments: searching, tracking, approaching, the hand at the ball, the ball held. Other
+// behaviors with a phase `track` have four, spread evenly over the expected time. Times are seconds of the
+// robot since the start.
 class Moments {
  public:
   explicit Moments(double expected_s) : expected_s_(expected_s) {}
   Moments(const Moments&) = delete;
   Moments& operator=(const Moments&) = delete;
 
-  // What there is to see now, if a picture is due.
+  // Returns the name of the moment if a picture is due, else nullopt. Moments of tracking have an empty name.
   std::optional<std::string> on_phase(double at_s, std::string_view behavior,
                                       std::string_view phase);
   std::optional<std::string> on_cycle(double at_s);
@@ -27,7 +27,7 @@ class Moments {
   static constexpr int kTracked = 4;
   struct Awaited {
     std::string_view phase, shown;
-    double after_s;  // into the phase, or at its end if that is sooner
+    double after_s;  // time after the start of the phase; the end of the phase if that is sooner
     bool taken = false;
   };
 
@@ -37,7 +37,7 @@ class Moments {
   int tracked_ = 0;
   bool catching_ = false;
   Awaited* due_ = nullptr;
-  // In 5 s of walking it comes 0.2 m nearer; in 1.2 s of holding the head has turned to the hand.
+  // In 5 s of walking the robot comes 0.2 m nearer. In 1.2 s of holding, the head has turned to the hand.
   std::array<Awaited, 5> caught_{{{"search", "search", 0.5},
                                   {"look", "track", 0.4},
                                   {"walk", "approach", 5},

@@ -1,4 +1,4 @@
-// An onlooker's view that shows robot and ball, wherever they are.
+// External view that contains the robot and the ball.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,19 +11,19 @@
 
 namespace kaz::tools {
 
-// What an onlooker looks at. World frame, m.
+// Subject of the view. World frame, m.
 struct Framing {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  double extent_m = 0;  // diagonal of the box around it
+  double extent_m = 0;  // diagonal of the box around the subject
 };
 
-// Whether a frame of a scene is of the robot or of the model `ball`.
+// Returns whether a scene frame belongs to the robot or to the model `ball`.
 bool is_subject(const std::string& frame);
 
-// The robot, and the model `ball` unless it is too far away to be in the same picture.
+// Returns the box around the robot and the model `ball`. Leaves out a ball 1.5 m or more away.
 Framing framing_of(const sim::Scene& scene, const sim::ScenePose& pose);
 
-// The picture is 4 : 3, `width` px wide, with the light of the scene.
+// Returns a 4 : 3 view, `width` px wide, with the light of the scene.
 sim::View outside_view(const sim::Scene& scene, const Framing& framing, int width);
 
 }  // namespace kaz::tools

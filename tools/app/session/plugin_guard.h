@@ -1,10 +1,10 @@
-// Runs code of a plug-in so that this program ends in order whatever that code does.
+// Runs code of a plug-in such that this program ends in order, whatever that code does.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A plug-in is foreign code in this process. What it throws is an error as others (thrown_error()). But it
-// may also crash, throw where nothing catches (in a thread of its own, a static initialiser), call exit(),
-// _exit() or abort(), or never return. Then its thread is parked where it is, and a thread of the guard's
-// does what has to be done before the process ends.
+// A plug-in is foreign code in this process. An exception that it throws is handled as an error
+// (thrown_error()). But it may also crash, call exit(), _exit() or abort(), or never return. It may throw
+// outside of any handler, as in its own thread or in a static initializer. In all these cases the guard parks
+// the thread, and the guard's own thread does the necessary work before the process ends.
 #pragma once
 
 #include <functional>
@@ -18,30 +18,30 @@
 
 namespace kaz::tools {
 
-// How a plug-in ends the process, or is ended.
+// How a plug-in ended the process, or why it was ended.
 struct PluginEnd {
-  // Fault::interrupted: it did not return after an interrupt.
+  // Fault::interrupted if it did not return after an interrupt.
   Error error;
-  // "SIGSEGV", "exit(3)", the received signal.
+  // Cause: "SIGSEGV", "exit(3)", or the name of the received signal.
   std::string by;
 };
 
 struct PluginGuardOptions {
-  std::string label;          // begins messages: "kaz run"
-  std::string path;           // of the plug-in
-  std::string doing = "run";  // it is "run", "loaded"
-  // Exit status of a plug-in that has called exit().
+  std::string label;          // prefix of messages: "kaz run"
+  std::string path;           // path of the plug-in
+  std::string doing = "run";  // for messages: "run" or "loaded"
+  // Fault, and thus exit status, if the plug-in calls exit() or throws outside of any handler.
   Fault fault = Fault::failed;
   CallGate* gate = nullptr;
   host::Interrupt* interrupt = nullptr;
-  // The last action of this process, but for the message: returns what follows in the sentence. On the
-  // guard's thread; the plug-in's is parked, or runs in its own code and finds the gate shut.
+  // Called last before the process ends, except for the message; returns text to append to it. It runs on the
+  // guard's thread. The plug-in's thread is parked, or runs in its own code and blocks at the gate.
   std::function<std::string(const PluginEnd&)> finish = {};
-  // Called before a message about a plug-in that is waited for.
+  // Called before each message of the guard.
   std::function<void()> before_message = {};
 };
 
-// One at a time. The thread that makes it runs the plug-in, which may have others.
+// Only one guard may exist at a time. The thread that constructs it runs the plug-in, which may start others.
 class PluginGuard {
  public:
   explicit PluginGuard(PluginGuardOptions options);
@@ -55,16 +55,16 @@ class PluginGuard {
   std::unique_ptr<Parts> parts_;
 };
 
-// In a handler of all exceptions: the error for the one that is handled, which `who` has thrown.
-// Fault::failed; environment if memory ran out.
+// Call this in a handler of all exceptions. Returns the error for the current exception, with `who` as its
+// source. The fault is Fault::failed, or environment if memory ran out.
 Error thrown_error(const std::string& who);
 
-// behavior::named_behavior() for a name from the command line: loads a plug-in under a guard. `label`: of
-// messages.
+// Like behavior::named_behavior(), for a name from the command line: loads a plug-in under a guard. `label`
+// is the prefix of messages.
 Result<behavior::Behavior> guarded_behavior(const std::string& name, const std::string& label);
 
-// To be called by the program's own _exit() and _Exit() before they end it: does not return where a guard
-// ends the process.
+// The program's own _exit() and _Exit() call this before they end the process. Does not return if a guard
+// ends it.
 void before_exit(const char* function, int status);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// The name of the function that an address in a shared object belongs to.
+// Finds the name of the function at an address in a shared object.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,9 +7,10 @@
 
 namespace kaz::tools {
 
-// From the symbol table of the ELF file (64 bit, of this machine), demangled; also functions that are not
-// exported, which dladdr() does not know. `offset`: from where the file is loaded. Empty if the file has no
-// such symbol (stripped), or cannot be read. The file is one whose code runs in this process.
+// Reads the symbol table of a 64-bit ELF file, so it also finds functions that are not exported, unlike
+// dladdr(). Returns the demangled name. Returns "" if the file has no such symbol (stripped) or cannot be
+// read. `offset` is relative to the load address. Use it only for files whose code runs in this process: the
+// file is trusted.
 std::string function_at(const std::string& path, std::uint64_t offset);
 
 }  // namespace kaz::tools

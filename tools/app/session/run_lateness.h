@@ -1,4 +1,4 @@
-// How late this program, and the simulator behind its port, were during a run in real time.
+// Measures how late this program, and the simulator behind its port, were during a run in real time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,29 +14,29 @@
 namespace kaz::tools {
 
 struct RunLateness {
-  std::optional<double> simulator_lost_s;  // none at a real port, or where it does not reply
+  std::optional<double> simulator_lost_s;  // empty at a real port, or without replies
   double host_late_s = 0, host_worst_late_s = 0;
-  // Why a failure proves nothing against the robot, as "the program at the other end fell behind by 4200 ms";
-  // empty if both were punctual.
+  // Why a failure is inconclusive, as "the program at the other end fell behind by 4200 ms". Empty if both
+  // were on time.
   std::string excuse;
 };
 
-// Measures from its construction on. A behaviour computes between its requests for as long as it likes, so
-// its own calls do not show how late it is kept: a thread that only waits does.
+// Measures from its construction on. A behavior may compute between its requests, so the times of its calls
+// do not show how long the system delays this process. A thread that only waits measures that.
 class RunLatenessMeter {
  public:
-  // Lateness that a robot bears: of a second, at once or in all (then 2 % of the time at least, too).
+  // Lateness that a run tolerates: a single delay of this program, or the total lag of the simulator.
   static constexpr Time kBorne = std::chrono::seconds(1);
 
-  // `link` names the port; link and interrupt must outlive it.
+  // `link` names the port. `link` and `interrupt` must outlive it.
   RunLatenessMeter(host::Link& link, host::Interrupt& interrupt);
-  // With another measure of the simulator's lag; null: there is none.
+  // Uses another measure of the simulator's lag; null: none.
   RunLatenessMeter(host::Link& link, host::LatenessMeter::TimeLost simulator);
   ~RunLatenessMeter();
   RunLatenessMeter(const RunLatenessMeter&) = delete;
   RunLatenessMeter& operator=(const RunLatenessMeter&) = delete;
 
-  // To be called once.
+  // Ends the measurement. Call it once.
   RunLateness end();
 
  private:

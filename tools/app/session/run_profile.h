@@ -1,4 +1,4 @@
-// What `kaz run --profile` measures: where the time of a run goes.
+// Profile of a run (`kaz run --profile`): shares of its time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,20 +12,20 @@
 namespace kaz::tools {
 
 struct RunProfile {
-  double run_s = 0;  // time of the robot
-  double wall_s =
-      0;             // of the behaviour's run alone, without start-up and pictures drawn afterwards
-  double cpu_s = 0;  // of all threads meanwhile
-  int cores = 1;     // of the machine
+  double run_s = 0;  // robot time
+  // Time of the behavior alone, without start-up and pictures drawn afterwards.
+  double wall_s = 0;
+  double cpu_s = 0;  // all threads, during wall_s
+  int cores = 1;     // cores of this machine
   std::vector<Profile::Part> parts = {};
   std::vector<Profile::Thread> threads = {};
 };
 
-// Measures from its construction until end(), or its destruction.
+// Measures from its construction on.
 class RunProfiler {
  public:
   RunProfiler();
-  // To be called after the last scope has ended. `run_s`: time of the robot.
+  // Returns the measurements. Call it after the last profile scope has ended. `run_s`: robot time.
   RunProfile end(double run_s) const;
 
  private:
@@ -33,9 +33,9 @@ class RunProfiler {
   double wall_began_s_, cpu_began_s_;
 };
 
-// result.json's "profile".
+// Value of `profile` in result.json.
 nlohmann::ordered_json profile_json(const RunProfile& profile);
-// A table for people, lines of less than 80 characters.
+// Table for users, in lines of less than 80 characters.
 std::string profile_text(const RunProfile& profile);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// result.json and the pictures of a run.
+// Writes result.json and the pictures of a run.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,8 +23,8 @@ struct RunReport {
   std::string behavior = {};
   BackendOptions backend = {};
   behavior::Outcome outcome = {};
-  double run_s = 0;  // time of the robot
-  double rtf = 0;    // run_s over wall time
+  double run_s = 0;  // robot time
+  double rtf = 0;    // real-time factor: run_s divided by wall time
   Score score = {};
   kz_identify_reply identity{};
   kz_statistics_reply health{};
@@ -33,40 +33,43 @@ struct RunReport {
   const behavior::Recording& recording;
   const TruthProbe* probe = nullptr;
   nlohmann::ordered_json vision = {};  // by module: frames, times
-  std::string vision_text = {};        // the same for people
-  std::string vision_table = {};       // CSV, a line for each result
-  bool interrupted = false;            // it is of the part before a signal
+  std::string vision_text = {};        // the same for users
+  std::string vision_table = {};       // CSV, one line per result
+  bool interrupted = false;            // a signal ended the run
   std::optional<RunProfile> profile = {};
-  std::string recording_sha256 = {};         // empty: there is none
+  std::string recording_sha256 = {};         // empty without a recording
   std::string camera_warning = {};           // SessionBackend::camera_warning()
-  std::optional<RunLateness> lateness = {};  // of a run at a port
-  // The robot has not succeeded, and the machine was too late to blame it; outcome.sentence says so.
+  std::optional<RunLateness> lateness = {};  // set for a run at a port
+  // The robot did not succeed, but the machine was too late to blame it. outcome.sentence contains the
+  // reason.
   bool machine_failed = false;
-  const std::optional<figure::Image>* map = nullptr;  // the behaviour's, if it has one
+  const std::optional<figure::Image>* map = nullptr;  // empty if the behavior has no map
   std::vector<faults::Fault> not_begun = {};          // SessionBackend::faults_not_begun()
-  std::optional<sim::ScenePose> start_pose = {};      // of the simulated world
-  bool looks = true;  // the behavior uses the eyes; if not, missing plots of the ball are no news
+  std::optional<sim::ScenePose> start_pose = {};      // poses in the simulated world at the start
+  // The behavior uses the eyes; if not, missing plots of the ball are not reported.
+  bool looks = true;
 };
 
-// What a run writes into its folder, and the file as which its recording grows there.
+// Files that a run writes into its folder.
 const OutputKind& run_output();
+// Returns the path of the recording during the run.
 std::string growing_recording(const OutputFolder& folder);
-// The recording, which has ended, as recording.mcap. Returns its path.
+// Renames the completed recording to recording.mcap. Returns its path.
 Result<std::string> place_recording(const OutputFolder& folder);
 
-// result.json of a run that broke off: why it ended, and what it was of. No more is known of it for certain.
+// Returns result.json of a run that broke off: the reason and the options. Other values would be unreliable.
 nlohmann::ordered_json broken_off_json(const char* outcome, const std::string& sentence,
                                        const std::string& behavior, const BackendOptions& backend);
-// `duration_s` and `rtf`, rounded.
+// Sets `duration_s` and `rtf`, rounded.
 void add_times(nlohmann::ordered_json& result, double run_s, double rtf);
 
-// Where there is a folder, fills it, result.json last. `recorded`: a recording grew there, and has ended.
-// Returns the content of result.json.
+// Writes all files into `folder`, result.json last; writes none if it is null. `recorded`: the folder
+// contains a completed recording under its temporary name. Returns the content of result.json.
 Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
                                             const Snapshots& snapshots, const OutputFolder* folder,
                                             bool recorded);
 
-// A few lines for people, or the whole result as JSON, on standard output.
+// Prints a few lines for users, or with `json` the complete result, to standard output.
 void print_report(const nlohmann::ordered_json& result, const RunReport& report,
                   const std::string& out, bool json);
 

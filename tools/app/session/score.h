@@ -1,4 +1,4 @@
-// How well the head was kept on the ball.
+// Score of ball tracking: how well the head was directed at the ball.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,19 +12,19 @@
 namespace kaz::tools {
 
 struct Score {
-  // "truth": the ball's position in the simulated world; "pictures": that in the left eye's pictures,
-  // a picture without the ball counting as a miss.
+  // "truth": by the ball's position in the simulated world. "pictures": by its position in the left eye's
+  // pictures. A picture without the ball counts as a miss.
   std::string measured_by;
-  // From the start of the run to when tracking began. Without it all else is empty.
+  // Time from the start of the run until tracking began. If empty, all other members are empty, too.
   std::optional<double> found_s;
-  std::vector<double> time_s;  // from the start of the run
-  std::vector<double>
-      error_deg;  // between the left eye's axis and the ball; NaN: not in the picture
-  std::optional<double> within_3deg;  // share of the samples after found_s; nothing without samples
-  std::optional<double> rms_deg;      // of the samples that are not NaN
+  std::vector<double> time_s;  // since the start of the run
+  // Angle between the left eye's axis and the ball. NaN: the ball is not in the picture.
+  std::vector<double> error_deg;
+  std::optional<double> within_3deg;  // share of the samples after found_s; empty without samples
+  std::optional<double> rms_deg;      // over the samples that are not NaN
 };
 
-// Takes a sample of the truth at each control cycle. For scoring only: no behaviour sees it.
+// Samples the ground truth at each control cycle. For scoring only: behaviors have no access to it.
 class TruthProbe {
  public:
   explicit TruthProbe(sim::Simulation& simulation) : simulation_(simulation) {}
@@ -34,7 +34,7 @@ class TruthProbe {
   struct Sample {
     Time time{};
     double error_rad = 0;
-    double pan_rad = 0, tilt_rad = 0;  // of the joints, without noise
+    double pan_rad = 0, tilt_rad = 0;  // true joint angles, without noise
   };
   const std::vector<Sample>& samples() const { return samples_; }
 

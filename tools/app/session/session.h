@@ -1,4 +1,4 @@
-// One behaviour from start to end on a backend, with everything that is kept of it.
+// Runs one behavior on a backend from start to end, and writes its results.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,58 +17,72 @@
 
 namespace kaz::tools {
 
-// Sees the simulated world as it is while a behaviour runs: for scores. No behaviour sees it.
+// Observes the simulated world while a behavior runs, for scoring. Behaviors have no access to it.
 class Onlooker {
  public:
   virtual ~Onlooker() = default;
+  // Called on the behavior's thread when it has waited or reads the time.
   virtual void look(sim::Simulation& simulation) = 0;
 };
 
 struct SessionOptions {
   BackendOptions backend;
-  std::string behavior = "track-ball";          // name, or path of a plug-in, which is loaded
-  std::map<std::string, std::string> settings;  // the behaviour's options
+  std::string behavior = "track-ball";          // name, or path of a plug-in
+  std::map<std::string, std::string> settings;  // options of the behavior
   std::string out;                              // folder for results; none if empty
   bool quiet = false;                           // prints no result
-  bool json = false;                            // result.json on standard output, no progress
-  std::string label = "kaz run";                // begins progress lines
-  VisionOptions vision;                         // always with the module color
-  VisionWatcher* watcher = nullptr;             // must outlive the session
-  std::function<void(const vision::StereoPair&)> on_pair;  // each that the host has got
-  // What is asked of a behaviour that takes requests, since the last call; recorded in /behavior.
+  bool json = false;                 // prints result.json to standard output, and no progress
+  std::string label = "kaz run";     // prefix of messages
+  VisionOptions vision;              // the module `color` is always added
+  VisionWatcher* watcher = nullptr;  // may be null; else must outlive the session
+  // Called for each pair that the host receives.
+  std::function<void(const vision::StereoPair&)> on_pair;
+  // Returns the requests since the last call, for a behavior that takes requests. They are recorded in
+  // /behavior.
   std::function<std::vector<std::string>(Time now)> requests;
-  bool profile = false;                // measures where the time goes
-  bool keep_interrupted = true;        // writes what there is of an interrupted run
-  Onlooker* onlooker = nullptr;        // of a simulated robot; must outlive the session
-  behavior::Sink* listener = nullptr;  // hears what the behaviour reports; must outlive the session
-  // Of a simulated robot: the run ends there as by Ctrl-C, which is no error; its result is false.
+  bool profile = false;          // measures a profile (run_profile.h)
+  bool keep_interrupted = true;  // writes the results of an interrupted run
+  // For a simulated robot; may be null, else must outlive the session.
+  Onlooker* onlooker = nullptr;
+  // Receives the behavior's reports; may be null, else must outlive the session.
+  behavior::Sink* listener = nullptr;
+  // For a simulated robot: the run ends at this time as by Ctrl-C. This is no error; run_session() returns
+  // false.
   std::optional<Time> until;
-  // How the behaviour ended, how long it took (s of the robot), and that over wall time.
+  // Called with the outcome of the behavior, its duration (s of robot time), and that duration over wall
+  // time.
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
-  // Whether results are written of a run that has ended with a report; else its recording is removed, too.
-  // Always, if this is empty. Pictures take a sixth of the CPU time of a catch.
+  // Returns whether to write the results of a run that ended with a report; if not, the recording is removed,
+  // too. If empty, results are always written. Drawing the pictures takes a sixth of the CPU time of a catch.
   std::function<bool()> worth_keeping;
-  // The pictures of the run's moments, drawn for this alone; not of an interrupted run.
+  // Receives the pictures of the run's moments, which are drawn only for this. Not called for an interrupted
+  // run.
   std::function<void(const std::vector<MomentPictures>&)> on_moments;
-  // The machine, not the robot, ended the session: files, disk, display, port. Before on_end or after.
+  // Called if the machine, not the robot, ended the session: files, disk, display or port. Before or after
+  // on_end.
   std::function<void(const Error&)> on_loss;
-  // The behaviour's program is in error. False: it threw. True: it is a plug-in that crashed, ended the
-  // process, or does not return after an interrupt (the error's fault); this is called on another thread,
-  // after on_end, as the last before the process ends.
+  // Called if the behavior's code is faulty. False: it threw an exception. True: a plug-in crashed, ended the
+  // process, or did not return after an interrupt (the error's fault). In this case another thread calls it,
+  // after on_end and last before the process ends.
   std::function<void(const Error&, bool)> on_crash;
-  // In place of SessionBackend::open(); what it refers to must outlive the session.
+  // Replaces SessionBackend::open(). Objects that it refers to must outlive the session.
   std::function<Result<std::unique_ptr<SessionBackend>>(host::Interrupt&)> open_backend;
 };
 
-// False where the behaviour did not succeed, or returned an error that is the robot's (Fault::failed), as
-// when the board switches its motors off: the report is whole, of the cause `error`. Motors are off
-// afterwards, whatever happened. The folder is checked and locked before anything is opened
-// (output_folder.h). Of an interrupted run (Fault::interrupted) result.json and recording are of the part
-// until then, and say so. A run at a port that did not succeed while this program or the simulator was late
-// (run_lateness.h) is an error (Fault::environment), its report whole, with the outcome `environment`. Of a
-// run that broke off there is the recording and, where the machine was the cause, a result.json with the
-// outcome `environment`; where the behaviour's program was (an exception), with `failed` and the cause
-// `crashed`. A plug-in may end the process instead (plugin_guard.h).
+// Runs a behavior. Checks and locks the results folder before it opens a device (output_folder.h). Always
+// switches the motors off at the end. Returns:
+// - true: the behavior succeeded.
+// - false: the behavior did not succeed, or returned Fault::failed, as when the board switches its motors
+//   off. The report is complete; for an error its cause is `error`. Also false, without a report, if the run
+//   ended at `until`.
+// - Fault::interrupted: a signal ended the run. result.json and the recording cover the time until then, and
+//   are marked as interrupted.
+// - Fault::environment with a complete report: a run at a port did not succeed while this program or the
+//   simulator was late (run_lateness.h). The outcome in the report is `environment`.
+// - Other errors: the run broke off. Its recording is kept. If the machine was the cause, result.json has the
+//   outcome `environment`. If the behavior threw an exception, it has the outcome `failed` and the cause
+//   `crashed`.
+// A plug-in may end the process instead (plugin_guard.h).
 Result<bool> run_session(SessionOptions options);
 
 }  // namespace kaz::tools

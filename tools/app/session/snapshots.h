@@ -1,4 +1,4 @@
-// Pictures of a run, taken at a few moments: what the left eye sees, and an onlooker's view.
+// Pictures of selected moments of a run: the left eye's picture and an external view.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace kaz::tools {
 
-// Passes pairs through and remembers the newest.
+// Passes pairs through and stores the newest.
 class RememberingCamera final : public vision::Camera {
  public:
   explicit RememberingCamera(vision::Camera& camera,
@@ -39,43 +39,44 @@ class RememberingCamera final : public vision::Camera {
   std::optional<vision::StereoPair> newest_;
 };
 
-// Robot and ball from the robot's front right, so near that what is around `middle`, `extent_m` across, is
-// shown; without a middle the floor before a robot at its start. World frame, m.
-// Pictures are 4 : 3, `width` px wide.
+// Returns a 4 : 3 view of robot and ball from the robot's front right, `width` px wide. It shows the
+// surroundings of `middle` with a size of `extent_m`. Without a middle it shows the floor in front of a robot
+// at its start. World frame, m.
 sim::View onlooker_view(const std::optional<Eigen::Vector3d>& middle, double extent_m,
                         int width = 960);
 
-// One of a run's moments, drawn.
+// Pictures of one moment.
 struct MomentPictures {
   Time time{};
-  std::string shown;         // what there is to see: "approach"
-  vision::Image outside;     // an onlooker's view; empty without a simulation
-  vision::Image left;        // the left eye, twice as large, its axis and the ball marked
-  vision::Image extraction;  // the same as colour extraction has it
-  bool found = false;        // the ball, in the left eye
-  double distance_m = 0;     // of the ball by its size, if found
+  std::string shown;         // name of the moment: "approach"
+  vision::Image outside;     // external view; empty without a simulation
+  vision::Image left;        // the left eye, enlarged twice, with its axis and the ball marked
+  vision::Image extraction;  // the same with the pixels that color extraction selects
+  bool found = false;        // ball found in the left eye
+  double distance_m = 0;     // distance of the ball by its size, if found
 };
 
 class Snapshots {
  public:
-  // `simulation` may be null: then there is no onlooker.
-  // `ball`: what is looked for in the left eye. `stopped`: whether drawing, which takes seconds, is to end.
+  // `simulation` may be null: then there are no external views. `ball`: the ball to look for in the left eye.
+  // `stopped`: returns whether to stop drawing, which takes seconds. The referenced objects must outlive
+  // this.
   Snapshots(const RememberingCamera& camera, sim::Simulation* simulation,
             const vision::BallOptions& ball, std::function<bool()> stopped = nullptr)
       : camera_(camera), simulation_(simulation), ball_(ball), stopped_(std::move(stopped)) {}
 
   bool stopped() const { return stopped_ && stopped_(); }
 
-  // Keeps the present pictures and poses under the name `shown`; nothing without pictures. The
-  // onlooker's view is drawn only by write().
+  // Stores the newest pair and the present poses under the name `shown`. Does nothing before the first pair.
+  // write() and draw() draw the external view later.
   void take(Time now, const std::string& shown);
 
-  // In order of time; without those whose pixels are not there, and none once it is stopped.
+  // Draws all moments in order of time. Leaves out moments without pixels. Returns none once stopped.
   Result<std::vector<MomentPictures>> draw() const;
 
-  // left_eye.png, color_extraction.png, outside.png of the latest snapshot with the ball in view, and
-  // moments.png with all of them, and the same as moments.jpg, a tenth as large. Returns the names written:
-  // those that were whole when it was stopped.
+  // Writes left_eye.png, color_extraction.png and outside.png of the latest snapshot in which the ball was
+  // found (the first one if it never was). Writes all moments to moments.png, and to moments.jpg at a tenth
+  // of the size. Returns the names of the files written before it was stopped.
   Result<std::vector<std::string>> write(const OutputFolder& folder) const;
 
  private:
@@ -83,9 +84,9 @@ class Snapshots {
     Time time{};
     std::string shown;
     vision::StereoPair pair;
-    sim::ScenePose pose;                  // of the world; empty without a simulation
-    std::optional<Eigen::Vector3d> near;  // where an onlooker looks from close by
-    double extent_m = 0;                  // of what is in view there
+    sim::ScenePose pose;                  // whole world; empty without a simulation
+    std::optional<Eigen::Vector3d> near;  // target of a close external view
+    double extent_m = 0;                  // size of the subject in that view
   };
   Result<vision::Image> outside(const Snapshot& snapshot) const;
 

@@ -1,4 +1,4 @@
-// `kaz eyes`: what both eyes and an onlooker see, as pictures.
+// `kaz eyes`: pictures of both eyes and an external view.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,7 +13,7 @@ struct EyesOptions {
   std::string out = "kaz-eyes";  // folder
 };
 
-// Writes the pictures of the simulated robot's start.
+// Writes the pictures of the simulated robot at its start.
 Result<bool> draw_eyes(EyesOptions arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz sim --bus`: a servo bus with a robot's servos for other processes.
+// `kaz sim --bus`: simulated servo bus of a robot for other processes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,15 +11,15 @@ namespace kaz::tools {
 
 struct ServeBusOptions {
   std::string protocol;    // "feetech" or "dynamixel"
-  std::string serial;      // where to put the link to the port
+  std::string serial;      // path of the symbolic link to the port
   std::string robot_file;  // URDF, with bus.json beside it
   std::string world = "empty";
   std::string dynamics = "reduced";
-  bool suspended = false;              // by its trunk, as in a stand
-  std::optional<double> supply_volts;  // instead of bus.json's
+  bool suspended = false;              // held at the trunk
+  std::optional<double> supply_volts;  // instead of the voltage in bus.json
 };
 
-// Runs until SIGINT, SIGTERM or SIGHUP, which are its normal end.
+// Runs until SIGINT, SIGTERM or SIGHUP, which end it normally.
 Result<bool> serve_bus(const ServeBusOptions& options);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// A flag that the interrupt sets, for code that looks at a flag and not at a descriptor.
+// Flag that an interrupt sets, for code that polls a flag instead of a descriptor.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,6 +11,8 @@
 
 namespace kaz::tools {
 
+// Waits for the interrupt in a thread. The destructor requests the interrupt, so that the thread ends.
+// `interrupt` must outlive the object.
 class StopFlag {
  public:
   explicit StopFlag(host::Interrupt& interrupt)

@@ -1,4 +1,4 @@
-// `kaz calibrate stereo`: two cameras from pictures of a chessboard.
+// `kaz calibrate stereo`: calibrates two cameras with pictures of a chessboard.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,17 +13,17 @@ namespace kaz::tools {
 struct StereoCalibrationOptions {
   std::vector<std::string> left, right;  // files or patterns (picture_pairs.h)
   std::string board;                     // inner corners, "9x6"
-  double square_m = 0;                   // side of a square
+  double square_m = 0;                   // length of a side of a square
   std::string out;                       // calibration file, .yml or .json
-  std::string coverage;                  // picture; empty: beside `out`
-  double max_rms_px = 1;                 // reprojection error above which nothing is written
+  std::string coverage;                  // coverage picture; empty: beside `out`
+  double max_rms_px = 1;  // largest reprojection error with which the calibration is written
   bool json = false;
 };
 
-// Inner corners as COLUMNSxROWS, 3 to 100 along each side; squares of 0.001 to 0.5 m.
+// Parses the number of inner corners, COLUMNSxROWS, 3 to 100 each. `square_m`: 0.001 to 0.5.
 Result<vision::Board> parse_board(const std::string& text, double square_m);
-// Writes calibration and coverage picture, prints the report. Errors: usage, or failed where the pictures
-// are no basis for a calibration.
+// Writes the calibration and the coverage picture, and prints the report. Fails with Fault::usage, or with
+// Fault::failed if the pictures do not determine a calibration.
 Result<bool> calibrate_stereo(StereoCalibrationOptions arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Colour thresholds as a JSON file: what `kaz vision learn-color` writes and `kaz vision run` reads.
+// Color thresholds as a JSON file, written by `kaz vision learn-color` and read by `kaz vision run`.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,13 +10,14 @@
 
 namespace kaz::tools {
 
-// Keys as the members of vision::ColorRange: hue_min, hue_max (rad), saturation_min, y_min and so on.
+// The keys are the members of vision::ColorRange: hue_min, hue_max (rad), saturation_min, y_min and others.
 nlohmann::ordered_json color_json(const vision::ColorRange& range);
-// Whether a ball's radius and colour are the default ones.
+// Returns whether a ball has the default radius and color.
 bool is_usual(const vision::BallOptions& ball);
-// Keys that are missing keep their default; others may be there. Errors name file and key.
+// Missing keys keep their default, unknown keys are ignored. Fails (usage) with the file and key in the
+// message.
 Result<vision::ColorRange> read_color(const std::string& path);
-// The same of a file's content; `name`: for the errors.
+// Parses the content of such a file. `name`: for errors.
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name);
 
 }  // namespace kaz::tools

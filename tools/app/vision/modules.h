@@ -1,4 +1,4 @@
-// The modules of vision by name, for the command line.
+// Vision modules by name, for the command line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,29 +11,30 @@
 namespace kaz::tools {
 
 struct VisionOptions {
-  std::string modules = "color";  // names with commas between
+  std::string modules = "color";  // names, separated by commas
   vision::BallOptions ball;
   vision::DepthOptions depth;
-  // What VisionReport writes beside overlays, of each frame with depth.
+  // Additional files of VisionReport for each frame with depth.
   bool export_depth = false, export_points = false;
 };
 
-// All names there are, with commas between, for help.
+// Returns all names, separated by commas.
 std::string module_names();
-// The names in the list and what these need, each once, in an order in which they can be added.
-// An error for a name that there is none of.
+// Returns the names in `list` and those that they need, each once, in the order for add_modules(). Fails
+// (usage) for an unknown or repeated name.
 Result<std::vector<std::string>> parse_modules(const std::string& list);
+// Adds the modules of `options`, and those that they need, to the pipeline.
 Result<void> add_modules(const VisionOptions& options, vision::Pipeline& pipeline);
 
-// Whoever wants to hear what vision finds in a run.
+// Observer of the results of vision during a run.
 class VisionWatcher {
  public:
   virtual ~VisionWatcher() = default;
-  // After the modules have been added, before the first picture.
+  // Called after the modules were added, before the first picture.
   virtual void begin(vision::Pipeline& pipeline) = 0;
-  // After the last picture, also of a run that failed.
+  // Called after the last picture, also of a failed run.
   virtual void end(const vision::Pipeline& pipeline) = 0;
-  // Whether it has heard of as many frames as it wants.
+  // Whether it needs no further frames.
   virtual bool full() const { return false; }
 };
 

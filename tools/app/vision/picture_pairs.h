@@ -1,4 +1,4 @@
-// Pictures of two eyes in folders: which left one belongs to which right one.
+// Finds the pairs of left and right pictures in folders.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,9 +13,9 @@ struct PicturePair {
   std::string left, right;  // paths
 };
 
-// Each word is a file or a pattern ('eyes/left*.jpg'). A pair has the same last number in both names
-// (left07.jpg, right07.jpg), or none in either; pairs are sorted by it. Errors: a pattern that no
-// file matches, two pictures of one eye with the same number, a picture without its partner.
+// Each word is a file or a pattern ('eyes/left*.jpg'). Both names of a pair have the same last number
+// (left07.jpg, right07.jpg), or no number. Pairs are sorted by it. Fails if no file matches a pattern, if two
+// pictures of one eye have the same number, or if a picture has no partner.
 Result<std::vector<PicturePair>> find_pairs(const std::vector<std::string>& left,
                                             const std::vector<std::string>& right);
 

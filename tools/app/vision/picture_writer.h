@@ -1,4 +1,4 @@
-// Writes pictures beside the work that makes them: compressing one takes longer than looking at it.
+// Writes pictures in another thread: compressing one takes longer than processing it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,24 +16,26 @@
 
 namespace kaz::tools {
 
+// Runs jobs in order in one thread.
 class PictureWriter {
  public:
   static constexpr std::size_t kMostWaiting = 64;
 
-  // `interrupted`: asked by add() and finish(), also while they wait. Once true, what is not written yet is
-  // dropped: many seconds of work may wait, and an interrupt ends a program within one. Null: never.
+  // add() and finish() call `interrupted`, also while they wait. Once it returns true, unwritten jobs are
+  // dropped: they may need many seconds, and a program must end within one after an interrupt. Null: never
+  // interrupted.
   explicit PictureWriter(std::function<bool()> interrupted = {})
       : interrupted_(std::move(interrupted)),
         worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
-  // Something that makes and writes a file. Waits while kMostWaiting are not written yet.
+  // Adds a job that writes a file. Waits while kMostWaiting jobs are in the queue.
   void add(std::function<Result<void>()> write);
-  // Panels as figure::compose() takes them, as a result of that name.
+  // Adds panels for figure::compose(), as a result with this name.
   void add(const OutputFolder& folder, std::string name, std::vector<figure::Panel> panels,
            int columns);
-  // Until all are written or dropped; the first error, if there was one.
+  // Waits until all jobs are written or dropped. Returns the first error.
   Result<void> finish();
-  // Files that an interrupt kept from being written: the last ones.
+  // Number of files that were dropped after an interrupt: the last ones.
   std::size_t dropped() const;
 
  private:
@@ -47,7 +49,7 @@ class PictureWriter {
   bool busy_ = false;
   std::size_t dropped_ = 0;
   Result<void> written_;
-  std::jthread worker_;  // last: it uses all of the above
+  std::jthread worker_;  // last, because it uses all members above
 };
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// What vision found on each frame, as overlays, a table, and JSON.
+// Reports the results of vision for each frame: overlays, a table and JSON.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,21 +16,21 @@
 
 namespace kaz::tools {
 
-// A ball, depth, flow in result.json.
+// Returns the JSON of a ball, a depth image or a flow image for result.json.
 nlohmann::ordered_json ball_json(const vision::BallObservation& ball);
 nlohmann::ordered_json depth_json(const vision::DepthImage& depth);
 nlohmann::ordered_json flow_json(const vision::FlowImage& flow);
 
-// Of a pipeline's modules that got frames: how many, how long it took, how old it was. Times are of the wall
-// clock where they are "computing", of the robot where they are "age". Empty if there was no frame.
+// Returns counts, times and ages for each module that got frames. "computing" is in wall time, "age" in robot
+// time. Empty if there was no frame.
 nlohmann::ordered_json module_statistics_json(const vision::Pipeline& pipeline);
-// The same for people: a line, or nothing where no frame was looked at.
+// The same as one line for users; empty if no frame was processed.
 std::string module_statistics_text(const vision::Pipeline& pipeline);
 
-// Each delivery of a pipeline as a line of CSV.
+// Records each delivery of a pipeline as a line of CSV.
 class DeliveryTable {
  public:
-  // Takes the pipeline's log.
+  // Registers itself as the pipeline's log, so it must outlive the last delivery.
   explicit DeliveryTable(vision::Pipeline& pipeline);
   DeliveryTable(const DeliveryTable&) = delete;
   DeliveryTable& operator=(const DeliveryTable&) = delete;
@@ -40,36 +40,36 @@ class DeliveryTable {
   std::string text_ = "module,frame,exposure_s,delivered_s,computing_ms,failed\n";
 };
 
+// Collects the results of all modules for each frame.
 class VisionReport {
  public:
-  // Subscribes to the modules, all of which the pipeline has; it has to outlive the pipeline's
-  // last poll().
-  // `options` is what the modules were made with. `folder`: where overlays go; null: none.
-  // `max_frames`: later frames are skipped; 0: no limit.
+  // Subscribes to the modules of the pipeline, so it must outlive the pipeline's last poll(). `options`: as
+  // for add_modules(). `folder`: for overlays; null: none. `max_frames`: later frames are skipped; 0: no
+  // limit.
   VisionReport(vision::Pipeline& pipeline, const VisionOptions& options, const OutputFolder* folder,
                std::uint64_t max_frames = 0);
   VisionReport(const VisionReport&) = delete;
   VisionReport& operator=(const VisionReport&) = delete;
 
-  // Begins a frame's entry with what is known of it beforehand; `name` begins its overlay's name.
-  // Frames that are not begun are called by their number.
+  // Starts the entry of a frame with known facts. `name` is the prefix of its overlay's name; other frames
+  // use their number.
   void begin(std::uint64_t sequence, const std::string& name, nlohmann::ordered_json facts);
-  // An entry for a frame that could not be processed at all.
+  // Adds an entry for a frame that could not be processed.
   void add_error(nlohmann::ordered_json facts, const std::string& why);
 
-  // After the last poll(): frames that some modules dropped are closed, too. An error where an
-  // overlay could not be written. After a signal those that are not written yet are dropped.
+  // Call this after the last poll(). Completes frames that some modules dropped. Fails if an overlay could
+  // not be written. After a signal unwritten files are dropped.
   Result<void> end();
-  // Overlays and exports that a signal kept from being written: those of the last frames.
+  // Overlays and exports that were not written because of a signal: those of the last frames.
   std::size_t files_not_written() const { return writer_.dropped(); }
 
   const nlohmann::ordered_json& frames() const { return frames_; }
   bool full() const { return max_ > 0 && frames_.size() >= max_; }
-  // Frames with a result of at least one module.
+  // Number of frames with a result of at least one module.
   std::size_t looked_at() const { return looked_at_; }
-  // Of the whole run. Pictures of one eye are never swapped.
+  // Covers the whole run. Always false for pictures of one eye.
   bool cameras_swapped() const { return eyes_.found(); }
-  // A line for each frame.
+  // Returns CSV with a line for each frame.
   std::string table() const;
 
  private:

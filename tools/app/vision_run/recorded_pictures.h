@@ -1,4 +1,4 @@
-// `kaz vision run`: the modules of vision on pictures in a folder.
+// `kaz vision run`: runs the vision modules on pictures, pairs, recordings and live cameras.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,36 +16,38 @@
 namespace kaz::tools {
 
 struct RecordedOptions {
-  std::vector<std::string> left, right;  // stereo pairs, in place of `in`
+  std::vector<std::string> left, right;  // stereo pairs, instead of `in`
   std::string in, out, modules = "color";
-  std::string exported;            // of depth,points; empty: none
-  std::string robot;               // serial:PATH[@BAUD]; of a live camera
-  std::uint8_t address = 1;        // of the robot's board
-  std::uint64_t frames = 0;        // 0: all, or until interrupted
+  std::string exported;            // depth, points or both, separated by a comma; empty: none
+  std::string robot;               // serial:PATH[@BAUD], with a live camera
+  std::uint8_t address = 1;        // address of the robot's board
+  std::uint64_t frames = 0;        // maximum number of frames; 0: all, or until interrupted
   std::string color, calibration;  // files; empty: the red ball, no calibration
-  double view_deg = 0;             // horizontally, of a pinhole, where there is no calibration
+  double view_deg = 0;  // horizontal field of view of a pinhole camera, used without a calibration
   double radius_m = 0.020;
-  std::optional<double> nearest_m;  // of depth; nothing: its default
+  std::optional<double> nearest_m;  // least distance of depth; empty: the default
   bool json = false;
 };
 
-// For each picture NAME: NAME.ball.png, a line of ball.csv and an entry of result.json. A picture
-// that cannot be read is an entry with its error. False if none could be processed.
+// Processes single pictures. Writes NAME.ball.png, a line of ball.csv and an entry of result.json for each
+// picture NAME. An unreadable picture gets an entry with its error. Returns false if no picture could be
+// processed.
 Result<bool> run_on_pictures(const RecordedOptions& options);
-// Of stereo pairs: for each LEFT.vision.png, a line of frames.csv and an entry of result.json.
+// Processes stereo pairs. Writes LEFT.vision.png, a line of frames.csv and an entry of result.json for each.
 Result<bool> run_on_pairs(const RecordedOptions& options);
 
-// The same of a live camera, until so many pairs have been looked at or it is interrupted; with a
-// robot at a port frames carry its posture, and the floor is known.
+// Processes pairs of a live camera as run_on_pairs(), until `frames` pairs are processed or an interrupt.
+// With a robot at a port, frames contain its posture, and the floor can be found.
 Result<bool> run_on_camera(const RecordedOptions& options);
-// The same of a recording (kaz run --record-pictures), with the posture that the board reported then.
+// Processes a recording (kaz run --record-pictures) as run_on_pairs(), with the posture that the board
+// reported.
 Result<bool> run_on_recording(const RecordedOptions& options);
-// `options.in`: a folder, a recording, a picture, a camera socket or v4l2 cameras; chooses from the above.
+// Calls one of these for `options.in`: a folder, a recording, a picture, a camera socket or v4l2 cameras.
 Result<bool> run_on_source(const RecordedOptions& options);
 
-// What all of them write into their folder.
+// Files that these functions write into their folder.
 const OutputKind& vision_output();
 
-// The ball to look for: its radius, and its colour from the file if one is named.
+// Returns the ball to detect: its radius, and the color from the file, if any.
 Result<vision::BallOptions> ball_options(const RecordedOptions& options);
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Both maps of a sweep side by side, true edges drawn in, and what was seen when.
+// Pictures of a sweep: both maps and their errors.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,8 +7,9 @@
 
 namespace kaz::figure7 {
 
+// Draws both maps side by side, with the true edges.
 vision::Image panels(const Sweep& sweep);
-// The head at exposures and at results, floor in the pictures and in both maps.
+// Plots the head's angle at exposures and at results, and the floor in the pictures and in both maps.
 plot::PlotPage plots(const Sweep& sweep);
 
 }  // namespace kaz::figure7

@@ -1,8 +1,8 @@
-// The virtual robot in its crouch looks around, and slow vision makes a map of it, twice.
+// Sweeps the virtual robot's head while slow vision makes two maps of the floor.
 // SPDX-License-Identifier: Apache-2.0
-//
-// The paper's figure 7: a picture's result comes when the head has long turned on. Once it is put
-// where the eyes were (frame information), once where they are when it comes.
+// The paper's figure 7: when a picture's result arrives, the head has turned on. One map enters the result at
+// the eyes' pose at the exposure (frame information). The other map uses the eyes' pose when the result
+// arrives.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@
 namespace kaz::figure7 {
 
 struct Options {
-  std::string world, robot_folder,
-      image_path;  // yard.sdf; of kaz.urdf; the board's firmware, for h8
+  // world: yard.sdf. robot_folder: folder of kaz.urdf. image_path: firmware of the board, for h8.
+  std::string world, robot_folder, image_path;
   sim::McuKind mcu = sim::McuKind::h8;
   sim::EyeKind eyes = sim::EyeKind::real;
   sim::RendererKind renderer = sim::kDefaultRenderer;
@@ -34,31 +34,31 @@ struct Options {
   double pan_deg = 50;  // to each side
   double speed_deg_per_s = 60;
   std::vector<double> tilts_deg = {35, 20};     // one sweep each, from side to side
-  Time delay = std::chrono::milliseconds(300);  // of vision, after a pair's arrival
+  Time delay = std::chrono::milliseconds(300);  // delay of vision after a pair's arrival
   map::LocalMapOptions map = {};
-  host::Interrupt* interrupt = nullptr;          // ends it; must outlive it
-  std::function<void(Time, Time)> on_time = {};  // the robot's time so far, and that of the end
+  host::Interrupt* interrupt = nullptr;          // ends the sweep; must outlive it
+  std::function<void(Time, Time)> on_time = {};  // called with the robot's time and the final time
 };
 
-// One picture, its floor in both maps.
+// One picture, and its floor in both maps.
 struct SweptPicture {
-  Time exposure{}, arrival{};                // of its result
-  double pan_then_rad = 0, pan_now_rad = 0;  // of the head at these times
-  double floor_share = 0;                    // of the left picture's pixels
-  int floor_with = 0, floor_without = 0;     // cells of floor in the maps from then on
+  Time exposure{}, arrival{};                // times of the picture and of its result
+  double pan_then_rad = 0, pan_now_rad = 0;  // head angles at these times
+  double floor_share = 0;                    // share of the left picture's pixels
+  int floor_with = 0, floor_without = 0;     // floor cells in the maps from then on
 };
 
 struct Sweep {
-  map::LocalMap with, without;  // frame information
+  map::LocalMap with, without;  // with and without frame information
   std::vector<EdgePoint> edges;
   std::vector<Box> boxes;  // in the map's frame
   std::vector<SweptPicture> swept;
   int pictures = 0, without_floor = 0;
-  double fastest_rad_per_s = 0;  // of the head between two exposures
-  vision::Image eye;             // of the last picture in the middle: left, rectified
+  double fastest_rad_per_s = 0;  // fastest turn of the head between two exposures
+  vision::Image eye;             // last picture of the center: left eye, rectified
 };
 
-// Errors: files; the board stopped or refused; vision failed; interrupted.
+// Fails if files are missing, the board stopped or refused a request, vision failed, or on an interrupt.
 Result<Sweep> sweep(const Options& options);
 
 }  // namespace kaz::figure7
