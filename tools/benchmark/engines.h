@@ -1,4 +1,4 @@
-// The emulator's engines by name.
+// Engines of the emulator by name.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace kaz::bench {
 
-// The one that Options choose by default comes first.
+// Returns the available engines, the default one first.
 inline std::vector<std::string> engine_names() {
   if (h8s::translator_available()) return {"translator", "interpreter", "reference"};
   return {"interpreter", "reference"};
@@ -23,7 +23,7 @@ inline h8s::Options options_of(const std::string& engine) {
   return options;
 }
 
-// Numbers of the default engine have the plain name.
+// Appends the engine to the name of a result, except for the default engine.
 inline std::string named(const std::string& name, const std::string& engine) {
   return engine == engine_names().front() ? name : name + "." + engine;
 }

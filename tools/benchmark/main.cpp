@@ -46,7 +46,7 @@ Result<void> measure(const Arguments& arguments) {
     filter = std::regex(arguments.filter.empty() ? ".*" : arguments.filter);
   } catch (const std::regex_error&) {
     return fail(Fault::usage,
-                "--filter " + arguments.filter + " is no regular expression; see --help");
+                "--filter " + arguments.filter + " is not a regular expression; see --help");
   }
   const auto wanted = [&](const std::string& name) { return std::regex_search(name, filter); };
   std::vector<Group> groups;
@@ -55,7 +55,7 @@ Result<void> measure(const Arguments& arguments) {
       groups.push_back(std::move(group));
   }
   if (groups.empty())
-    return fail(Fault::usage, "--filter " + arguments.filter + " fits no name; see --list");
+    return fail(Fault::usage, "--filter " + arguments.filter + " matches no name; see --list");
   if (arguments.list) {
     for (const auto& group : groups)
       for (const auto& name : group.gives)
@@ -90,30 +90,31 @@ Result<void> run_load(const Arguments& arguments) {
   }
   std::string known;
   for (const Load& load : loads()) known += " " + std::string(load.name);
-  return fail(Fault::usage, "--run " + arguments.run + ": the loads are" + known);
+  return fail(Fault::usage, "--run " + arguments.run + ": use one of" + known);
 }
 
 int parse_and_run(int argc, char** argv) {
   CLI::App program(
-      "Measures what Kaz promises about speed, on one core: the emulator, the servo firmware in "
-      "it,\n"
-      "the virtual robot. Times are CPU times of this process, medians of several runs.");
+      "Measures the speed of Kaz on one core: the emulator, the servo firmware in it, and the\n"
+      "virtual robot. Times are CPU times of this process, medians of several runs.");
   program.name("kaz_benchmark");
   Arguments arguments;
-  program.add_option("--filter", arguments.filter, "only names that this regular expression fits");
-  program.add_option("--json", arguments.json, "also write the numbers to a file, a number a name");
+  program.add_option("--filter", arguments.filter, "only names that match this regular expression");
+  program.add_option("--json", arguments.json,
+                     "also write the numbers to this JSON file, one for each name");
   auto known = engine_names();
   program
-      .add_option("--engine", arguments.settings.engines,
-                  "engines of the emulator to measure; numbers of all but the default one get its "
-                  "name at their end")
+      .add_option(
+          "--engine", arguments.settings.engines,
+          "engines of the emulator to measure; names of numbers end with the engine, except "
+          "for the default engine")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
-  program.add_option("--repeats", arguments.settings.repeats, "medians of so many runs")
+  program.add_option("--repeats", arguments.settings.repeats, "number of runs for each median")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   program.add_flag("--quick", arguments.settings.quick,
-                   "short and rough: shows that it works, not how fast");
+                   "short run that checks the benchmark; its numbers are inaccurate");
   program.add_flag("--list", arguments.list, "print the names, measure nothing");
   program.add_option("--run", arguments.run,
                      "run one load of the emulator and print nothing: for profilers");
@@ -130,7 +131,7 @@ int parse_and_run(int argc, char** argv) {
       "  valgrind --tool=callgrind build/release/bin/kaz_benchmark --run mcu.firmware_x --amount "
       "200\n"
       "What each name means and how it is measured: docs/results/README.md.\n"
-      "Exit status: 0 measured, 1 something measured went wrong, 2 wrong usage, 3 the environment "
+      "Exit status: 0 measured, 1 a measurement failed, 2 wrong usage, 3 the environment "
       "failed.");
   try {
     program.parse(argc, argv);

@@ -108,7 +108,7 @@ Result<nlohmann::json> json_of(const std::string& command) {
   text = std::regex_replace(text, std::regex(": -?(NaN|Infinity)\\b"), ": null");
   auto value = parse_bounded_json(text);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !value)
-    return fail(Fault::failed, "this failed or gave no JSON: " + command);
+    return fail(Fault::failed, "this command failed or printed no JSON: " + command);
   return value;
 }
 

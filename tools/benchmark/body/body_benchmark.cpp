@@ -24,7 +24,6 @@
 #include "sim/body/world/gait_testing.h"
 #include "sim/body/world/staged_world.h"
 #include "tools/benchmark/body/names.h"
-#include "tools/benchmark/bullet/bullet_world.h"
 #include "tools/benchmark/mujoco/mujoco_world.h"
 
 namespace {
@@ -43,9 +42,7 @@ class Run {
     WorldOptions options;
     options.dynamics = stepper;
     const char* world = load == "props" ? "props" : "empty";
-    const auto load_world = stepper.starts_with("bullet") ? bench::BulletWorld::load
-                            : stepper == "mujoco"         ? bench::MujocoWorld::load
-                                                          : World::load;
+    const auto load_world = stepper == "mujoco" ? bench::MujocoWorld::load : World::load;
     auto loaded =
         load_world(KAZ_TREE "/sim/worlds/" + std::string(world) + ".sdf", kRobot, options);
     if (loaded)

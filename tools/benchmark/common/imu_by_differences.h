@@ -1,4 +1,4 @@
-// The IMU of engines that have none: by differences of its place.
+// Computes IMU readings for engines without an IMU, by differences of its pose.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,9 +10,9 @@ namespace kaz::sim::bench {
 
 class ImuByDifferences {
  public:
-  // `at`: its frame in the world.
+  // Sets the first pose of the IMU in the world, at rest.
   void start(const Eigen::Isometry3d& at) { at_ = at; }
-  // After a step of step_s; gravity in the world, m/s2.
+  // Returns the readings after a step of step_s. `at`: pose in the world. `gravity`: in the world, m/s^2.
   ImuState read(const Eigen::Isometry3d& at, double step_s, const Eigen::Vector3d& gravity) {
     ImuState state;
     const Eigen::AngleAxisd turn(Eigen::Matrix3d(at_.linear().transpose() * at.linear()));

@@ -15,7 +15,7 @@ constexpr int kExemptGenerations = 3;  // as contact_model.cpp
 constexpr const char* kFile = "kaz.xml";
 
 std::string compile_error(const char* reason) {
-  return std::string("MuJoCo does not take the robot's model: ") + reason;
+  return std::string("MuJoCo rejects the robot's model: ") + reason;
 }
 
 }  // namespace

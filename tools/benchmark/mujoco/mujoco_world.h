@@ -1,11 +1,13 @@
-// The robot and the other bodies in MuJoCo, for the benchmark of the body alone.
+// Robot and other bodies in MuJoCo, only for the benchmark of the body.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The same files, masses, shapes, motor line and loop as under every stepper; Newton on MuJoCo's convex model
-// of contacts, with elliptic cones. What differs: contacts and stops are MuJoCo's springs and dampers
-// (mujoco_model.cpp), the larger friction of a pair counts, the gear has no play, and nothing falls asleep
-// (Debian's version has no islands). Poses are those at the beginning of the last step, as mj_step leaves
-// them.
+// Files, masses, shapes, motor line and loop are those of all steppers. The solver is Newton's method on
+// MuJoCo's convex model of contacts, with elliptic cones. Differences:
+// - Contacts and stops are MuJoCo's springs and dampers (mujoco_model.cpp).
+// - The larger friction of a pair of surfaces counts.
+// - The gear has no backlash.
+// - Bodies do not fall asleep: Debian's version has no islands.
+// Poses are those at the beginning of the last step, as mj_step leaves them.
 #pragma once
 
 #include <memory>
@@ -20,7 +22,8 @@ namespace kaz::sim::bench {
 
 class MujocoWorld final : public StagedWorld {
  public:
-  // From the files, as World::load. Errors: those of the files, and MuJoCo's own of its model.
+  // Loads the files as World::load does. Returns Fault::failed if MuJoCo rejects the model, else errors of
+  // the files.
   static Result<std::unique_ptr<World>> load(const std::string& world_path,
                                              const std::string& robot_path,
                                              const WorldOptions& options);
@@ -50,8 +53,8 @@ class MujocoWorld final : public StagedWorld {
   MotorParams motor_;
   ModelPtr mujoco_;
   std::unique_ptr<mjData, DeleteData> data_;
-  std::vector<int> body_ids_;                // MuJoCo's, by number of body
-  std::vector<int> angle_at_, velocity_at_;  // by joint, in qpos and qvel
+  std::vector<int> body_ids_;                // MuJoCo's number by body
+  std::vector<int> angle_at_, velocity_at_;  // indices in qpos and qvel by joint
   ImuByDifferences imu_by_differences_;
 };
 
