@@ -81,8 +81,8 @@ class Fuzzed(unittest.TestCase):
         (folder / "harmless.cpp").write_text(HARMLESS)
         (folder / "unknown.cpp").write_text("#include <yaml-cpp/yaml.h>\n")
         (self.tree / "tools/view/page/other.ts").write_text("")
-        (self.tree / "tools/board_page/planted/page/src").mkdir(parents=True)
-        (self.tree / "tools/board_page/planted/page/src/planted.ts").write_text("JSON.parse(text)\n")
+        (self.tree / "tools/planted/page/src").mkdir(parents=True)
+        (self.tree / "tools/planted/page/src/planted.ts").write_text("JSON.parse(text)\n")
         # Files that have a target, a reason, and a reason for all files of a folder.
         listed = {"hil/fuzz/grammar.cpp": "auto a = Json::parse(text);\n",
                   "tools/kaz/verb_bus.cpp": "auto a = ::recv(fd, bytes, size, 0);\n",

@@ -127,7 +127,7 @@ LAYERS = {
     "tools": {
         "cmake": (), "gdb": (), "package": (), "trials": (),
         "figure": (), "lockstep": (), "app": ("trials", "figure", "lockstep"),
-        "view": (), "board_page": (), "fuzz": ("lockstep", "app", "view"),
+        "view": (), "fuzz": ("lockstep", "app", "view"),
         "kaz": ("figure", "app", "fuzz", "view"),
         "benchmark": ("lockstep",),
     },
@@ -145,11 +145,9 @@ LAYERS = {
         "vision_run": ("base", "kept", "vision", "session", "replay"),
         "figures": ("base", "vision", "session", "replay"),
     },
-    "tools/board_page": {".": (), "wasm": (".",)},
     "tools/app/figures": {"frame_information": (), ".": ("frame_information",)},
     "tools/fuzz": {".": (), "flash_writer": (".",), "inputs": (".",), "vision": (".",)},
-    "tools/benchmark": {"common": (), "bullet": ("common",), "mujoco": ("common",),
-                        "body": ("bullet", "mujoco"), ".": ("body",)},
+    "tools/benchmark": {"common": (), "mujoco": ("common",), "body": ("mujoco",), ".": ("body",)},
     "tests": {"integration": (), "studies": (), "system": ("studies",), "repository": (), "real_time": ()},
     "tests/integration": {name: () for name in (
         ".", "bench", "conformance", "damage", "random_programs", "servo_conformance", "vision",
@@ -159,7 +157,7 @@ LAYERS = {
         {"balance": ("common", "walking"), "map_table": ("common", "vision_table")},
     "tests/system": {
         "campaign": (), "catching": (), "guest": (), "planted": (), "v4l2": (), "virtual_robot": (),
-        "flash": (), "board_page": (),
+        "flash": (),
         "command_line": ("flash",), "recording_reader": ("command_line",),
     },
     "tests/system/command_line": {".": (), "plugins": ()},
