@@ -8,7 +8,7 @@
 // only. It is checked every half cell to be free. The path found is straightened like that of the grid
 // planner.
 //
-// It ends after a number of batches, or with a path that no other can beat. It reads no clock, so the same
+// It ends after a number of batches, or with a path that no other can improve. It reads no clock, so the same
 // seed gives the same path.
 #pragma once
 

@@ -27,7 +27,7 @@ T take(py::dict& arguments, const char* name, T otherwise) {
   } catch (const py::cast_error&) {
   }
   throw py::type_error(std::string(name) + "=" + std::string(py::repr(value)) +
-                       " is of the wrong type: " + std::string(py::str(py::type::of(value))));
+                       " has the wrong type: " + std::string(py::str(py::type::of(value))));
 }
 
 }  // namespace kaz::python

@@ -47,8 +47,7 @@ inline bool is_disk_full(const Error& error) {
 // Flushes a file to disk. Some file systems report a full disk only here. Returns false and sets errno on
 // failure.
 inline bool sync_file(int fd) {
-  return fsync(fd) == 0 || errno == EINVAL ||
-         errno == ENOSYS;  // such a file cannot be synchronized
+  return fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS;  // such a file cannot be synchronized
 }
 
 // Creates an empty folder in TMPDIR or /tmp that only this user can access, and returns its path. Its name

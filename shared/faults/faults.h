@@ -124,8 +124,8 @@ struct RandomOptions {
   // Kinds to draw: line, joint and board faults.
   bool line = true, joints = true, power = true;
 };
-// Returns a message such as "1 fault never began, as the run ended before it: at 100 s power_reset", or an
-// empty text without faults.
+// Returns a message such as "1 fault never began, because the run ended before it: at 100 s power_reset", or
+// an empty text without faults.
 std::string not_begun_text(std::span<const Fault> faults);
 // Draws a schedule. The same seed and options give the same schedule.
 Schedule random_schedule(std::uint64_t seed, const RandomOptions& options);

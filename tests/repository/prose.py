@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: prose.py ROOT | prose.py FILE...
 
-ROOT checks every page of the tree. FILE... checks these, pages or headers, and prints words and sentence
-lengths of each.
+ROOT checks every page and header of the tree. FILE... checks these, pages or headers, and prints words and
+sentence lengths of each.
 The rules that a script can count; CONTRIBUTING.md has the others. Spelling needs codespell."""
 
 import pathlib
@@ -83,8 +83,9 @@ def blocks(page):
 
 
 def comments(source):
-    """(line number, text, whether it stands behind code) of each paragraph of comments in C or C++."""
-    found, gathered, start = [], [], 0
+    """(line number, text, whether it stands behind code) of each paragraph and item of comments in C or C++.
+    Lines that are indented within a comment are tables or formulas."""
+    found, gathered, start, in_item = [], [], 0, False
 
     def end():
         if gathered:
@@ -92,17 +93,25 @@ def comments(source):
             gathered.clear()
 
     for number, line in enumerate(source.splitlines(), 1):
-        bare = re.sub(r'"(?:\\.|[^"\\])*"', '""', line)
-        code, mark, text = bare.partition("//")
+        code, mark, text = re.sub(r'"(?:\\.|[^"\\])*"', '""', line).partition("//")
+        text = text.lstrip("/")
+        indent = len(text) - len(text.lstrip())
         text = text.strip("/< ")
         if not mark or code.strip() or not text or text.startswith(("SPDX", "clang-format")):
             end()
+            in_item = False
         if mark and code.strip():
             found.append((number, plain(re.sub(r"NOLINT.*", "", text)), True))
         elif mark and text and not text.startswith(("SPDX", "clang-format")):
+            if ITEM.match(text) or (indent < 2 and in_item):
+                end()
+            in_item = bool(ITEM.match(text)) or (in_item and indent >= 2)
+            if indent >= 2 and not in_item:
+                end()
+                continue
             if not gathered:
                 start = number
-            gathered.append(text)
+            gathered.append(ITEM.sub("", text))
     end()
     return found
 
@@ -159,30 +168,34 @@ def misspelled(files):
     return checked.stdout.splitlines()
 
 
-def tracked_pages(root):
-    listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard", "*.md"],
+def tracked(root, *patterns):
+    listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard", *patterns],
                             capture_output=True, text=True, check=True).stdout.split()
     return [root / name for name in listed if (root / name).exists() and name != "CHANGELOG.md"]
 
 
 def main(arguments):
     root = pathlib.Path(arguments[0])
-    pages = tracked_pages(root) if root.is_dir() else [pathlib.Path(name) for name in arguments]
+    if root.is_dir():
+        pages = tracked(root, "*.md")
+        files = pages + tracked(root, "*.h", "*.hpp")
+    else:
+        files = pages = [pathlib.Path(name) for name in arguments]
     faults, in_all = [], 0
-    for path in pages:
+    for path in files:
         text = path.read_text()
         found, lengths = check_file(path.relative_to(root) if root.is_dir() else path, path)
         faults += found
-        in_all += len(text.split())
+        in_all += len(text.split()) if path in pages else 0
         if not root.is_dir():
             above = sum(count > NEARLY_ALL for count in lengths)
             print(f"{path}: {len(text.split())} words; {len(lengths)} sentences, median "
                   f"{percentile(lengths, 0.5)}, 95 % {percentile(lengths, 0.95)}, "
                   f"longest {max(lengths, default=0)}, {above} above {NEARLY_ALL}")
-    faults += misspelled(pages)
+    faults += misspelled(files)
     if root.is_dir() and in_all > WORDS_IN_ALL:
         faults.append(f"all pages: {in_all} words, more than {WORDS_IN_ALL}: shorten before you add")
-    print("\n".join(faults) if faults else f"{len(pages)} pages keep the rules")
+    print("\n".join(faults) if faults else f"{len(files)} files keep the rules")
     return 1 if faults else 0
 
 

@@ -82,6 +82,14 @@ class ProseTest(unittest.TestCase):
                      "1. A step:\n   Good. Of it\n", "See [of it](x.md). Of [this](y.md).\n"):
             self.assertEqual(len(check_page(page)[0]), 1, page)
 
+    def test_comments_are_read(self):
+        for source in ("// Of it.\n", "int a;  // of it\n", "// A line\n// that goes on. Of it\nint a;\n",
+                       "// - An item.\n//   What it is.\n", "/// Who reads this.\n"):
+            self.assertEqual(len(prose.check("h", prose.comments(source))[0]), 1, source)
+        for source in ("// A table:\n//   of what\n", 'auto a = "// of it";\n', "// SPDX-Id: of it\n",
+                       "// One.\nint a;\n// two of it\n"):
+            self.assertEqual(prose.check("h", prose.comments(source))[0], [], source)
+
     def test_spelling(self):
         path = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "page.md"
         path.write_text("The behaviour of gray colors.\n")

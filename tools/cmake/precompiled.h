@@ -1,9 +1,9 @@
-// What most sources include, compiled once. No source relies on it: each includes what it uses.
+// Precompiled header of most sources. No source relies on it: each includes what it uses.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Only what most sources use: g++ instantiates the templates that inline functions of these headers use anew
-// for each source. That takes 0.5 s; with nlohmann/json.hpp 0.6 s more, with CLI/CLI.hpp 2.6 s.
+// Contains only headers that most sources use. For each source, g++ again instantiates the templates that
+// their inline functions use. That takes 0.5 s; nlohmann/json.hpp would add 0.6 s, CLI/CLI.hpp 2.6 s.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-// precompiled.h for libraries that write and read JSON.
+// precompiled.h for libraries that read or write JSON.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json.hpp>

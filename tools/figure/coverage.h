@@ -1,4 +1,4 @@
-// Where in a picture a calibration has seen the board, and how far off it was there.
+// Picture of the image regions that a camera calibration covers, with the residuals of the board's corners.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,8 +7,9 @@
 
 namespace kaz::figure {
 
-// One eye's picture plane, `width` x `height` px: cells with a corner in them are tinted, each corner
-// is a dot with its residual 40 times as long; red from 1 px on.
+// Draws one eye's picture plane; `width` and `height` are those of the eye, px. Cells that contain corners
+// are tinted. Each corner is a dot with its residual, 40 times as long. Its color goes from blue at 0 to red
+// at 1 px.
 Image coverage_picture(const vision::EyeQuality& eye, int width, int height);
 
 }  // namespace kaz::figure

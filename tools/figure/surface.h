@@ -1,4 +1,4 @@
-// Cairo surfaces that close themselves, and conversion between them and our images.
+// Owning pointers to Cairo surfaces, and conversion between surfaces and images.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ struct CairoDeleter {
 using Surface = std::unique_ptr<cairo_surface_t, CairoDeleter>;
 using Context = std::unique_ptr<cairo_t, CairoDeleter>;
 
-// 24-bit RGB surfaces.
+// Surfaces are 24-bit RGB. Check cairo_surface_status(): surfaces without memory are in an error state.
 Surface blank_surface(int width, int height, Color color);
 Surface surface_from(const Image& image);
 Image image_from(cairo_surface_t* surface);

@@ -1,4 +1,4 @@
-// One case of the fuzzer on a board in this process, in lockstep, with every tick judged.
+// Runs one fuzzing case on a simulated board in this process, in lockstep, and judges every tick.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,25 +16,26 @@ namespace kaz::fuzz {
 struct EngineVerdict;
 
 struct EngineOptions {
-  sim::McuKind mcu = sim::McuKind::native;  // h8: native computes each of its ticks again
+  sim::McuKind mcu = sim::McuKind::native;  // h8: each tick is compared with native
   std::string image;                        // firmware, for h8
   std::uint64_t seed = 1;
-  // The robot and its world, suspended by its trunk; motors without a body if empty.
+  // Files of the world and of the suspended robot. If empty: motors without a body.
   std::string world_path, robot_path;
   hil::fuzz::GrammarOptions grammar;
-  const host::Interrupt* interrupt = nullptr;  // ends a case with its error
+  const host::Interrupt* interrupt = nullptr;  // ends the case with its error; may be null
   EngineVerdict* broken_off = nullptr;         // RunnerOptions::broken_off
 };
 
 struct EngineVerdict : hil::fuzz::Verdict {
   long long ticks = 0;
-  std::uint16_t worst_busy_8states = 0;  // h8: the longest tick
-  std::string emulator_engine;           // h8: what executed, "translator"
-  // h8: executed, and how many of them as translated code.
+  std::uint16_t worst_busy_8states = 0;  // h8: longest tick, in units of 8 states
+  std::string emulator_engine;           // h8: engine that executed, such as "translator"
+  // h8: executed instructions, and those of them that were translated code.
   long long instructions = 0, translated_instructions = 0;
-  double worst_overshoot_rad = 0;  // how far a driven joint went past its soft limit
+  double worst_overshoot_rad = 0;  // furthest that a driven joint went past its soft limit
 };
 
+// Returns Fault::usage if the image of h8 has no tick symbols; else errors of simulation and runner.
 Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
                                       const EngineOptions& options);
 

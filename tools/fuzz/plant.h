@@ -1,4 +1,4 @@
-// Worlds for the fuzzer: motors without a body, and a world whose drives and joints are watched.
+// Worlds for the fuzzer: motors without a body, and a wrapper that observes drives and joints.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,15 +11,14 @@
 
 namespace kaz::fuzz {
 
-// The default of shared/robot/kaz/motor.xml, for a program that finds no files.
+// Returns the default motor of shared/robot/kaz/motor.xml, without reading a file.
 sim::MotorParams bench_motor();
 
-// Eighteen of them, each with an inertia of its own on its shaft and stops at the ends of the
-// joint's range:
-// a thousandth of the cost of the robot.
+// Creates a world of 18 such motors without a robot. Each has its own inertia on the shaft, and stops just
+// beyond the joint's limits. It costs a thousandth of the robot's time.
 std::unique_ptr<sim::World> make_motor_bench();
 
-// Calls `watch` after each step, with what the motors were given.
+// Wraps `world` and calls `watch` after each step, with the drives of the step and the resulting joints.
 using DriveWatch = std::function<void(std::span<const sim::MotorDrive> drives,
                                       std::span<const sim::JointState> joints)>;
 std::unique_ptr<sim::World> watched(std::unique_ptr<sim::World> world, DriveWatch watch);

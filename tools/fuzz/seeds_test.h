@@ -1,5 +1,5 @@
-// The seeds of fuzz targets as ordinary tests, in every build: as they are, damaged, and noise. Folders
-// of seeds stand in tools/fuzz/targets.txt.
+// Runs fuzz targets as ordinary tests in every build: on their seeds, on damaged seeds, and on noise.
+// tools/fuzz/targets.txt lists the folders of seeds.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,7 +20,7 @@ namespace kaz::fuzz {
 
 using Input = std::vector<std::uint8_t>;
 
-// Where the manifest puts the seeds of a target; empty: it has no line there.
+// Returns the folder of a target's seeds, from the manifest. Empty: the target is not listed.
 inline std::string seeds_folder(const std::string& target) {
   std::ifstream manifest(KAZ_TREE "/tools/fuzz/targets.txt");
   for (std::string line; std::getline(manifest, line);) {
@@ -78,7 +78,7 @@ TEST_P(Seeds, AsTheyAre) {
     EXPECT_EQ(GetParam().run(input).value_or(""), "") << "seed " << name;
 }
 
-// A fixed stream; the fuzzer finds better ones, but not in every build.
+// Uses a fixed random stream. The fuzzer finds better inputs, but does not run in every build.
 TEST_P(Seeds, DamagedAndNoise) {
   const auto seeds = seeds_of(GetParam().name);
   ASSERT_FALSE(seeds.empty());

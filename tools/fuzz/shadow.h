@@ -1,4 +1,4 @@
-// The servo's state beside the emulator: native computes each tick again and is held against it.
+// Reference for emulated firmware: native code computes each tick again and compares the results.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,13 +13,13 @@ namespace kaz::fuzz {
 
 class Shadow {
  public:
-  // Outlives the shadow. Its image has the symbols of the servo's tick.
+  // `h8` must outlive this object. Its image must have the symbols of the servo's tick.
   explicit Shadow(const sim::H8Mcu& h8) : h8_(&h8) {}
 
-  // The same tick, computed here. True if it is the first after a reset.
+  // Computes the same tick natively. Returns true if it is the first after a reset.
   bool tick(const sim::TickRecord& record);
   const kz_servo& servo() const { return servo_; }
-  // The first difference between here and the engine: outputs each tick, the state every 64.
+  // First difference between native and engine. Outputs are compared in each tick, the state in every 64th.
   const std::optional<std::string>& difference() const { return difference_; }
 
  private:

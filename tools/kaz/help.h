@@ -1,4 +1,4 @@
-// Help texts, in words instead of CLI11's notation.
+// Formats help texts in words, instead of CLI11's notation of types and checks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,31 +8,35 @@
 
 namespace kaz::tools {
 
-// Columns of help on standard output: a terminal's, at least 60 and at most 100; 100 elsewhere.
+// Returns the width of help texts: that of the terminal on standard output, clamped to 60..100. Without a
+// terminal: 100.
 std::size_t help_columns();
 
-// "kaz mcu run".
+// Returns the name with those of its parents: "kaz mcu run".
 std::string full_name(const CLI::App& app);
-// "kaz mcu run [OPTIONS] IMAGE".
+// Returns the usage line: "kaz mcu run [OPTIONS] IMAGE".
 std::string usage(const CLI::App& app);
-// "--mcu h8|native", "--trace[=FILE]", "IMAGE": an option as it is typed, by its long name if it has one.
+// Returns an option as it is typed, by its long name if it has one: "--mcu h8|native", "--trace[=FILE]",
+// "IMAGE".
 std::string typed_form(const CLI::Option& option);
-// What the option does, then its default and what it goes with: "... (default: h8; not with --port)".
+// Returns the description of an option with its range, default and dependencies: "... (default: h8; not with
+// --port)".
 std::string option_text(const CLI::Option& option);
-// The parts of what a verb says after its options.
+// Parts of a verb's help text after its options.
 struct Footer {
-  std::string notes;  // sentences; a line break inside of one is no more
-  std::string
-      exit_status;  // one line, complete: of the verb where it says "Exit status: ", else the usual
+  std::string notes;  // without line breaks inside sentences
+  // One line with all statuses: the default ones, and those that the verb replaces. Empty for a verb that
+  // only groups other verbs.
+  std::string exit_status;
   std::string examples;  // the lines after "Examples:"
 };
-// From the text of app.footer(), in which "Exit status: 1 a limit failed." names what differs from the usual.
+// Parses app.footer(). In it, "Exit status: 1 a limit failed." lists only statuses that are not the default.
 Footer footer_of(const CLI::App& app);
-// Breaks lines longer than help_columns() at spaces. A broken line goes on at `indent`; without that, an
-// indented one goes on four columns deeper than it begins.
+// Breaks lines longer than help_columns() at spaces. A broken line continues at column `indent`. If that is
+// 0, an indented line continues four columns deeper than it begins.
 std::string wrapped(const std::string& text, std::size_t indent = 0);
 
-// For the program; its verbs inherit it.
+// Set it for the program; verbs inherit it.
 class HelpFormatter final : public CLI::Formatter {
  public:
   std::string make_option(const CLI::Option* option, bool is_positional) const override;

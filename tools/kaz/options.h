@@ -1,4 +1,4 @@
-// Options that several verbs have, and checks of their values.
+// Options that several verbs share, and validators of option values.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,25 +23,26 @@
 
 namespace kaz::tools {
 
-// Each option with numbers has one of these checks (tests/system/command_line/numbers_test.cpp). CLI11 takes
-// nan, which passes its Range too, infinity and hexadecimal fractions, and saturates what a type cannot hold.
+// Every numeric option must use one of these validators (tests/system/command_line/numbers_test.cpp). CLI11
+// accepts nan, even in its Range, infinity and hexadecimal fractions. It saturates values that are too large.
 
-// A finite number in decimal.
+// Accepts a finite decimal number.
 CLI::Validator number();
-// Above 0; the message of CLI11's own check would contain the largest double.
+// Accepts a number above 0. The message of CLI11's own check would contain the largest double.
 CLI::Validator positive();
-// `min` to `max`, inclusive; whole numbers also in hexadecimal, 0x10. `unit` is for help and errors, where
-// the option's type has none (values.cpp).
+// Accepts `min` to `max`, inclusive. The integral overload also accepts hexadecimal, 0x10. `unit` is for help
+// and errors, if the option's type has none (values.cpp).
 CLI::Validator between(double min, double max, const std::string& unit = "");
 template <std::integral T>
 CLI::Validator between(T min, T max);
 
-// Digits alone: CLI11 would take 1e3 as 1 and 99999999999999999999 as the largest number of the type.
+// Accepts only digits, at most 18. CLI11 would read 1e3 as 1, and 99999999999999999999 as the type's maximum.
 CLI::Validator whole_number();
-// 1 to `max`.
+// Accepts 1 to `max`, only digits.
 CLI::Validator whole_number_above_zero(std::int64_t max = 999'999'999'999'999'999);
 
-// Takes the names of `values`; CLI11's own transformer would print their numbers too.
+// Accepts the names of `values` and replaces each by its number. CLI11's own transformer would also print the
+// numbers.
 template <class T>
 CLI::Validator one_of(const std::map<std::string, T>& values) {
   std::vector<std::string> names;
@@ -58,7 +59,7 @@ CLI::Validator one_of(const std::map<std::string, T>& values) {
       "{" + CLI::detail::join(names, ",") + "}");
 }
 
-// CLI11's notation of a range, which values.h reads.
+// Returns CLI11's notation of a range, which values.h parses.
 template <class T>
 std::string range_notation(T min, T max) {
   std::ostringstream text;
@@ -81,8 +82,8 @@ CLI::Validator between(T min, T max) {
       range_notation(min, max));
 }
 
-// An option whose values are the names of an enum. `to` is a T, which is the default, or a
-// std::optional<T> without one; it must outlive `verb`.
+// Adds an option whose values are the names of an enum. `to`: a T, whose value is the default, or a
+// std::optional<T> without default. It must outlive `verb`.
 template <class T, std::size_t N, class To>
 CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::array<T, N>& values,
                         To& to, const std::string& description) {
@@ -94,16 +95,18 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::arra
   return option;
 }
 
-// --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --no-imu, --dynamics,
-// --physics-step, --eyes, --eye-width, --renderer, --seed.
+// These functions add options to `verb`. Their variables must outlive it.
+
+// Adds --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --no-imu, --dynamics,
+// --physics-step, --supply, --eyes, --eye-width, --renderer and --seed.
 void add_sim_options(CLI::App& verb, BackendOptions& options);
-// --imu and --no-imu; the default is what `imu` is.
+// Adds --imu and --no-imu. The default is the value of `imu`.
 void add_imu(CLI::App& verb, bool& imu);
-// --set NAME=VALUE, to be repeated; `text`: what is set, without an example.
+// Adds --set NAME=VALUE, which may be repeated. `text`: description, without an example.
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text);
-// --motor-file, --motor, --disc: the motors on a virtual motor stand.
+// Adds --motor-file, --motor and --disc, for the motors on a virtual motor stand.
 void add_motor_options(CLI::App& verb, BackendOptions& options);
-// The values of --robot (host/link/port_address.h).
+// Descriptions of the values of --robot (host/link/port_address.h).
 inline constexpr const char* kPortText =
     "the board: serial:PATH[@BAUD] of a serial port or pty, can:INTERFACE, tcp:HOST:PORT or "
     "rfc2217:HOST:PORT[@BAUD]";
@@ -111,19 +114,19 @@ inline constexpr const char* kBusText =
     "the servo bus: feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]; PATH may also be "
     "rfc2217:HOST:PORT";
 inline constexpr const char* kRobotText =
-    "sim, a board at a port (serial:PATH[@BAUD], can:INTERFACE, tcp:HOST:PORT or "
-    "rfc2217:HOST:PORT[@BAUD]), boards:FILE, which says which joint is on which board, or "
-    "feetech:PATH[@BAUD] and dynamixel:PATH[@BAUD], buses of servos";
+    "sim; a board at a port: serial:PATH[@BAUD], can:INTERFACE, tcp:HOST:PORT or "
+    "rfc2217:HOST:PORT[@BAUD]; several boards: boards:FILE, which lists the joints of each board; "
+    "or a servo bus: feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]";
 
-// --robot KIND:PATH for verbs that need no robot but a port. --port is its name in older scripts.
+// Adds --robot KIND:PATH, for verbs that need a port. Older scripts call it --port.
 CLI::Option* add_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);
-// The same, required; the value may also be given without the option's name.
+// The same as a required option, whose value may also be positional.
 void add_required_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);
-// --address N, for every verb that opens a port.
+// Adds --address N, for every verb that opens a port.
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address);
-// --record-pictures, for verbs that record.
+// Adds --record-pictures, for verbs that record.
 void add_record_pictures(CLI::App& verb, BackendOptions& options);
-// IMAGE, --format and --at. `max_address`: of the first byte of a raw image.
+// Adds IMAGE, --format and --at. `max_address`: maximum address of a raw image's first byte.
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,
                        std::uint32_t max_address);
 

@@ -1,4 +1,4 @@
-// What vision makes of a run's pictures, for viewers.
+// Publishes the results of vision in a run to viewers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,11 +9,12 @@
 
 namespace kaz::tools {
 
-// Pictures of the modules that run, /vision/depth, /vision/flow and /vision/floor, as in `kaz vision run`; of
-// the ball an annotation on the left eye's picture. What nobody has subscribed to is not drawn.
+// Publishes pictures of the modules that run, as in `kaz vision run`: /vision/depth, /vision/flow and
+// /vision/floor. The ball is an annotation of the left eye's picture. Pictures without subscribers are not
+// drawn.
 class VisionChannels final : public VisionWatcher {
  public:
-  // The view must outlive it.
+  // `view` must outlive this object and the pipeline.
   explicit VisionChannels(watch::View& view) : view_(view) {}
   void begin(vision::Pipeline& pipeline) override;
   void end(const vision::Pipeline& /*pipeline*/) override {}

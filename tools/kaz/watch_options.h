@@ -1,4 +1,4 @@
-// The options --view, --view-wait and --pace.
+// Options --view, --view-wait, --view-open and --pace, and runs with viewers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,19 +18,21 @@ namespace kaz::tools {
 
 struct WatchArguments {
   bool view = false, wait = false, open = false;
-  std::string where;  // ADDRESS:PORT; empty: the usual one
-  double pace = 0;    // 0: as fast as it goes
+  std::string where;  // ADDRESS:PORT; empty: the default
+  double pace = 0;    // maximum simulated time over real time; 0: no limit
 };
 
-// `paced`: with --pace, which only what has no time of its own can have.
+// `paced`: also adds --pace. It needs a verb whose time is not that of a clock. `arguments` must outlive
+// `verb`.
 void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced = true);
-// run_session(), serve(), run_bench(), monitor() and run_campaign(), for viewers if the options say so.
+// Call run_session(), serve(), run_bench(), monitor() and run_campaign(), with a server for viewers if --view
+// is given.
 Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session);
 Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve);
 Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench);
 Result<bool> monitor_watched(const WatchArguments& arguments, MonitorOptions monitor);
 Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions campaign);
-// The recording, played for viewers until Ctrl-C.
+// Plays a recording for viewers until Ctrl-C.
 Result<void> play_recording(const WatchArguments& arguments, const std::string& file);
 
 }  // namespace kaz::tools

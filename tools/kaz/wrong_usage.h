@@ -1,4 +1,4 @@
-// What is wrong with a command line, in one sentence: what, where, what to give instead.
+// Describes an error of the command line in one sentence: the fault, its place, and a correct form.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,16 +8,18 @@
 
 namespace kaz::tools {
 
-// The verb that was given, as far as there is one: the program itself, or its verb's verb.
+// Returns the innermost verb that was given, or the program itself.
 CLI::App& chosen_verb(CLI::App& program);
-// Lets flags take no value but true, false, 1 and 0, of this verb and its verbs: CLI11 takes any number above
-// 0, and words, as true.
+// Restricts values of flags to true, false, 1 and 0, for `app` and its verbs. CLI11 takes any number above 0,
+// and words, as true.
 void check_flags(CLI::App& app);
-// "there is no verb `dmo`; did you mean demo?" about a word in the place of a verb; empty if there is none.
+// Returns a sentence about a word in place of a verb: "there is no verb `dmo`; did you mean demo?". Empty: no
+// such word.
 std::string unknown_verb(CLI::App& program);
-// "--out is empty; give --out DIR" about an option of the chosen verb; empty if there is none.
+// Returns a sentence about an empty value: "--out is empty; give --out DIR". Empty: no option of the chosen
+// verb has one.
 std::string empty_value(CLI::App& program);
-// About the last call of program.parse(), which threw `error`.
+// Returns the sentence about the last call of program.parse(), which threw `error`.
 std::string wrong_usage(CLI::App& program, const CLI::ParseError& error);
 
 }  // namespace kaz::tools

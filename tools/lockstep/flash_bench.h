@@ -1,5 +1,4 @@
-// A board on a bench in simulated time, to be flashed: its chip, line, power, reset and mode switch, and
-// what can happen to them.
+// An emulated board on a bench in simulated time, for tests that flash it while faults occur.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,19 +14,22 @@
 
 namespace kaz::lockstep {
 
+// Link, clock and reset of one emulated board. Waiting advances simulated time in steps of 1/8 ms.
 class FlashBench final : public host::Link, public host::Clock, public host::BoardReset {
  public:
-  // An erased chip, or one with an image (path of kaz.mot).
+  // `image`: path of kaz.mot; empty: an erased chip. Aborts if the image cannot be loaded.
   explicit FlashBench(const std::string& image = "", const h8s::Options& options = {},
                       std::uint64_t seed = 1);
 
-  // --- what happens, at a time of now()
+  // --- faults; times are those of now()
   void cut_power_at(Time when, Time length) { cut_at_ = when, cut_length_ = length; }
+  // From then on, read() and write() return Fault::environment.
   void unplug_at(Time when) { unplug_at_ = when; }
+  // Faults of the line. Not owned; null: none.
   void set_faults(const faults::Schedule* faults) { line_.set_faults(faults); }
-  // The program counter has come into the application, from outside: within a step of when it did.
+  // Called when the program counter enters the application, at the end of that step.
   void on_application(std::function<void()> listener) { on_application_ = std::move(listener); }
-  // The adapter hands bytes over so late, both ways.
+  // Latency of the adapter, in each direction.
   void set_latency(Time latency);
 
   // --- host::Clock, host::Link, host::BoardReset
@@ -41,9 +43,9 @@ class FlashBench final : public host::Link, public host::Clock, public host::Boa
 
   h8s::Chip& chip() { return mcu_->chip(); }
   sim::H8Mcu& mcu() { return *mcu_; }
-  // Restores the bench: plugged in, powered, no faults.
+  // Removes all faults, waits 200 ms, and drops unread bytes.
   void repair();
-  // The firmware that runs answers `identify`; the CRC of its image, or nothing.
+  // Returns the CRC of the image that runs, from its reply to `identify`. nullopt: no reply.
   std::optional<std::uint16_t> running_image();
 
  private:

@@ -1,10 +1,11 @@
-// Host and simulation in one process: the host's interfaces over simulated time.
+// The host's link, clock and camera over a simulation in the same process.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The only place where the two meet.
+// Host and simulation do not depend on each other; this module connects them.
 //
-// Whoever waits advances the world: sleep_until() and read() run the simulation by whole
-// milliseconds until the time has come or bytes have. Nothing reads the wall clock. One thread.
+// Waiting advances the simulation: sleep_until() and read() step it by whole milliseconds, until the time
+// is reached or bytes have arrived. No wall clock is read. Single-threaded. The simulation must outlive all
+// of these objects.
 #pragma once
 
 #include "host/link/link.h"
@@ -16,7 +17,6 @@ namespace kaz::lockstep {
 
 class LockstepClock final : public host::Clock {
  public:
-  // The simulation must outlive what stands on it.
   explicit LockstepClock(sim::Simulation& simulation) : simulation_(simulation) {}
   Time now() const override { return simulation_.time(); }
   Result<void> sleep_until(Time t) override;
@@ -37,7 +37,7 @@ class LockstepLink final : public host::Link {
   sim::Simulation& simulation_;
 };
 
-// Keeps the simulation's eyes open.
+// Keeps the simulation's eyes open as long as it exists.
 class LockstepCamera final : public vision::Camera {
  public:
   explicit LockstepCamera(sim::Simulation& simulation);

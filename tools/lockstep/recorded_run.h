@@ -1,4 +1,4 @@
-// The host's side of a recording: bytes of both directions, pictures, the behaviour's record.
+// The host's side of a recording: bytes in both directions, pictures, and entries of the behavior.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,32 +16,32 @@
 namespace kaz::lockstep {
 
 struct RecordedRun {
-  // Of one exposure, as the host got it.
+  // Stereo pair as the host received it.
   struct Pair {
     std::uint64_t sequence = 0;
     Time exposure{}, arrival{};
     std::vector<std::uint8_t> left_png, right_png;
   };
-  struct Thought {  // what the behaviour entered
+  struct Thought {  // an entry of the behavior
     Time time{};
     std::string json;
   };
 
-  std::vector<sim::SerialByte> to_board;  // as they reached the board
-  std::vector<sim::SerialByte> to_host;   // as they left the board
+  std::vector<sim::SerialByte> to_board;  // with times of arrival at the board
+  std::vector<sim::SerialByte> to_host;   // with times of departure from the board
   std::vector<Pair> pairs;                // in order of exposure
   std::vector<Thought> thoughts;
-  sim::States end = 0;   // of the last step; of a recording that was cut off, the last whole one
-  bool cut_off = false;  // the run went on after `end`
-  std::string interrupted_by;  // if that was a signal: "SIGINT"
-  std::uint64_t seed = 1;      // of the line's faults
+  sim::States end = 0;         // end of the last step that is recorded completely
+  bool cut_off = false;        // the run went on after `end`
+  std::string interrupted_by;  // signal that cut it off, such as "SIGINT"; empty: none
+  std::uint64_t seed = 1;      // seed of the line faults
   faults::Schedule faults;
   bool has_pictures = false;
-  vision::CameraModel camera;  // where there are pictures
+  vision::CameraModel camera;  // valid if has_pictures
   Time camera_latency{};
 
-  // `name`: for the errors (usage): damaged, messages that do not fit their schema, cut off before
-  // its first whole step.
+  // Decodes a recording. `name` identifies it in errors. Returns Fault::usage if a chunk is damaged, a
+  // message does not fit its schema, a pair is incomplete, or no step is recorded completely.
   static Result<RecordedRun> of(const sim::McapRecording& recording,
                                 const std::string& name = "the recording");
 };

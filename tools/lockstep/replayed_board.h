@@ -1,10 +1,9 @@
-// A board and eyes that are a recording: the host runs against them as it did against the simulation.
+// Replays a recording as a board and its eyes, so that the host runs against it as against the simulation.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Time goes on in step(), by one millisecond, as in the simulation. Bytes that the board sent come at
-// their recorded times, pictures at theirs; what the host sends is compared, byte by byte and state by
-// state, with what reached the board then. Faults of the line happen to the bytes again, by the same
-// seed.
+// step() advances time by one millisecond, as in the simulation. Bytes of the board and pictures arrive at
+// their recorded times. Every byte from the host is compared with the recorded one, and so is its arrival
+// time, to the state. Line faults act on the bytes again, with the recorded seed. Single-threaded.
 #pragma once
 
 #include <deque>
@@ -19,22 +18,22 @@
 
 namespace kaz::lockstep {
 
-// Where host and recording part.
+// First difference between the host and the recording.
 struct HostDifference {
   Time time{};
-  std::string where;          // "byte 1234 to the board", "the behaviour's record", "the end"
-  std::string recorded, now;  // in words
+  std::string where;          // such as "byte 1234 to the board" or "the end"
+  std::string recorded, now;  // descriptions of both
 };
 
 class ReplayedBoard {
  public:
-  // The run must outlive what stands on it.
+  // `run` must outlive the board, and the board must outlive its link, clock and camera.
   explicit ReplayedBoard(const RecordedRun& run);
   ReplayedBoard(const ReplayedBoard&) = delete;
   ReplayedBoard& operator=(const ReplayedBoard&) = delete;
 
-  // One millisecond. Fails (failed), and from then on, when the host has sent something else than in
-  // the recording, and when the recording is at its end.
+  // Advances by one millisecond. Returns Fault::failed at the end of the recording, or if the host has sent
+  // something else. Later calls return the same error.
   Result<void> step();
   Time time() const;
   const std::optional<Error>& error() const { return error_; }
@@ -42,17 +41,17 @@ class ReplayedBoard {
 
   void write(std::span<const std::uint8_t> bytes) { line_.write(bytes, now_); }
   std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
-  // The next pair that has reached the host by now. Errors: a picture cannot be decoded; there are
-  // none.
+  // Returns the next pair that has reached the host by now. Returns Fault::usage if a picture is invalid or
+  // the recording has none.
   Result<std::optional<vision::StereoPair>> next_pair();
-  // What the behaviour enters into its record: compared as well.
+  // Compares an entry of the behavior with the recorded one.
   void think(const std::string& json);
 
-  // To be called when the host is done: something that was sent and recorded may be missing.
+  // Call it when the host has ended: detects recorded bytes and entries that the host did not produce.
   void finish();
-  // In what was sent to the board, the first.
+  // First difference in the bytes to the board, or in the end of the run.
   const std::optional<HostDifference>& difference() const { return difference_; }
-  // In the behaviour's record, the first; it may come before what is sent because of it.
+  // First difference in the behavior's entries. It may precede the difference in bytes that it causes.
   const std::optional<HostDifference>& other_thought() const { return other_thought_; }
 
  private:
@@ -64,8 +63,9 @@ class ReplayedBoard {
   const RecordedRun& run_;
   sim::SerialLine line_;
   sim::States now_ = 0;
-  std::size_t compared_ = 0, given_ = 0, exposed_ = 0, thought_ = 0;  // of the run, so far
-  std::vector<std::uint8_t> sent_;                                    // that reached the board
+  // Numbers of items of the run that have been processed.
+  std::size_t compared_ = 0, given_ = 0, exposed_ = 0, thought_ = 0;
+  std::vector<std::uint8_t> sent_;  // bytes that reached the board
   std::deque<const RecordedRun::Pair*> arriving_;
   std::optional<HostDifference> difference_, other_thought_;
   std::optional<Error> error_;
@@ -103,8 +103,8 @@ class ReplayCamera final : public vision::Camera {
   ReplayedBoard& board_;
 };
 
-// The byte at `offset` of what a host sent, with the message that contains it: "0x3a in `enable` #12
-// mask=0x3, frame 00 05 01 ...".
+// Describes the byte at `offset` in the bytes from a host, and its message: "0x3a in `enable` #12 mask=0x3,
+// frame 00 05 01 ...".
 std::string byte_in_words(std::span<const std::uint8_t> sent, std::size_t offset);
 
 }  // namespace kaz::lockstep

@@ -1,4 +1,4 @@
-// An emulated board with its motors on a stand, and the host's connection to both.
+// A simulated motor stand, and the host's connection to its board and tools.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,8 +13,8 @@ namespace kaz::lockstep {
 
 class StandBackend {
  public:
-  // A simulation that make_stand() has made.
-  // pressing_s: how long the bench presses against the scale. `interrupt` ends its waiting; may be null.
+  // `simulation`: from make_stand(). `pressing_s`: time for which the bench presses against the scale.
+  // `interrupt` ends all waits; it may be null and must outlive this object.
   explicit StandBackend(std::unique_ptr<sim::Simulation> simulation, double pressing_s = 0.1,
                         const host::Interrupt* interrupt = nullptr);
 
@@ -23,7 +23,7 @@ class StandBackend {
   host::Clock& clock() { return clock_; }
   hil::Stand& stand() { return stand_; }
 
-  // The motor measurements of `options`, in simulated time.
+  // Runs the motor measurements in simulated time.
   Result<void> run(const hil::MotorBenchOptions& options, hil::BenchJudge& judge);
 
  private:

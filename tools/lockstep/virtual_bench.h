@@ -1,8 +1,8 @@
-// A virtual servo board on a bench, in simulated time: for what is proven of the board alone.
+// A virtual servo board on a test bench, in simulated time, for tests of the board alone.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No robot hangs on it: each joint is a motor that turns freely, first order in its drive. So it is
-// fast, and every input of the board can be disturbed. Waiting is what moves the time.
+// It has no robot: each joint is a freely turning motor, a first-order lag of its drive. So it is fast, and
+// tests can disturb every input of the board. Waiting advances time in steps of 1/8 ms.
 #pragma once
 
 #include <array>
@@ -50,10 +50,10 @@ class VirtualBench final : public hil::Bench, public host::Link, public host::Cl
   std::unique_ptr<sim::Mcu> mcu_;
   sim::SerialLine line_;
   sim::States now_ = 0;
-  sim::States off_ = 0;  // for so long the power was off
+  sim::States off_ = 0;  // total time without power
   bool power_ = true;
   std::array<Joint, KZ_JOINTS> joints_{};
-  std::array<std::optional<int>, KZ_ANALOG> held_{};
+  std::array<std::optional<int>, KZ_ANALOG> held_{};  // codes of set_analog()
 };
 
 }  // namespace kaz::lockstep

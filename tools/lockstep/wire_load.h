@@ -1,4 +1,4 @@
-// All 18 targets out and all 18 positions back, at a given rate or as fast as the wire allows.
+// Load test of the wire: sends all 18 targets and receives all 18 positions, cycle after cycle.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,15 +7,15 @@
 namespace kaz::lockstep {
 
 struct WireLoad {
-  double rate_hz = 0;                  // postures that came
-  double share_out = 0, share_in = 0;  // of the wire, 0..1
-  double oldest_s = 0;     // longest from when targets left to when their posture was there
-  std::uint64_t late = 0;  // cycles due while earlier ones filled the window
+  double rate_hz = 0;                  // received postures
+  double share_out = 0, share_in = 0;  // utilization of the wire in each direction, 0..1
+  double oldest_s = 0;     // maximum time from sending targets to receiving their posture
+  std::uint64_t late = 0;  // cycles that became due while earlier ones filled the window
   std::uint64_t retries = 0;
 };
 
-// Switches all joints on and lets them swing by 0.05 rad about where they stand. `rate_hz` 0: the
-// next targets leave as soon as the window has room.
+// Switches all joints on and swings them by 0.05 rad about their present angles. `byte_time`: of one byte on
+// the wire. `rate_hz`: 0 sends the next targets as soon as the window has room.
 Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_hz, Time duration);
 
 }  // namespace kaz::lockstep

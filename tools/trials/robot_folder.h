@@ -1,4 +1,4 @@
-// A temporary folder with modified copies of a robot's files; removed with the object.
+// A temporary folder with modified copies of a robot's files. Its object owns and removes it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,13 +12,13 @@
 
 namespace kaz::trials {
 
-// Nine significant digits.
+// Formats a number with nine significant digits.
 std::string digits(double value);
-// Replaces the number between each `before` and the next quote by change(number).
+// Replaces each number that stands between `before` and the next quote by change(number).
 std::string with_numbers(const std::string& text, const std::string& before,
                          const std::function<double(double)>& change);
-// Multiplies mass and moments of inertia of each <inertial> of a URDF by factor(number), counted from 0 in
-// the order of the file.
+// Multiplies mass and inertia tensor of each <inertial> of a URDF by factor(number). The number counts from 0
+// in file order.
 std::string with_masses(const std::string& urdf,
                         const std::function<double(std::uint64_t)>& factor);
 
@@ -26,7 +26,7 @@ class RobotFolder {
  public:
   using Change = std::function<std::string(const std::string&)>;
   // Copies kaz.urdf, motor.xml, camera.json and sensors.xml from the folder `robot`, applies `changes` by
-  // file name, and writes `world` as world.sdf. Errors: a file that cannot be read or written.
+  // file name, and writes `world` as world.sdf. Errors: a file cannot be read or written.
   static Result<RobotFolder> make(const std::string& robot,
                                   const std::map<std::string, Change>& changes,
                                   const std::string& world);
@@ -38,8 +38,8 @@ class RobotFolder {
   std::string robot() const { return folder_ / "kaz.urdf"; }
   std::string camera() const { return folder_ / "camera.json"; }
   std::filesystem::path folder() const { return folder_; }
-  // Passes name and contents of each file on, for a copy that stays. Errors: a file that cannot be read, and
-  // those of `keep`.
+  // Calls `keep` with name and contents of each file, to make permanent copies. Errors: a file cannot be
+  // read, and those of `keep`.
   using Keep = std::function<Result<void>(const std::string& name, const std::string& contents)>;
   Result<void> each(const Keep& keep) const;
 

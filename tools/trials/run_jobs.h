@@ -9,9 +9,8 @@
 
 namespace kaz::trials {
 
-// Calls work(i) once for each i in 0..count-1 on `threads` threads. The function that it returns is called
-// with a lock held, one at a time: it stores the result and reports progress. Its first error is returned;
-// no job starts after it.
+// Calls work(i) once for each i in 0..count-1 on `threads` threads. Each function that work() returns runs
+// under a lock, to store the result and report progress. Returns their first error; no job starts after it.
 Result<void> run_jobs(std::size_t count, int threads,
                       const std::function<std::function<Result<void>()>(std::size_t)>& work);
 

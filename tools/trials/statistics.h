@@ -1,4 +1,4 @@
-// Confidence of success rates, and statistics of measurements.
+// Confidence intervals of success rates, and statistics of measurements.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,19 +13,20 @@ struct Interval {
 };
 
 // Wilson's 95 % confidence interval of a proportion: E. B. Wilson, "Probable inference, the law of
-// succession, and statistical inference", J. Am. Stat. Assoc. 22 (1927). 0 to 1 where n is 0.
+// succession, and statistical inference", J. Am. Stat. Assoc. 22 (1927). 0 to 1 if n is 0.
 Interval wilson(std::uint64_t successes, std::uint64_t n);
 
-// The smallest of the values that is not less than a fraction q (0..1) of them; 0 without values.
+// Quantile q (0..1) by nearest rank: the smallest value that is at least as large as a fraction q of the
+// values. 0 without values.
 double quantile(std::vector<double> values, double q);
 
 struct Summary {
   double mean = 0;
-  double sigma = 0;  // of the sample, n - 1 degrees of freedom; 0 for a single value
+  double sigma = 0;  // sample standard deviation, n - 1 degrees of freedom; 0 for a single value
   double max = 0;
 };
 
-// Zeros without values.
+// Returns zeros without values.
 Summary summarize(const std::vector<double>& values);
 
 // Signed errors of one quantity. Every statistic is 0 without values.
@@ -35,10 +36,11 @@ class Errors {
   std::size_t count() const { return values_.size(); }
   bool empty() const { return values_.empty(); }
   double mean() const;
-  double sigma() const;  // around the mean, of the population (n)
+  double sigma() const;  // population standard deviation, divisor n
   double rms() const;
-  double max() const;                        // of the absolute values
-  double percentile(double fraction) const;  // of the absolute values, nearest rank of n - 1; 0..1
+  double max() const;  // largest absolute value
+  // Percentile of the absolute values; `fraction`: 0..1. Rank: fraction (n - 1), rounded.
+  double percentile(double fraction) const;
 
  private:
   std::vector<double> values_;

@@ -1,4 +1,4 @@
-// What viewers get beside the recorded channels, made of these: poses, joint states, markers, the board.
+// Derives channels for viewers from the recorded ones: poses, joint states, board state and pictures.
 // SPDX-License-Identifier: Apache-2.0
 //
 // docs/howto/watch.md lists the channels.
@@ -23,36 +23,40 @@
 namespace kaz::watch {
 
 struct FeedOptions {
-  double rate_hz = 30;  // of poses and states, in the run's time
-  bool recorded_robot =
-      false;           // the recorded channels have the robot's description, world and poses
-  bool hangs = false;  // a robot without them hangs in the air; else it stands
+  double rate_hz = 30;  // rate of poses and states, in the run's time
+  // The recorded channels contain the robot's description, world and poses.
+  bool recorded_robot = false;
+  // A robot without recorded poses hangs in the air. Else it stands on the floor.
+  bool hangs = false;
 };
 
 class Feed {
  public:
-  // The server must outlive it.
+  // `server` must outlive this object. Errors: those of the robot file.
   static Result<Feed> create(Server& server, const std::string& robot_path,
                              const FeedOptions& options = {});
 
-  // Which recorded channels message() reads. Those `for_viewers` may be left out while there is no viewer.
-  // The wire is always read: its frames are counted from the beginning.
+  // Whether message() uses a recorded channel. Channels `for_viewers` may be skipped while there is no
+  // viewer. The wire and poses are always used: frames are counted from the beginning.
   enum class Use { never, for_viewers, always };
   static Use use_of(std::string_view topic);
-  // A message of a recorded channel. Always on the same thread.
+  // Processes a message of a recorded channel. Call it always on the same thread.
   void message(std::string_view topic, std::uint64_t time_ns, std::span<const std::uint8_t> data);
-  // A pair of the host's: calibration and, with `pixels`, as JPEG in the channels of recorded pictures.
-  // Waits until the pair is drawn. May run beside calls of the other functions, on one thread.
+  // Publishes the calibration of a pair and, with `pixels`, its pictures as JPEG in the channels of recorded
+  // pictures; 16 pairs per second at most. Waits until the pair is rendered. Call it on one thread, which may
+  // run concurrently with the other functions.
   void pictures(const vision::StereoPair& pair, bool pixels);
   bool wants_pictures() const;
-  // A channel of pictures made for viewers, 8 a second at most. From any thread, as the next three.
+  // Adds a channel for derived pictures. This and the next three functions may be called on any thread, but
+  // wants_picture() on only one at a time.
   std::uint32_t add_pictures(const std::string& topic);
-  // Whether somebody wants the picture, and it is due. Each answer of yes counts as that picture.
+  // Returns whether the channel has subscribers and its next picture is due, at most 8 per second. After
+  // true, the picture counts as sent.
   bool wants_picture(std::uint32_t channel, const vision::FrameInfo& info);
   void picture(std::uint32_t channel, const vision::FrameInfo& info, const vision::Image& image);
-  // Marks the ball on the left eye's picture, or that there is none.
+  // Publishes an annotation of the left eye's picture that marks the ball, or removes the mark.
   void ball(const vision::FrameInfo& info, const vision::BallObservation& ball);
-  // The player goes back: forgets what it derived. On the thread of message().
+  // Resets the derived state, for jumps of a player. Call it on the thread of message().
   void restart();
 
  private:
@@ -84,12 +88,12 @@ class Feed {
   Channels channels_{};
   std::optional<std::uint64_t> next_ns_;
   bool hangs_ = false;
-  bool posed_ = false;              // poses come with the recorded channels
-  bool has_truth_ = false;          // false: at a port, where the board's angles are all there is
-  std::vector<std::uint8_t> data_;  // of the message under way
+  bool posed_ = false;              // the recorded channels contain poses
+  bool has_truth_ = false;          // false: only the board's angles are known, as at a port
+  std::vector<std::uint8_t> data_;  // buffer for a message
 
   std::array<double, KZ_JOINTS> angle_{}, torque_{}, target_{}, measured_{}, duty_{};
-  // Of each board's line. A joint is that board's whose host last set its target.
+  // Line of one board. A joint belongs to the line on which its target was last set.
   struct Line {
     std::array<kz_receiver, 2> receivers{};
   };
@@ -99,8 +103,8 @@ class Feed {
   std::array<std::size_t, KZ_JOINTS> line_of_{};
   std::uint16_t status_ = 0;
   double supply_v_ = 0;
-  std::uint64_t next_picture_ns_ = 0;                    // of pictures() alone
-  std::map<std::uint32_t, std::uint64_t> next_made_ns_;  // of wants_picture() alone, by channel
+  std::uint64_t next_picture_ns_ = 0;                    // used by pictures() only
+  std::map<std::uint32_t, std::uint64_t> next_made_ns_;  // by channel; used by wants_picture() only
 };
 
 }  // namespace kaz::watch

@@ -1,4 +1,4 @@
-// Plays a recording for viewers: in its own time, faster or slower, with pauses and jumps.
+// Plays a recording for viewers, at any speed, with pauses and jumps.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,15 +11,15 @@
 namespace kaz::watch {
 
 struct PlayOptions {
-  ViewOptions view;                                 // pace: the speed at which it begins; 0: 1
-  std::function<void(const std::string&)> on_open;  // the page's address
+  ViewOptions view;                                 // pace: initial speed; 0: 1
+  std::function<void(const std::string&)> on_open;  // called with the page's address; may be null
 };
 
-// What the page shows until a picture comes: if the recording holds none, how to record some. Names of the
-// recording that are longer than 64 bytes are left out.
+// Returns the text that the page shows until a picture arrives. If the recording has none, it says how to
+// record some. Names in the recording that are longer than 64 bytes are left out.
 std::string no_pictures_text(const sim::McapRecording& recording);
 
-// Until PlayOptions::view.stopped. Errors: as View::open().
+// Plays until PlayOptions::view.stopped returns true. Errors: those of open_server() (view.h).
 Result<void> play(const sim::McapRecording& recording, const PlayOptions& options);
 
 }  // namespace kaz::watch

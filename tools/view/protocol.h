@@ -1,8 +1,9 @@
-// Foxglove's WebSocket protocol: what viewers send, and the frames that they get.
+// Foxglove's WebSocket protocol: parses requests of viewers, and encodes frames for them.
 // SPDX-License-Identifier: Apache-2.0
 //
-// https://github.com/foxglove/ws-protocol (`foxglove.websocket.v1`), and that of Foxglove's SDK, which adds
-// the control of a player (`foxglove.sdk.v1`). Viewers are not trusted: everything is checked here.
+// Sources: https://github.com/foxglove/ws-protocol (`foxglove.websocket.v1`), and the protocol of Foxglove's
+// SDK (`foxglove.sdk.v1`), which adds control of a player. Viewers are not trusted, so all input is checked
+// here.
 #pragma once
 
 #include <array>
@@ -20,12 +21,12 @@ namespace kaz::watch {
 using Bytes = std::vector<std::uint8_t>;
 
 inline constexpr std::string_view kSdkProtocol = "foxglove.sdk.v1";
-// Those that are accepted, the preferred one first.
+// Accepted subprotocols, in order of preference.
 inline constexpr std::array<std::string_view, 2> kSubprotocols = {kSdkProtocol,
                                                                   "foxglove.websocket.v1"};
-// The longest message that a viewer may send.
+// Maximum size of a message from a viewer, bytes.
 inline constexpr std::size_t kLongestRequest = 64 << 10;
-// The most that one message may ask for.
+// Maximum number of entries in one request.
 inline constexpr std::size_t kMostEntries = 1024;
 
 struct Channel {
@@ -43,7 +44,7 @@ struct Playback {
   double speed = 1;  // 0.01 to 100
   bool seek = false;
   std::uint64_t seek_ns = 0;
-  std::string request;  // its name, which the state that answers repeats
+  std::string request;  // identifier, repeated in the PlaybackState that answers
 };
 
 struct PlaybackState {
@@ -55,8 +56,8 @@ struct PlaybackState {
   std::string request;
 };
 
-// The channel on which viewers say what is to be done by hand: JSON, {"do": LINE} with a line of HandAct
-// (sim/runtime/simulation/hand_player.h) or of the pace (view.h).
+// Channel for actions by hand, which viewers publish: JSON, {"do": LINE}. LINE is an action of HandAct
+// (sim/runtime/simulation/hand_player.h), or a request for the behavior or the pace (view.h).
 inline constexpr std::string_view kHandTopic = "/hand";
 inline constexpr std::size_t kLongestLine = 32 << 10;
 
@@ -75,30 +76,30 @@ struct Request {
   Kind kind = Kind::subscribe;
   std::vector<Subscription> subscribe;
   std::vector<std::uint32_t> unsubscribe;  // subscriptions
-  std::string uri;                         // of an asset
+  std::string uri;                         // URI of an asset
   std::uint32_t asset_request = 0;
   Playback playback;
-  std::vector<std::uint32_t> advertise;    // the viewer's numbers of its channels kHandTopic
-  std::vector<std::uint32_t> unadvertise;  // its channels
-  std::uint32_t published = 0;             // its channel
-  std::string line;                        // that it published there
-  std::vector<std::string> parameters;     // names; none: all
-  std::string parameters_request;          // its name, which the reply repeats
+  std::vector<std::uint32_t> advertise;    // numbers of the viewer's channels on kHandTopic
+  std::vector<std::uint32_t> unadvertise;  // channels
+  std::uint32_t published = 0;             // channel of a publication
+  std::string line;                        // published line
+  std::vector<std::string> parameters;     // names; empty: all
+  std::string parameters_request;          // identifier, repeated in the reply
 };
 
-// Errors: one sentence for the viewer.
+// Parse a request. Return Fault::usage with one sentence for the viewer.
 Result<Request> parse_text(std::string_view text);
 Result<Request> parse_binary(std::span<const std::uint8_t> bytes);
 
-// The first of kSubprotocols that is in the list of a handshake, "a, b"; empty if there is none.
+// Returns the first of kSubprotocols in the list of a handshake, "a, b". Empty: none of them.
 std::string_view chosen_subprotocol(std::string_view offered);
 
-// Whether the protocol of that name has this opcode among the frames that a server sends. Only the SDK's
-// has the state of a player.
+// Returns whether a subprotocol has this opcode for frames of a server. Only the SDK's has the state of a
+// player.
 bool understands(std::string_view subprotocol, std::uint8_t opcode);
 
-// `capabilities` in the words of the SDK's protocol; those that the other one lacks are left out for it, as
-// are the times of a recording.
+// `capabilities`: as named in the SDK's protocol. Those that the other protocol lacks are left out for it,
+// and so are the times of a recording.
 std::string server_info(const std::string& name, const std::string& session,
                         std::string_view subprotocol, std::vector<std::string> capabilities,
                         std::uint64_t start_ns, std::uint64_t end_ns);
@@ -107,10 +108,10 @@ std::string parameter_values(const std::map<std::string, std::string>& values,
                              const std::string& request);
 enum class StatusLevel : std::uint8_t { info = 0, warning = 1, error = 2 };
 std::string status(StatusLevel level, const std::string& sentence);
-// The beginning of a message's frame: its data follow.
+// Returns the beginning of a message's frame. Its data follow.
 Bytes message_head(std::uint32_t subscription, std::uint64_t time_ns);
 Bytes time_frame(std::uint64_t time_ns);
-// The beginning of a frame that answers fetchAsset: without an error the file's bytes follow.
+// Returns the beginning of an answer to fetchAsset. Without an error, the file's bytes follow.
 Bytes asset_head(std::uint32_t request, const std::string& error);
 Bytes playback_frame(const PlaybackState& state);
 

@@ -1,13 +1,13 @@
-// HTTP and WebSocket on one port: the page, the robot's files, and the channels of a run.
+// HTTP and WebSocket server on one port: serves the page, the robot's files, and the channels of a run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Threads. The threads of a run publish. publish() copies a message into a bounded queue and returns; it
-// waits neither for a viewer nor for the server. The server's own thread does all the rest: it alone has
-// the connections, the viewers with their subscriptions, and the log of the newest messages. Every viewer
-// reads that log at its own pace. A slow viewer misses messages and delays nobody.
+// Threads. The threads of a run publish. publish() copies a message into a bounded queue and returns, without
+// waiting for a viewer or the server. The server's own thread does the rest. Only it accesses connections,
+// subscriptions, and the log of the newest messages. Each viewer reads that log at its own pace. A slow
+// viewer misses messages and delays nobody.
 //
-// Memory. A message is stored once, whatever the number of viewers. The queue and the log are bounded; a
-// viewer has at most some answers to its own requests, and is not read from until it takes them.
+// Memory. A message is stored once, for any number of viewers. Queue and log are bounded. A viewer only has a
+// few pending answers to its own requests; the server reads no more requests until it takes them.
 #pragma once
 
 #include <cstdint>
@@ -28,17 +28,17 @@ struct ServerOptions {
   std::uint16_t port = 8765;  // 0: any
   std::string name = "kaz";
   Access access;
-  std::map<std::string, std::string> parameters;  // that viewers may read
+  std::map<std::string, std::string> parameters;  // readable by viewers
   bool hands = false;                             // viewers may publish on kHandTopic
-  std::uint64_t start_ns = 0, end_ns = 0;         // of a recording that is played; 0: there is none
+  std::uint64_t start_ns = 0, end_ns = 0;         // range of a played recording; end 0: a live run
   std::size_t most_connections = 64;
   std::size_t most_queued = 4 << 20;  // bytes between publish() and the server's thread
-  std::size_t most_logged = 8 << 20;  // bytes of the log
+  std::size_t most_logged = 8 << 20;  // bytes in the log
 };
 
 class Server {
  public:
-  // Errors (environment): the address is none of this machine's, or taken.
+  // Returns Fault::usage if the address is not numeric, Fault::environment if it cannot be bound.
   static Result<std::unique_ptr<Server>> open(ServerOptions options);
   ~Server();
   Server(const Server&) = delete;
@@ -46,46 +46,48 @@ class Server {
 
   std::uint16_t port() const;
 
-  // All functions below may be called from any thread.
+  // All functions below may be called on any thread.
 
-  // Returns the channel's number; a topic that is there keeps its own. Messages of `derived` channels, which
-  // no recording has, are left out for a viewer that is half a second behind.
+  // Adds a channel and returns its number. An existing topic keeps its number. `derived`: not in recordings;
+  // a viewer more than half a second behind misses its messages.
   std::uint32_t add_channel(Channel channel, bool derived = false);
-  // Whether a viewer has subscribed to it.
+  // Returns whether a viewer has subscribed to the channel.
   bool wanted(std::uint32_t channel) const;
   struct Publication {
-    bool kept = false;      // viewers that subscribe later get the newest one at once
-    bool observed = false;  // the handler of on_message() gets it
+    bool kept = false;      // later subscribers get the newest one at once
+    bool observed = false;  // passed to the handler of on_message()
   };
-  // Returns at once if the message is neither wanted, kept nor observed. If the queue is full, the message is
-  // left out.
+  // Publishes a message; never waits. Does nothing if it is neither wanted, kept nor observed. If the queue
+  // is full, drops the message.
   void publish(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data,
                Publication how);
   void publish(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data) {
     publish(channel, time_ns, data, {});
   }
-  // The run's time. A viewer gets the newest one when it has everything else.
+  // Publishes the run's time. A viewer gets the newest one after everything else.
   void publish_time(std::uint64_t time_ns);
   void publish_playback(const PlaybackState& state);
-  // A sentence for all viewers.
+  // Sends an error message to all viewers.
   void publish_error(const std::string& sentence);
 
-  // Handlers. They are called on the server's thread. When one of these functions returns, the handler before
-  // is not called any more; a handler must not call them.
-  // A viewer with the token controls the player.
+  // The next three functions set handlers, which run on the server's thread. After they return, the previous
+  // handler is not called any more. Handlers must not call them.
+
+  // Called when a viewer with the token controls the player.
   void on_playback(std::function<void(const Playback&)> handler);
-  // A viewer with the token published a line on kHandTopic (ServerOptions::hands). An error is sent to it.
+  // Called when a viewer with the token publishes a line on kHandTopic (ServerOptions::hands). The viewer
+  // gets the returned error.
   void on_hand(std::function<Result<void>(const std::string& line)> handler);
-  // An observed message came.
+  // Called for each observed message.
   void on_message(std::function<void(std::string_view topic, std::uint64_t time_ns,
                                      std::span<const std::uint8_t> data)>
                       handler);
 
   std::size_t viewers() const;        // open WebSocket connections
-  std::size_t subscriptions() const;  // of all viewers
-  // Messages that did not fit into the queue, and those that a slow viewer missed, counted for each viewer.
+  std::size_t subscriptions() const;  // total over all viewers
+  // Returns the number of messages that the queue dropped, plus those that slow viewers missed.
   std::uint64_t left_out() const;
-  std::uint64_t cpu_ns() const;  // of the server's thread
+  std::uint64_t cpu_ns() const;  // CPU time of the server's thread
   // Waits until viewers have everything that was published, at most `seconds`.
   void drain(double seconds) const;
 
@@ -96,10 +98,10 @@ class Server {
   std::unique_ptr<Impl> impl_;
 };
 
-// 32 hexadecimal digits.
+// Returns 32 random hexadecimal digits.
 std::string make_token();
 
-// Priority of threads that work for viewers: they get what the run leaves of the processor.
+// Nice value of threads that work for viewers, so that the run has priority.
 inline constexpr int kViewNice = 10;
 
 }  // namespace kaz::watch

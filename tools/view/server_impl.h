@@ -1,4 +1,4 @@
-// What the connections of a server share. For server.cpp and viewer.cpp alone.
+// State that the connections of a server share. Only for server.cpp and viewer.cpp.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,7 +24,7 @@ class Viewer;
 
 inline constexpr std::size_t kMostChannels = 256;
 
-// The list of channels only grows. Reading it takes no lock.
+// A list of channels that only grows. Thread-safe; reading takes no lock.
 class Channels {
  public:
   struct Offered {
@@ -42,7 +42,7 @@ class Channels {
   std::atomic<std::size_t> size_{0};
 };
 
-// Counts a connection while it lives. Server's thread.
+// Counts a connection during its lifetime. Only for the server's thread.
 class Counted {
  public:
   explicit Counted(std::size_t& count) : count_(count) { ++count_; }
@@ -61,11 +61,11 @@ struct Server::Impl {
       : options(std::move(given)), session(make_token()), inbox(options.most_queued) {}
 
   void accept();
-  // Hands what waits in the inbox to the viewers, now and every few milliseconds.
+  // Moves messages from the inbox to the viewers, now or every few milliseconds.
   void take();
   void take_regularly();
 
-  // For all threads.
+  // Accessed by all threads.
   const ServerOptions options;
   const std::string session;
   Inbox inbox;
@@ -75,22 +75,22 @@ struct Server::Impl {
   std::atomic<std::uint64_t> left_out{0};
   std::atomic<std::uint64_t> time_ns{kNoTime};
   static constexpr std::uint64_t kNoTime = ~std::uint64_t{0};
-  std::mutex handlers;  // of the next three; held while one is called
+  std::mutex handlers;  // guards the next three; held while one is called
   std::function<void(const Playback&)> on_playback;
   std::function<Result<void>(const std::string&)> on_hand;
   std::function<void(std::string_view, std::uint64_t, std::span<const std::uint8_t>)> on_message;
 
-  // For the server's thread alone.
+  // Only accessed by the server's thread.
   struct Logged {
     SharedMessage message;
-    std::uint64_t number = 0;  // of all messages that were taken
+    std::uint64_t number = 0;  // index among all messages taken
     Clock::time_point at;
   };
   struct Kept {
     SharedMessage message;
     std::uint64_t number = 0;
   };
-  // The log's messages have the positions log_begin, log_begin + 1, ...
+  // Positions in the log are log_begin, log_begin + 1, ...
   std::deque<Logged> log;
   std::uint64_t log_begin = 0, taken = 0;
   std::size_t log_bytes = 0;
@@ -99,10 +99,10 @@ struct Server::Impl {
   std::set<Viewer*> viewers;
   std::size_t connections = 0;
 
-  // Its handlers own viewers, which refer to the members above: it is destroyed first.
+  // Its handlers own viewers, which refer to the members above. So it must be destroyed first.
   boost::asio::io_context io{1};
   boost::asio::ip::tcp::acceptor acceptor{io};
-  boost::asio::steady_timer next_accept{io};  // when no file descriptor was left
+  boost::asio::steady_timer next_accept{io};  // retry after a failure to accept
   boost::asio::steady_timer next_take{io};
   std::thread thread;
 

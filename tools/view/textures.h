@@ -1,4 +1,4 @@
-// The renderer's textures as files for the page.
+// Textures of the renderer as files for the page.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,9 @@
 
 namespace kaz::watch {
 
-// By path: "/textures/NAME.png" for each of sim::kTextureNames, row 0 at v = 0 of the surface, and
-// "/textures.json": {NAME: length of one period on a surface, m}. The same bytes in each call.
+// Returns files by path: "/textures/NAME.png" for each of sim::kTextureNames, and "/textures.json", which is
+// {NAME: length of one period on a surface, m}. Row 0 of a picture is at v = 0 of the surface. Each call
+// returns the same bytes.
 Result<std::map<std::string, ServedFile>> texture_files();
 
 }  // namespace kaz::watch

@@ -1,9 +1,9 @@
-// `--view`: a run, live, for viewers.
+// `--view`: publishes a live run to viewers.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Threads. The run's thread calls the functions of RecordingTap and HandSource: message() only puts the
-// message into the server's bounded queue. The server's thread makes the channels of Feed from it and serves
-// viewers. A thread of the view codes pictures. Both have a lower priority than the run (nice 10).
+// Threads. The run's thread calls the functions of RecordingTap and HandSource; message() only puts the
+// message into the server's bounded queue. The server's thread derives the channels of Feed and serves
+// viewers. A thread of the view encodes pictures. Both have a lower priority than the run (nice 10).
 #pragma once
 
 #include <chrono>
@@ -27,37 +27,39 @@ namespace kaz::watch {
 struct ViewOptions {
   std::string where;      // ADDRESS:PORT or PORT; empty: 127.0.0.1:8765
   std::string token;      // 32 hexadecimal digits; empty: a new one
-  bool open = false;      // programs on this machine may look without it: Access::open
-  bool wait = false;      // the run begins with the first viewer
-  bool hands = false;     // viewers with the token may do things by hand
-  bool requests = false;  // and ask the behaviour for something (behavior::Requests)
-  bool own_time = false;  // it goes by a clock: there is no pace, and no pause
-  double pace = 0;        // the run's time over real time, at most; 0: as fast as it goes
+  bool open = false;      // programs on this machine may view without it: Access::open
+  bool wait = false;      // the run begins after the first subscription
+  bool hands = false;     // viewers with the token may act by hand
+  bool requests = false;  // they may also send requests to the behavior (behavior::Requests)
+  bool own_time = false;  // the run follows a clock: without pace and pause
+  double pace = 0;        // maximum of the run's time over real time; 0: no limit
   std::string robot_path, page_folder;
-  std::string no_page = "There is no page here";  // what a browser shows where page_folder has none
-  bool recorded_pictures = false;                 // the recording has them: no others are sent
-  std::string no_pictures = "no pictures yet";    // what the page shows until one comes
-  // The world is no robot's, as a motor stand: its joints turn a robot that hangs in the air.
+  std::string no_page = "There is no page here";  // shown in a browser if page_folder has no page
+  bool recorded_pictures = false;                 // the recording has pictures; the view sends none
+  std::string no_pictures = "no pictures yet";    // shown on the page until a picture arrives
+  // The world has no robot, such as a motor stand. Its joints move a robot that hangs in the air.
   bool joints_only = false;
-  std::string source = "simulation";  // or "robot": a parameter that viewers may read
-  std::function<bool()> stopped = [] { return false; };  // waiting ends
+  std::string source = "simulation";                     // or "robot"; a parameter for viewers
+  std::function<bool()> stopped = [] { return false; };  // returns true to end all waits
 };
 
-// Errors (usage): it is neither.
 struct Where {
   std::string address = "127.0.0.1";
   std::uint16_t port = 8765;
 };
+// Parses ADDRESS:PORT or PORT; empty: the default. Returns Fault::usage for other text.
 Result<Where> parse_where(const std::string& text);
 
-// Whether a message holds until the next of its kind, so that whoever comes later wants it: maps, phases.
+// Returns whether a message is valid until the next of its kind, so that later viewers need it: maps, scene,
+// poses, phases.
 bool lasts(std::string_view topic, std::span<const std::uint8_t> data);
 
-// Files of the page, and the robot's with its meshes, for the server; `url`: what is printed.
+// Opens a server with the files of the page, and with the robot's file and meshes. `start_ns`, `end_ns`:
+// range of a recording, 0 for a live run. Sets `url` to the page's address with its token.
 Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uint64_t start_ns,
                                             std::uint64_t end_ns, std::string& url);
 
-// What the page offers to do by hand: faults, joints and links, as JSON.
+// Returns the actions by hand that the page offers: faults, joints and links, as JSON.
 std::string hands_json(const sim::RobotModel& robot);
 
 class View final : public sim::RecordingTap, public sim::HandSource {
@@ -65,13 +67,14 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   static Result<std::unique_ptr<View>> open(ViewOptions options);
   ~View() override;
 
-  // Address of the page, with its token.
+  // Returns the page's address, with its token.
   const std::string& url() const { return url_; }
   Server& server() { return *server_; }
-  // From any thread. It is coded on a thread of its own; if that is behind, older ones are left out.
+  // Publishes a pair. Call it on any thread. A separate thread encodes pictures; if it falls behind, the
+  // oldest are dropped.
   void picture(const vision::StereoPair& pair);
   bool wants_pictures() const { return feed_.wants_pictures(); }
-  // Pictures that are made for viewers: Feed. `draw` runs on that thread.
+  // Derived pictures, as in Feed. `draw` runs on the thread that encodes.
   std::uint32_t add_pictures(const std::string& topic) { return feed_.add_pictures(topic); }
   bool wants_picture(std::uint32_t channel, const vision::FrameInfo& info) {
     return feed_.wants_picture(channel, info);
@@ -81,7 +84,8 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   void ball(const vision::FrameInfo& info, const vision::BallObservation& ball) {
     feed_.ball(info, ball);
   }
-  // Until a viewer has subscribed, if the options say so: a run that cannot wait in its first message.
+  // Waits for the first subscription if ViewOptions::wait is set. The first message() does so, too. Call it
+  // before a run that cannot wait then.
   void wait();
 
   void channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
@@ -92,15 +96,15 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   void stepped(Time time) override;
   std::vector<std::string> take(Time start) override;
   void refused(const std::string& line, const Error& error) override;
-  // What was asked of the behaviour since the last call.
+  // Returns the requests to the behavior since the last call.
   std::vector<std::string> take_requests();
-  // Acts that were begun.
+  // Returns the number of actions by hand that took effect.
   int done_by_hand() const { return acts_; }
 
  private:
-  // A viewer's line: of HandAct, a request to the behaviour (`target`, `play`, `stop`, `end`: pose.cpp), or
-  // of the run's pace, which changes nothing of the run: `pause`, `go`,
-  // `step SECONDS` of the run and then pause, `pace TIMES`, 0: as fast as it goes.
+  // Processes a viewer's line, on the server's thread. It is an action of HandAct, or a request to the
+  // behavior (`target`, `play`, `stop`, `end`: pose.cpp). Others set the pace, which does not change the run:
+  // `pause`, `go`, `step SECONDS` of the run and then pause, and `pace TIMES` (0: no limit).
   Result<void> hear(const std::string& line);
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
   void keep_pace(Time time);
@@ -124,14 +128,14 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   std::optional<std::uint32_t> pace_channel_;
   std::optional<std::pair<bool, double>> stated_pace_;  // paused, pace
 
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
-  std::deque<std::function<void()>> pictures_;  // to be coded
-  std::deque<std::string> lines_;               // that wait for the next step
-  std::deque<std::string> requests_;            // that wait for the behaviour
+  std::deque<std::function<void()>> pictures_;  // to be encoded
+  std::deque<std::string> lines_;               // actions for the next step
+  std::deque<std::string> requests_;            // requests for the behavior
   bool paused_ = false;
-  std::optional<double> step_s_;  // until the pause, not begun
-  std::optional<Time> pause_at_;  // of the run
+  std::optional<double> step_s_;  // requested step that has not begun
+  std::optional<Time> pause_at_;  // in the run's time
   double pace_ = 0, kept_pace_ = 0;
   bool ended_ = false;
   std::thread coder_;

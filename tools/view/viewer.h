@@ -1,4 +1,4 @@
-// A WebSocket connection of the server.
+// A WebSocket connection of the server to one viewer.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,29 +16,29 @@
 
 namespace kaz::watch {
 
-// Lives on the server's thread. It sends one frame at a time and chooses the next one only then, so that
-// nothing but answers to its own requests waits for it.
+// Only for the server's thread. It sends one frame at a time and chooses the next one only after that. So it
+// queues nothing but answers to its own requests.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
-  // `answer`: the decision that let it in (answer_to()).
+  // `answer`: from answer_to(), with status 101.
   Viewer(Server::Impl& server, boost::asio::ip::tcp::socket socket,
          std::shared_ptr<Counted> counted, const Answer& answer);
   ~Viewer() { leave(); }
   void begin(const boost::beast::http::request<boost::beast::http::empty_body>& request);
 
-  // Sends what it has not got yet, unless a frame is on its way already.
+  // Sends the next frame, unless one is being sent.
   void write();
   bool writing() const { return writing_; }
-  // The log's oldest message goes: a viewer that has not read it misses it.
+  // Called before the log drops its oldest message. Skips it if the viewer has not read it.
   void miss(std::uint64_t position, const Server::Impl::Logged& logged);
 
  private:
   using Error = boost::system::error_code;
   struct Subscribed {
     std::uint32_t id = 0;
-    std::uint64_t from = 0;  // the number of the first message that is sent from the log
+    std::uint64_t from = 0;  // number of the first message to send from the log
   };
-  // `rest` points into memory that `owner`, or the server's options, keep.
+  // `rest` points into memory that `owner` or the server's options own.
   struct Frame {
     bool text = false;
     Bytes head;
@@ -76,15 +76,15 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   boost::asio::steady_timer greeting_{server_.io};
   boost::beast::flat_buffer buffer_;
   int wrong_requests_ = 0;
-  std::set<std::uint32_t> own_channels_;               // kHandTopic, as the viewer numbers them
+  std::set<std::uint32_t> own_channels_;               // on kHandTopic, as the viewer numbers them
   std::map<std::uint32_t, Subscribed> subscriptions_;  // by channel
 
   bool here_ = false, reading_ = false, writing_ = false;
-  Frame frame_;                  // on its way
-  std::deque<Frame> answers_;    // to its requests
-  std::size_t announced_ = 0;    // channels
-  std::set<std::uint32_t> new_;  // channels whose kept message it has not got
-  std::uint64_t position_ = 0;   // in the log
+  Frame frame_;                  // being sent
+  std::deque<Frame> answers_;    // to the viewer's requests
+  std::size_t announced_ = 0;    // number of advertised channels
+  std::set<std::uint32_t> new_;  // channels whose kept message was not sent yet
+  std::uint64_t position_ = 0;   // next position in the log
   std::uint64_t sent_time_ns_ = Server::Impl::kNoTime;
 };
 

@@ -37,7 +37,7 @@ class ContactMemory {
     auto size = static_cast<std::uint32_t>(points_.size());
     a(size);
     if (!a.good()) return;
-    if (size > kMaxPoints) return a.refuse("it has more points of contact than a world can have");
+    if (size > kMaxPoints) return a.refuse("it has more contact points than a world can have");
     points_.resize(size);
     for (Point& point : points_) {
       a(point.shape_a, point.shape_b, point.limit);

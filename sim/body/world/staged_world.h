@@ -94,7 +94,7 @@ class StagedWorld : public World {
     a(count, kicks);
     // Kicks that were applied here may still be due in the saved state.
     if (count != bodies().size() || kicks > model_->kicks.size()) {
-      return a.refuse("it is of another world");
+      return a.refuse("it belongs to another world");
     }
     if (!a.good()) return;
     kicks_left_ = kicks;
@@ -102,7 +102,7 @@ class StagedWorld : public World {
       auto pushes = static_cast<std::uint32_t>(pushes_left_);
       a(pushes, first_step_);
       if (pushes > model_->pushes.size() || first_step_ < -1)
-        return a.refuse("it is of another world");
+        return a.refuse("it belongs to another world");
       if (!a.good()) return;
       pushes_left_ = pushes;
     }
@@ -110,7 +110,7 @@ class StagedWorld : public World {
       diagnostics_.first_s, diagnostics_.last_s, diagnostics_.drift);
     for (const HandPush& push : hand_pushes_) {
       if (push.link >= robot_links_ || !bodies()[push.link].moves || (hung_ && push.link == 0))
-        return a.refuse("it pushes what is not there");
+        return a.refuse("it pushes a link that does not exist");
     }
     for (JointMotor& motor : motors_) a(motor);
     for (JointState& joint : joint_states_) {

@@ -1,4 +1,4 @@
-// For tests: measures the groups `link` and `tick` on a virtual board; results by name.
+// For tests: runs the bench groups `link` and `tick` on a board, and finds results by name.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,6 +18,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using Names = std::set<std::string>;
 
+// Returns the names of the measurements with this verdict.
 inline Names names_with(const BenchReport& report, Verdict verdict) {
   Names names;
   for (const Measurement& one : report.measurements) {
@@ -37,6 +38,7 @@ inline Names names_of(BenchGroup group) {
   return names;
 }
 
+// Returns the value of a measurement. Reports a test failure if it is missing.
 inline double value(const BenchReport& report, const std::string& name) {
   for (const Measurement& one : report.measurements) {
     if (one.of->name == name) return one.value;
@@ -53,6 +55,7 @@ inline std::string all_values(const BenchReport& report) {
   return text;
 }
 
+// These measure without limits and report errors as test failures.
 inline BenchReport measure_link(host::Link& link, host::Clock& clock,
                                 const LinkBenchOptions& options = {}) {
   BenchReport report;

@@ -1,4 +1,4 @@
-// For tests: the motor measurements of an emulated board on the virtual stand.
+// For tests: runs the motor measurements on a simulated board on the virtual stand.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -29,21 +29,22 @@ inline sim::SimulationOptions kaz_board() {
   return board;
 }
 
-// A motor and its surroundings, with faults.
+// A motor under test, its board and its stand, with faults.
 struct MotorTest {
   sim::MotorParams motor = kaz_motor();
   sim::SimulationOptions board = kaz_board();
   MotorBenchOptions options;
   Limits limits;
   double disc_kgm2 = 4e-4;
-  // Gain error of the scale for positive torques: reading over true torque.
+  // Gain of the scale for positive torques: reading over true torque.
   double scale_forward = 1;
   bool with_stand = true;
-  std::string inside;  // faults of the simulated motor, as of a fault file
-  // Changes the board before the measurement.
+  std::string inside;  // faults of the simulated motor, in the format of a fault file
+  // Changes the board before the measurement. May be null.
   std::function<void(host::Robot&)> prepare;
 };
 
+// Runs the measurements. Errors are test failures.
 BenchReport measure_motor(const MotorTest& test);
 
 }  // namespace kaz::hil

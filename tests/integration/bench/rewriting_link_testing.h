@@ -1,5 +1,4 @@
-// A link that modifies frames from the board: they are decoded, changed, and encoded
-// again with a valid CRC.
+// A link that modifies frames from the board: decodes them, changes them, and encodes them with a valid CRC.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,15 +13,16 @@ namespace kaz::hil {
 
 class RewritingLink final : public host::Link {
  public:
-  // Address, type, sequence number, fields. An empty one is kept back.
+  // Address, type, sequence number, fields. An empty body drops the frame.
   using Body = std::vector<std::uint8_t>;
   using Change = std::function<void(Body&)>;
+  // `link` must outlive this object.
   RewritingLink(host::Link& link, Change change);
 
   std::string name() const override { return link_.name(); }
   Time byte_time() const override { return link_.byte_time(); }
   Result<void> write(std::span<const std::uint8_t> bytes) override { return link_.write(bytes); }
-  // A frame comes as a whole when its last byte has come.
+  // Returns a frame as a whole, after its last byte has arrived. Drops invalid frames.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
 
  private:
@@ -34,7 +34,7 @@ class RewritingLink final : public host::Link {
   std::deque<std::uint8_t> changed_;
 };
 
-// Changes the fields of the messages of one type.
+// Returns a change of the fields of one message type.
 template <class Message>
 RewritingLink::Change change_of(std::uint8_t type, u8 (*unpack)(Message*, const u8*, u8),
                                 u8 (*pack)(const Message*, u8*),

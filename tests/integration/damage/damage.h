@@ -1,4 +1,4 @@
-// Randomly damaged frames through the receiver and the servo tick: how many pass, what they do.
+// Sends randomly damaged frames to the receiver and the servo tick. Measures how many pass, and their effect.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,12 +7,12 @@
 
 namespace kaz::test {
 
-// One kind of damage. All but the first change more than the CRC is certain to detect.
+// One kind of damage. The CRC is certain to detect only the first kind.
 struct Damage {
   const char* name;
   std::uint64_t frames = 0;
-  std::uint64_t passed = 0;    // had the right check all the same
-  std::uint64_t accepted = 0;  // of them, those that were valid frames in all respects
+  std::uint64_t passed = 0;    // frames with a valid check in spite of the damage
+  std::uint64_t accepted = 0;  // those of them that were valid frames
 };
 
 struct DamageReport {
@@ -21,17 +21,18 @@ struct DamageReport {
                                   {"1 to 20 bytes lost"},
                                   {"1 to 20 bytes inserted"}}};
   std::uint64_t ticks = 0;
-  std::uint64_t ticks_on = 0;          // with motors on
-  std::uint64_t commands_outside = 0;  // commands out of a joint's limits
-  int furthest_outside = 0;            // of a joint, 100 urad; motors without inertia
-  double furthest_moved = 0;           // sum over all joints of what they moved, rad
+  std::uint64_t ticks_on = 0;          // ticks with motors on
+  std::uint64_t commands_outside = 0;  // commands outside of a joint's limits
+  // Maximum angle of a joint beyond its limits, 100 urad; negative if inside. Motors have no inertia.
+  int furthest_outside = 0;
+  double furthest_moved = 0;  // total motion of all joints, rad
 
+  // Totals without the first kind, which must never pass.
   std::uint64_t frames() const;
-  std::uint64_t passed() const;  // without the first kind, of which none may
+  std::uint64_t passed() const;
 };
 
-// Sends `frames` damaged frames to a native board whose joints are on and move, with valid requests
-// between them that keep it so.
+// Sends `frames` damaged frames to a native board. Valid requests between them keep its joints on and moving.
 DamageReport measure_damage(std::uint64_t frames, std::uint64_t seed);
 
 }  // namespace kaz::test

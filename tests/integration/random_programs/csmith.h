@@ -1,5 +1,5 @@
-// What programs made by csmith include, on the host and on the H8S alike: types, a checksum and one line
-// of output. run.py puts the safe arithmetic that a program calls behind it, from csmith's own header.
+// Header of programs by csmith, for host and H8S: types, a checksum and one line of output. After it, run.py
+// adds the safe arithmetic that a program calls, from csmith's own header.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_CSMITH_H
 #define KAZ_CSMITH_H
@@ -35,15 +35,15 @@ typedef unsigned int uintptr_t;
 #define CHAR_BIT 8
 #define NULL ((void*)0)
 #define assert(condition)
-// Only the indices of what is hashed, and only if an argument requests it.
+// Programs print only indices of hashed values, if an argument requests it.
 #define printf(...) ((void)0)
 
-// Writes to standard output: host.c, start.s.
+// Writes to standard output. Defined in host.c and start.s.
 void kaz_put(const char* text, unsigned length);
 
 static uint32_t kaz_crc = 0xffffffffU;
 
-// CRC-32 as in csmith's own runtime, without its table.
+// CRC-32 of csmith's own runtime, without its table.
 static void kaz_crc_byte(uint8_t byte) {
   int bit;
   kaz_crc ^= byte;

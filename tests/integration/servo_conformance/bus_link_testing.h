@@ -1,4 +1,4 @@
-// For tests: a virtual bus as a link and a clock of simulated time, with a hand between host and servos.
+// For tests: a virtual servo bus as link and clock in simulated time, which can modify requests and answers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,13 +13,14 @@
 
 namespace kaz::test {
 
+// Waiting advances the bus. `bus` must outlive this object.
 class BusLink final : public host::Link, public host::Clock {
  public:
   using Bytes = std::vector<std::uint8_t>;
   explicit BusLink(sim::VirtualBus& bus) : bus_(bus) {}
-  // What is made of a request before the servos hear it; empty bytes: they do not.
+  // Modifies a request on its way to the servos. Returning no bytes drops it. May be null.
   std::function<Bytes(Bytes)> request;
-  // What is made of the bytes that come back in one piece.
+  // Modifies the bytes of an answer. May be null.
   std::function<Bytes(Bytes)> answer;
 
   std::string name() const override { return "bus"; }
@@ -33,7 +34,7 @@ class BusLink final : public host::Link, public host::Clock {
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
     while (waiting_.empty() && bus_.time() < deadline) {
       bus_.advance(std::min(deadline, bus_.time() + std::chrono::milliseconds(1)));
-      // An answer comes whole.
+      // Waits for the end of an answer.
       while (bus_.line().busy_until() > bus_.time()) bus_.advance(bus_.line().busy_until());
       Bytes come;
       for (; !bus_.received().empty(); bus_.received().pop_front())
@@ -56,7 +57,7 @@ class BusLink final : public host::Link, public host::Clock {
   Bytes waiting_;
 };
 
-// Does `wire` switch the torque off: a write of 0 to a servo of Feetech's, or to all?
+// Returns whether `wire` is a Feetech write or sync write that switches the torque off.
 inline bool switches_off(const BusLink::Bytes& wire) {
   return wire.size() > 7 && wire[5] == 40 && (wire[4] == 0x83 ? wire[8] : wire[6]) == 0 &&
          (wire[4] == 3 || wire[4] == 0x83);

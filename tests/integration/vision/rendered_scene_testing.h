@@ -1,4 +1,4 @@
-// A floor with boxes as the simulator's eyes see it, and where it is.
+// For tests: renders a floor with boxes by the simulator's eyes, and computes the true depth of pixels.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,7 +18,7 @@
 namespace kaz::sim {
 
 struct TruePixel {
-  double depth_m = 0;  // 0: nothing there
+  double depth_m = 0;  // along the optical axis; 0: no surface
   bool floor = false;
 };
 
@@ -28,8 +28,8 @@ class RenderedScene {
     Eigen::Vector3d middle, size;
   };
 
-  // Boxes and a wall on a floor of this texture, seen from 0.3 m above it, `tilt` below the
-  // horizon.
+  // Boxes and a wall on a floor with this texture. The left eye is 0.3 m above the world's origin and looks
+  // along x, `tilt_rad` below the horizon. `width`: of the pictures, px.
   RenderedScene(int width, const std::string& texture, double tilt_rad, bool textured_boxes = false)
       : calibration_(make_calibration(model(width), 2, kEyeBaseline_m)),
         left_(model(width), calibration_, Sensor::Eye::left, 1),
@@ -54,14 +54,14 @@ class RenderedScene {
     return info;
   }
 
-  // One that has the scene.
+  // Creates a renderer with the scene.
   std::unique_ptr<Renderer> renderer() const {
     auto renderer = std::move(*maker_of(kDefaultRenderer)());
     EXPECT_TRUE(renderer->set_scene(scene_.scene));
     return renderer;
   }
 
-  // Rectified pictures of real eyes: lenses, noise of exposure number `exposure`.
+  // Returns rectified pictures of real eyes, with lenses and the noise of exposure number `exposure`.
   vision::StereoImages take(Renderer& renderer, std::uint64_t exposure) const {
     vision::StereoImages raw, rectified;
     raw.left = sim::take(renderer, scene_.pose, left_, eye_, exposure);
@@ -71,7 +71,7 @@ class RenderedScene {
     return rectified;
   }
 
-  // What an ideal left eye sees, to find where there is texture.
+  // Returns the picture of an ideal left eye, to find texture.
   vision::Image ideal_picture(Renderer& renderer) const {
     View view;
     const vision::CameraModel& c = camera();
@@ -82,6 +82,7 @@ class RenderedScene {
     return {picture.width, picture.height, picture.rgb};
   }
 
+  // Returns the true surface at (u, v) of the rectified left picture.
   TruePixel truth(double u, double v) const {
     const vision::CameraModel& c = camera();
     return along(eye_.translation(),
@@ -106,7 +107,8 @@ class RenderedScene {
     return m;
   }
 
-  // In lengths of the ray, which for rays with z = 1 in the optical frame are depths.
+  // Returns the nearest surface along a ray. Its depth_m is in lengths of `ray`. So it is a depth if the ray
+  // has z = 1 in the optical frame.
   TruePixel along(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {
     TruePixel best;
     if (ray.z() < 0) {

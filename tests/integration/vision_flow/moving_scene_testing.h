@@ -1,4 +1,4 @@
-// A floor, boxes and a ball as the simulator's eyes see them while eyes and ball move.
+// For tests: renders floor, boxes and ball by the simulator's moving eyes, and computes the true flow.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace kaz::sim {
 
-// Poses of the eyes and the ball at one time; the foot is at the world's origin.
+// Pose of the left eye and position of the ball in the world, m. The foot is at the world's origin.
 struct MovingPoses {
   Eigen::Isometry3d eye = Eigen::Isometry3d::Identity();
   Eigen::Vector3d ball{0.45, 0, 0.02};
@@ -41,7 +41,8 @@ class MovingScene {
     EXPECT_TRUE(renderer_->set_scene(scene_.scene));
   }
 
-  // The head's pan turns about an upright axis; the eye is 3 cm before and 2 cm left of it.
+  // Returns the pose of the left eye for a pan about the vertical axis. The eye is 3 cm in front of the axis
+  // and 2 cm left of it.
   static Eigen::Isometry3d turned(double pan_rad, double tilt_rad = 0.55,
                                   const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
     return Eigen::Translation3d(shift) * Eigen::AngleAxisd(pan_rad, Eigen::Vector3d::UnitZ()) *
@@ -60,7 +61,7 @@ class MovingScene {
     return info;
   }
 
-  // Rectified pictures of real eyes: lenses, noise of exposure `number`.
+  // Returns rectified pictures of real eyes, with lenses and the noise of exposure `number`.
   vision::StereoImages take(const MovingPoses& poses, std::uint64_t number) {
     scene_.pose.frames[static_cast<std::size_t>(ball_frame_)].translation() = poses.ball;
     vision::StereoImages raw, rectified;
@@ -72,22 +73,23 @@ class MovingScene {
   }
 
   struct Hit {
-    double depth_m = 0;  // 0: nothing there
+    double depth_m = 0;  // along the optical axis; 0: no surface
     bool ball = false;
   };
+  // Returns the surface at (u, v) of the left picture.
   Hit hit(const MovingPoses& poses, double u, double v) const {
     const vision::CameraModel& c = camera();
     return along(poses, poses.eye.translation(),
                  poses.eye.linear() * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
   }
-  // Where a point of the world is in the picture, px.
+  // Returns the position of a point of the world in the left picture, px.
   Eigen::Vector2d pixel(const MovingPoses& poses, const Eigen::Vector3d& world) const {
     const vision::CameraModel& c = camera();
     const Eigen::Vector3d p = poses.eye.inverse() * world;
     return {c.fx * p.x() / p.z() + c.cx, c.fy * p.y() / p.z() + c.cy};
   }
-  // True flow of what is at (u, v); NaN where there is nothing, or where it is hidden or out of the
-  // picture later.
+  // Returns the true flow of the surface at (u, v), px. NaN if there is no surface, or if it is hidden or out
+  // of the picture later.
   Eigen::Vector2d flow(const MovingPoses& before, const MovingPoses& after, double u,
                        double v) const {
     const vision::CameraModel& c = camera();
@@ -96,7 +98,7 @@ class MovingScene {
     if (h.depth_m <= 0) return none;
     Eigen::Vector3d at =
         before.eye * (h.depth_m * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
-    if (h.ball) at += after.ball - before.ball;  // slides, being of one colour
+    if (h.ball) at += after.ball - before.ball;  // slides: rolling is invisible in one color
     const Eigen::Vector2d to = pixel(after, at);
     if (to.x() < 0 || to.y() < 0 || to.x() > c.width - 1 || to.y() > c.height - 1) return none;
     const Eigen::Vector3d from = after.eye.translation();
@@ -115,7 +117,8 @@ class MovingScene {
     return m;
   }
 
-  // In lengths of the ray, which for rays with z = 1 in the optical frame are depths.
+  // Returns the nearest surface along a ray. Its depth_m is in lengths of `ray`. So it is a depth if the ray
+  // has z = 1 in the optical frame.
   Hit along(const MovingPoses& poses, const Eigen::Vector3d& from,
             const Eigen::Vector3d& ray) const {
     Hit best;

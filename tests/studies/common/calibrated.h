@@ -1,4 +1,4 @@
-// Joint calibration of a virtual robot, and its error by ground truth.
+// Joint calibration of a virtual robot, and its true error.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,8 +11,8 @@ namespace kaz::studies {
 
 using lockstep::calibrate_joints, lockstep::CalibratedJoints, lockstep::JointLines;
 
-// Errors of a line, rad, at `count` angles from the joint's lower limit to the upper one: what the board
-// reports without noise, less the truth.
+// Returns errors of a calibration, rad, at `count` angles from the joint's lower limit to the upper one.
+// Error: angle from the noise-free code, minus true angle. `count`: at least 2.
 std::vector<double> true_errors(const sim::SensorParams& params, sim::SensorSet sensors,
                                 std::uint64_t seed, int joint, const host::JointCalibration& line,
                                 int count);

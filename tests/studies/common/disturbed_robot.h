@@ -13,27 +13,29 @@
 
 namespace kaz::studies {
 
-// Streams of keyed_normal (shared/base/random.hpp), one for each quantity that varies.
+// Streams of keyed_normal (shared/base/random.hpp), one for each varied quantity.
 enum class Noise : std::uint64_t { mass = 101, gain, friction, start, heading, ball, push };
-// Standard normal variate `number` of the stream.
+// Returns the standard normal variate `number` of a stream.
 double noise(std::uint64_t seed, Noise what, std::uint64_t number);
 
 enum class Motors {
   product,  // motor.xml
   ideal,    // motor.xml without backlash and heating
-  reference,  // of the simulator where the gait was found: friction 0.05 Nm, no stiction, 2.16 Nm at 10 V
+  // Motors of the simulator in which the gait was found: ideal, with friction 0.05 Nm, no stiction, and a
+  // stall torque of 2.16 Nm at 10 V.
+  reference,
 };
 
 struct Surroundings {
   double mu = 0.7;                      // friction of the floor, mean over seeds
   double mu_spread = 0.15;              // standard deviation relative to `mu`
-  std::optional<Eigen::Vector2d> ball;  // position of a ball of 40 mm and 15 g, m
+  std::optional<Eigen::Vector2d> ball;  // position of a ball with 40 mm diameter and 15 g, m
   Motors motors = Motors::product;
 };
 
-// Robot and world in a temporary folder that the object owns. Link masses (and inertias) vary with a standard
-// deviation of 5 %, floor friction with `mu_spread`. `robot`: folder of kaz.urdf and its companions.
-// Errors: a file that cannot be read or written.
+// Writes robot and world to a temporary folder that the result owns. Link masses and inertias vary with a
+// standard deviation of 5 %, floor friction with `mu_spread` but not below 20 % of `mu`. `robot`: folder of
+// kaz.urdf and its companions. Errors: a file cannot be read or written.
 Result<trials::RobotFolder> disturbed_files(const std::string& robot, const Surroundings& around,
                                             std::uint64_t seed);
 

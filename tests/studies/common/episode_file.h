@@ -1,4 +1,4 @@
-// Outcomes of a walking robot's episodes in a file of JSON lines, so that a study can be resumed.
+// Stores outcomes of a walking robot's episodes in a file of JSON lines, so that a study can be resumed.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace kaz::studies {
 
-// Trunk pose at the end relative to the start of the motion; x ahead, y to the left.
+// Outcome of an episode. Poses are those of the trunk relative to the start of the motion; x ahead, y left.
 struct Outcome {
   bool fell = false;
   double seconds = 0;                 // duration of the motion, ramps included
@@ -22,9 +22,9 @@ struct Outcome {
   double hottest_celsius = 0;         // hottest winding at the end
   std::vector<double> per_cycle_deg = {};  // rotation in each gait cycle, where a study measures it
   bool caught = false;
-  double grasp_mm = 0;  // distance of the ball from the grasp centre at the end
-  std::vector<std::pair<double, double>> path = {};  // of the trunk, mm, every 0.2 s
-  std::map<std::string, double> reported = {};       // the robot's own estimates, by name
+  double grasp_mm = 0;  // distance of the ball from the grasp center at the end
+  std::vector<std::pair<double, double>> path = {};  // trunk positions, mm, every 0.2 s
+  std::map<std::string, double> reported = {};       // values reported by the robot, by name
 };
 
 struct EpisodeKey {
@@ -33,7 +33,7 @@ struct EpisodeKey {
   auto operator<=>(const EpisodeKey&) const = default;
 };
 
-// `error` is empty, or why the episode has no valid outcome.
+// `error`: why the episode has no valid outcome; empty: it has one.
 struct Episode {
   Outcome outcome;
   std::string error;
@@ -41,18 +41,18 @@ struct Episode {
 
 class EpisodeFile {
  public:
-  // Reads the episodes of the file; none where it does not exist. An incomplete last line, left by an
-  // interrupted program, is cut off. `motors` names the motor parameters; episodes of others are not mixed
-  // in. Errors: unreadable lines, other motors (usage), no write permission (environment).
+  // Reads the episodes of the file; a missing file has none. Removes an incomplete last line, left by an
+  // interrupted program. `motors`: name of the motor parameters. Returns Fault::usage for invalid lines or
+  // episodes with other motors, Fault::environment without write permission.
   static Result<EpisodeFile> open(const std::string& path, const std::string& motors);
 
   bool has(const EpisodeKey& key) const { return episodes_.contains(key); }
-  // Appends it to the file, too.
+  // Adds the episode and appends it to the file.
   Result<void> add(const EpisodeKey& key, const Episode& episode);
-  // By seed, without those that ended in an error.
+  // Returns the outcomes by seed, without episodes that ended in an error.
   std::vector<Outcome> outcomes(const std::string& row, const std::string& variant) const;
   int errors(const std::string& row, const std::string& variant) const;
-  // Number of different seeds.
+  // Returns the number of different seeds.
   std::size_t seeds() const;
 
  private:

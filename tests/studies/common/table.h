@@ -8,7 +8,7 @@
 
 namespace kaz::studies {
 
-// As snprintf does, at most 511 bytes.
+// Formats like snprintf, at most 511 bytes.
 template <class... T>
 std::string text(const char* format, T... values) {
   char line[512];
@@ -16,7 +16,7 @@ std::string text(const char* format, T... values) {
   return line;
 }
 
-// `part` of `all` in percent; 0 where `all` is 0.
+// Returns `part` of `all` in percent; 0 if `all` is 0.
 inline double percent(int part, int all) {
   return all > 0 ? 100.0 * part / all : 0;
 }
@@ -25,10 +25,10 @@ class MarkdownTable {
  public:
   explicit MarkdownTable(std::vector<std::string> columns) : columns_(std::move(columns)) {}
 
-  // Missing cells at the end are empty.
+  // Adds a row. Missing cells at the end are empty.
   void add(std::vector<std::string> cells);
   bool empty() const { return rows_.empty(); }
-  // With heading; ends with a newline.
+  // Returns the table with its heading. It ends with a newline.
   std::string text() const;
 
  private:

@@ -1,4 +1,4 @@
-// Worlds of the table's scenes, and how they are stepped.
+// Creates and steps the worlds of the table's scenes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -34,7 +34,7 @@ inline void run(sim::World& world, double seconds, std::span<const sim::MotorDri
   while (world.time_s() < end) world.step(drives, kVolts);
 }
 
-// Gravity over a floor that rises along -x.
+// Returns the gravity vector in the frame of a floor that rises along -x.
 inline Eigen::Vector3d on_slope(double radians) {
   return {kG * std::sin(radians), 0, -kG * std::cos(radians)};
 }

@@ -1,4 +1,4 @@
-// Errors of the implementations of the dynamics against closed forms, as tables.
+// Tables of the errors of each dynamics relative to closed-form solutions.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,8 +15,8 @@ inline constexpr std::array kPendulums{"double pendulum", "triple pendulum"};
 
 struct Row {
   std::string scene, quantity;
-  std::string closed;                   // the closed form, and its value
-  std::string unit;                     // of the error; "" if relative to the closed form's value
+  std::string closed;                   // closed form and its value
+  std::string unit;                     // unit of the error; "": relative to the value
   std::map<std::string, double> error;  // by dynamics
 };
 
@@ -25,7 +25,7 @@ class Table {
   void put(const std::string& stepper, const std::string& scene, const std::string& quantity,
            const std::string& closed, const std::string& unit, double error);
   const std::vector<Row>& rows() const { return rows_; }
-  // Max energy error in 10 s relative to the max kinetic energy, by pendulum, dynamics and kStepsMs.
+  // Maximum energy error in 10 s over maximum kinetic energy, by pendulum, dynamics and kStepsMs.
   using Energies = std::map<std::string, std::map<std::string, std::vector<double>>>;
   Energies energies;
 
@@ -36,10 +36,11 @@ class Table {
   std::vector<Row> rows_;
 };
 
-// Order of convergence: slope of log error over log step, least squares.
+// Returns the order of convergence: slope of log error over log step, by least squares. `errors`: by
+// kStepsMs.
 double slope(const std::vector<double>& errors);
 
-// Each runs its scenes under one implementation of the dynamics.
+// Each of these runs its scenes with one dynamics and adds the errors to the table.
 void fly(const std::string& stepper, Table& table);
 void swing(const std::string& stepper, Table& table);
 void swing_by_step(const std::string& stepper, Table& table);

@@ -1,9 +1,9 @@
-// One episode of the robot through host, wire and firmware: task, settings and outcome.
+// Runs one episode of the robot through host, wire and firmware: task, settings and outcome.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Targets are sent at 50 Hz over the simulated serial line, each a ramp of 20 ms in the firmware; gains are
-// set by the protocol. Feedback and outcome use the simulator's ground truth: heading with noise of 0.02
-// rad (sigma) replaces a gyro, distance walked replaces odometry.
+// Targets are sent at 50 Hz over the simulated serial line, and each is a ramp of 20 ms in the firmware.
+// Gains are set through the protocol. Feedback and outcome use ground truth. Heading with noise of 0.02 rad
+// (sigma) replaces a gyro, and distance walked replaces odometry.
 #pragma once
 
 #include <cstdint>
@@ -39,23 +39,23 @@ struct Task {
   double turn = 0;  // rad, > 0 to the left
   int cycles = 3;
   double push_ns = 0, push_every_s = 1.7;
-  // Offsets of the ball from its assumed position, m: one of them by seed, plus noise of 3 mm (sigma).
+  // Offsets of the ball from its assumed position, m. The seed selects one, with noise of 3 mm (sigma).
   std::vector<Eigen::Vector2d> off = {};
-  std::string reference = {};  // results in the simulator where the gait was found, as text
+  std::string reference = {};  // results in the simulator in which the gait was found, as text
 };
 
 struct Setting {
   std::string stepper = "reduced";
   sim::McuKind mcu = sim::McuKind::h8;
   std::string image_path;    // firmware, for h8
-  std::string robot_folder;  // of kaz.urdf
+  std::string robot_folder;  // folder of kaz.urdf
   Motors motors = Motors::product;
 };
 
-// Errors: files; the board stopped or refused.
+// Errors: those of files; the board stopped or refused.
 Result<Outcome> run_episode(const Task& task, const Setting& setting, std::uint64_t seed);
 
-// All tasks of the tables.
+// Returns all tasks of the tables.
 const std::vector<Task>& tasks();
 
 }  // namespace kaz::gait

@@ -1,4 +1,4 @@
-// Tables and plots of the outcomes, by task and implementation of the dynamics.
+// Tables and plots of the outcomes, by task and dynamics.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,16 +9,16 @@
 
 namespace kaz::gait {
 
-// Markdown: a table for each kind of task, with a row for each task and dynamics.
+// Returns Markdown: a table for each kind of task, with a row for each task and dynamics.
 std::string tables(const studies::EpisodeFile& file, const std::vector<Task>& tasks,
                    const std::vector<std::string>& dynamics);
 
-// The same statistics as JSON, an object for each task and dynamics.
+// Returns the same statistics as JSON, an object for each task and dynamics.
 std::string summary_json(const studies::EpisodeFile& file, const std::vector<Task>& tasks,
                          const std::vector<std::string>& dynamics);
 
-// gait_paths: trunk paths from above, a plot for each walking task; gait_turns: histograms of the rotation,
-// a curve for each dynamics. SVG and PNG files in `folder`, which must exist.
+// Writes SVG and PNG files to `folder`, which must exist. gait_paths: trunk paths from above, a plot for each
+// walking task. gait_turns: histograms of the rotation, a curve for each dynamics.
 Result<void> write_plots(const studies::EpisodeFile& file, const std::vector<Task>& tasks,
                          const std::vector<std::string>& dynamics, const std::string& folder);
 

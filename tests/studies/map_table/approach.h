@@ -1,7 +1,7 @@
-// A robot that walks towards a thing on a floor, its eyes on it, and the map that it makes of both.
+// Simulates a robot that walks towards a thing on a floor, and compares its map with ground truth.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frame: from between the feet of the start; x ahead, y left, z up, the floor z = 0. Units m, rad.
+// Frame: between the feet at the start; x ahead, y left, z up, floor at z = 0. Units m, rad.
 #pragma once
 
 #include <cstdint>
@@ -26,17 +26,18 @@ inline constexpr ThingInfo kThings[] = {{Thing::low_box, "box 2 cm high"},
                                         {Thing::dark_side, "box, dark side of the lamp"}};
 inline constexpr const char* kFloors[] = {"wood", "carpet", "checker", "plain"};
 
-// What was found of one thing, or of several.
+// Counts of what the map contains, for one thing or several.
 struct Found {
-  int things = 0, in_time = 0;  // in_time: would have stopped the robot before it could be reached
+  int things = 0, in_time = 0;  // in_time: in the map early enough to stop the robot
   int outline_points = 0, outline_found = 0, floor_cells = 0,
       floor_wrong = 0;  // tools/app/evaluate/map_truth.h
 
   void add(const Found& other);
 };
 
-// Looks, size, colour, place and light by `seed`. Pictures are those of the virtual eyes with noise, 320 px
-// wide, one a centimetre; posture and place err as a walking robot's do. Errors: the renderer does not start.
+// Runs one approach. `seed` determines size, color, position and light of the thing. The virtual eyes take a
+// picture with noise, 320 px wide, at every centimeter. Posture and position have the errors of a walking
+// robot. Errors: the renderer does not start.
 Result<Found> approach(const std::string& floor, Thing thing, std::uint64_t seed,
                        sim::RendererKind renderer);
 

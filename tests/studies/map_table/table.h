@@ -1,4 +1,4 @@
-// Kinds of floor and kinds of thing: what of them is in the map in time.
+// Table of kinds of floor and thing, with the share of things that are in the map in time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,8 +14,8 @@ struct Row {
   Found found;
 };
 
-// Of each floor and thing whose name, "FLOOR THING", contains `only`, `approaches` with seeds from
-// `first_seed`.
+// Runs `approaches` approaches for each floor and thing whose name, "FLOOR THING", contains `only`. Seeds
+// count from `first_seed`.
 Result<std::vector<Row>> measure(const std::string& only, int approaches, std::uint64_t first_seed,
                                  sim::RendererKind renderer);
 std::string markdown(const std::vector<Row>& rows);

@@ -1,9 +1,8 @@
-// One run of the whole virtual robot under a physics step of a given length, and how far two runs are
-// result.
+// Runs the whole virtual robot with a given physics step, and computes the deviation between two runs.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Host, wire, native firmware with its tick of 1 ms, sensors without noise, Kaz's motors. Targets are
-// those of sim/body/world/gait_testing.h, sent each 20 ms as ramps of 20 ms.
+// It has host, wire, native firmware with its tick of 1 ms, sensors without noise, and Kaz's motors. Targets
+// are those of sim/body/world/gait_testing.h, sent every 20 ms as ramps of 20 ms.
 #pragma once
 
 #include <array>
@@ -16,8 +15,8 @@
 namespace kaz::step_length {
 
 enum class Load {
-  stand,  // into the walking crouch within 2 s, and held
-  walk,   // then steps on the spot, growing within 2 s
+  stand,  // moves into the walking crouch within 2 s and holds it
+  walk,   // then steps on the spot, with full amplitude after 2 s
 };
 
 struct Setting {
@@ -25,8 +24,8 @@ struct Setting {
   double step_ms = 1;
   double seconds = 6;
   std::string stepper = "reduced";
-  double gain = 20;       // of full drive per rad
-  double damping = 0.15;  // of full drive per rad/s
+  double gain = 20;       // full drive per rad
+  double damping = 0.15;  // full drive per rad/s
   double lead_ms = 0;     // delay of the first targets
 };
 
@@ -34,32 +33,35 @@ struct Sample {
   std::array<double, KZ_JOINTS> angle{}, target{};  // rad
   Eigen::Isometry3d trunk = Eigen::Isometry3d::Identity();
   Eigen::Vector3d ball = Eigen::Vector3d::Zero();
-  double left = 0, right = 0;  // N, of the floor on the feet, upwards
+  double left = 0, right = 0;  // upward force of the floor on each foot, N
 };
 
 struct Course {
   std::map<int, Sample> at;  // by ms since the targets began
   double weight = 0;         // N
-  double physics_s = 0;      // wall time in all
-  double max_tilt = 0;       // rad, of the trunk
+  double physics_s = 0;      // wall time of the run
+  double max_tilt = 0;       // maximum tilt of the trunk, rad
 };
 
-// The same without sources of chaotic divergence: motors without backlash, and a servo at 1 kHz with exact
-// angles (between steps extrapolated by the velocity at the last step's end, as Simulation does) whose duty
-// is averaged over a step. Errors: World's.
+// Runs without host, firmware, and sources of chaotic divergence. Motors have no backlash. A servo at 1 kHz
+// has exact angles, and its duty is averaged over a step. Between steps, angles are extrapolated with the
+// last velocity, as in Simulation. Errors: those of World.
 Result<Course> run_smooth(const Setting& setting);
 
-// A ball of 40 mm rolls beside the robot meanwhile. Errors: Simulation's and the host's.
+// Runs with host and firmware. In both functions a ball of 40 mm diameter rolls beside the robot. Errors:
+// those of Simulation and host.
 Result<Course> run(const Setting& setting);
 
 struct Deviation {
-  double joints = 0;    // rad, root mean square
-  double tracking = 0;  // rad, root mean square of angle - target in the first of the two
-  double trunk = 0;     // m, max distance of its positions
-  double heading = 0;   // rad, max difference of its heading
-  double force = 0;     // relative to the weight: root mean square over feet, means of 20 ms
-  double ball = 0;      // m, max distance of its positions
+  double joints = 0;    // root mean square difference of joint angles, rad
+  double tracking = 0;  // root mean square of angle - target in `run`, rad
+  double trunk = 0;     // maximum distance of trunk positions, m
+  double heading = 0;   // maximum difference of headings, rad
+  // Root mean square difference of the feet's forces, averaged over 20 ms, relative to the weight.
+  double force = 0;
+  double ball = 0;  // maximum distance of ball positions, m
 };
+// Compares the times that both runs contain.
 Deviation deviation(const Course& run, const Course& reference);
 
 }  // namespace kaz::step_length

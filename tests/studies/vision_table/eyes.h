@@ -1,4 +1,4 @@
-// The simulated eyes under conditions: light, tint, exposure, noise, a head that turns.
+// The simulated eyes under varied conditions: light, tint, exposure, noise, and a turning head.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,31 +14,32 @@ namespace kaz::vision_table {
 
 struct Conditions {
   sim::Light light;
-  Eigen::Array3d tint{1, 1, 1};  // of all light, red, green, blue
-  double exposure = 1;           // light is multiplied by this; what passes a full well is lost
+  Eigen::Array3d tint{1, 1, 1};  // factors on red, green and blue light
+  double exposure = 1;           // factor on the light; saturates at the full well
   double noise = 1;              // factor on the sigma of shot and read noise
-  double turn_rad_s = 0;         // of the head about the vertical, while the picture is exposed
-  double exposure_s = 0;
+  double turn_rad_s = 0;         // rate of the head about the vertical during the exposure
+  double exposure_s = 0;         // duration of the exposure
 };
 
 class Eyes {
  public:
   static constexpr double kBaseline_m = sim::kEyeBaseline_m;
 
-  // Unit 2 of the eyes: lenses, mounting and noise as the simulator has them (sim/view/sensor/sensor.h).
+  // Unit number 2 of the eyes, with the simulator's lenses, mounting and noise (sim/view/sensor/sensor.h).
   Eyes(int width, const Conditions& conditions);
 
   const vision::CameraModel& camera() const { return calibration_.rectified; }
-  // The world is the foot's frame.
+  // Returns frame information in which the foot's frame is the world.
   vision::FrameInfo info(const Eigen::Isometry3d& eye) const;
 
-  // Rectified. `eye`: of the left optical frame in the middle of the exposure.
+  // Returns a rectified pair. `eye`: pose of the left optical frame in the middle of the exposure. `number`:
+  // number of the exposure, for its noise.
   Result<vision::StereoImages> take(sim::Renderer& renderer, const sim::ScenePose& pose,
                                     const Eigen::Isometry3d& eye, std::uint64_t number) const;
-  // The left picture alone.
+  // Returns only the left picture.
   Result<vision::Image> take_left(sim::Renderer& renderer, const sim::ScenePose& pose,
                                   const Eigen::Isometry3d& eye, std::uint64_t number) const;
-  // What an ideal left eye sees in usual light, to find where there is texture.
+  // Returns the picture of an ideal left eye in default light, to find texture.
   Result<vision::Image> ideal(sim::Renderer& renderer, const sim::ScenePose& pose,
                               const Eigen::Isometry3d& eye) const;
 
@@ -53,7 +54,7 @@ class Eyes {
   vision::Rectifier rectifier_;
 };
 
-// One that has the world's scene; an error where it does not start.
+// Creates a renderer with the scene of `world`. Errors: it does not start.
 Result<std::unique_ptr<sim::Renderer>> renderer_of(sim::RendererKind kind, const World& world);
 
 }  // namespace kaz::vision_table

@@ -1,4 +1,4 @@
-// The plot of the tables: distance errors over distance, and difficult images with their detections.
+// Plots the tables: distance error over distance, and difficult images with their detections.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,7 +6,8 @@
 
 namespace kaz::vision_table {
 
-// Needs the rows of whole balls. Errors: the renderer does not start; the file cannot be written.
+// Writes a PNG file. `table` must have the rows of whole balls. Errors: the renderer does not start, or the
+// file cannot be written.
 Result<void> write_plot(const std::string& path, const Table& table);
 
 }  // namespace kaz::vision_table

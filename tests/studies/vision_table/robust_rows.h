@@ -1,4 +1,4 @@
-// The rows of the robustness table: conditions that vision must handle, and those where it is known to fail.
+// Rows of the robustness table: conditions that vision must handle, and those in which it is known to fail.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,7 +14,8 @@ struct RobustCase {
   Conditions conditions;
   std::string floor = "wood";
   sim::Rgb ball = sim::kRedBall;
-  bool learn = false;    // the colour from one picture in this light; else ColorRange::red_ball()
+  // Learn the color from one picture in this light. Else it is ColorRange::red_ball().
+  bool learn = false;
   bool clutter = false;  // red and orange objects
 };
 

@@ -14,11 +14,8 @@ namespace kaz::vision_table {
 
 using trials::Errors;
 
-enum class Visibility {
-  whole,
-  cut,
-  hidden
-};  // cut: by the image border; hidden: partly, by a board
+// `cut`: by the image border. `hidden`: partly, by a board.
+enum class Visibility { whole, cut, hidden };
 inline constexpr double kDistances_m[] = {0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5};
 
 // A red ball of 20 mm radius at one distance and random positions in the image.
@@ -37,7 +34,9 @@ struct RobustRow {
   int balls = 0, found = 0, wrong = 0;
   int without = 0, false_finds = 0;  // images without a ball; detections in them
   Errors center_px, distance;
-  int textured = 0, known = 0, good = 0;  // pixels
+  // Pixels with texture that both eyes see, those with depth, and those with less than 0.6 px disparity
+  // error.
+  int textured = 0, known = 0, good = 0;
   int floors = 0, floors_found = 0;
   Errors normal_deg, height_mm;
 };
@@ -48,7 +47,7 @@ struct BoardRow {
 };
 
 struct Table {
-  sim::RendererKind renderer = sim::kDefaultRenderer;  // of all pictures
+  sim::RendererKind renderer = sim::kDefaultRenderer;  // for all pictures
   std::vector<AccuracyRow> accuracy;
   std::vector<RobustRow> robust;
   std::vector<BoardRow> boards;
@@ -57,17 +56,17 @@ struct Table {
   std::string json() const;
 };
 
-// Required 95th percentile of the relative distance error of a whole ball.
+// Returns the required 95th percentile of the relative distance error of a whole ball.
 constexpr double max_distance_error(int width, double distance_m) {
   if (width == 320) return distance_m <= 0.6 ? 0.03 : distance_m <= 0.8 ? 0.05 : 0.12;
   return distance_m <= 1.0 ? 0.03 : 0.06;
 }
 
-// Each appends its rows. `pictures`: per row. Errors: the renderer does not start.
+// These functions append rows. `pictures`: number per row. Errors: the renderer does not start.
 Result<void> measure_accuracy(int width, Visibility visibility, int pictures, Table& table);
-// Rows whose group or name is `only`, or all if empty. Every third image is without a ball.
+// Measures rows whose group or name is `only`; empty: all. Every third image has no ball.
 Result<void> measure_robustness(int width, int pictures, const std::string& only, Table& table);
-// From OpenCV's photographs in `folder`. Errors: they do not exist.
+// Measures OpenCV's photographs in `folder`. Errors: they do not exist.
 Result<void> measure_boards(const std::string& folder, Table& table);
 
 }  // namespace kaz::vision_table

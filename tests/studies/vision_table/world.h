@@ -1,4 +1,4 @@
-// The world of the tables: a floor, boxes, balls; and where a ray from an eye meets it.
+// World of the tables with floor, boxes and balls, and the true intersection of a ray with it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 namespace kaz::vision_table {
 
 struct Hit {
-  double distance = 0;  // in lengths of the ray; 0: nothing there
+  double distance = 0;  // in lengths of the ray; 0: no surface
   bool floor = false;
 };
 
@@ -25,18 +25,18 @@ struct World {
     double radius;
   };
 
-  // `floor`: wood, carpet, checker or plain. Boxes and a wall with texture; with `clutter` also red
-  // and orange boxes and an orange ball. The ball that is looked for has this colour.
+  // `floor`: wood, carpet, checker or plain. `ball_color`: of the target ball. `boxes`: adds textured boxes
+  // and a wall. `clutter`: adds red, orange and wooden boxes and an orange ball.
   World(const std::string& floor, const sim::Rgb& ball_color, bool boxes, bool clutter);
 
-  // In the world's frame.
+  // Moves the target ball; world frame.
   void put_ball(const Eigen::Vector3d& at);
   void remove_ball();
-  // A plain grey board of this size, for what hides a ball. Without one it is far below the floor.
+  // Moves a plain gray board of size kBoard_m, to hide the ball.
   void put_board(const Eigen::Isometry3d& pose);
   void remove_board();
 
-  // The nearest surface along a ray, without ball and board.
+  // Returns the nearest surface along a ray, except target ball and board.
   Hit along(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const;
 
   sim::TestScene scene;
@@ -47,7 +47,7 @@ struct World {
 
   std::vector<Box> boxes_;
   std::vector<Ball> balls_;
-  std::size_t ball_ = 0, board_ = 0;  // frames
+  std::size_t ball_ = 0, board_ = 0;  // indices of frames in the scene
 };
 
 inline const Eigen::Vector3d kBoard_m{0.2, 0.2, 0.002};

@@ -9,20 +9,22 @@
 
 namespace kaz::walking {
 
-// No fall, and: of a walk, at most 10 % of the distance and 8 degrees of heading off; of a turn, at most 6
-// degrees off. Standing: no fall. Getting up: it stands at the end.
+// Returns whether a trial succeeded, which requires that the robot did not fall. A walk may miss its goal by
+// 10 % of the distance, and its heading by 8 degrees. A turn may be off by 6 degrees. After getting up, the
+// robot must stand at the end.
 bool succeeded(const Trial& trial, const Outcome& outcome);
 
-// Markdown, a row for each trial that has outcomes.
+// Returns Markdown, a row for each trial that has outcomes.
 std::string table(const studies::EpisodeFile& file, const std::vector<Trial>& all_trials,
                   const std::string& mcu);
-// Errors of the behaviour's own position estimate at the end of a walk, mm and degrees, and root mean
-// square of errors in units of the estimate's sigma (1: the sigmas are right).
+// Returns errors of the behavior's position estimate at the end of a walk, mm and degrees. Also their root
+// mean square in units of the estimated sigma, which is 1 if the sigmas are right. Empty without estimates.
 std::string odometry_table(const studies::EpisodeFile& file, const std::vector<Trial>& all_trials,
                            const std::string& mcu);
 std::string summary_json(const studies::EpisodeFile& file, const std::vector<Trial>& all_trials,
                          const std::string& mcu);
-// walking_paths.svg and .png in `folder`: trunk paths from above, with and without gyro.
+// Writes walking_paths.svg and .png to `folder`: trunk paths from above, with and without gyro. Writes
+// nothing without outcomes.
 Result<void> write_plots(const studies::EpisodeFile& file, const std::string& mcu,
                          const std::string& folder);
 

@@ -1,9 +1,9 @@
-// A moving robot repeatedly loses its host, its line or its power at random times.
+// Campaign in which a moving robot loses its host, line or power at random times.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Emulated firmware, physics, and the host's own client in lockstep. In each round the robot moves its
-// joints until an event; then the motors have to be safe in time, and the client has to reconnect by itself
-// and start from the joints' actual angles.
+// Emulated firmware, physics, and the host's own client run in lockstep. In each round the robot moves its
+// joints until an event. Then the motors must become safe in time. Afterwards the client must reconnect by
+// itself and start from the joints' actual angles.
 #pragma once
 
 #include <cstdint>
@@ -26,23 +26,23 @@ struct Options {
 // Statistics of one kind of event and reaction of the link watchdog.
 struct Tally {
   int rounds = 0;
-  // From the last good frame's last byte (reset, power: from the event) until the motors are off or
-  // the commands stand still.
+  // From the last byte of the last valid frame until the motors are off or the commands stand still. After a
+  // reset or power cut: from the event.
   double max_reaction_ms = 0;
-  double max_resume_ms = 0;   // from the end of the outage until the client moves on
+  double max_resume_ms = 0;   // from the end of the outage until the client moves joints again
   double max_jump_mrad = 0;   // between command and angle of a joint that is switched on
-  double max_creep_mrad = 0;  // of a command that should stand still
+  double max_creep_mrad = 0;  // motion of a command that should stand still
 };
 
 struct Report {
   std::map<std::string, Tally> tallies;
-  std::vector<std::string> failures;  // one sentence a round that went wrong
+  std::vector<std::string> failures;  // one sentence for each violation
   bool passed() const { return failures.empty(); }
   std::string table() const;  // Markdown, a row for each event
-  std::string text() const;   // the table, and the failures
+  std::string text() const;   // table and failures
 };
 
-// Errors: files, a chip that stopped.
+// Errors: those of files, and a chip that stopped.
 Result<Report> run_campaign(const Options& options);
 
 }  // namespace kaz::campaign

@@ -1,4 +1,4 @@
-// Host and emulated board in one process, on a line that can be cut at any time.
+// Serial line between host and emulated board in one process, which can be cut at any time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,16 +14,16 @@ namespace kaz::campaign {
 
 enum class Line {
   whole,
-  cut,      // nothing passes in either direction: the cable is pulled, the ports stay
+  cut,      // no byte passes: the cable is pulled, the ports stay
   gone,     // the host's port is gone
-  garbled,  // every byte to the board is damaged, none comes back
+  garbled,  // every byte to the board is damaged, and none passes to the host
 };
 
-// Link and clock of the host's client over a simulation; waiting advances it. After each
-// millisecond `each_ms` is called, for checks and for events.
+// Link and clock of the host's client over a simulation. Waiting advances it and calls `each_ms` after each
+// millisecond, for checks and events.
 class CuttableLine final : public host::Link, public host::Clock {
  public:
-  // The simulation must have the mcu h8.
+  // `simulation` must use h8 and outlive this object.
   explicit CuttableLine(sim::Simulation& simulation);
 
   std::string name() const override { return "line"; }
@@ -34,7 +34,7 @@ class CuttableLine final : public host::Link, public host::Clock {
   Result<void> sleep_until(Time t) override;
 
   void set(Line line) { line_ = line; }
-  // Arrival time at the board of the last undamaged byte that was written.
+  // Returns the arrival time at the board of the last byte that was written undamaged.
   sim::States last_arrival() const { return last_arrival_; }
   sim::Simulation& simulation() { return simulation_; }
   sim::H8Mcu& mcu() { return mcu_; }

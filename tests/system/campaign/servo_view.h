@@ -1,4 +1,4 @@
-// The servo's state in the memory of an emulated chip, for checks; behaviours have no access to it.
+// Reads the servo's state from the memory of an emulated chip, for checks. Behaviors have no access to it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ struct ServoState {
   std::array<int, KZ_JOINTS> angle{}, command{};  // 100 urad
 };
 
-// Of the firmware's servo, as the last tick has left it.
+// Returns the state after the last tick of the firmware.
 ServoState servo_state(const sim::H8Mcu& mcu);
 
 }  // namespace kaz::campaign

@@ -1,4 +1,4 @@
-// Runs programs as a user would: separate processes, their exit status, what they print.
+// For tests: runs programs as a user does, and returns their exit status and output.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,14 +12,14 @@ namespace kaz::test {
 
 struct Finished {
   int exit_code = -1;  // 128 + signal if it was killed
-  double cpu_s = 0;    // its processor time, and that of its children whose end it has waited for
+  double cpu_s = 0;    // CPU time, with that of children that it has waited for
   std::string out, err;
 };
 
-// A program under way; killed when the object goes.
+// A running program. The destructor kills it.
 class Process {
  public:
-  // Its standard input is empty, or with `typing` what type() gives it.
+  // Starts a program. Its standard input is empty, or with `typing` the text of type().
   explicit Process(const std::vector<std::string>& arguments, bool typing = false);
   ~Process();
   Process(const Process&) = delete;
@@ -27,16 +27,16 @@ class Process {
 
   void signal(int number);
   pid_t id() const { return pid_; }
-  // Processor time of all its threads so far.
+  // Returns the CPU time of all its threads so far.
   double cpu_s() const;
-  // To its standard input, which is a pipe that stays open as long as the object does.
+  // Writes to its standard input, a pipe that stays open during the object's lifetime.
   void type(const std::string& text);
-  // Waits until standard output or standard error holds `text`; false if it ended or hangs. `at_most` is
-  // more than an idle machine needs; a busy one gets kBusy times as long.
+  // Waits until standard output or standard error contains `text`. Returns false if the program ends first or
+  // hangs. `at_most` is sufficient on an idle machine; the timeout is kBusy times that, for a busy one.
   bool wait_for_output(const std::string& text, std::chrono::seconds at_most);
-  // The same, but never longer than `time`.
+  // The same with a timeout of exactly `time`.
   bool prints_within(const std::string& text, std::chrono::seconds time);
-  // Waits for the end. A process that hangs is killed, and its exit code says so (137); `at_most` as above.
+  // Waits for the end. Kills a process that hangs; its exit code is 137. `at_most` as above.
   Finished wait(std::chrono::seconds at_most);
   static constexpr int kBusy = 20;
 
@@ -48,15 +48,16 @@ class Process {
   Finished result_;
 };
 
-// The `kaz` program of this build with these arguments.
+// Returns the command line of this build's `kaz` with these arguments.
 std::vector<std::string> kaz(std::vector<std::string> arguments);
+// Runs a program to its end, as Process::wait().
 Finished run(const std::vector<std::string>& arguments,
              std::chrono::seconds at_most = std::chrono::seconds(60));
 
-// Every verb and verb of a verb: {"mcu", "run"}. The completion script has a case for each.
+// Returns every verb, also nested ones as {"mcu", "run"}. The completion script has a case for each.
 std::vector<std::vector<std::string>> all_verbs();
 
-// A new empty folder, removed with everything in it when the object goes.
+// A new empty folder. The destructor removes it with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -1,4 +1,4 @@
-// Images that differ from a given one in a byte of the header, with a right CRC.
+// For tests: images that differ from a given one in a byte of the header, with a valid CRC.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace kaz::flash_test {
 
-// Offsets into the header: of the build id's and of the board id's last bytes.
+// Offsets in the header of the last bytes of build id and board id.
 inline constexpr std::uint32_t kBuildId = 8, kBoardId = 5;
 
-// `original` with `flip` applied to the byte at `offset` of its application's header.
+// Returns `original` with the bits of `flip` inverted in the byte at `offset` of its application's header.
 host::FlashImage variant(const host::FlashImage& original, std::uint32_t offset, std::uint8_t flip);
 
 }  // namespace kaz::flash_test

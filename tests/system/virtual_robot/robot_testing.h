@@ -1,4 +1,4 @@
-// A whole virtual robot in lockstep: host, wire, native firmware, board with its noise, bodies.
+// For tests: a whole virtual robot in lockstep, with host, wire, native firmware, noisy board and bodies.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,14 +19,14 @@
 
 namespace kaz {
 
-// KAZ_LONG=1 selects the long versions, KAZ_DYNAMICS other dynamics (sim/body/world/world.h),
-// KAZ_PHYSICS_STEP another step length, ms.
+// Returns whether KAZ_LONG=1 selects the long versions of tests. Also, KAZ_DYNAMICS selects other dynamics
+// (sim/body/world/world.h), and KAZ_PHYSICS_STEP another step length, ms.
 inline bool long_run() {
   const char* value = std::getenv("KAZ_LONG");
   return value != nullptr && std::string(value) == "1";
 }
 
-// A world of a floor as in sim/worlds, and `models`.
+// Returns SDF of a world with a floor as in sim/worlds, and `models`.
 inline std::string world_of(const std::string& models) {
   return R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">
@@ -37,7 +37,7 @@ inline std::string world_of(const std::string& models) {
          "</world></sdf>\n";
 }
 
-// A ball of SDF, at a place, thrown by its <kaz:kick>s.
+// Returns SDF of a ball. `at`: "x y z", m. `kicks`: <kaz:kick> elements that throw it.
 inline std::string ball(const std::string& at, double mass_kg, double radius_m,
                         const std::string& kicks) {
   const auto text = [](double x) { return std::to_string(x); };
@@ -55,7 +55,8 @@ inline std::string ball(const std::string& at, double mass_kg, double radius_m,
 
 class RobotFixture {
  public:
-  // Null after an error, which is reported as a test failure.
+  // Connects to a new robot, sets the behaviors' gains and switches all joints on. Returns null after an
+  // error, which is reported as a test failure.
   static std::unique_ptr<RobotFixture> start(const std::string& world, std::uint64_t seed = 1) {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
     const auto path = std::filesystem::path(testing::TempDir()) /
@@ -83,7 +84,7 @@ class RobotFixture {
       return nullptr;
     }
     fixture->robot_ = std::make_unique<host::Robot>(std::move(*robot));
-    // The measured drifts and forces are with the body's gains of the behaviours.
+    // The expected drifts and forces were measured with the gains of the behaviors.
     constexpr auto kHands = 1u << host::l_hand | 1u << host::r_hand;
     auto on = fixture->robot_->set_gains(host::kAllJoints & ~kHands,
                                          {.kp_per_rad = 20, .kd_s_per_rad = 0.15});
@@ -100,17 +101,18 @@ class RobotFixture {
   const sim::World& world() const { return simulation_->world(); }
   double time_s() const { return seconds(simulation_->time()); }
 
-  // Feeds the link watchdog of the board meanwhile.
+  // Waits. Meanwhile the robot's clock keeps the board's link watchdog from reacting.
   void wait(double for_s) {
     const auto slept = robot_->clock().sleep_until(clock_.now() + from_seconds(for_s));
     ASSERT_TRUE(slept) << slept.error().message;
   }
+  // Moves joints and waits until the motion has ended.
   void move(const std::vector<host::JointTarget>& targets, double duration_s) {
     const auto set = robot_->set_targets(targets, from_seconds(duration_s));
     ASSERT_TRUE(set) << set.error().message;
     wait(duration_s);
   }
-  // The crouch that walking starts from (docs/reference/robot.md).
+  // Moves into the crouch from which walking starts (docs/reference/robot.md).
   void stand_in_crouch() {
     std::vector<host::JointTarget> targets;
     for (const auto& [joint, degrees] :

@@ -27,7 +27,7 @@ struct Measured {
 struct Measure {
   std::string name;     // "l_knee.lag"
   std::string unit;     // "ms"; empty for counts
-  std::string meaning;  // for users: "how far the joint is behind its command"
+  std::string meaning;  // for users: "delay of the joint behind its command"
   double resolution = 0;
   Measured a, b;
   std::string left_out = {};  // why the runs do not determine the value; else empty

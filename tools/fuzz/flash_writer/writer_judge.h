@@ -1,4 +1,4 @@
-// Judges what the flash writer answers and what it leaves in flash and RAM, by shared/flash/protocol.h.
+// Checks answers of the flash writer, and its changes of flash and RAM, against shared/flash/protocol.h.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,24 +13,25 @@
 
 namespace kaz::fuzz {
 
-// Watches one conversation. Every byte that goes to the board has to pass sent(). It shares nothing
-// with the writer but the protocol's constants: it finds the requests in the bytes itself.
+// Observes one conversation. It is independent of the writer, except for the protocol's constants: it parses
+// the requests itself. `board` must outlive it.
 class WriterJudge {
  public:
   WriterJudge(WriterBoard& board, WriterStart start);
 
+  // Call it with all bytes that are sent to the board.
   void sent(std::span<const std::uint8_t> bytes);
-  // Takes and judges what the board has answered. Call at least once in 1/8 ms while it may answer.
+  // Takes and judges the board's answers. Call it at least every 1/8 ms while the board may answer.
   void look();
-  // Checks that the board answers; then flash, RAM and the emulator's reports are judged.
+  // Checks that the board still answers. Then judges flash, RAM and the emulator's reports of misuse.
   void finish();
 
-  // The first error; empty: none.
+  // First violation. Empty: none.
   const std::string& complaint() const { return complaint_; }
   std::size_t answers() const { return answers_; }
-  // The second stage is there up to here.
+  // End address of the part of the second stage that is stored.
   std::uint32_t filled() const { return filled_; }
-  // Calls `seen(type, status)` for each answer.
+  // Called with type and status of each answer.
   std::function<void(std::uint8_t, std::uint8_t)> on_answer;
 
  private:
@@ -44,7 +45,7 @@ class WriterJudge {
 
   void complain(const std::string& what);
   void judge(const WriterAnswer& answer);
-  // Why the answer is none to the request; empty: it is.
+  // These return why the answer does not fit the request. Empty: it fits.
   std::string fault(const Request& request, const WriterAnswer& answer);
   std::string write_fault(const Request& request, const WriterAnswer& answer);
   static std::string line_fault(std::uint32_t wanted, const WriterAnswer& answer);
@@ -59,7 +60,7 @@ class WriterJudge {
   WriterBoard& board_;
   WriterStart start_;
   Bytes stream_;
-  std::map<std::size_t, Request> requests_;  // by their place in the stream
+  std::map<std::size_t, Request> requests_;  // by position in the stream
   std::size_t answers_ = 0;
   std::uint32_t filled_;
   Bytes flash_before_, ram_before_;

@@ -1,4 +1,4 @@
-// What the targets share: the input as a text or a file, and the judgement of an error.
+// Common to the fuzz targets of inputs: input as text or file, and the check of an error.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,14 +11,14 @@ namespace kaz::fuzz {
 
 std::string text_of(Bytes bytes);
 
-// A file in a temporary folder that goes with the process, overwritten by the next call with the same
-// name. Returns its path.
+// Writes the input to a file in a temporary folder, and returns its path. The next call with the same name
+// overwrites it. The folder is removed at exit. Ends the process if writing fails.
 std::string input_file(Bytes bytes, const std::string& name);
-// The folder of input_file(), for sockets.
+// Returns the folder of input_file(), for sockets.
 std::string input_folder();
 
-// An error must be one sentence, or one line, that names `source`, and blame the input (usage) unless
-// another fault is expected.
+// Checks that an error is one line that names `source`, and that it has the expected fault. The default is
+// Fault::usage, which blames the input.
 Complaint judge_error(const Error& error, const std::string& source, Fault fault = Fault::usage);
 
 }  // namespace kaz::fuzz

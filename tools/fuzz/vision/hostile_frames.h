@@ -1,4 +1,4 @@
-// Frames out of a string of bytes: pictures, camera models, postures, clocks, valid and invalid.
+// Generates frames from a string of bytes: valid and invalid pictures, camera models, postures and clocks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,11 +14,12 @@ struct HostileFrame {
   std::shared_ptr<const vision::StereoImages> images;
 };
 
-// A red ball before a textured ground, both eyes, 96 x 72.
+// Returns a valid frame: a red ball before a textured background, in both eyes, 96 x 72 px.
 HostileFrame valid_frame(std::uint64_t sequence, Time exposure);
 
 class HostileFrames {
  public:
+  // `choices` must outlive this object.
   explicit HostileFrames(hil::fuzz::Choices& choices) : choices_(choices) {}
   HostileFrame next();
 

@@ -1,24 +1,23 @@
-// Hostile input for vision: each function takes any bytes and returns the first error, if any.
+// Fuzz targets of vision. Each function accepts any bytes and returns the first violation, if any.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Errors are fine, and expected: what may not happen is a crash, undefined behaviour, or a result
-// that is not valid (not finite, outside of the picture, of another frame).
+// To return an error is correct. Violations are a crash, undefined behavior, or an invalid result: not
+// finite, outside of the picture, or from another frame.
 #pragma once
 
 #include "tools/fuzz/target.h"
 
 namespace kaz::fuzz {
 
-// A file of a picture: PNG, JPEG, PPM, PGM. Files that claim more than 4 megapixels are left out:
-// what they cost is memory alone.
+// A picture file: PNG, JPEG, PPM or PGM. Skips files that claim more than 4 megapixels, which only cost
+// memory.
 Complaint try_picture(Bytes bytes);
-// A calibration file; what is read is written and read again, and pictures are rectified by it.
+// A calibration file. A valid one is written and read again, and used to rectify pictures.
 Complaint try_calibration(Bytes bytes);
-// A file of colour thresholds, and pixels that are judged by it.
+// A file of color thresholds, and pixels that are classified with it.
 Complaint try_color(Bytes bytes);
-// Frames through a pipeline of all modules: the bytes choose sizes, contents, camera models,
-// postures, sequence numbers and clocks. The last frame is valid, and must come out as it does
-// of a fresh pipeline.
+// Frames for a pipeline of all modules. The bytes choose sizes, contents, camera models, postures, sequence
+// numbers and clocks. The last frame is valid and must give the same results as in a new pipeline.
 Complaint try_vision(Bytes bytes);
 
 inline constexpr Target kVisionTargets[] = {{"picture", try_picture, 2000},
