@@ -172,11 +172,11 @@ def document(root):
     with open(f"{root}/tools/gen/protocol.md.in", encoding="utf-8") as source:
         text = source.read()
     blocks = {
-        "EXAMPLE_STATE": example("The request `state`, sequence number 5, to board 1:",
+        "EXAMPLE_STATE": example("Example: the request `state` with sequence number 5 to board 1:",
                                  bytes([1, 5, 5]), "address, type, sequence number"),
         "EXAMPLE_TARGETS": example(
-            "The request `targets`, sequence number 7: joints 0 and 1 to 0.1 and −0.0002 rad in "
-            "500 ms:",
+            "Example: the request `targets` with sequence number 7 moves joints 0 and 1 to 0.1 and "
+            "−0.0002 rad in 500 ms:",
             targets, "mask 00000003, 500 ms = 01f4, 1000 = 03e8, −2 = fffe"),
         "STATUS": constant_list(constants, "KZ_STATUS_", False),
         "REFUSED": constant_list(constants, "KZ_REFUSED_", False),

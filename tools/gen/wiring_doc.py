@@ -79,9 +79,9 @@ class Board:
             if enable >> bit & 1:
                 use(f"P4{bit}", "port", "out", "enable of all motor drivers; pull-down 10 kΩ")
         for mux in range(self.number("KZ_MUXES")):
-            use(f"AN{mux}", f"AN{mux}", "in", f"common of multiplexer {mux}")
+            use(f"AN{mux}", f"AN{mux}", "in", f"common pin of multiplexer {mux}")
         for channel, what in enumerate(("yaw rate", "forward force", "left force"), 3):
-            use(f"AN{channel}", f"AN{channel}", "in", f"{what} (inertial option), else grounded")
+            use(f"AN{channel}", f"AN{channel}", "in", f"{what} (inertial option), else ground")
         use("TxD0", "TxD0", "out", "host line, to the PC")
         use("RxD0", "RxD0", "in", "host line, from the PC")
         return uses
@@ -92,7 +92,7 @@ class Board:
         at = lambda name: divmod(self.number(name), self.number("KZ_MUX_INPUTS"))
         volts = self.number("KZ_SUPPLY_FULL_MV") / 1000
         table[at("KZ_ANALOG_SUPPLY")] = f"motor supply, divided so that {volts:g} V gives AVCC"
-        table[at("KZ_ANALOG_REFERENCE")] = "half of AVCC: two equal resistors"
+        table[at("KZ_ANALOG_REFERENCE")] = "half of AVCC, from two equal resistors"
         full = self.number("KZ_TEMPERATURE_FULL_DC") / 10
         table[at("KZ_ANALOG_TEMPERATURE")] = \
             f"temperature of the motor drivers: 0 V at 0 °C, AVCC at {full:g} °C"
@@ -110,7 +110,7 @@ def signed(tenths):
 
 
 def by_joint(board):
-    table = [("joint", "name", "speed (PWM)", "direction", "input", "mirrored", "at mid-scale")]
+    table = [("joint", "name", "speed (PWM)", "direction", "input", "mirrored", "angle at mid-scale")]
     for joint in board.joints:
         table.append((str(joint.index), f"`{joint.name}`",
                       f"{board.pin(joint.speed())} ({joint.speed()})", joint.direction(),
@@ -122,7 +122,7 @@ def by_joint(board):
 def by_pin(board):
     """Pins that do not belong to a joint."""
     of_joints = {pin for joint in board.joints for pin in (board.pin(joint.speed()), joint.direction())}
-    table = [("pin", "for")]
+    table = [("pin", "purpose")]
     for names in board.pins:
         if names[0] in board.uses and names[0] not in of_joints:
             function, _, purpose = board.uses[names[0]]
