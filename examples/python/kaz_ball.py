@@ -6,7 +6,7 @@
 example:
   kaz sim --world catch --serial board --cameras board.eyes &   kaz_ball.py board board.eyes
 
-exit codes: 0 the head points at the ball, 1 no ball, or the head did not get there, 2 wrong usage,
+exit codes: 0 the head points at the ball, 1 no ball, or the head did not reach it, 2 wrong usage,
 3 no port, no board or no camera; 128 + signal interrupted (130: Ctrl-C)
 """
 import argparse
@@ -36,7 +36,7 @@ class Camera:
         self.stream = self.socket.makefile("rb")
         magic, version, *rest = struct.unpack("<4sIII5dq", self.read(64))
         if (magic, version) != (b"KAZC", 1):
-            raise kaz_client.NoBoard(f"'{path}' is no camera stream of version 1: {magic!r}, {version}")
+            raise kaz_client.NoBoard(f"'{path}' is not a camera stream of version 1: {magic!r}, {version}")
         self.width, self.height, self.fx, self.fy, self.cx, self.cy, *_ = rest
 
     def read(self, count):
@@ -45,11 +45,11 @@ class Camera:
         except OSError as error:
             raise kaz_client.NoBoard(f"the camera sends nothing: {error}") from error
         if len(data) < count:
-            raise kaz_client.NoBoard("the camera is gone: the simulator ended")
+            raise kaz_client.NoBoard("the camera is gone: the simulator has ended")
         return data
 
     def picture_after(self, moment_ns):
-        """The left picture of the first pair exposed after that time: RGB, rows from the top."""
+        """Returns the left picture of the first pair exposed after that time: RGB, rows from the top."""
         while True:
             magic, _reserved, _sequence, exposure_ns = struct.unpack("<4sIQq", self.read(24))
             if magic != b"PAIR":
@@ -60,7 +60,7 @@ class Camera:
                 return left
 
     def ball(self, rgb):
-        """Angles of the red pixels' middle, rad to the left of and below the axis; None without a ball."""
+        """Returns the red pixels' center, rad left of and below the axis; None without a ball."""
         red = [i for i, (r, g, b) in enumerate(zip(rgb[0::3], rgb[1::3], rgb[2::3]))
                if r > 50 and r > 2.5 * g and r > 2.5 * b]
         if len(red) < 20:
@@ -71,7 +71,7 @@ class Camera:
 
 
 def turn_head(board, pan, tilt, seconds=0.5):
-    """Waits until the head is at rest, so that the next picture fits the angles read. False if it is not."""
+    """Waits until the head is at rest, so that the next picture fits the angles read. False: it is not."""
     angles = [round(angle / kaz_client.UNIT) for angle in (pan, tilt)]
     board.request(kaz_client.TARGETS, struct.pack(">IH2h", NECK, round(seconds * 1000), *angles))
     # Wherever it rests: the picture shows what is left.
@@ -129,7 +129,7 @@ def find(options):
     if not off:
         return 3
     if found is None:
-        print("kaz_ball.py: no red ball was found, or the head does not get there", file=sys.stderr)
+        print("kaz_ball.py: no red ball was found, or the head does not reach it", file=sys.stderr)
         return 1
     print(f"the head points at the ball: pan {found[0]:+.3f}, tilt {found[1]:+.3f} rad")
     return 0

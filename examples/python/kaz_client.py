@@ -7,7 +7,7 @@ examples:
   kaz_client.py /dev/ttyUSB0 --joint 0 --angle 0.3
   kaz sim --world ball --serial board &   kaz_client.py ./board --joint 1 --angle -0.2
 
-exit codes: 0 done, 1 the joint did not get there or the board refused, 2 wrong usage,
+exit codes: 0 done, 1 the joint did not reach its target or the board refused, 2 wrong usage,
 3 no port, or no board that answers; 128 + signal interrupted (130: Ctrl-C)
 """
 import argparse
@@ -34,13 +34,13 @@ REASONS = {1: "unknown type", 2: "wrong length", 3: "value out of range",
            9: "only under unlock", 10: "not on a shared line", 11: "flash could not be written"}
 SHUTDOWNS = {1: "emergency stop", 2: "no request came for too long", 3: "potentiometer open or short",
              4: "supply too low", 5: "supply too high", 6: "motor drivers too hot",
-             7: "converter reads its reference wrong", 8: "motor stalled", 9: "motor overloaded",
+             7: "A/D converter misreads its reference", 8: "motor stalled", 9: "motor overloaded",
              10: "self-test failed"}
 UNIT = 1e-4  # angles are in 100 microradians
 
 
 class Refusal(Exception):
-    """A negative reply: the board has understood the request and does not do it."""
+    """A negative reply: the board does not execute the request."""
 
     def __init__(self, request, reason, detail):
         where = f", joint {detail}" if reason in (4, 5) else ""
@@ -81,7 +81,7 @@ def catch_signals():
 
 
 def run(name, work):
-    """The exit code of a program whose work() returns it, or fails."""
+    """Returns the exit code of work(), or that of its error."""
     try:
         catch_signals()
         return work()
@@ -128,7 +128,7 @@ def splits(body):
 
 
 def body_of(piece):
-    """The body of what stood between two zeros, or None if it is damaged."""
+    """Returns the body of the bytes between two zeros; None if they are damaged."""
     stuffed, check = piece[:-3], piece[-3:]
     if not stuffed or check_of(stuffed) != check:
         return None
@@ -160,14 +160,14 @@ class Board:
         except BlockingIOError as error:
             raise NoBoard(f"'{path}' is in use by another program: end that one first") from error
         except (OSError, termios.error) as error:
-            why = "it is no serial port" if error.args[0] == errno.ENOTTY else error.args[-1]
+            why = "it is not a serial port" if error.args[0] == errno.ENOTTY else error.args[-1]
             raise NoBoard(f"cannot open '{path}': {why}") from error
         self.path = path
         self.heard = b""
         self.sequence = os.urandom(1)[0]  # hardly where the last client ended
 
     def bodies(self, until):
-        """Valid bodies as they come, until the time is over."""
+        """Yields valid bodies as they arrive, until the given time."""
         while (left := until - time.monotonic()) > 0:
             if not select.select([self.port], [], [], left)[0]:
                 continue
@@ -184,7 +184,7 @@ class Board:
             yield from filter(None, map(body_of, pieces))
 
     def write(self, frame, until):
-        """False if the port takes nothing."""
+        """Returns False if the port accepts nothing."""
         while frame and (left := until - time.monotonic()) > 0:
             if not select.select([], [self.port], [], left)[1]:
                 break
@@ -203,9 +203,9 @@ class Board:
                 return self.sequence
 
     def request(self, kind, fields=b"", patience_s=0.5):
-        """The fields of the reply. A request without one is sent again, as the same request.
+        """Returns the fields of the reply. A request without a reply is repeated with the same number.
 
-        One that switches all off takes a new number each time: a board of protocol 2 executes no repetition.
+        A request that switches all motors off gets a new number each time: protocol 2 executes no repetition.
         """
         off = kind == ENABLE and not any(fields)
         sequences = []
@@ -234,12 +234,12 @@ class Board:
         return {"tick": tick, "version": version, "joints": joints, "status": status}
 
     def state(self):
-        """The board's time in s, the reason of a shutdown (0: none), and the angles in rad."""
+        """Returns the board's time in s, the shutdown reason (0: none), and the angles in rad."""
         tick, status, _supply, *angles = struct.unpack(">IHH18h", self.request(STATE))
         return tick / 1000, status >> 8, [angle * UNIT for angle in angles]
 
     def off(self):
-        """The last thing of a program, however it ends: never raises. True if all motors are off."""
+        """Call this last in every program. Never raises. Returns True if all motors are off."""
         try:
             _tick, _status, mask = struct.unpack(">IHI", self.request(ENABLE, struct.pack(">I", 0)))
             if mask:
@@ -250,11 +250,11 @@ class Board:
                 self.request(HEARTBEAT, self.watchdog)
             return True
         except (Refusal, NoBoard) as error:
-            print(f"{error}: the motors may still hold, switch the board off", file=sys.stderr)
+            print(f"{error}: the motors may still hold; switch the board off", file=sys.stderr)
             return False
 
     def gains(self, joints, kp, kd):
-        """Of those joints: kp in duty per rad, kd in duty per rad/s, no dead band, no friction."""
+        """Sets kp in duty per rad and kd in duty per rad/s for the joints, without dead band and friction."""
         for joint in joints:
             if joint not in self.found_gains:  # bytes 7 to 13 of the reply are as a request has them
                 self.found_gains[joint] = self.request(SETTINGS, bytes([joint]))[7:14]
@@ -271,11 +271,10 @@ PATIENCE_S = 1.5  # to come to rest, after the motion's duration
 
 
 def settle(board, targets, seconds, near=NEAR):
-    """After a target of that duration: waits until the joints rest near their targets, {joint: rad}.
+    """After a target of that duration, waits until the joints rest near their targets, {joint: rad}.
 
-    One reading would not do: a joint that swings through its target is there, too, for an instant. False
-    if they do not rest there within PATIENCE_S, on the board's clock: a simulator on a busy machine is
-    slower than this machine's.
+    One reading is not enough, since a joint may swing through its target. Returns False if they do not rest
+    there within PATIENCE_S on the board's clock. (A simulator on a busy machine is slower than real time.)
     """
     begin, _, resting = board.state()
     since = begin
@@ -294,7 +293,7 @@ def settle(board, targets, seconds, near=NEAR):
 
 
 def move(board, joint, angle, seconds):
-    """True if the joint has come to rest at the angle."""
+    """Returns True if the joint has come to rest at the angle."""
     board.request(HEARTBEAT, bytes([0, REACTION_HOLD]))  # should this client die, the joint holds
     _, reason, _ = board.state()
     if reason:  # report it before it is cleared
@@ -328,7 +327,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=1.0, help="duration of the motion (default: 1)")
     options = parser.parse_args()
     if not math.isfinite(options.angle) or abs(options.angle) > 3.2 or not 0 <= options.seconds <= 60:
-        parser.error("--angle is within 3.2 rad, --seconds 0 to 60")
+        parser.error("--angle must be -3.2 to 3.2, --seconds 0 to 60")
     return run("kaz_client.py", lambda: demonstrate(options))
 
 
@@ -338,15 +337,15 @@ def demonstrate(options):
     print(f"a board with {who['joints']} joints, protocol {who['version']}, last reset "
           f"{who['tick'] / 1000:.1f} s ago")
     if who["version"] not in PROTOCOL_VERSIONS:
-        raise NoBoard(f"the board speaks protocol {who['version']}, not one of {PROTOCOL_VERSIONS}")
+        raise NoBoard(f"the board has protocol {who['version']}: must be one of {PROTOCOL_VERSIONS}")
     try:
         arrived = move(board, options.joint, options.angle, options.seconds)
         try:
             board.target(options.joint, 3.27, 1)  # beyond every joint's limits
-            print("the board took a target beyond the limits", file=sys.stderr)
+            print("the board accepted a target beyond the limits", file=sys.stderr)
             arrived = False
         except Refusal as refusal:
-            print(f"as it should be: {refusal}")
+            print(f"as expected: {refusal}")
     finally:
         if board.off():
             print("all joints are off")

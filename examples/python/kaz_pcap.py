@@ -3,10 +3,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads the bytes of one direction, from a serial port that listens on the line or from a file, and
 writes them as a capture that shared/protocol/wireshark/kaz.lua dissects. Damaged frames are kept. Ctrl-C ends
-the capture. A capture that is there already is replaced when the first frame comes, any other file is not.
+the capture. The first frame replaces an existing capture. Any other existing file is kept.
 
-exit status: 0 captured; 1 no frame came, nothing is written; 2 wrong usage, or the target is a file and no
-capture; 3 the port is in use, or cannot be read or written
+exit status: 0 captured; 1 no frame came, nothing is written; 2 wrong usage, or the target is another kind of
+file; 3 the port is in use, or cannot be read or written
 
 examples:
   kaz_pcap.py /dev/ttyUSB1 line.pcap --seconds 10
@@ -54,7 +54,7 @@ class Target:
 
 
 def may_be_replaced(path):
-    """Whether nothing is there, an empty file, a capture, or no regular file, such as a pipe."""
+    """Returns True if the path is absent, empty, a capture, or not a regular file (such as a pipe)."""
     if not os.path.isfile(path):
         return True
     with open(path, "rb") as file:
@@ -62,7 +62,7 @@ def may_be_replaced(path):
 
 
 def chunks(path, seconds):
-    """Pieces of bytes with the time at which they came; those of a file all at once."""
+    """Yields bytes with their arrival time; those of a file all at once."""
     port = os.open(path, os.O_RDONLY | os.O_NOCTTY)
     if not os.isatty(port):
         with os.fdopen(port, "rb") as file:
@@ -105,10 +105,10 @@ def main():
     parser.add_argument("--seconds", type=float, default=10, help="for a port (default: 10)")
     options = parser.parse_args()
     if not math.isfinite(options.seconds) or options.seconds <= 0:
-        parser.error("--seconds is a number above 0")
+        parser.error("--seconds must be above 0")
     try:
         if not may_be_replaced(options.pcap):
-            print(f"kaz_pcap.py: '{options.pcap}' is no capture and would be replaced: remove it, or give "
+            print(f"kaz_pcap.py: '{options.pcap}' is not a capture and would be replaced: remove it, or give "
                   "another path", file=sys.stderr)
             return 2
         target = Target(options.pcap)

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # Learns to look at a rolling ball: an evolution strategy on kaz.VectorEnv, 40 lines; needs the package kaz.
 # SPDX-License-Identifier: Apache-2.0
-"""Learns where to turn the head to, from the ball's direction in the eye, and plots what it earns.
+"""Learns to turn the head from the ball's direction in the eye, and plots the reward.
 
 usage: PYTHONPATH=build/release/python python3 learn_look.py [GENERATIONS]
 
-A policy is a matrix, from 8 numbers (the ball's direction, the last action, the neck's two angles, 1) to two
-joints. 32 robots try 16 changes of it, each forwards and backwards; the change that earned more is followed.
+A policy is a matrix from 8 numbers (the ball's direction, the last action, the neck's two angles, 1) to two
+joints. 32 robots try 16 changes of it, each in both directions. The policy follows the better ones.
 """
 
 import sys
@@ -24,7 +24,7 @@ neck = [kaz.JOINTS.index("neck_pan"), kaz.JOINTS.index("neck_tilt")]
 
 
 def earned(policies, seed):
-    """The mean reward of each policy, with the same balls for all."""
+    """Returns the mean reward of each policy, with the same balls for all."""
     observation, _ = env.reset(seed=[seed] * ROBOTS)
     total, periods = numpy.zeros(ROBOTS), 0
     done = numpy.zeros(ROBOTS, bool)

@@ -41,7 +41,7 @@ class Bus:
         os.write(self.port, b"\xff\xff" + body + bytes([~sum(body) & 0xFF]))
 
     def answer(self, servo, count, timeout=0.1):
-        """The data of the servo's answer and its error bits; None if it does not come, or is damaged."""
+        """Returns data and error bits of the servo's answer; None if it does not arrive, or is damaged."""
         wanted, got, end = 6 + count, b"", time.monotonic() + timeout
         while len(got) < wanted and select.select([self.port], [], [], max(0, end - time.monotonic()))[0]:
             got += os.read(self.port, wanted - len(got))
@@ -106,7 +106,7 @@ def main():
         if now > 2 and None not in seen:
             worst = max(worst, abs(seen[0] - goals[0]))
         time.sleep(max(0, begin + now + 0.02 - time.monotonic()))
-    print(f"answers lost or damaged: {lost}; the shoulder was up to {worst:.0f} steps behind")
+    print(f"answers lost or damaged: {lost}; the shoulder lagged by up to {worst:.0f} steps")
     return 0 if lost == 0 and worst < 250 else 1
 
 

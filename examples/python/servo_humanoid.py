@@ -64,7 +64,7 @@ class Bus:
         return got
 
     def answer(self, servo, timeout=0.05):
-        """Error byte and data of the servo's answer; None if it does not come, or is damaged."""
+        """Returns error byte and data of the servo's answer; None if it does not arrive, or is damaged."""
         end = time.monotonic() + timeout
         got = self.bytes_until(b"", 7, end)
         if len(got) == 7:
@@ -79,7 +79,7 @@ class Bus:
         return self.answer(servo)
 
     def read(self, servo, address, length):
-        """None if no answer comes, or one with an error in place of data."""
+        """Returns None without an answer, or if the answer has an error instead of data."""
         found = self.request(servo, READ, word(address) + word(length))
         if not found or len(found[1]) != length:
             return None
@@ -90,7 +90,7 @@ class Bus:
         return self.request(servo, WRITE, word(address) + data)
 
     def release(self, servos):
-        """Torque off, until each servo says so. Returns those that do not."""
+        """Switches the torque off until each servo confirms it. Returns those that do not."""
         for _ in range(5):
             for servo in servos:
                 self.write(servo, TORQUE, 1, 0)
@@ -164,7 +164,7 @@ def main():
         if held := bus.release(servos):
             print(f"servo_humanoid.py: servos {held} do not confirm that their torque is off: cut the power",
                   file=sys.stderr)
-    print(f"answers lost or damaged: {bus.bad}; the slowest was up to {worst:.0f} pulses behind")
+    print(f"answers lost or damaged: {bus.bad}; the slowest servo lagged by up to {worst:.0f} pulses")
     return 0 if bus.bad == 0 and worst < 120 and not held else 1
 
 

@@ -44,7 +44,7 @@ Result<void> BoardLine::measure(const std::string& what,
   auto ran = measure();
   end();
   if (ran && was_reset_)
-    return fail(Fault::environment, "the board was reset while " + what + " measured");
+    return fail(Fault::environment, "the board was reset during the " + what + " measurement");
   return ran;
 }
 
@@ -56,8 +56,8 @@ Result<void> BoardLine::begin() {
   identity_ = *identity;
   last_tick_ = identity_.tick;
   if (identity_.status & KZ_STATUS_ENABLED) {
-    return fail(Fault::environment, "motors of the board on " + link_.name() +
-                                        " are on: switch them off before anything is measured");
+    return fail(Fault::environment,
+                "motors of the board on " + link_.name() + " are on: switch them off first");
   }
   const auto heard = query(KZ_TYPE_heartbeat, kz_heartbeat{kWatchdog10ms, 0}, kz_pack_heartbeat,
                            kz_unpack_heartbeat_reply);
@@ -96,7 +96,7 @@ Result<void> BoardLine::with_joints_on(const std::function<Result<void>()>& load
   return fail(Fault::environment,
               "the board on " + link_.name() + " switched its motors off in each of " +
                   std::to_string(host::LatenessMeter::kRepetitions + 1) +
-                  " runs, since no request came for 100 ms: this machine is too busy, or the line "
+                  " runs because no request came for 100 ms: this machine is too busy, or the line "
                   "drops out; end other programs and try again");
 }
 

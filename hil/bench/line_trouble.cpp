@@ -13,10 +13,10 @@ void add_trouble(std::string& trouble, const std::string& what) {
 std::string line_trouble(const host::LinkStatistics& before, const host::LinkStatistics& after) {
   std::string trouble;
   if (const auto lost = after.timeouts - before.timeouts; lost > 0)
-    add_trouble(trouble, std::to_string(lost) +
-                             (lost == 1 ? " reply did not come" : " replies did not come"));
+    add_trouble(trouble,
+                std::to_string(lost) + (lost == 1 ? " reply was lost" : " replies were lost"));
   if (const auto damaged = after.bad_frames - before.bad_frames; damaged > 0)
-    add_trouble(trouble, counted(damaged, "frame") + " came damaged");
+    add_trouble(trouble, counted(damaged, "frame") + " arrived damaged");
   return trouble;
 }
 

@@ -48,7 +48,7 @@ class LinkBench {
       : line_(link, clock, options.address), clock_(clock), options_(options), judge_(judge) {}
 
   Result<void> run() {
-    return line_.measure("its link was", [this] { return measure(); });
+    return line_.measure("link", [this] { return measure(); });
   }
 
  private:
@@ -112,8 +112,8 @@ class LinkBench {
               "number",
               false,
               {},
-              "From the first byte of a request for the joints' angles to the last of its reply: "
-              "the wire alone takes 5 ms, the board 1 to 2.2 ms."};
+              "Time from the first byte of a `state` request to the last byte of its reply. The "
+              "wire takes 5 ms of it, the board 1 to 2.2 ms."};
     plot.series.push_back(std::move(columns));
     for (const auto& [name, text] :
          {std::pair("link.round_trip_median", "limit of the median"),
@@ -129,7 +129,7 @@ class LinkBench {
                 "round trip, ms",
                 false,
                 {std::move(course)},
-                "A request that had to be repeated stands above the others by its time-out."});
+                "A repeated request is longer by its timeout."});
   }
 
   Result<void> measure_cycles() {
@@ -144,8 +144,9 @@ class LinkBench {
       return {};
     };
     KAZ_TRY(options_.allow_motion ? line_.with_joints_on(run) : run());
-    judge_.enter(kSubject, "link.cycle_rate", rate_hz, 0,
-                 options_.allow_motion ? "" : "joints off: targets are refused, which is as long");
+    judge_.enter(
+        kSubject, "link.cycle_rate", rate_hz, 0,
+        options_.allow_motion ? "" : "joints off: targets are refused, which takes as long");
     return {};
   }
 

@@ -233,7 +233,7 @@ TEST_F(JudgeOfTimes, OnADisturbedLineOnlyTheLineItselfFails) {
         Time::zero(),
         [this, disturbed_runs] {
           return runs_ > 0 && runs_ <= disturbed_runs
-                     ? std::string("on the line 2 replies did not come")
+                     ? std::string("on the line 2 replies were lost")
                      : std::string();
         });
   };
@@ -242,7 +242,7 @@ TEST_F(JudgeOfTimes, OnADisturbedLineOnlyTheLineItselfFails) {
   ASSERT_EQ(report_.measurements.size(), 2u);
   EXPECT_EQ(report_.measurements[0].verdict, Verdict::undecided);
   EXPECT_NE(report_.measurements[0].message.find(
-                "; but on the line 2 replies did not come, and the line was disturbed in all of 4"),
+                "; but on the line 2 replies were lost, and the line was disturbed in all of 4"),
             std::string::npos)
       << report_.measurements[0].message;
   EXPECT_EQ(report_.measurements[1].verdict, Verdict::failed);
@@ -260,7 +260,8 @@ TEST_F(JudgeOfTimes, WhatFailedBeforeTheBoardWasLostIsUndecided) {
         judge_.enter("l_knee", "step.error", 99);
         return fail(Fault::environment, "the board stopped answering");
       },
-      Time::zero(), [] { return std::string("on the line the board was lost"); }));
+      Time::zero(),
+      [] { return std::string("on the line the connection to the board was lost"); }));
   ASSERT_EQ(report_.measurements.size(), 1u);
   EXPECT_EQ(report_.measurements[0].verdict, Verdict::undecided);
   EXPECT_NE(report_.measurements[0].message.find("the run ended before it was measured again"),
@@ -276,8 +277,8 @@ TEST_F(JudgeOfTimes, ARepetitionIsNamed) {
     judge_.enter("link", "link.round_trip_worst", run == 1 ? 90 : 10);
     return {};
   }));
-  EXPECT_EQ(names,
-            (std::vector<std::string>{"telemetry", "late machine or bad line, again: telemetry"}));
+  EXPECT_EQ(names, (std::vector<std::string>{
+                       "telemetry", "repeated after a late machine or bad line: telemetry"}));
   EXPECT_EQ(report_.count(Verdict::passed), 1);
 }
 
@@ -341,8 +342,8 @@ TEST(LimitFile, AListOfMeasurementsIsOne) {
 
 TEST(LimitFile, EveryMistakeIsOneSentenceWithFileAndKey) {
   const std::pair<const char*, const char*> mistakes[] = {
-      {"{\n\"backlash\": {\"low\": 1,}}", "line 2 is no JSON"},
-      {"", "is no JSON"},
+      {"{\n\"backlash\": {\"low\": 1,}}", "line 2 is not valid JSON"},
+      {"", "is not valid JSON"},
       {"{}", "it names no measurement"},
       {"[]", "it names no measurement"},
       {"1", "neither an object"},
@@ -354,8 +355,8 @@ TEST(LimitFile, EveryMistakeIsOneSentenceWithFileAndKey) {
       {R"({"backlash": {"low": "3"}})", "'low' of 'backlash' is neither"},
       {R"({"backlash": {"low": 3, "high": 2}})", "'low' of 'backlash' is above"},
       {R"({"backlash": {"low": 1e999}})", "too large"},
-      {R"({"backlash": {"high": 1}, "backlash": {"high": 100}})", "\"backlash\" is there twice"},
-      {R"({"backlash": {"high": 1, "high": 100}})", "\"high\" is there twice"},
+      {R"({"backlash": {"high": 1}, "backlash": {"high": 100}})", "\"backlash\" occurs twice"},
+      {R"({"backlash": {"high": 1, "high": 100}})", "\"high\" occurs twice"},
   };
   for (const auto& [json, part] : mistakes) {
     const auto limits = parse_limits(json, "my/limits.json");

@@ -35,7 +35,7 @@ class TickBench {
       : line_(link, clock, options.address), clock_(clock), options_(options), judge_(judge) {}
 
   Result<void> run() {
-    return line_.measure("its ticks were", [this] {
+    return line_.measure("tick", [this] {
       return timed_part(
           judge_,
           [this](int run) {
@@ -121,7 +121,7 @@ class TickBench {
       for (const Arrival& arrival : *frames) worst = std::max(worst, kPercent * arrival.worst);
     }
     if (quantile(lengths, 1) == 0 && worst == 0) {
-      constexpr const char* kNoTimer = "this board has no timer that measures its ticks";
+      constexpr const char* kNoTimer = "this board has no timer to measure its ticks";
       judge_.leave_out(kSubject, "tick.median", kNoTimer);
       judge_.leave_out(kSubject, "tick.worst", kNoTimer);
       return enter_missed(before, after);
@@ -170,7 +170,7 @@ class TickBench {
                 "share of a tick, %",
                 false,
                 {series("telemetry alone", quiet_), series("18 joints at 100 Hz", loaded_), worst},
-                "Each point is the length of one tick, as the board has measured it."});
+                "Each point is the length of one tick, measured by the board."});
   }
 
   // Against the straight line through all moments, whose slope is how the clocks differ.
@@ -197,20 +197,19 @@ class TickBench {
         jitter / std::sqrt(2.0 * static_cast<double>(std::max<std::size_t>(late_ms.size(), 1))));
     if (options_.one_clock) {
       judge_.leave_out(kSubject, "tick.clock_error",
-                       "simulated time: the board has this bench's clock");
+                       "simulated time: board and bench share one clock");
     } else {
       judge_.enter(kSubject, "tick.clock_error", kPerMillion * (1 / line.slope - 1),
                    kPerMillion * line.slope_error);
     }
     judge_.add({"arrival",
                 kSubject,
-                "When telemetry comes",
+                "Arrival of telemetry",
                 "board time, s",
-                "late by, ms",
+                "delay, ms",
                 false,
                 {std::move(plotted)},
-                "Moment at which a frame was there, against its tick and the mean delay; while "
-                "there is load nothing is judged."});
+                "Arrival time of each frame, against its tick and the mean delay, without load."});
   }
 
   static constexpr const char* kNoStream =

@@ -29,7 +29,7 @@ Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int 
 }
 
 std::string run_text(const std::string& what, int run) {
-  return run == 1 ? what : "late machine or bad line, again: " + what;
+  return run == 1 ? what : "repeated after a late machine or bad line: " + what;
 }
 
 }  // namespace kaz::hil

@@ -94,11 +94,11 @@ std::string missing_servo_text(unsigned missing) {
   const auto add = [&](unsigned need, const char* what) {
     if ((missing & need) != 0) text += (text.empty() ? "" : " and ") + std::string(what);
   };
-  add(kServoNever, "would change what cannot be put back");
+  add(kServoNever, "would make a change that cannot be put back");
   add(kServoMotion, "needs --allow-motion");
   add(kServoEeprom, "needs --allow-eeprom");
   add(kServoAlone, "needs --alone: it reaches every servo at the port");
-  add(kServoModel, "this model or its firmware has no such thing");
+  add(kServoModel, "this model or its firmware does not support it");
   return text;
 }
 
@@ -112,12 +112,13 @@ Result<std::vector<const ServoCase*>> chosen(ServoFamily family, const std::stri
         taken.push_back(&one);
     }
   } catch (const std::regex_error& wrong) {
-    return fail(Fault::usage, "--filter " + filter + " is no regular expression: " + wrong.what());
+    return fail(Fault::usage,
+                "--filter " + filter + " is not a regular expression: " + wrong.what());
   }
   if (taken.empty())
-    return fail(Fault::usage, "--filter " + filter +
-                                  " takes no case; `kaz conformance --bus PROTOCOL --list` names "
-                                  "them");
+    return fail(Fault::usage,
+                "--filter " + filter +
+                    " matches no case; `kaz conformance --bus PROTOCOL --list` lists them");
   return taken;
 }
 

@@ -72,10 +72,10 @@ void add_packet_cases(ServoCases cases) {
   cases.add("packet.other-id", "A request to another id is not answered.", "packet",
             [](ExaminedServo& servo) {
               servo.silent(servo_request(kDynamixel, other_id(servo), kPing),
-                           "ping to an id that nobody has");
+                           "ping to an unused id");
             });
   cases.add(
-      "packet.noise-before", "Bytes before a packet do not matter.", "packet",
+      "packet.noise-before", "Bytes before a packet are ignored.", "packet",
       [](ExaminedServo& servo) {
         for (const Bytes& noise : {Bytes{0}, Bytes{0x55, 0xAA, 0x00}, Bytes{0xFF, 0xFF, 0x00}}) {
           Bytes wire = noise;
@@ -83,14 +83,14 @@ void add_packet_cases(ServoCases cases) {
           equal("id", servo.answers(wire, 1)[0].id, servo.id());
         }
       });
-  cases.add("packet.cut", "A packet that breaks off is forgotten after a pause.", "packet",
+  cases.add("packet.cut", "An incomplete packet is discarded after a pause.", "packet",
             [](ExaminedServo& servo) {
               Bytes request = servo.request(kPing);
               request.resize(8);
               servo.silent(request, "the first eight bytes of a ping", 50ms);
               ping(servo);
             });
-  cases.add("packet.stuffing", "FF FF FD in parameters is followed by an FD that is no data.",
+  cases.add("packet.stuffing", "In parameters, an FD after FF FF FD is stuffing and not data.",
             "packet", [](ExaminedServo& servo) {
               // With the FD as data it would be five bytes for a register of four.
               servo.keep(profile(servo));
@@ -100,7 +100,7 @@ void add_packet_cases(ServoCases cases) {
               equal("error", error_of(got), kRangeError);
               equal("Profile Velocity", servo.value(profile(servo)), before);
             });
-  cases.add("packet.all-answered", "A hundred requests have a hundred answers.", "line",
+  cases.add("packet.all-answered", "100 requests get 100 answers.", "line",
             [](ExaminedServo& servo) {
               const ServoRow& row = servo.table().model_row();
               for (int i = 0; i < 100; ++i) equal(row.what, servo.value(row), *row.factory);
@@ -112,15 +112,15 @@ void add_error_cases(ServoCases cases) {
                         int wanted) {
     equal("error", error_of(servo.answer(instruction, parameters)), wanted);
   };
-  cases.add("errors.instruction", "An instruction that there is none of: error 2.", "packet",
+  cases.add("errors.instruction", "An unknown instruction gets error 2.", "packet",
             [error](ExaminedServo& servo) { error(servo, kUnknown, {}, kInstructionError); });
-  cases.add("errors.action", "An action without a reg write: error 2.", "packet",
+  cases.add("errors.action", "An action without a reg write gets error 2.", "packet",
             [error](ExaminedServo& servo) {
               equal("Registered Instruction",
                     servo.value(servo.table().row("Registered Instruction")), 0);
               error(servo, kAction, {}, kInstructionError);
             });
-  cases.add("errors.length", "A write of a part of a register: error 5.", "packet",
+  cases.add("errors.length", "A write to part of a register gets error 5.", "packet",
             [error](ExaminedServo& servo) {
               servo.keep(profile(servo));
               const long before = servo.value(profile(servo));
@@ -128,7 +128,7 @@ void add_error_cases(ServoCases cases) {
               equal("Profile Velocity", servo.value(profile(servo)), before);
             });
   cases.add(
-      "errors.range", "A value outside of a register's range: error 4, nothing is written.",
+      "errors.range", "A value outside a register's range gets error 4 and is not written.",
       "packet", [](ExaminedServo& servo) {
         for (const ServoRow& row : servo.table().rows) {
           if (!row.what.ends_with("Gain") && !row.what.starts_with("Profile") && row.what != "LED")
@@ -140,7 +140,8 @@ void add_error_cases(ServoCases cases) {
           equal(row.what, servo.value(row), before);
         }
       });
-  cases.add("errors.read-outside", "A read of no register: error 7, no data.", "packet",
+  cases.add("errors.read-outside",
+            "A read of an address without a register gets error 7 and no data.", "packet",
             [](ExaminedServo& servo) {
               const auto got = servo.answer(kRead, servo.read_of(60000, 2));
               equal("error", error_of(got), kAccessError);
@@ -149,36 +150,36 @@ void add_error_cases(ServoCases cases) {
 }
 
 void add_group_cases(ServoCases cases) {
-  cases.add(
-      "groups.sync-read", "A sync read is answered as a read is.", "packet",
-      [](ExaminedServo& servo) {
-        const ServoRow& row = servo.table().model_row();
-        const auto all =
-            servo.answers(servo_request(kDynamixel, kAllServos, kSyncRead,
-                                        with_id(servo.read_of(row.address, row.size), servo.id())),
-                          1);
-        equal("id", all[0].id, servo.id());
-        check(all[0].data == servo.read(row.address, row.size), "its data are not the read's");
-      });
-  cases.add("groups.sync-read-of-others", "A sync read without its id is not answered.", "packet",
+  cases.add("groups.sync-read", "A sync read gets the same answer as a read.", "packet",
             [](ExaminedServo& servo) {
+              const ServoRow& row = servo.table().model_row();
+              const auto all = servo.answers(
+                  servo_request(kDynamixel, kAllServos, kSyncRead,
+                                with_id(servo.read_of(row.address, row.size), servo.id())),
+                  1);
+              equal("id", all[0].id, servo.id());
+              check(all[0].data == servo.read(row.address, row.size),
+                    "its data differ from those of a read");
+            });
+  cases.add("groups.sync-read-of-others", "A sync read without the servo's id is not answered.",
+            "packet", [](ExaminedServo& servo) {
               servo.silent(servo_request(kDynamixel, kAllServos, kSyncRead,
                                          with_id(servo.read_of(0, 2), other_id(servo))),
                            "a sync read of another id");
             });
-  cases.add("groups.bulk-read", "A bulk read is answered as a read is.", "packet",
+  cases.add("groups.bulk-read", "A bulk read gets the same answer as a read.", "packet",
             [](ExaminedServo& servo) {
               Bytes parameters{static_cast<std::uint8_t>(servo.id())};
               append(parameters, servo.read_of(0, 7));
               const auto all =
                   servo.answers(servo_request(kDynamixel, kAllServos, kBulkRead, parameters), 1);
               equal("id", all[0].id, servo.id());
-              check(all[0].data == servo.read(0, 7), "its data are not the read's");
+              check(all[0].data == servo.read(0, 7), "its data differ from those of a read");
             });
   for (const bool bulk : {false, true}) {
     cases.add(
         bulk ? "groups.fast-bulk-read" : "groups.fast-sync-read",
-        "A fast read has error, id and data of each servo in one packet.", "packet",
+        "The answer to a fast read has error, id and data of each servo in one packet.", "packet",
         [bulk](ExaminedServo& servo) {
           Bytes parameters = servo.read_of(0, 7);
           if (bulk)
@@ -193,7 +194,7 @@ void add_group_cases(ServoCases cases) {
           equal("error", error_of(all[0]), 0);
           Bytes wanted{static_cast<std::uint8_t>(servo.id())};
           append(wanted, servo.read(0, 7));
-          check(all[0].data == wanted, "its id or data are not the read's");
+          check(all[0].data == wanted, "its id or data differ from those of a read");
         },
         kServoNothing, has_fast_reads);
   }
@@ -241,29 +242,30 @@ void add_instruction_cases(ServoCases cases) {
               equal(row.what + " after the action", servo.value(row), other);
               equal(waits.what + " after the action", servo.value(waits), 0);
             });
-  cases.add(
-      "instructions.status-return-level", "Level 1 leaves answers to pings and reads, 0 to pings.",
-      "packet", [](ExaminedServo& servo) {
-        const ServoRow& level = servo.table().row("Status Return Level");
-        const auto level_to = [&](int value) {
-          (void)servo.maybe(servo.request(
-              kWrite, servo.write_of(level.address, {static_cast<std::uint8_t>(value)})));
-        };
-        servo.keep(level);
-        servo.keep(led(servo));
-        level_to(1);
-        const long lit = servo.value(led(servo));
-        servo.silent(servo.request(kWrite, servo.write_of(led(servo).address,
-                                                          {static_cast<std::uint8_t>(1 - lit)})),
-                     "a write at level 1");
-        equal("LED", servo.value(led(servo)), 1 - lit);
-        level_to(0);
-        servo.silent(servo.request(kRead, servo.read_of(0, 2)), "a read at level 0");
-        equal("bytes in the answer to a ping at level 0",
-              static_cast<long>(servo.answer(kPing).data.size()), 3);
-        level_to(2);
-        equal("Status Return Level", servo.value(level), 2);
-      });
+  cases.add("instructions.status-return-level",
+            "At level 1 only pings and reads are answered, at level 0 only pings.", "packet",
+            [](ExaminedServo& servo) {
+              const ServoRow& level = servo.table().row("Status Return Level");
+              const auto level_to = [&](int value) {
+                (void)servo.maybe(servo.request(
+                    kWrite, servo.write_of(level.address, {static_cast<std::uint8_t>(value)})));
+              };
+              servo.keep(level);
+              servo.keep(led(servo));
+              level_to(1);
+              const long lit = servo.value(led(servo));
+              servo.silent(
+                  servo.request(kWrite, servo.write_of(led(servo).address,
+                                                       {static_cast<std::uint8_t>(1 - lit)})),
+                  "a write at level 1");
+              equal("LED", servo.value(led(servo)), 1 - lit);
+              level_to(0);
+              servo.silent(servo.request(kRead, servo.read_of(0, 2)), "a read at level 0");
+              equal("bytes in the answer to a ping at level 0",
+                    static_cast<long>(servo.answer(kPing).data.size()), 3);
+              level_to(2);
+              equal("Status Return Level", servo.value(level), 2);
+            });
   cases.add("instructions.indirect", "Indirect data are the bytes at the indirect addresses.",
             "registers", [](ExaminedServo& servo) {
               const ServoTable& table = servo.table();

@@ -46,10 +46,9 @@ void add_packet_cases(ServoCases cases) {
             });
   cases.add("packet.other-id", "A request to another id is not answered.", "packet",
             [](ExaminedServo& servo) {
-              servo.silent(servo_request(kFeetech, other_id(servo), kPing),
-                           "ping to an id that nobody has");
+              servo.silent(servo_request(kFeetech, other_id(servo), kPing), "ping to an unused id");
             });
-  cases.add("packet.noise-before", "Bytes before a packet do not matter.", "packet",
+  cases.add("packet.noise-before", "Bytes before a packet are ignored.", "packet",
             [](ExaminedServo& servo) {
               for (const Bytes& noise : {Bytes{0}, Bytes{0x55, 0xAA, 0x00}, Bytes{0xFF, 0x00}}) {
                 Bytes wire = noise;
@@ -58,14 +57,14 @@ void add_packet_cases(ServoCases cases) {
                 equal("id", servo.answers(wire, 1)[0].id, servo.id());
               }
             });
-  cases.add("packet.cut", "A packet that breaks off is forgotten after a pause.", "packet",
+  cases.add("packet.cut", "An incomplete packet is discarded after a pause.", "packet",
             [](ExaminedServo& servo) {
               Bytes request = servo.request(kPing);
               request.resize(4);
               servo.silent(request, "the first four bytes of a ping", 200ms);
               ping(servo);
             });
-  cases.add("packet.all-answered", "A hundred requests have a hundred answers.", "line",
+  cases.add("packet.all-answered", "100 requests get 100 answers.", "line",
             [](ExaminedServo& servo) {
               const ServoRow& row = servo.table().model_row();
               for (int i = 0; i < 100; ++i) equal(row.what, servo.value(row), *row.factory);
@@ -112,7 +111,7 @@ void add_instruction_cases(ServoCases cases) {
               }
             });
   cases.add(
-      "instructions.sync-read", "A sync read is answered as a read is.", "packet",
+      "instructions.sync-read", "A sync read gets the same answer as a read.", "packet",
       [](ExaminedServo& servo) {
         const ServoRow& row = servo.table().model_row();
         Bytes parameters = servo.read_of(row.address, row.size);
@@ -120,11 +119,13 @@ void add_instruction_cases(ServoCases cases) {
         const auto all =
             servo.answers(servo_request(kFeetech, kAllServos, kSyncRead, parameters), 1);
         equal("id", all[0].id, servo.id());
-        check(all[0].data == servo.read(row.address, row.size), "its data are not the read's");
+        check(all[0].data == servo.read(row.address, row.size),
+              "its data differ from those of a read");
       },
       kServoNothing, is_sts);
   cases.add(
-      "instructions.sync-read-of-others", "A sync read without its id is not answered.", "packet",
+      "instructions.sync-read-of-others", "A sync read without the servo's id is not answered.",
+      "packet",
       [](ExaminedServo& servo) {
         Bytes parameters = servo.read_of(3, 2);
         parameters.push_back(static_cast<std::uint8_t>(other_id(servo)));

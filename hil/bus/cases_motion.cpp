@@ -17,7 +17,8 @@ void wait_for(ExaminedServo& servo, const ServoRow& position, long goal, long wa
     now = servo.value(position);
     if (std::labs(now - goal) <= 2 * std::labs(way) / 3) return;
   }
-  throw Failed{"2.5 s after the goal " + std::to_string(goal) + " it is at " + std::to_string(now)};
+  throw Failed{"goal " + std::to_string(goal) + " is not reached in 2.5 s: the position is " +
+               std::to_string(now)};
 }
 
 }  // namespace
@@ -25,7 +26,7 @@ void wait_for(ExaminedServo& servo, const ServoRow& position, long goal, long wa
 void add_motion_cases(ServoCases cases, ServoFamily family) {
   const bool feetech = family == ServoFamily::feetech;
   cases.add(
-      "motion.goal", "It goes to a goal 11 degrees away, and back.", "motion",
+      "motion.goal", "The servo moves to a goal 11 degrees away, and back.", "motion",
       [feetech](ExaminedServo& servo) {
         const ServoTable& table = servo.table();
         const ServoRow& position =
@@ -34,8 +35,7 @@ void add_motion_cases(ServoCases cases, ServoFamily family) {
         const ServoRow& torque = *table.find({"torque switch", "Torque Enable"});
         const ServoRow* mode = table.find({"operation mode", "Operating Mode"});
         if (mode != nullptr)
-          equal(mode->what + ", without which there are no goals", servo.value(*mode),
-                feetech ? 0 : 3);
+          equal(mode->what + " (position mode is needed)", servo.value(*mode), feetech ? 0 : 3);
         const long low = servo.value(
                        *table.find({"minimum angle limit", "minimum angle", "Min Position Limit"})),
                    high = servo.value(
@@ -45,8 +45,8 @@ void add_motion_cases(ServoCases cases, ServoFamily family) {
         long way = turn / 32;  // 11 degrees
         if (start + way > high) way = -way;
         check(start + way >= low && start + way <= high,
-              "it stands at " + std::to_string(start) + ", outside of its limits " +
-                  std::to_string(low) + " to " + std::to_string(high) + ": turn it by hand");
+              "position " + std::to_string(start) + ": the limits " + std::to_string(low) + " to " +
+                  std::to_string(high) + " leave no room for 11 degrees; turn the servo by hand");
         // Slowly: 30 degrees/s.
         if (feetech) {
           servo.write(*table.find({"operation speed", "goal speed"}), turn / 12);

@@ -17,20 +17,20 @@ constexpr std::pair<const char*, const char*> kNeverWritten[] = {
     {"Baud Rate", "the servo would be lost"},
     {"Protocol Type", "the servo would be lost"},
     {"Secondary ID", "it would obey another servo's requests"},
-    {"return delay", "times of answers"},
-    {"Return Delay Time", "times of answers"},
+    {"return delay", "changes the times of answers"},
+    {"Return Delay Time", "changes the times of answers"},
     {"response", "answers would stop"},
     {"Status Return Level", "has cases of its own"},
     {"lock", "EEPROM would change"},
     {"phase", "bits of unknown effect"},
-    {"operation mode", "the next torque would turn the shaft"},
-    {"Operating Mode", "the next torque would turn the shaft"},
-    {"Drive Mode", "the next torque would turn the shaft"},
-    {"Startup Configuration", "the next power would turn the shaft"},
-    {"position correction", "the next goal would be another place"},
-    {"Homing Offset", "the next goal would be another place"},
-    {"torque switch", "holds"},
-    {"Torque Enable", "holds"},
+    {"operation mode", "switching the torque on would turn the shaft"},
+    {"Operating Mode", "switching the torque on would turn the shaft"},
+    {"Drive Mode", "switching the torque on would turn the shaft"},
+    {"Startup Configuration", "the next power-on would turn the shaft"},
+    {"position correction", "the next goal would be at another place"},
+    {"Homing Offset", "the next goal would be at another place"},
+    {"torque switch", "would hold the shaft"},
+    {"Torque Enable", "would hold the shaft"},
     {"Bus Watchdog", "stops later requests"},
     {"target location", "switches the torque on"},
     {"goal position", "switches the torque on"},
@@ -38,7 +38,7 @@ constexpr std::pair<const char*, const char*> kNeverWritten[] = {
     {"operation time or PWM", "a duty in one of its modes"},
     {"operation speed", "a speed in one of its modes"},
     {"goal time", "a duty in one of its modes"},
-    {"Indirect Data", "writes whatever register it stands for"},
+    {"Indirect Data", "writes the register that it is mapped to"},
 };
 
 bool never_written(const ServoRow& row) {
@@ -106,15 +106,15 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
             [](ExaminedServo& servo) {
               for_rows(servo, [&](const ServoRow& row) { (void)servo.value(row); });
             });
-  cases.add("registers.in-range", "Each register that can be written holds a value of its range.",
-            "registers", [](ExaminedServo& servo) {
+  cases.add("registers.in-range", "Each writable register holds a value in its range.", "registers",
+            [](ExaminedServo& servo) {
               for_rows(servo, [&](const ServoRow& row) {
                 // An identifier of its own, or not initialised before the first goal.
                 if (!row.writable || row.what.starts_with("Goal")) return;
                 within("value", servo.value(row), row.min, row.max);
               });
             });
-  cases.add("registers.block", "A read of several registers has the bytes of each of them.",
+  cases.add("registers.block", "A read of several registers returns the bytes of each of them.",
             "registers", [](ExaminedServo& servo) {
               // EEPROM does not change by itself: rows that follow one another without a gap.
               std::vector<const ServoRow*> run;
@@ -138,7 +138,7 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
               }
               compare();
             });
-  cases.add("registers.ram", "RAM takes the ends and the middle of each register's range.",
+  cases.add("registers.ram", "Each RAM register accepts the ends and the middle of its range.",
             "registers", [](ExaminedServo& servo) {
               for_rows(servo, [&](const ServoRow& row) {
                 if (!row.writable || row.eeprom || never_written(row)) return;
@@ -147,7 +147,7 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
               });
             });
   cases.add(
-      "registers.ram-read-only", "A register that cannot be written keeps its value.", "registers",
+      "registers.ram-read-only", "A read-only register keeps its value.", "registers",
       [family](ExaminedServo& servo) {
         const ServoRow& row =
             *servo.table().find({"current voltage", "present voltage", "Present Input Voltage"});
@@ -157,7 +157,7 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
         check(servo.value(row) != 0, name_of(row) + " was overwritten with 0");
       });
   cases.add(
-      "registers.eeprom", "EEPROM takes a value beside the one that it has, and that again.",
+      "registers.eeprom", "Each EEPROM register accepts an adjacent value, and then its old value.",
       "registers",
       [](ExaminedServo& servo) {
         for_rows(servo, [&](const ServoRow& row) {

@@ -1,4 +1,4 @@
-// Packets of Feetech's and ROBOTIS's buses, written from docs/reference/servo-bus.md and servo-bus.md.
+// Packets of Feetech and DYNAMIXEL buses, written independently from docs/reference/servo-bus.md.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/bus/servo_wire.h"
 

@@ -142,7 +142,7 @@ void Board::come_back(int at_most_ms) {
       }
     }
     check(clock_.now() < last,
-          "the board does not answer " + std::to_string(at_most_ms) + " ms after a reset");
+          "the board does not reply within " + std::to_string(at_most_ms) + " ms of a reset");
   }
 }
 
@@ -173,7 +173,7 @@ void Board::wait(int ms) {
 void Board::silence(int ms) {
   wait(ms + static_cast<int>(std::chrono::duration_cast<milliseconds>(slack_).count()));
   for (const Frame& frame : frames_) {
-    check(is_telemetry(frame), "a frame came where none may: " + type_text(frame.type));
+    check(is_telemetry(frame), "unexpected frame: " + type_text(frame.type));
   }
 }
 
@@ -195,7 +195,7 @@ Frame Board::expect_frame(std::uint8_t type, std::uint8_t sequence, int at_most_
   while (true) {
     const auto left = std::chrono::ceil<milliseconds>(deadline - clock_.now()).count();
     const auto frame = next(static_cast<int>(std::max<long>(left, 0)));
-    check(frame.has_value(), "no answer: expected " + type_text(type));
+    check(frame.has_value(), "no reply: expected " + type_text(type));
     if (is_telemetry(*frame)) continue;
     check(frame->type == type, "expected " + type_text(type) + ", got " + type_text(frame->type) +
                                    ": " + hex_text(frame->fields, " "));
@@ -212,9 +212,9 @@ Frame Board::raw_request(std::uint8_t type, const Bytes& fields) {
   while (true) {
     const auto left = std::chrono::ceil<milliseconds>(deadline - clock_.now()).count();
     const auto frame = next(static_cast<int>(std::max<long>(left, 0)));
-    check(frame.has_value(), "no answer to " + type_text(type));
+    check(frame.has_value(), "no reply to " + type_text(type));
     if (is_telemetry(*frame)) continue;
-    equal("sequence number of the answer to " + type_text(type), frame->sequence, sequence);
+    equal("sequence number of the reply to " + type_text(type), frame->sequence, sequence);
     return *frame;
   }
 }
@@ -245,10 +245,10 @@ Reply Board::done(std::string_view name, const Bytes& fields, int at_most_ms) {
 
 Reply Board::take_refusal(std::uint8_t type, std::uint8_t sequence, int reason, int detail) {
   const Reply reply(message("refused"), expect_frame(KZ_TYPE_refused, sequence));
-  equal("refused: type of the request", reply["request"], type);
-  equal("reason of the refusal of " + type_text(type), reply["reason"], reason);
+  equal("refused: request type", reply["request"], type);
+  equal("refusal reason for " + type_text(type), reply["reason"], reason);
   if (detail != kAnyDetail) {
-    equal("detail of the refusal of " + type_text(type), reply["detail"], detail);
+    equal("refusal detail for " + type_text(type), reply["detail"], detail);
   }
   return reply;
 }
@@ -305,7 +305,7 @@ void Board::expect_alive() {
 
 void Board::expect_off() {
   const Reply now = state();
-  check(!now.flag(KZ_STATUS_ENABLED), "status says that a motor is on");
+  check(!now.flag(KZ_STATUS_ENABLED), "the status reports that a motor is on");
   if (bench_ == nullptr) return;
   for (int joint = 0; joint < KZ_JOINTS; ++joint) {
     check(bench_->drive(joint) == 0, "the motor of joint " + std::to_string(joint) + " has power");

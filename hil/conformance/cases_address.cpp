@@ -41,7 +41,7 @@ void broadcast(Board& board, std::string_view name, const Bytes& fields) {
 void add_address_cases(Cases& all) {
   Chapter to(all, "address", kNothing);
   to.add(
-      "default", "A board as it comes answers at address 1.", "ADDR-1",
+      "default", "A board without a stored address replies at address 1.", "ADDR-1",
       [](Board& b) { equal("address", b.done("identify").frame().address, 1); }, kDefaultAddress);
   to.add("own", "A request to the board's address is answered from that address.", "ADDR-2",
          [](Board& b) {
@@ -51,44 +51,44 @@ void add_address_cases(Cases& all) {
            equal("address of a refusal",
                  b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE).frame().address, b.address);
          });
-  to.add("all-done", "A request to all boards is done and not answered.", "ADDR-3", [](Board& b) {
-    broadcast(b, "heartbeat", Put().u8(33).u8(KZ_REACTION_HOLD));
-    const Reply who = b.done("identify");
-    equal("watchdog", who["watchdog_10ms"], 33);
-    equal("reaction", who["reaction"], KZ_REACTION_HOLD);
-  });
-  to.add("all-wrong", "Not even a wrong request to all boards is answered.", "ADDR-3",
+  to.add("all-done", "A request to all boards is executed and not answered.", "ADDR-3",
          [](Board& b) {
-           broadcast(b, "heartbeat", Put().u8(101).u8(0));
-           broadcast(b, "heartbeat", Put().u8(1));
-           broadcast(b, "read_targets", Put().u32(0x40000));
+           broadcast(b, "heartbeat", Put().u8(33).u8(KZ_REACTION_HOLD));
+           const Reply who = b.done("identify");
+           equal("watchdog", who["watchdog_10ms"], 33);
+           equal("reaction", who["reaction"], KZ_REACTION_HOLD);
          });
-  to.add("all-questions", "A question to all boards is not answered.", "ADDR-3", [](Board& b) {
+  to.add("all-wrong", "An invalid request to all boards is not answered.", "ADDR-3", [](Board& b) {
+    broadcast(b, "heartbeat", Put().u8(101).u8(0));
+    broadcast(b, "heartbeat", Put().u8(1));
+    broadcast(b, "read_targets", Put().u32(0x40000));
+  });
+  to.add("all-questions", "A query to all boards is not answered.", "ADDR-3", [](Board& b) {
     for (const char* name : {"identify", "state", "health", "statistics"}) broadcast(b, name, {});
   });
   for (int other = 0; other < 256; ++other) {
     const bool named = other == 0 || other == 2 || other == 14 || other == 16 || other == 255;
     if (!named) continue;
     to.add(("other-" + std::to_string(other)).c_str(),
-           "A request to this address is neither answered nor done nor counted.", "ADDR-4",
+           "A request to this address is not executed, answered or counted.", "ADDR-4",
            [other](Board& b) {
              const long before = b.statistics()["frames"];
              b.write(frame_of(b.other_than_home(other), KZ_TYPE_stop, b.new_sequence(), {}));
              b.silence(15);
-             equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
+             equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
              equal("valid frames", b.statistics()["frames"] - before, 2);
            });
   }
   for (const int type : {0x81, 0x87, 0xC0, 0xFF, 0x80}) {
     to.add(("reply-type-" + std::to_string(type)).c_str(),
-           "A frame of this type, which has bit 7, is ignored.", "ADDR-5", [type](Board& b) {
+           "A frame of this type, with bit 7 set, is ignored.", "ADDR-5", [type](Board& b) {
              b.write(frame_of(b.address, static_cast<std::uint8_t>(type), b.new_sequence(), {}));
              b.silence(15);
              b.expect_alive();
            });
   }
   to.add(
-      "set", "`set_address` moves the board, from its next reset on.", "ADDR-6",
+      "set", "`set_address` changes the board's address at the next reset.", "ADDR-6",
       [](Board& b) {
         b.done("unlock", Put().u16(KZ_KEY).u8(10));
         const std::uint8_t other = b.other_than_home(9);
@@ -99,24 +99,24 @@ void add_address_cases(Cases& all) {
           b.address = b.home();
           const bool old = b.answers();
           b.address = other;
-          check(!old, "the board still answers at its old address");
+          check(!old, "the board still replies at its old address");
         });
         b.expect_alive();
       },
       kFlash);
   to.add(
-      "set-last", "Address 14 can be had too.", "ADDR-6",
+      "set-last", "Address 14 can be set.", "ADDR-6",
       [](Board& b) { while_at(b, KZ_ADDRESS_LAST, 0, [&] { b.expect_alive(); }); }, kFlash);
   to.add(
-      "shared-line", "On a shared line telemetry is refused and no capability.", "ADDR-7",
+      "shared-line", "On a shared line, telemetry is refused and is not a capability.", "ADDR-7",
       [](Board& b) {
         check((b.done("identify")["capabilities"] & KZ_CAPABILITY_TELEMETRY) != 0,
-              "alone on its line the board does not report telemetry");
+              "the board does not report telemetry on an unshared line");
         while_at(b, 3, 1, [&] {
           check((b.done("identify")["capabilities"] & KZ_CAPABILITY_TELEMETRY) == 0,
-                "on a shared line the board reports telemetry");
+                "the board reports telemetry on a shared line");
           b.refused("telemetry", Put().u16(100).u8(1), KZ_REFUSED_SHARED_LINE);
-          check(b.telemetry(120, true).empty(), "telemetry came on a shared line");
+          check(b.telemetry(120, true).empty(), "the board sent telemetry on a shared line");
         });
         b.done("telemetry", Put().u16(100).u8(1));
       },

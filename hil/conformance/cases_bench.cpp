@@ -32,7 +32,7 @@ void drive_is(Board& b, int joint, double wanted) {
 
 void add_lock(Chapter& to) {
   to.add(
-      "unlock", "`unlock` unlocks, 0 seconds lock again.", "BENCH-1",
+      "unlock", "`unlock` sets UNLOCKED, and 0 seconds clear it.", "BENCH-1",
       [](Board& b) {
         unlock(b);
         check(b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is not set");
@@ -41,7 +41,7 @@ void add_lock(Chapter& to) {
       },
       kNothing);
   to.add(
-      "unlock-time", "The lock falls after the given seconds.", "BENCH-1",
+      "unlock-time", "The board locks again after the given seconds.", "BENCH-1",
       [](Board& b) {
         unlock(b, 1);
         b.wait(900);
@@ -51,7 +51,7 @@ void add_lock(Chapter& to) {
       },
       kNothing);
   to.add(
-      "unlock-again", "A further `unlock` begins the time anew.", "BENCH-1",
+      "unlock-again", "Another `unlock` restarts the time.", "BENCH-1",
       [](Board& b) {
         unlock(b, 1);
         b.wait(600);
@@ -66,7 +66,7 @@ void add_lock(Chapter& to) {
            b.refused("unlock", key(5), KZ_REFUSED_ARMED);
          });
   to.add(
-      "unlock-key", "Another key is refused with RANGE.", "BENCH-1",
+      "unlock-key", "A wrong key is refused with RANGE.", "BENCH-1",
       [](Board& b) {
         for (const int wrong : {0, 0x5A4B, 0xFFFF, KZ_KEY ^ 1}) {
           b.refused("unlock", Put().u16(wrong).u8(5), KZ_REFUSED_RANGE, 0);
@@ -75,7 +75,7 @@ void add_lock(Chapter& to) {
       },
       kNothing);
   to.add(
-      "unlock-reset", "A reset locks.", "BENCH-1",
+      "unlock-reset", "A reset locks the board.", "BENCH-1",
       [](Board& b) {
         unlock(b, 60);
         b.reset_by_command();
@@ -83,7 +83,8 @@ void add_lock(Chapter& to) {
       },
       kNothing);
   to.add(
-      "locked", "`raw_drive` and `set_address` are refused with LOCKED.", "BENCH-2",
+      "locked", "`raw_drive` and `set_address` are refused with LOCKED without `unlock`.",
+      "BENCH-2",
       [](Board& b) {
         b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_LOCKED);
         b.refused("set_address", Put().u8(1).u8(0), KZ_REFUSED_LOCKED);
@@ -94,7 +95,7 @@ void add_lock(Chapter& to) {
 
 void add_raw(Chapter& to) {
   to.add(
-      "raw", "`raw_drive` drives for its time, status RAW_DRIVE, then the motor is off.", "BENCH-3",
+      "raw", "`raw_drive` sets RAW_DRIVE for its duration; then the motor is off.", "BENCH-3",
       [](Board& b) {
         unlock(b);
         check(b.done("raw_drive", drive(0, 40, 100)).flag(KZ_STATUS_RAW_DRIVE),
@@ -110,7 +111,7 @@ void add_raw(Chapter& to) {
     for (const int duty : {60, -60}) {
       to.add(
           "raw-pins-" + std::to_string(joint) + (duty > 0 ? "-forth" : "-back"),
-          "This motor gets its duty in its sense, no other any.", "BENCH-3",
+          "Only this motor is driven, with the requested duty and direction.", "BENCH-3",
           [joint, duty](Board& b) {
             unlock(b);
             b.done("raw_drive", drive(joint, duty, 50));
@@ -123,7 +124,7 @@ void add_raw(Chapter& to) {
     }
   }
   to.add(
-      "raw-full", "Full duty is constant high.", "BENCH-3",
+      "raw-full", "At full duty, the pin is constantly high.", "BENCH-3",
       [](Board& b) {
         unlock(b);
         b.bench().block_joint(0, true);
@@ -146,7 +147,7 @@ void add_raw(Chapter& to) {
            b.expect_off();
          });
   to.add(
-      "raw-replaced", "A further `raw_drive` replaces the one under way.", "BENCH-4",
+      "raw-replaced", "Another `raw_drive` replaces the current one.", "BENCH-4",
       [](Board& b) {
         unlock(b);
         b.done("raw_drive", drive(0, 40, 500));
@@ -157,7 +158,7 @@ void add_raw(Chapter& to) {
         drive_is(b, 1, -50 / 255.0);
       },
       kMotion | kBench);
-  to.add("raw-zero", "Duty 0 ends it.", "BENCH-4", [](Board& b) {
+  to.add("raw-zero", "Duty 0 ends a raw drive.", "BENCH-4", [](Board& b) {
     unlock(b);
     b.done("raw_drive", drive(0, 40, 1000));
     b.done("raw_drive", drive(0, 0, 1000));
@@ -166,7 +167,7 @@ void add_raw(Chapter& to) {
     b.expect_off();
   });
   to.add(
-      "raw-zero-faulty", "Duty 0 ends it while its potentiometer is faulty.", "BENCH-4",
+      "raw-zero-faulty", "Duty 0 ends a raw drive even if the potentiometer is faulty.", "BENCH-4",
       [](Board& b) {
         unlock(b);
         b.done("raw_drive", drive(0, 40, 1000));
@@ -176,7 +177,7 @@ void add_raw(Chapter& to) {
               "RAW_DRIVE is set");
       },
       kMotion | kBench);
-  to.add("raw-enable", "`enable` ends it.", "BENCH-4", [](Board& b) {
+  to.add("raw-enable", "`enable` ends a raw drive.", "BENCH-4", [](Board& b) {
     unlock(b);
     b.done("raw_drive", drive(0, 40, 1000));
     b.done("enable", Put().u32(0));
@@ -184,7 +185,7 @@ void add_raw(Chapter& to) {
     check(!driven(b), "RAW_DRIVE is set");
     b.expect_off();
   });
-  to.add("raw-stop", "`stop` ends it.", "BENCH-4", [](Board& b) {
+  to.add("raw-stop", "`stop` ends a raw drive.", "BENCH-4", [](Board& b) {
     unlock(b);
     b.done("raw_drive", drive(0, 40, 1000));
     b.done("stop");
@@ -193,7 +194,7 @@ void add_raw(Chapter& to) {
     b.expect_off();
     equal("reason", b.state().reason(), KZ_SHUTDOWN_STOP);
   });
-  to.add("raw-lock", "The lock ends it.", "BENCH-4", [](Board& b) {
+  to.add("raw-lock", "Locking ends a raw drive.", "BENCH-4", [](Board& b) {
     unlock(b, 1);
     b.wait(500);
     b.done("raw_drive", drive(0, 20, 2000));
@@ -209,7 +210,7 @@ void add_safe(Chapter& to) {
   for (const int sign : {1, -1}) {
     to.add(
         std::string("raw-limit-") + (sign > 0 ? "upper" : "lower"),
-        "`raw_drive` does not drive a joint out of this soft limit.", "BENCH-5",
+        "`raw_drive` does not drive a joint beyond this soft limit.", "BENCH-5",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
           unlock(b);
@@ -218,7 +219,7 @@ void add_safe(Chapter& to) {
           b.done("raw_drive", drive(0, sign * 100, 200));
           for (int n = 0; n < 20; ++n) {
             b.wait(3);
-            check(sign * b.bench().drive(0) <= 0, "it is driven further out");
+            check(sign * b.bench().drive(0) <= 0, "the motor drives the joint further out");
           }
           b.done("raw_drive", drive(0, -sign * 60, 200));
           b.wait(5);
@@ -227,7 +228,8 @@ void add_safe(Chapter& to) {
         kMotion | kBench);
     to.add(
         std::string("raw-overshoot-") + (sign > 0 ? "upper" : "lower"),
-        "A full `raw_drive` does not carry a joint 0.03 rad past this soft limit.", "BENCH-5",
+        "A `raw_drive` at full duty moves a joint at most 0.03 rad past this soft limit.",
+        "BENCH-5",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
           unlock(b);
@@ -238,12 +240,12 @@ void add_safe(Chapter& to) {
             if (ms % 30 == 0) b.write(b.request_bytes("heartbeat", Put().u8(0).u8(0)));
             b.wait(1);
             check(sign * b.bench().angle_rad(0) <= 0.33,
-                  "the shaft stands at " + std::to_string(b.bench().angle_rad(0)) + " rad");
+                  "the shaft is at " + std::to_string(b.bench().angle_rad(0)) + " rad");
           }
         },
         kMotion | kBench);
   }
-  to.add("raw-link", "The link watchdog ends it, also with reaction HOLD.", "BENCH-5",
+  to.add("raw-link", "The link watchdog ends a raw drive, even with reaction HOLD.", "BENCH-5",
          [](Board& b) {
            for (const int reaction : {KZ_REACTION_LIMP, KZ_REACTION_HOLD}) {
              b.watchdog(0, reaction);
@@ -258,7 +260,7 @@ void add_safe(Chapter& to) {
            }
          });
   to.add(
-      "raw-supply", "A bad supply ends it.", "BENCH-5",
+      "raw-supply", "A low supply ends a raw drive.", "BENCH-5",
       [](Board& b) {
         unlock(b);
         b.done("raw_drive", drive(0, 20, 2000));
@@ -269,7 +271,7 @@ void add_safe(Chapter& to) {
       },
       kMotion | kBench);
   to.add(
-      "raw-pot", "A potentiometer that is gone ends it.", "BENCH-5",
+      "raw-pot", "A disconnected potentiometer ends a raw drive.", "BENCH-5",
       [](Board& b) {
         unlock(b);
         b.done("raw_drive", drive(0, 20, 2000));
@@ -284,13 +286,13 @@ void add_safe(Chapter& to) {
 
 void add_restarts(Chapter& to) {
   to.add(
-      "reset", "`reset` answers, then starts the board anew; cause COMMAND.", "BENCH-6",
+      "reset", "`reset` replies, then restarts the board with cause COMMAND.", "BENCH-6",
       [](Board& b) {
         b.wait(100);
         const long before = b.state()["tick"];
         b.reset_by_command();
         const Reply who = b.done("identify");
-        check(who["tick"] < before + 100, "the tick went on");
+        check(who["tick"] < before + 100, "the tick did not restart");
         equal("cause", who["reset_cause"], KZ_RESET_COMMAND);
       },
       kNothing);
@@ -299,10 +301,10 @@ void add_restarts(Chapter& to) {
            b.enable(1);
            b.refused("reset", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
            b.refused("loader", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
-           check(b.state().flag(KZ_STATUS_ENABLED), "the motor went off");
+           check(b.state().flag(KZ_STATUS_ENABLED), "the motor was switched off");
          });
   to.add(
-      "reset-unlatches", "A reset forgets what is latched.", "BENCH-6",
+      "reset-unlatches", "A reset clears a latched shutdown.", "BENCH-6",
       [](Board& b) {
         b.done("stop");
         b.reset_by_command();
@@ -310,14 +312,14 @@ void add_restarts(Chapter& to) {
       },
       kNothing);
   to.add(
-      "loader", "`loader` leaves the application, which is back after 3 s; cause COMMAND.",
+      "loader", "`loader` stops the application, which restarts after 3 s with cause COMMAND.",
       "BENCH-7",
       [](Board& b) {
         b.done("loader", Put().u16(KZ_KEY));
         b.wait(300);
-        check(!b.answers(), "the application still answers");
+        check(!b.answers(), "the application still replies");
         b.wait(3200);
-        check(b.answers(), "the application does not answer 3.5 s later");
+        check(b.answers(), "the application does not reply 3.5 s later");
         const Reply who = b.done("identify");
         equal("cause", who["reset_cause"], KZ_RESET_COMMAND);
         b.expect_off();

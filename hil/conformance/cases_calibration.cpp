@@ -52,7 +52,7 @@ void expect_valid(Board& b) {
     within("source", now["source"], KZ_CALIBRATION_A, KZ_CALIBRATION_B);
   } else {
     equal("source", now["source"], KZ_CALIBRATION_NOMINAL);
-    check(values_of(now) == nominal(), "without a stored copy the values are not nominal");
+    check(values_of(now) == nominal(), "the values are not nominal without a stored copy");
   }
 }
 
@@ -75,40 +75,40 @@ void with_stored(Board& b, Then then) {
 }
 
 void add_use(Chapter& to) {
-  to.add("reported", "`calibration` reports values, source, number and wear.", "CAL-1",
+  to.add("reported", "`calibration` reports values, source, copy number and wear.", "CAL-1",
          [](Board& b) {
            const Reply now = b.done("calibration");
-           within("erases of A", now["erases_a"], 0, 100);
-           within("erases of B", now["erases_b"], 0, 100);
+           within("erasures of A", now["erases_a"], 0, 100);
+           within("erasures of B", now["erases_b"], 0, 100);
            for (int j = 0; j < KZ_JOINTS; ++j) {
              const Values usual = nominal();
              const auto i = static_cast<std::size_t>(j);
-             within("centre of joint " + std::to_string(j), now.number("centre", j),
+             within("center of joint " + std::to_string(j), now.number("centre", j),
                     usual.centre[i] - KZ_CENTRE_TOLERANCE, usual.centre[i] + KZ_CENTRE_TOLERANCE);
            }
          });
   to.add("nominal",
-         "A stored copy is in use; without one, values are nominal and UNCALIBRATED is set.",
-         "CAL-5", [](Board& b) { expect_valid(b); });
-  to.add("set", "`calibrate` sets the joints of its mask, no others.", "CAL-2", [](Board& b) {
+         "A stored copy is used. Without one, values are nominal and UNCALIBRATED is set.", "CAL-5",
+         [](Board& b) { expect_valid(b); });
+  to.add("set", "`calibrate` sets only the joints of its mask.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     b.done("calibrate", calibrate_one(3, before.centre[3] + 200, before.scale[3] - 100));
     const Values after = values_of(b.done("calibration"));
     Values wanted = before;
     wanted.centre[3] += 200;
     wanted.scale[3] -= 100;
-    check(after == wanted, "the values are not what was set");
+    check(after == wanted, "the values differ from those that were set");
   });
-  to.add("set-all", "`calibrate` takes all 18 joints at once.", "CAL-2", [](Board& b) {
+  to.add("set-all", "`calibrate` sets all 18 joints at once.", "CAL-2", [](Board& b) {
     Values wanted = nominal();
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
       wanted.centre[j] += 10 * static_cast<long>(j) - 90;
       wanted.scale[j] += 7 * static_cast<long>(j);
     }
     b.done("calibrate", calibrate_all(wanted));
-    check(values_of(b.done("calibration")) == wanted, "the values are not what was set");
+    check(values_of(b.done("calibration")) == wanted, "the values differ from those that were set");
   });
-  to.add("angle-follows", "Angles follow the new centre at once.", "CAL-2", [](Board& b) {
+  to.add("angle-follows", "A new center applies to angles at once.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     const long angle = b.angle(0);
     b.done("calibrate", calibrate_one(0, before.centre[0] + 1000, before.scale[0]));
@@ -116,7 +116,7 @@ void add_use(Chapter& to) {
     within("angle", b.angle(0), angle + 960, angle + 1040);
   });
   to.add(
-      "angle-follows-scale", "Angles follow the new scale at once.", "CAL-2",
+      "angle-follows-scale", "A new scale applies to angles at once.", "CAL-2",
       [](Board& b) {
         b.bench().place_joint(0, 0.8);
         b.done("calibrate", calibrate_one(0, 0, 16581 * 9 / 8));
@@ -124,11 +124,11 @@ void add_use(Chapter& to) {
         within("angle", b.angle(0), 8950, 9050);
       },
       kBench);
-  to.add("until-reset", "What was not stored is gone after a reset.", "CAL-2", [](Board& b) {
+  to.add("until-reset", "A reset discards values that were not stored.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     b.done("calibrate", calibrate_one(2, before.centre[2] + 100, before.scale[2]));
     b.reset_by_command();
-    check(values_of(b.done("calibration")) == before, "a calibration in RAM outlived a reset");
+    check(values_of(b.done("calibration")) == before, "a calibration in RAM survived a reset");
   });
   to.add(
       "armed", "`calibrate` and `store_calibration` are refused while a motor is on.", "CAL-2",
@@ -147,7 +147,7 @@ void add_use(Chapter& to) {
     const long centre = usual.centre[i], scale = usual.scale[i];
     const long quarter = (scale > 0 ? scale : -scale) / 4;
     to.add("range-" + std::to_string(joint),
-           "A centre or scale of this joint too far from nominal is refused with RANGE.", "CAL-2",
+           "For this joint, a center or scale too far from nominal is refused with RANGE.", "CAL-2",
            [=](Board& b) {
              const Values before = values_of(b.done("calibration"));
              for (const long wrong :
@@ -157,7 +157,7 @@ void add_use(Chapter& to) {
              for (const long wrong : {scale - quarter - 2, scale + quarter + 2, -scale, 0L}) {
                b.refused("calibrate", calibrate_one(joint, centre, wrong), KZ_REFUSED_RANGE, joint);
              }
-             check(values_of(b.done("calibration")) == before, "a refused calibration was taken");
+             check(values_of(b.done("calibration")) == before, "a refused calibration was applied");
              b.done("calibrate",
                     calibrate_one(joint, centre - KZ_CENTRE_TOLERANCE, scale - quarter + 1));
              b.done("calibrate",
@@ -168,7 +168,7 @@ void add_use(Chapter& to) {
 
 void add_store(Chapter& to) {
   to.add(
-      "store", "What is stored is in use after a reset.", "CAL-4",
+      "store", "Stored values are used after a reset.", "CAL-4",
       [](Board& b) {
         with_stored(b, [&](const Values& old) {
           Values wanted = old;
@@ -177,10 +177,10 @@ void add_store(Chapter& to) {
           b.done("calibrate", calibrate_all(wanted));
           const Reply stored = b.done("store_calibration", {}, 3000);
           check(stored["sequence"] != number && stored["sequence"] != 0,
-                "the copy has the number of the one before");
+                "the copy has the number of the previous one");
           b.reset_by_command();
           const Reply after = b.done("calibration");
-          check(values_of(after) == wanted, "other values are in use after the reset");
+          check(values_of(after) == wanted, "the stored values are not used after the reset");
           equal("number of the copy", after["sequence"], stored["sequence"]);
           check(!after.flag(KZ_STATUS_UNCALIBRATED), "UNCALIBRATED is set");
           within("source", after["source"], KZ_CALIBRATION_A, KZ_CALIBRATION_B);
@@ -188,7 +188,7 @@ void add_store(Chapter& to) {
       },
       kFlash);
   to.add(
-      "store-answers", "`store_calibration` answers within 3 s; its copies have new numbers.",
+      "store-answers", "`store_calibration` replies within 3 s, and each copy has the next number.",
       "CAL-3",
       [](Board& b) {
         long number = b.done("calibration")["sequence"];
@@ -202,20 +202,21 @@ void add_store(Chapter& to) {
       },
       kFlash);
   to.add(
-      "store-many", "The store goes on when a block is full, and wear is reported.", "CAL-1",
+      "store-many", "Storing continues when a block is full, and wear is reported.", "CAL-1",
       [](Board& b) {
         const Reply before = b.done("calibration");
         Reply stored = b.done("store_calibration", {}, 3000);
         for (int n = 0; n < 12; ++n) stored = b.done("store_calibration", {}, 3000);
         equal("number of the copy", stored["sequence"], before["sequence"] + 13);
         const long erases = stored["erases_a"] + stored["erases_b"];
-        within("erases by 13 copies", erases - before["erases_a"] - before["erases_b"], 1, 4);
+        within("erasures for 13 copies", erases - before["erases_a"] - before["erases_b"], 1, 4);
         b.reset_by_command();
         equal("number after a reset", b.done("calibration")["sequence"], stored["sequence"]);
       },
       kFlash | kBench);  // 13 copies are much for the life of a real part
   to.add(
-      "power-lost", "Power lost while storing leaves one valid copy, the old or the new.", "CAL-4",
+      "power-lost", "If power is lost while storing, the old or the new copy remains valid.",
+      "CAL-4",
       [](Board& b) {
         with_stored(b, [&](const Values& old) {
           b.done("store_calibration", {}, 3000);
@@ -233,7 +234,7 @@ void add_store(Chapter& to) {
             b.forget_frames();  // the answer, if the store was quicker
             const Reply after = b.done("calibration");
             check(values_of(after) == before || values_of(after) == wanted,
-                  "neither the old nor the new values are in use");
+                  "neither the old nor the new values are used");
             check(!after.flag(KZ_STATUS_UNCALIBRATED), "no valid copy is left");
           }
         });

@@ -76,7 +76,7 @@ void damaged_then_whole(Board& board, Damage damage) {
     // Where the damage fell between two frames both are whole.
     while (true) {
       const auto frame = board.next(30 + static_cast<int>(board.slack().count() / 250'000));
-      check(frame.has_value(), "the frame behind a damaged one is not answered");
+      check(frame.has_value(), "the frame after a damaged one is not answered");
       if (frame->sequence == sequence) break;
     }
     board.silence(3);
@@ -100,32 +100,33 @@ void add_before(Chapter& to) {
            b.take("health", second);
            equal("bytes outside of frames", b.wild_bytes(), 0);
          });
-  to.add("noise-before", "Noise before the first zero does not matter.", "FRAME-2", [](Board& b) {
+  to.add("noise-before", "Noise before the first zero is ignored.", "FRAME-2", [](Board& b) {
     for (int n = 0; n < 10; ++n) answered_after(b, random_bytes(b, 1 + n * 5, 1));
   });
-  to.add("half-frame-before", "Half a frame before does not matter.", "FRAME-2", [](Board& b) {
+  to.add("half-frame-before", "A preceding incomplete frame is ignored.", "FRAME-2", [](Board& b) {
     std::uint8_t sequence;
     const Bytes whole = valid_frame(b, sequence);
     for (std::size_t cut = 1; cut + 1 < whole.size(); ++cut) {
       answered_after(b, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(cut)});
     }
   });
-  to.add("tail-before", "The tail of a frame before does not matter.", "FRAME-2", [](Board& b) {
+  to.add("tail-before", "The tail of a preceding frame is ignored.", "FRAME-2", [](Board& b) {
     std::uint8_t sequence;
     const Bytes whole = valid_frame(b, sequence);
     for (std::size_t cut = 2; cut < whole.size(); ++cut) {
       answered_after(b, {whole.begin() + static_cast<std::ptrdiff_t>(cut), whole.end()});
     }
   });
-  to.add("zeros-between", "Many zeros before a frame mean nothing.", "FRAME-3", [](Board& b) {
-    const Reply before = b.statistics();
-    answered_after(b, Bytes(1, 0));
-    answered_after(b, Bytes(2, 0));
-    answered_after(b, Bytes(300, 0));
-    const Reply after = b.statistics();
-    equal("frames that were too short", after["too_short"] - before["too_short"], 0);
-    equal("frames with a wrong check", after["bad_check"] - before["bad_check"], 0);
-  });
+  to.add("zeros-between", "Any number of zeros before a frame is ignored.", "FRAME-3",
+         [](Board& b) {
+           const Reply before = b.statistics();
+           answered_after(b, Bytes(1, 0));
+           answered_after(b, Bytes(2, 0));
+           answered_after(b, Bytes(300, 0));
+           const Reply after = b.statistics();
+           equal("frames that were too short", after["too_short"] - before["too_short"], 0);
+           equal("frames with a wrong check", after["bad_check"] - before["bad_check"], 0);
+         });
   to.add("shared-zero", "One zero may end a frame and begin the next.", "FRAME-3", [](Board& b) {
     std::uint8_t first, second;
     Bytes wire = valid_frame(b, first);
@@ -138,11 +139,11 @@ void add_before(Chapter& to) {
 }
 
 void add_damage(Chapter& to) {
-  to.add("one-bit", "A frame with one flipped bit is not answered, whichever byte it is in.",
-         "FRAME-4", [](Board& b) { damage_each_byte(b, 0x01); });
-  to.add("one-byte", "A frame with one byte inverted is not answered, whichever it is.", "FRAME-4",
+  to.add("one-bit", "A frame with one flipped bit in any byte is not answered.", "FRAME-4",
+         [](Board& b) { damage_each_byte(b, 0x01); });
+  to.add("one-byte", "A frame with any one byte inverted is not answered.", "FRAME-4",
          [](Board& b) { damage_each_byte(b, 0xFF); });
-  to.add("not-done", "A damaged `stop` or `heartbeat` changes nothing.", "FRAME-4", [](Board& b) {
+  to.add("not-done", "A damaged `stop` is not executed.", "FRAME-4", [](Board& b) {
     for (std::size_t at = 1; at < 8; ++at) {
       Bytes wire = b.request_bytes("stop");
       wire[at] = static_cast<std::uint8_t>(wire[at] ^ 0x10);
@@ -150,21 +151,21 @@ void add_damage(Chapter& to) {
       b.write({0});
       b.silence(5);
     }
-    equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
+    equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
   });
-  to.add("damaged-then-whole", "A whole frame behind a damaged byte is received.", "FRAME-5",
+  to.add("damaged-then-whole", "An intact frame after a damaged byte is received.", "FRAME-5",
          [](Board& b) {
            damaged_then_whole(b, [&](Bytes& wire, std::size_t at) {
              wire[at] = static_cast<std::uint8_t>(wire[at] ^ (1 + b.random()() % 255));
            });
          });
-  to.add("lost-then-whole", "A whole frame behind a lost byte is received.", "FRAME-5",
+  to.add("lost-then-whole", "An intact frame after a lost byte is received.", "FRAME-5",
          [](Board& b) {
            damaged_then_whole(b, [](Bytes& wire, std::size_t at) {
              wire.erase(wire.begin() + static_cast<std::ptrdiff_t>(at));
            });
          });
-  to.add("inserted-then-whole", "A whole frame behind an inserted byte is received.", "FRAME-5",
+  to.add("inserted-then-whole", "An intact frame after an inserted byte is received.", "FRAME-5",
          [](Board& b) {
            damaged_then_whole(b, [&](Bytes& wire, std::size_t at) {
              wire.insert(wire.begin() + static_cast<std::ptrdiff_t>(at),
@@ -172,7 +173,7 @@ void add_damage(Chapter& to) {
            });
          });
   to.add("lost-zero-then-whole",
-         "A frame whose closing zero was lost does not take the next along.", "FRAME-5",
+         "If a frame's closing zero is lost, the next frame is still received.", "FRAME-5",
          [](Board& b) {
            std::uint8_t first, second;
            Bytes wire = valid_frame(b, first);
@@ -182,7 +183,7 @@ void add_damage(Chapter& to) {
            b.take("heartbeat", first);  // the next frame's zero ended it
            b.take("heartbeat", second);
          });
-  to.add("burst-then-whole", "A whole frame behind a burst of 20 damaged bytes is received.",
+  to.add("burst-then-whole", "An intact frame after a burst of 20 damaged bytes is received.",
          "FRAME-5", [](Board& b) {
            for (int n = 0; n < 20; ++n) {
              std::uint8_t sequence;
@@ -192,7 +193,7 @@ void add_damage(Chapter& to) {
              b.write(wire);
              bool answered = false;
              while (const auto frame = b.next(30)) answered |= frame->sequence == sequence;
-             check(answered, "the frame behind a burst is not answered");
+             check(answered, "the frame after a burst is not answered");
            }
          });
 }
@@ -206,7 +207,7 @@ void add_counts(Chapter& to) {
              dropped_as(b, wire, "bad_check");
            }
          });
-  to.add("bad-check-high-bits", "The upper bits of the check's bytes are part of it.", "FRAME-6",
+  to.add("bad-check-high-bits", "A check with wrong upper bits is dropped and counted.", "FRAME-6",
          [](Board& b) {
            Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
            wire[wire.size() - 4] ^= 0x40;
@@ -215,7 +216,7 @@ void add_counts(Chapter& to) {
            wire[wire.size() - 2] ^= 0x80;
            if (wire[wire.size() - 2] != 0) dropped_as(b, wire, "bad_check");
          });
-  to.add("check-of-body", "A check over the body before stuffing is a wrong one.", "FRAME-6",
+  to.add("check-of-body", "A check of the body before stuffing is dropped and counted.", "FRAME-6",
          [](Board& b) {
            const Bytes body{b.home(), KZ_TYPE_heartbeat, b.new_sequence(), 0, 0};
            Bytes wire{0};
@@ -224,22 +225,24 @@ void add_counts(Chapter& to) {
            wire.push_back(0);
            dropped_as(b, wire, "bad_check");
          });
-  to.add("bad-stuffing", "A block that reaches beyond the frame is dropped and counted.", "FRAME-7",
-         [](Board& b) {
+  to.add("bad-stuffing", "A frame with a block that extends beyond its end is dropped and counted.",
+         "FRAME-7", [](Board& b) {
            Bytes stuffed = stuff({b.home(), KZ_TYPE_identify, b.new_sequence()});
            stuffed[0] = static_cast<std::uint8_t>(stuffed[0] + 1);
            dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
            stuffed[0] = 0xFF;
            dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
          });
-  to.add("bad-stuffing-last", "So is a last block that lacks one byte.", "FRAME-7", [](Board& b) {
-    Bytes stuffed = stuff({b.home(), KZ_TYPE_heartbeat, 7, 0, 5});
-    stuffed.pop_back();
-    dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
-  });
+  to.add("bad-stuffing-last", "A frame whose last block lacks one byte is dropped and counted.",
+         "FRAME-7", [](Board& b) {
+           Bytes stuffed = stuff({b.home(), KZ_TYPE_heartbeat, 7, 0, 5});
+           stuffed.pop_back();
+           dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
+         });
   for (int length = 0; length < KZ_HEADER_SIZE; ++length) {
     to.add(("too-short-" + std::to_string(length)).c_str(),
-           "A body shorter than its header is dropped and counted.", "FRAME-8", [length](Board& b) {
+           "A frame with a body shorter than the header is dropped and counted.", "FRAME-8",
+           [length](Board& b) {
              Bytes body{b.home(), KZ_TYPE_identify};
              body.resize(static_cast<std::size_t>(length));
              dropped_as(b, frame_of_stuffed(stuff(body)), "too_short");
@@ -247,23 +250,23 @@ void add_counts(Chapter& to) {
   }
   for (int bytes = 1; bytes <= 3; ++bytes) {
     to.add(("too-short-raw-" + std::to_string(bytes)).c_str(),
-           "A few bytes between two zeros are too short for a check.", "FRAME-8",
-           [bytes](Board& b) {
+           "A frame too short for a check is dropped and counted.", "FRAME-8", [bytes](Board& b) {
              Bytes wire(static_cast<std::size_t>(bytes) + 2, 0x85);
              wire.front() = wire.back() = 0;
              dropped_as(b, wire, "too_short");
            });
   }
-  to.add("longest", "The longest body of all is received.", "FRAME-9", [](Board& b) {
+  to.add("longest", "A frame with the longest body is received.", "FRAME-9", [](Board& b) {
     const Bytes fields = random_bytes(b, KZ_PAYLOAD_MAX, 0);
     b.refused_type(KZ_TYPE_identify, fields, KZ_REFUSED_LENGTH);
   });
-  to.add("too-long", "One byte more is dropped and counted.", "FRAME-9", [](Board& b) {
+  to.add("too-long", "A frame with one byte more is dropped and counted.", "FRAME-9", [](Board& b) {
     Bytes body{b.home(), KZ_TYPE_identify, b.new_sequence()};
     append(body, random_bytes(b, KZ_PAYLOAD_MAX + 1, 0));
     dropped_as(b, frame_of_stuffed(stuff(body)), "too_long");
   });
-  to.add("much-too-long", "A frame of 2,000 bytes is dropped, counted once, and harms nothing.",
+  to.add("much-too-long",
+         "A frame of 2,000 bytes is dropped and counted once, and the board still replies.",
          "FRAME-9", [](Board& b) {
            Bytes wire(2000, 0x55);
            wire.front() = wire.back() = 0;
@@ -306,7 +309,7 @@ void add_counts(Chapter& to) {
       },
       kBench);
   to.add(
-      "idle", "A frame in which no byte comes for 20 ms is given up and counted.", "FRAME-11",
+      "idle", "A frame without a byte for 20 ms is dropped and counted.", "FRAME-11",
       [](Board& b) {
         const Reply before = b.statistics();
         std::uint8_t sequence;
@@ -321,7 +324,8 @@ void add_counts(Chapter& to) {
       },
       kPauses);
   to.add(
-      "idle-then-whole", "The next frame behind one that was given up is received.", "FRAME-11",
+      "idle-then-whole", "The frame after one that was dropped for a pause is received.",
+      "FRAME-11",
       [](Board& b) {
         std::uint8_t sequence;
         const Bytes wire = valid_frame(b, sequence);
@@ -335,20 +339,20 @@ void add_counts(Chapter& to) {
 void add_contents(Chapter& to) {
   for (int place = 0; place < 6; ++place) {
     to.add(("zero-at-" + std::to_string(place)).c_str(),
-           "A zero at this place of the fields passes.", "FRAME-12", [place](Board& b) {
+           "A zero at this place of the fields is received.", "FRAME-12", [place](Board& b) {
              Bytes fields(6, 0x5A);
              fields[static_cast<std::size_t>(place)] = 0;
              b.refused_type(KZ_TYPE_state, fields, KZ_REFUSED_LENGTH);
            });
   }
-  to.add("every-sequence", "Every sequence number comes back as it was, 0 and 255 too.", "FRAME-12",
-         [](Board& b) {
+  to.add("every-sequence", "Every sequence number is returned unchanged, including 0 and 255.",
+         "FRAME-12", [](Board& b) {
            for (int sequence = 0; sequence < 256; ++sequence) {
              b.write(b.request_bytes("clear", {}, static_cast<std::uint8_t>(sequence)));
              b.take("clear", static_cast<std::uint8_t>(sequence));
            }
          });
-  to.add("every-value", "Every value of a byte in the fields passes unchanged.", "FRAME-12",
+  to.add("every-value", "Every byte value in the fields is received unchanged.", "FRAME-12",
          [](Board& b) {
            // `lower` = `upper` beyond the mechanics is cut, so only values inside come back.
            for (int value = -700; value <= 700; value += 23) {
@@ -358,11 +362,11 @@ void add_contents(Chapter& to) {
              equal("upper limit", set["upper"], value);
            }
          });
-  to.add("all-zeros", "Fields of nothing but zeros pass.", "FRAME-12", [](Board& b) {
+  to.add("all-zeros", "Fields that are all zero are received.", "FRAME-12", [](Board& b) {
     b.done("targets", Bytes(6, 0));
     b.done("gains", Bytes(11, 0));
   });
-  to.add("random-contents", "200 frames of random contents are all received.", "FRAME-12",
+  to.add("random-contents", "200 frames with random contents are all received.", "FRAME-12",
          [](Board& b) {
            for (int n = 0; n < 200; ++n) {
              const int length = 1 + static_cast<int>(b.random()() % KZ_PAYLOAD_MAX);
@@ -370,7 +374,7 @@ void add_contents(Chapter& to) {
            }
          });
   to.add(
-      "slow-bytes", "Bytes with pauses of 10 ms between them make a frame.", "FRAME-13",
+      "slow-bytes", "A frame with pauses of 10 ms between its bytes is received.", "FRAME-13",
       [](Board& b) {
         std::uint8_t sequence;
         for (const std::uint8_t byte : valid_frame(b, sequence)) {
@@ -381,7 +385,7 @@ void add_contents(Chapter& to) {
       },
       kPauses);
   to.add(
-      "slowest-bytes", "Bytes with pauses of 18 ms between them make a frame.", "FRAME-13",
+      "slowest-bytes", "A frame with pauses of 18 ms between its bytes is received.", "FRAME-13",
       [](Board& b) {
         std::uint8_t sequence;
         for (const std::uint8_t byte : valid_frame(b, sequence)) {

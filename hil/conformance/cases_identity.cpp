@@ -5,14 +5,14 @@
 namespace kaz::hil {
 void add_identity_cases(Cases& all) {
   Chapter to(all, "identity", kNothing);
-  to.add("identify", "`identify` reports version, joints, capabilities and cause of the reset.",
-         "ID-1", [](Board& b) {
+  to.add("identify", "`identify` reports version, joints, capabilities and reset cause.", "ID-1",
+         [](Board& b) {
            const Reply who = b.done("identify");
            equal("protocol version", who["protocol_version"], KZ_PROTOCOL_VERSION);
            equal("joints", who["joints"], KZ_JOINTS);
            check(who["firmware_version"] != 0, "firmware version is 0");
            check(who["build_id"] != 0, "build id is 0");
-           within("cause of the reset", who["reset_cause"], 0, 2);
+           within("reset cause", who["reset_cause"], 0, 2);
            const long expected = KZ_CAPABILITY_TELEMETRY | KZ_CAPABILITY_CALIBRATION |
                                  KZ_CAPABILITY_RAW_DRIVE | KZ_CAPABILITY_LOADER;
            equal("capabilities", who["capabilities"], expected);
@@ -21,15 +21,16 @@ void add_identity_cases(Cases& all) {
          [](Board& b) {
            equal("fifth byte", b.done("identify").frame().fields[4], KZ_PROTOCOL_VERSION);
          });
-  to.add("watchdog-default", "After a reset `identify` reports the link watchdog's default: LIMP.",
-         "ID-1", [](Board& b) {
+  to.add("watchdog-default",
+         "After a reset, `identify` reports the link watchdog's default reaction, LIMP.", "ID-1",
+         [](Board& b) {
            const Reply who = b.done("identify");
            within("watchdog, 10 ms", who["watchdog_10ms"], 1, 9);
            equal("reaction", who["reaction"], KZ_REACTION_LIMP);
          });
   to.add("watchdog-set",
-         "`heartbeat` sets limit and reaction, `identify` reports them; 0 leaves them unchanged.",
-         "ID-1", [](Board& b) {
+         "`heartbeat` sets limit and reaction, and 0 keeps them. `identify` reports them.", "ID-1",
+         [](Board& b) {
            b.watchdog(25, KZ_REACTION_HOLD);
            b.watchdog(0, 0);
            Reply who = b.done("identify");
@@ -41,7 +42,7 @@ void add_identity_cases(Cases& all) {
            equal("watchdog", who["watchdog_10ms"], 100);
            equal("reaction", who["reaction"], KZ_REACTION_LIMP);
          });
-  to.add("answered-while-latched", "Questions are answered whatever is latched.", "ID-2",
+  to.add("answered-while-latched", "Queries are answered while a shutdown is latched.", "ID-2",
          [](Board& b) {
            b.done("stop");
            for (const char* name :
@@ -50,23 +51,24 @@ void add_identity_cases(Cases& all) {
                    KZ_SHUTDOWN_STOP);
            }
          });
-  to.add("self-test", "The tests at start were made and none failed.", "ID-3", [](Board& b) {
+  to.add("self-test", "The self-tests ran at start, and none failed.", "ID-3", [](Board& b) {
     const Reply tests = b.done("self_test");
-    equal("tests that failed", tests["failed"] & ~KZ_TEST_SUPPLY, 0);
+    equal("failed tests", tests["failed"] & ~KZ_TEST_SUPPLY, 0);
     check((tests["done"] & (KZ_TEST_RAM | KZ_TEST_FLASH | KZ_TEST_CONVERTER)) != 0,
-          "no test was made at start");
-    equal("CRC of the image", tests["image_crc"], b.done("identify")["image_crc"]);
-    equal("reason of a shutdown", tests.reason(), KZ_SHUTDOWN_NONE);
+          "no self-test ran at start");
+    equal("image CRC", tests["image_crc"], b.done("identify")["image_crc"]);
+    equal("shutdown reason", tests.reason(), KZ_SHUTDOWN_NONE);
   });
   to.add(
-      "self-test-failed", "A converter that fails at start shuts the board down for good.", "ID-3",
+      "self-test-failed",
+      "A converter that fails at start causes a shutdown that `clear` cannot reset.", "ID-3",
       [](Board& b) {
         b.bench().set_analog(KZ_ANALOG_REFERENCE, 400);
         b.bench().reset();
         b.wait(200);
         const Reply tests = b.done("self_test");
-        equal("tests that failed", tests["failed"] & KZ_TEST_CONVERTER, KZ_TEST_CONVERTER);
-        equal("reason of the shutdown", tests.reason(), KZ_SHUTDOWN_SELF_TEST);
+        equal("failed tests", tests["failed"] & KZ_TEST_CONVERTER, KZ_TEST_CONVERTER);
+        equal("shutdown reason", tests.reason(), KZ_SHUTDOWN_SELF_TEST);
         b.bench().set_analog(KZ_ANALOG_REFERENCE, {});
         b.wait(50);
         b.refused("clear", {}, KZ_REFUSED_FAULT, KZ_SHUTDOWN_SELF_TEST);
@@ -79,7 +81,7 @@ void add_identity_cases(Cases& all) {
     for (int n = 0; n < 10; ++n) b.done("heartbeat", Put().u8(0).u8(0));
     equal("frames", b.statistics()["frames"] - before, 11);
   });
-  to.add("statistics-refusals", "`statistics` counts refusals, repetitions apart.", "ID-4",
+  to.add("statistics-refusals", "`statistics` counts refusals separately from repetitions.", "ID-4",
          [](Board& b) {
            const Reply before = b.statistics();
            for (int n = 0; n < 5; ++n)
@@ -98,7 +100,7 @@ void add_identity_cases(Cases& all) {
     }
     equal("repetitions", b.statistics()["repetitions"], 4);
   });
-  to.add("statistics-after-reset", "A reset begins all counts anew.", "ID-4", [](Board& b) {
+  to.add("statistics-after-reset", "A reset clears all counts.", "ID-4", [](Board& b) {
     b.refused_type(0x7E, {}, KZ_REFUSED_UNKNOWN_TYPE);
     b.reset_by_command();
     const Reply counts = b.statistics();

@@ -53,13 +53,14 @@ void add_enable(Chapter& to) {
         b.refused("targets", Put().u32(1).u16(100).s16(0), KZ_REFUSED_DISABLED, 0);
       },
       kNothing);
-  to.add("off-after-reset-while-on", "Also if they were on before it.", "MOVE-1", [](Board& b) {
-    b.enable(0x3);
-    b.enable(0);
-    b.reset_by_command();
-    b.expect_off();
-  });
-  to.add("enable-keeps-still", "A joint that is switched on does not move.", "MOVE-2",
+  to.add("off-after-reset-while-on",
+         "All motors are off after a reset, even if they were on earlier.", "MOVE-1", [](Board& b) {
+           b.enable(0x3);
+           b.enable(0);
+           b.reset_by_command();
+           b.expect_off();
+         });
+  to.add("enable-keeps-still", "A joint does not move when it is switched on.", "MOVE-2",
          [](Board& b) {
            const long at = b.angle(0);
            b.enable(1);
@@ -67,7 +68,8 @@ void add_enable(Chapter& to) {
            expect_still(b, 0, at);
          });
   to.add(
-      "enable-where-turned", "Also where it was turned by hand before.", "MOVE-2",
+      "enable-where-turned",
+      "A joint that was turned by hand does not move when it is switched on.", "MOVE-2",
       [](Board& b) {
         b.bench().place_joint(0, 0.7);
         b.wait(20);
@@ -92,14 +94,14 @@ void add_enable(Chapter& to) {
     b.enable(0x2);
     const Reply joints = b.joints(0x7);
     for (int j = 0; j < 3; ++j) {
-      equal("ON of joint " + std::to_string(j), joints.number("faults", j) & KZ_JOINT_ON,
+      equal("ON flag of joint " + std::to_string(j), joints.number("faults", j) & KZ_JOINT_ON,
             j == 1 ? KZ_JOINT_ON : 0);
     }
     b.enable(0);
     b.expect_off();
   });
-  to.add("enable-forgets-targets", "A target from before does not come back with `enable`.",
-         "MOVE-2", [](Board& b) {
+  to.add("enable-forgets-targets", "`enable` does not restore an earlier target.", "MOVE-2",
+         [](Board& b) {
            b.enable(1);
            b.target(0, some_way(b, 0, 4000), 1000);
            b.stay_alive(150);
@@ -110,8 +112,8 @@ void add_enable(Chapter& to) {
            near("target", target_of(b, 0), at, kStill);
            expect_still(b, 0, at);
          });
-  to.add("enable-keeps-others", "A joint that is on already keeps its target.", "MOVE-2",
-         [](Board& b) {
+  to.add("enable-keeps-others", "`enable` keeps the target of a joint that is already on.",
+         "MOVE-2", [](Board& b) {
            b.enable(1);
            const long to_angle = some_way(b, 0, 2000);
            b.target(0, to_angle, 400);
@@ -128,7 +130,7 @@ void add_enable(Chapter& to) {
            b.enable(1);
          });
   to.add(
-      "enable-nothing-while-latched", "An empty mask is always taken.", "MOVE-3",
+      "enable-nothing-while-latched", "An empty mask is always accepted.", "MOVE-3",
       [](Board& b) {
         b.done("stop");
         equal("mask", b.done("enable", Put().u32(0))["mask"], 0);
@@ -136,7 +138,7 @@ void add_enable(Chapter& to) {
       kNothing);
   for (const int code : {0, 3, 1020, 1023}) {
     to.add(("enable-pot-" + std::to_string(code)).c_str(),
-           "`enable` is refused while a potentiometer of the mask reads this code.", "MOVE-3",
+           "`enable` is refused while a potentiometer of its mask reads this code.", "MOVE-3",
            [code](Board& b) {
              b.bench().set_analog(0, code);  // joint 0
              b.wait(20);
@@ -172,19 +174,20 @@ Commands commands_of(Board& b, int joint, int ms) {
     const Reply sample(message("telemetry_commands"), frame);
     commands.samples.emplace_back(sample["tick"], sample.number("angle", joint));
   }
-  check(commands.samples.size() > 5, "too little telemetry came");
+  check(commands.samples.size() > 5, "too few telemetry frames came");
   return commands;
 }
 
 void add_ramps(Chapter& to) {
-  to.add("target-reached", "A target is reached in its time.", "MOVE-4", [](Board& b) {
-    soften(b, 1);
-    b.enable(1);
-    const long goal = some_way(b, 0, 3000);
-    b.target(0, goal, 300);
-    b.stay_alive(450);
-    near("angle", b.angle(0), goal, b.exact() ? kStill : kReached);
-  });
+  to.add("target-reached", "A joint reaches its target in the requested time.", "MOVE-4",
+         [](Board& b) {
+           soften(b, 1);
+           b.enable(1);
+           const long goal = some_way(b, 0, 3000);
+           b.target(0, goal, 300);
+           b.stay_alive(450);
+           near("angle", b.angle(0), goal, b.exact() ? kStill : kReached);
+         });
   to.add("ramp-straight", "The command is a linear ramp that takes the requested time.", "MOVE-4",
          [](Board& b) {
            b.enable(1);
@@ -200,7 +203,7 @@ void add_ramps(Chapter& to) {
                   wanted, 25);
            }
          });
-  to.add("ramp-limit", "Where the time is too short the joint's ramp decides.", "MOVE-4",
+  to.add("ramp-limit", "If the requested time is too short, the ramp limit applies.", "MOVE-4",
          [](Board& b) {
            b.done("limits", Put().u32(1).u16(10).s16(-20000).s16(20000));
            b.enable(1);
@@ -214,7 +217,7 @@ void add_ramps(Chapter& to) {
              near("command", std::labs(command - from), distance, 30);
            }
          });
-  to.add("ramp-from-command", "A new target starts from where the command is.", "MOVE-4",
+  to.add("ramp-from-command", "A new target starts from the current command.", "MOVE-4",
          [](Board& b) {
            b.enable(1);
            const long from = target_of(b, 0), goal = some_way(b, 0, 4000);
@@ -227,18 +230,19 @@ void add_ramps(Chapter& to) {
            for (std::size_t i = 1; i < all.samples.size(); ++i) {
              const auto [tick, command] = all.samples[i];
              const auto [before_tick, before] = all.samples[i - 1];
-             within("step of the command in " + std::to_string(tick - before_tick) + " ms",
+             within("command step in " + std::to_string(tick - before_tick) + " ms",
                     std::labs(command - before), 0, 10 * (tick - before_tick) + 10);
            }
          });
-  to.add("ramp-zero-time", "Time 0 means as fast as the ramp allows.", "MOVE-4", [](Board& b) {
-    soften(b, 1);
-    b.enable(1);
-    const long goal = some_way(b, 0, 3000);
-    b.target(0, goal, 0);
-    b.stay_alive(250);
-    near("angle", b.angle(0), goal, b.exact() ? kStill : kReached);
-  });
+  to.add("ramp-zero-time", "With time 0, the joint moves at the ramp limit.", "MOVE-4",
+         [](Board& b) {
+           soften(b, 1);
+           b.enable(1);
+           const long goal = some_way(b, 0, 3000);
+           b.target(0, goal, 0);
+           b.stay_alive(250);
+           near("angle", b.angle(0), goal, b.exact() ? kStill : kReached);
+         });
   to.add("many-joints", "One message moves all 18 joints.", "MOVE-4", [](Board& b) {
     b.enable(KZ_ALL_JOINTS);
     const Reply from = b.state();
@@ -270,18 +274,17 @@ void add_ramps(Chapter& to) {
     b.stay_alive(150);
     equal("target of joint 1", target_of(b, 1), other);
   });
-  to.add("moving-flag", "MOVING is set while a ramp is under way, and not after.", "MOVE-12",
-         [](Board& b) {
-           b.enable(1);
-           check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set before there was a target");
-           b.target(0, some_way(b, 0, 1000), 200);
-           b.wait(20);
-           check(b.state().flag(KZ_STATUS_MOVING), "MOVING is not set during the ramp");
-           equal("MOVING of the joint", b.joints(1).number("faults", 0) & KZ_JOINT_MOVING,
-                 KZ_JOINT_MOVING);
-           b.stay_alive(250);
-           check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set when the ramp has ended");
-         });
+  to.add("moving-flag", "MOVING is set only during a ramp.", "MOVE-12", [](Board& b) {
+    b.enable(1);
+    check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set before the first target");
+    b.target(0, some_way(b, 0, 1000), 200);
+    b.wait(20);
+    check(b.state().flag(KZ_STATUS_MOVING), "MOVING is not set during the ramp");
+    equal("MOVING flag of the joint", b.joints(1).number("faults", 0) & KZ_JOINT_MOVING,
+          KZ_JOINT_MOVING);
+    b.stay_alive(250);
+    check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set after the ramp");
+  });
 }
 
 void add_reading(Chapter& to) {
@@ -319,7 +322,7 @@ void add_reading(Chapter& to) {
       },
       kBench);
   to.add(
-      "joints-same-as-state", "`joints` reports the same angles, joint by joint.", "MOVE-8",
+      "joints-same-as-state", "`joints` reports the same angles as `state`.", "MOVE-8",
       [](Board& b) {
         const Reply state = b.state();
         for (int first = 0; first < KZ_JOINTS; first += 9) {
@@ -332,7 +335,7 @@ void add_reading(Chapter& to) {
         }
       },
       kNothing);
-  to.add("joints-speed", "`joints` reports speed and duty of a joint that moves.", "MOVE-8",
+  to.add("joints-speed", "`joints` reports speed and duty of a moving joint.", "MOVE-8",
          [](Board& b) {
            b.enable(1);
            const long goal = some_way(b, 0, 5000);
@@ -354,7 +357,7 @@ void add_reading(Chapter& to) {
            within("load", joints.number("load", 0), 0, 255);
          });
   to.add(
-      "joints-too-many", "`joints` is refused with RANGE for more than 9.", "MOVE-8",
+      "joints-too-many", "`joints` is refused with RANGE for more than 9 joints.", "MOVE-8",
       [](Board& b) {
         b.joints(0x2AAAAu & KZ_ALL_JOINTS);  // 9 of them
         b.refused("joints", Put().u32(0x3FF), KZ_REFUSED_RANGE, 0);
@@ -364,13 +367,13 @@ void add_reading(Chapter& to) {
       kNothing);
   for (int j = 0; j < KZ_JOINTS; ++j) {
     to.add(("off-no-power-" + std::to_string(j)).c_str(),
-           "The motor of this joint, off, gets no power while all others are on.", "MOVE-9",
+           "The motor of this joint gets no power while only this joint is off.", "MOVE-9",
            [j](Board& b) {
              b.enable(KZ_ALL_JOINTS & ~(1u << j));
              b.bench().place_joint(j, b.bench().angle_rad(j) + 0.05);
              for (int n = 0; n < 5; ++n) {
                b.stay_alive(10);
-               check(b.bench().drive(j) == 0, "it has power");
+               check(b.bench().drive(j) == 0, "the motor has power");
              }
              equal("ON", b.done("joints", Put().u32(1L << j)).number("faults", j) & KZ_JOINT_ON, 0);
            },

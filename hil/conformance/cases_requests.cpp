@@ -52,9 +52,9 @@ void add_answers(Chapter& to) {
     const long before = b.state()["tick"];
     b.reset_by_command();
     within("tick after a reset", b.state()["tick"], 0, 200 + 3 * b.slack().count() / 1'000'000);
-    check(before > 200, "the tick does not run");
+    check(before > 200, "the tick does not advance");
   });
-  to.add("refusal-whole", "A refused request changes nothing at all.", "REQ-2", [](Board& b) {
+  to.add("refusal-whole", "A refused request has no effect.", "REQ-2", [](Board& b) {
     const Reply before = b.done("settings", Put().u8(0));
     // The last field is wrong, all before it are right.
     b.refused("gains", Put().u32(1).u16(1000).u16(100).u16(10).u8(KZ_FRICTION_MAX + 1),
@@ -64,30 +64,30 @@ void add_answers(Chapter& to) {
     for (const char* name : {"kp", "kd", "dead_band", "friction"}) {
       equal(name, after[name], before[name]);
     }
-    check(b.done("identify")["watchdog_10ms"] != 50, "half of a refused heartbeat was done");
+    check(b.done("identify")["watchdog_10ms"] != 50, "a refused `heartbeat` was partly executed");
   });
-  to.add(
-      "refusal-form", "A refusal carries number and type of the request.", "REQ-2", [](Board& b) {
-        // No new message gets one of these: requests are 0x01 to 0x3F (messages.def).
-        for (const int type : {0x00, 0x40, 0x5A, 0x7F}) {
-          b.refused_type(static_cast<std::uint8_t>(type), {}, KZ_REFUSED_UNKNOWN_TYPE, kNoDetail);
-        }
-      });
-  to.add("unknown-type", "Every type that is no request's is refused with UNKNOWN_TYPE.", "REQ-3",
+  to.add("refusal-form", "A refusal has the sequence number and type of its request.", "REQ-2",
          [](Board& b) {
-           for (int type = 0; type < 0x80; ++type) {
-             bool known = false;
-             for (const Message& one : messages()) known |= one.code == type;
-             if (!known) {
-               b.refused_type(static_cast<std::uint8_t>(type), {}, KZ_REFUSED_UNKNOWN_TYPE,
-                              kNoDetail);
-             }
+           // No new message gets one of these: requests are 0x01 to 0x3F (messages.def).
+           for (const int type : {0x00, 0x40, 0x5A, 0x7F}) {
+             b.refused_type(static_cast<std::uint8_t>(type), {}, KZ_REFUSED_UNKNOWN_TYPE,
+                            kNoDetail);
            }
          });
-  to.add("unknown-type-long", "Also with fields.", "REQ-3", [](Board& b) {
-    b.refused_type(0x70, Bytes(KZ_PAYLOAD_MAX, 0x11), KZ_REFUSED_UNKNOWN_TYPE, kNoDetail);
+  to.add("unknown-type", "Every unknown type is refused with UNKNOWN_TYPE.", "REQ-3", [](Board& b) {
+    for (int type = 0; type < 0x80; ++type) {
+      bool known = false;
+      for (const Message& one : messages()) known |= one.code == type;
+      if (!known) {
+        b.refused_type(static_cast<std::uint8_t>(type), {}, KZ_REFUSED_UNKNOWN_TYPE, kNoDetail);
+      }
+    }
   });
-  to.add("answered-once", "Each request is answered once.", "REQ-6", [](Board& b) {
+  to.add("unknown-type-long", "An unknown type with fields is refused with UNKNOWN_TYPE.", "REQ-3",
+         [](Board& b) {
+           b.refused_type(0x70, Bytes(KZ_PAYLOAD_MAX, 0x11), KZ_REFUSED_UNKNOWN_TYPE, kNoDetail);
+         });
+  to.add("answered-once", "Each request is answered exactly once.", "REQ-6", [](Board& b) {
     for (const char* name : {"identify", "state", "health", "statistics", "self_test", "clear"}) {
       b.done(name);
       b.silence(20);
@@ -95,7 +95,7 @@ void add_answers(Chapter& to) {
     b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE);
     b.silence(20);
   });
-  to.add("answered-hundred", "A hundred requests, a hundred answers.", "REQ-6", [](Board& b) {
+  to.add("answered-hundred", "100 requests get 100 replies.", "REQ-6", [](Board& b) {
     for (int n = 0; n < 100; ++n)
       b.done(n % 2 ? "heartbeat" : "read_targets", n % 2 ? Put().u8(0).u8(0) : Put().u32(n));
     b.silence(20);
@@ -114,7 +114,7 @@ void add_repetitions(Chapter& to) {
          });
   for (int others = 0; others <= 3; ++others) {
     to.add(("repeated-after-" + std::to_string(others)).c_str(),
-           "A repetition is known with this many other requests between.", "REQ-7",
+           "A repetition is recognized after this many other requests.", "REQ-7",
            [others](Board& b) {
              const Repeated first(b, "limits", Put().u32(1).u16(kSettingRamp).s16(-500).s16(500));
              for (int n = 0; n < others; ++n)
@@ -125,17 +125,18 @@ void add_repetitions(Chapter& to) {
              equal("repetitions", b.statistics()["repetitions"], 1);
            });
   }
-  to.add("repeated-refusal", "A refused request is refused again.", "REQ-7", [](Board& b) {
-    const std::uint8_t sequence = b.new_sequence();
-    const Bytes wire = b.request_bytes("heartbeat", Put().u8(101).u8(0), sequence);
-    for (int n = 0; n < 2; ++n) {
-      b.write(wire);
-      b.take_refusal(KZ_TYPE_heartbeat, sequence, KZ_REFUSED_RANGE, 0);
-    }
-    equal("repetitions", b.statistics()["repetitions"], 1);
-  });
-  to.add("same-number-other-contents", "Other contents under the same number are a new request.",
-         "REQ-8", [](Board& b) {
+  to.add("repeated-refusal", "A repetition of a refused request is refused again.", "REQ-7",
+         [](Board& b) {
+           const std::uint8_t sequence = b.new_sequence();
+           const Bytes wire = b.request_bytes("heartbeat", Put().u8(101).u8(0), sequence);
+           for (int n = 0; n < 2; ++n) {
+             b.write(wire);
+             b.take_refusal(KZ_TYPE_heartbeat, sequence, KZ_REFUSED_RANGE, 0);
+           }
+           equal("repetitions", b.statistics()["repetitions"], 1);
+         });
+  to.add("same-number-other-contents",
+         "The same sequence number with other contents is a new request.", "REQ-8", [](Board& b) {
            const std::uint8_t sequence = b.new_sequence();
            for (const int limit : {20, 30, 40}) {
              b.write(b.request_bytes("heartbeat", Put().u8(limit).u8(0), sequence));
@@ -144,29 +145,30 @@ void add_repetitions(Chapter& to) {
            }
            equal("repetitions", b.statistics()["repetitions"], 0);
          });
-  to.add("same-number-other-type", "Another type under the same number is a new request.", "REQ-8",
-         [](Board& b) {
+  to.add("same-number-other-type", "The same sequence number with another type is a new request.",
+         "REQ-8", [](Board& b) {
            const std::uint8_t sequence = b.new_sequence();
            b.write(b.request_bytes("stop", {}, sequence));
            b.take("stop", sequence);
            b.write(b.request_bytes("clear", {}, sequence));
            b.take("clear", sequence);
-           equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
+           equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
          });
-  to.add("forgotten", "The fifth request behind it makes it new again.", "REQ-8", [](Board& b) {
-    const std::uint8_t sequence = b.new_sequence();
-    const Bytes wire = b.request_bytes("heartbeat", Put().u8(44).u8(0), sequence);
-    b.write(wire);
-    b.take("heartbeat", sequence);
-    for (int n = 0; n < 5; ++n) b.done("heartbeat", Put().u8(20 + n).u8(0));
-    b.write(wire);
-    b.take("heartbeat", sequence);
-    equal("watchdog", b.done("identify")["watchdog_10ms"], 44);
-  });
+  to.add("forgotten", "After five other requests, the same request is new again.", "REQ-8",
+         [](Board& b) {
+           const std::uint8_t sequence = b.new_sequence();
+           const Bytes wire = b.request_bytes("heartbeat", Put().u8(44).u8(0), sequence);
+           b.write(wire);
+           b.take("heartbeat", sequence);
+           for (int n = 0; n < 5; ++n) b.done("heartbeat", Put().u8(20 + n).u8(0));
+           b.write(wire);
+           b.take("heartbeat", sequence);
+           equal("watchdog", b.done("identify")["watchdog_10ms"], 44);
+         });
 }
 
 void add_queue(Chapter& to) {
-  to.add("two-under-way", "Two requests at once are both answered, in their order.", "REQ-9",
+  to.add("two-under-way", "Two pending requests are both answered, in order of arrival.", "REQ-9",
          [](Board& b) {
            const std::uint8_t first = b.new_sequence(), second = b.new_sequence();
            Bytes wire = b.request_bytes("state", {}, first);
@@ -176,19 +178,20 @@ void add_queue(Chapter& to) {
            b.take("identify", second);
            b.silence(20);
          });
-  to.add("two-done-in-order", "And they are done in their order.", "REQ-9", [](Board& b) {
-    const std::uint8_t first = b.new_sequence(), second = b.new_sequence(),
-                       third = b.new_sequence();
-    b.write(b.request_bytes("state", {}, first));
-    b.wait(2);
-    Bytes wire = b.request_bytes("heartbeat", Put().u8(55).u8(0), second);
-    b.write(wire);
-    b.take("state", first);
-    b.take("heartbeat", second);
-    b.write(b.request_bytes("identify", {}, third));
-    equal("watchdog", b.take("identify", third)["watchdog_10ms"], 55);
-  });
-  to.add("third-busy", "A third request is refused with BUSY.", "REQ-10", [](Board& b) {
+  to.add("two-done-in-order", "Two pending requests are executed in order of arrival.", "REQ-9",
+         [](Board& b) {
+           const std::uint8_t first = b.new_sequence(), second = b.new_sequence(),
+                              third = b.new_sequence();
+           b.write(b.request_bytes("state", {}, first));
+           b.wait(2);
+           Bytes wire = b.request_bytes("heartbeat", Put().u8(55).u8(0), second);
+           b.write(wire);
+           b.take("state", first);
+           b.take("heartbeat", second);
+           b.write(b.request_bytes("identify", {}, third));
+           equal("watchdog", b.take("identify", third)["watchdog_10ms"], 55);
+         });
+  to.add("third-busy", "A third pending request is refused with BUSY.", "REQ-10", [](Board& b) {
     std::uint8_t number[3];
     Bytes wire;
     const char* const names[] = {"state", "health", "identify"};
@@ -202,7 +205,7 @@ void add_queue(Chapter& to) {
     bool health = false, busy = false;
     for (int n = 0; n < 2; ++n) {
       const auto frame = b.next(50);
-      check(frame.has_value(), "one of three requests at once has no answer");
+      check(frame.has_value(), "one of three pending requests got no reply");
       if (frame->sequence == number[1]) health = frame->type == (KZ_TYPE_health | KZ_REPLY);
       if (frame->sequence == number[2]) {
         const Reply refusal(message("refused"), *frame);
@@ -213,27 +216,29 @@ void add_queue(Chapter& to) {
     check(busy, "the third request was not refused with BUSY");
     b.silence(20);
   });
-  to.add("last-of-many-busy", "Of several such only the last is answered.", "REQ-10", [](Board& b) {
-    std::uint8_t number[4];
-    Bytes wire;
-    const char* const names[] = {"state", "health", "identify", "self_test"};
-    for (int n = 0; n < 4; ++n) {
-      number[n] = b.new_sequence();
-      append(wire, b.request_bytes(names[n], {}, number[n]));
-    }
-    b.write(wire);
-    b.take("state", number[0]);
-    bool last = false;
-    int answers = 0;
-    while (const auto frame = b.next(30)) {
-      ++answers;
-      check(frame->sequence != number[2], "a request that a later one displaced was answered");
-      last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
-    }
-    equal("answers behind the first", answers, 2);
-    check(last, "the last request was not refused");
-  });
-  to.add("busy-not-done", "A request refused with BUSY is not done.", "REQ-10", [](Board& b) {
+  to.add("last-of-many-busy", "If several requests exceed the queue, only the last is answered.",
+         "REQ-10", [](Board& b) {
+           std::uint8_t number[4];
+           Bytes wire;
+           const char* const names[] = {"state", "health", "identify", "self_test"};
+           for (int n = 0; n < 4; ++n) {
+             number[n] = b.new_sequence();
+             append(wire, b.request_bytes(names[n], {}, number[n]));
+           }
+           b.write(wire);
+           b.take("state", number[0]);
+           bool last = false;
+           int answers = 0;
+           while (const auto frame = b.next(30)) {
+             ++answers;
+             check(frame->sequence != number[2],
+                   "a request that a later one replaced was answered");
+             last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
+           }
+           equal("replies after the first", answers, 2);
+           check(last, "the last request was not refused");
+         });
+  to.add("busy-not-done", "A request refused with BUSY is not executed.", "REQ-10", [](Board& b) {
     Bytes wire = b.request_bytes("state");
     append(wire, b.request_bytes("health"));
     append(wire, b.request_bytes("heartbeat", Put().u8(66).u8(KZ_REACTION_HOLD)));
@@ -241,9 +246,9 @@ void add_queue(Chapter& to) {
     while (b.next(30)) continue;
     const Reply who = b.done("identify");
     check(who["watchdog_10ms"] != 66 && who["reaction"] != KZ_REACTION_HOLD,
-          "a request that was refused with BUSY was done");
+          "a request that was refused with BUSY was executed");
   });
-  to.add("stop-overtakes", "`stop` is done though a reply is being sent and a request waits.",
+  to.add("stop-overtakes", "`stop` is executed while a reply is being sent and a request waits.",
          "REQ-11", [](Board& b) {
            const std::uint8_t first = b.new_sequence(), second = b.new_sequence(),
                               stop = b.new_sequence();
@@ -260,14 +265,14 @@ void add_queue(Chapter& to) {
              }
              answered |= frame->sequence == stop && frame->type == (KZ_TYPE_stop | KZ_REPLY);
            }
-           check(stopped, "stop waited until the board had answered another request");
-           check(answered, "stop was not answered");
+           check(stopped, "`stop` waited until the board had answered another request");
+           check(answered, "`stop` was not answered");
          });
   to.add("stop-repeated", "A repeated `stop` is latched again.", "REQ-12", [](Board& b) {
     const Repeated stop(b, "stop");
     b.done("clear");
     equal("reason in the reply", stop.again().reason(), KZ_SHUTDOWN_STOP);
-    equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_STOP);
+    equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_STOP);
     equal("repetitions", b.statistics()["repetitions"], 0);
   });
 }
@@ -276,21 +281,21 @@ void add_queue(Chapter& to) {
 void add_switching_off(Chapter& to) {
   for (int others = 2; others <= 3; ++others) {
     to.add(("stop-repeated-after-" + std::to_string(others)).c_str(),
-           "A repeated `stop` stops, with this many other requests between.", "REQ-12",
+           "A repeated `stop` is executed after this many other requests.", "REQ-12",
            [others](Board& b) {
              const Repeated stop(b, "stop");
              b.done("clear");
              b.enable(0x3);
              if (others == 3) b.done("heartbeat", Put().u8(0).u8(0));
              const Reply reply = stop.again();
-             check(!reply.flag(KZ_STATUS_ENABLED), "the reply says that a motor is on");
+             check(!reply.flag(KZ_STATUS_ENABLED), "the reply reports that a motor is on");
              equal("reason in the reply", reply.reason(), KZ_SHUTDOWN_STOP);
              b.expect_off();
            },
            kMotion);
   }
   to.add(
-      "stop-repeated-all-boards", "A repeated `stop` to all boards stops.", "REQ-12",
+      "stop-repeated-all-boards", "A repeated `stop` to all boards is executed.", "REQ-12",
       [](Board& b) {
         const Bytes wire = frame_of(KZ_ADDRESS_ALL, KZ_TYPE_stop, b.new_sequence(), {});
         b.write(wire);
@@ -300,11 +305,11 @@ void add_switching_off(Chapter& to) {
         b.write(wire);
         b.silence(15);
         b.expect_off();
-        equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_STOP);
+        equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_STOP);
       },
       kMotion);
   to.add(
-      "off-repeated", "A repeated `enable` with an empty mask switches all off.", "REQ-12",
+      "off-repeated", "A repeated `enable` with an empty mask switches all joints off.", "REQ-12",
       [](Board& b) {
         const Repeated off(b, "enable", Put().u32(0));
         b.enable(0x3);
@@ -313,7 +318,7 @@ void add_switching_off(Chapter& to) {
       },
       kMotion);
   to.add(
-      "enable-repeated", "A repeated `enable` switches off what is outside its mask, nothing on.",
+      "enable-repeated", "A repeated `enable` switches off joints outside its mask, and none on.",
       "REQ-12",
       [](Board& b) {
         const Repeated enable(b, "enable", Put().u32(0x5));
@@ -325,7 +330,8 @@ void add_switching_off(Chapter& to) {
       },
       kMotion);
   to.add(
-      "clear-repeated", "A repeated `clear` switches held joints off; the reason stays.", "REQ-12",
+      "clear-repeated", "A repeated `clear` switches held joints off, and keeps the reason.",
+      "REQ-12",
       [](Board& b) {
         b.watchdog(0, KZ_REACTION_HOLD);
         const Repeated clear(b, "clear");
@@ -333,7 +339,7 @@ void add_switching_off(Chapter& to) {
         b.wait(120);
         check(b.state().flag(KZ_STATUS_HOLDING), "HOLDING is not set");
         const Reply reply = clear.again();
-        check(!reply.flag(KZ_STATUS_HOLDING), "the reply says HOLDING");
+        check(!reply.flag(KZ_STATUS_HOLDING), "HOLDING is set in the reply");
         equal("reason in the reply", reply.reason(), KZ_SHUTDOWN_LINK_LOST);
         b.expect_off();
       },
@@ -344,7 +350,7 @@ void add_switching_off(Chapter& to) {
         const Repeated lock(b, "unlock", Put().u16(KZ_KEY).u8(0));
         b.done("unlock", Put().u16(KZ_KEY).u8(5));
         b.done("raw_drive", Put().u8(0).s16(40).u16(500));
-        check(!lock.again().flag(KZ_STATUS_RAW_DRIVE), "the reply says RAW_DRIVE");
+        check(!lock.again().flag(KZ_STATUS_RAW_DRIVE), "RAW_DRIVE is set in the reply");
         b.expect_off();
       },
       kMotion);
@@ -352,13 +358,13 @@ void add_switching_off(Chapter& to) {
     to.add(
         joint == 0 ? "raw-zero-repeated" : "raw-repeated",
         joint == 0 ? "A repeated `raw_drive` with duty 0 ends a raw drive."
-                   : "A repeated `raw_drive` ends that of another motor, and does not begin.",
+                   : "A repeated `raw_drive` ends that of another motor, and starts none.",
         "REQ-12",
         [joint](Board& b) {
           b.done("unlock", Put().u16(KZ_KEY).u8(5));
           const Repeated first(b, "raw_drive", Put().u8(joint).s16(40 * joint).u16(500));
           b.done("raw_drive", Put().u8(0).s16(40).u16(500));
-          check(!first.again().flag(KZ_STATUS_RAW_DRIVE), "the reply says RAW_DRIVE");
+          check(!first.again().flag(KZ_STATUS_RAW_DRIVE), "RAW_DRIVE is set in the reply");
           b.expect_off();
         },
         kMotion);

@@ -15,15 +15,15 @@ long ms_until_off(Board& b, int at_most) {
     }
     b.wait(1);
   }
-  throw Failed{"the motors are on " + std::to_string(at_most) + " ms later"};
+  throw Failed{"the motors are still on after " + std::to_string(at_most) + " ms"};
 }
 
 void expect_latched(Board& b, int reason, int detail) {
   const Reply health = b.health();
-  equal("reason of the shutdown", health.reason(), reason);
-  equal("detail of the shutdown", health["detail"], detail);
+  equal("shutdown reason", health.reason(), reason);
+  equal("shutdown detail", health["detail"], detail);
   check(health["shutdown_tick"] != 0 && health["shutdown_tick"] <= health["tick"],
-        "the tick of the shutdown is in the future or 0");
+        "the shutdown tick is 0 or in the future");
 }
 
 // The input goes to a code at which the board must shut down, then back.
@@ -32,7 +32,7 @@ void shut_down_by(Board& b, int input, int code, int reason, int detail, int lim
   const long before = b.state()["tick"];
   b.bench().set_analog(input, code);
   b.wait(limit_ms / 2);
-  check(b.state().flag(KZ_STATUS_ENABLED), "the motors went off too early");
+  check(b.state().flag(KZ_STATUS_ENABLED), "the motors were switched off too early");
   ms_until_off(b, 60);
   expect_latched(b, reason, detail);
   within("time until the shutdown, ms", b.health()["shutdown_tick"] - before, limit_ms - 2,
@@ -53,27 +53,27 @@ void no_shut_down(Board& b, int input, int code, int ms) {
   b.bench().set_analog(input, {});
   b.stay_alive(50);
   const Reply state = b.state();
-  equal("reason of a shutdown", state.reason(), KZ_SHUTDOWN_NONE);
-  check(state.flag(KZ_STATUS_ENABLED), "the motors went off");
+  equal("shutdown reason", state.reason(), KZ_SHUTDOWN_NONE);
+  check(state.flag(KZ_STATUS_ENABLED), "the motors were switched off");
 }
 
 void add_latch(Chapter& to) {
   to.add(
-      "latched-refuses", "While STOP is latched nothing can be switched on or moved.", "SAFE-1",
+      "latched-refuses", "While STOP is latched, no joint can be switched on or moved.", "SAFE-1",
       [](Board& b) {
         b.enable(0x3);
         b.done("stop");
         b.expect_off();
         b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_STOP);
         const Frame frame = b.raw_request(KZ_TYPE_targets, Put().u32(1).u16(100).s16(0));
-        equal("type of the answer to `targets`", frame.type, KZ_TYPE_refused);
+        equal("type of the reply to `targets`", frame.type, KZ_TYPE_refused);
         b.stay_alive(200);
         b.expect_off();
         equal("reason", b.state().reason(), KZ_SHUTDOWN_STOP);
       },
       kMotion);
   to.add(
-      "clear", "`clear` forgets what is latched; motors stay off.", "SAFE-2",
+      "clear", "`clear` resets the latch, and motors stay off.", "SAFE-2",
       [](Board& b) {
         b.enable(0x3);
         b.done("stop");
@@ -81,15 +81,15 @@ void add_latch(Chapter& to) {
         b.stay_alive(60);
         b.expect_off();
         const Reply health = b.health();
-        equal("tick of the shutdown", health["shutdown_tick"], 0);
+        equal("shutdown tick", health["shutdown_tick"], 0);
         equal("detail", health["detail"], kNoDetail);
         b.enable(1);
       },
       kMotion);
   to.add(
-      "clear-nothing", "`clear` with nothing latched is done.", "SAFE-2",
+      "clear-nothing", "`clear` with nothing latched is accepted.", "SAFE-2",
       [](Board& b) { b.done("clear"); }, kNothing);
-  to.add("first-reason-kept", "A second reason does not displace the first.", "SAFE-3",
+  to.add("first-reason-kept", "A second reason does not replace the first.", "SAFE-3",
          [](Board& b) {
            b.enable(0x3);
            b.bench().set_analog(1, 0);  // joint 1
@@ -99,9 +99,9 @@ void add_latch(Chapter& to) {
            b.bench().set_analog(KZ_ANALOG_SUPPLY, 100);
            b.wait(60);
            expect_latched(b, KZ_SHUTDOWN_POT, 1);
-           equal("tick of the shutdown", b.health()["shutdown_tick"], tick);
+           equal("shutdown tick", b.health()["shutdown_tick"], tick);
          });
-  to.add("stop-first", "After `stop` a fault of a sensor changes nothing of the reason.", "SAFE-3",
+  to.add("stop-first", "After `stop`, a sensor fault does not change the reason.", "SAFE-3",
          [](Board& b) {
            b.enable(0x3);
            b.done("stop");
@@ -118,23 +118,23 @@ void add_stop(Chapter& to) {
         b.enable(KZ_ALL_JOINTS);
         const Reply stopped = b.done("stop");
         equal("reason", stopped.reason(), KZ_SHUTDOWN_STOP);
-        check(!stopped.flag(KZ_STATUS_ENABLED), "the reply says that a motor is on");
+        check(!stopped.flag(KZ_STATUS_ENABLED), "the reply reports that a motor is on");
         b.expect_off();
         expect_latched(b, KZ_SHUTDOWN_STOP, kNoDetail);
       },
       kMotion);
-  to.add("stop-at-once", "The motors are without power 3 ms after `stop`.", "SAFE-4", [](Board& b) {
+  to.add("stop-at-once", "The motors have no power 3 ms after `stop`.", "SAFE-4", [](Board& b) {
     b.bench().block_joint(0, true);
     b.enable(1);
     b.bench().place_joint(0, 0.2);
     b.stay_alive(40);
-    check(b.bench().drive(0) != 0, "the motor is not driven before the stop");
+    check(b.bench().drive(0) != 0, "the motor is not driven before `stop`");
     b.write(b.request_bytes("stop"));  // 9 bytes: 0.8 ms
     b.wait(4);
     check(b.bench().drive(0) == 0, "the motor still has power");
   });
   to.add(
-      "stop-all-boards", "`stop` to all boards works too.", "SAFE-4",
+      "stop-all-boards", "`stop` to all boards switches all motors off.", "SAFE-4",
       [](Board& b) {
         b.enable(0x3);
         b.write(frame_of(KZ_ADDRESS_ALL, KZ_TYPE_stop, b.new_sequence(), {}));
@@ -144,7 +144,7 @@ void add_stop(Chapter& to) {
       },
       kMotion);
   to.add(
-      "stop-off", "`stop` is latched while all motors are off too.", "SAFE-4",
+      "stop-off", "`stop` is latched even while all motors are off.", "SAFE-4",
       [](Board& b) {
         b.done("stop");
         expect_latched(b, KZ_SHUTDOWN_STOP, kNoDetail);
@@ -154,32 +154,36 @@ void add_stop(Chapter& to) {
 
 void add_sensors(Chapter& to) {
   for (const int code : {0, KZ_POT_LOWEST - 1, KZ_POT_HIGHEST + 1, 1023}) {
-    to.add("pot-" + std::to_string(code), "A potentiometer at this code shuts down: POT.", "SAFE-9",
+    to.add("pot-" + std::to_string(code), "A potentiometer at this code causes the shutdown POT.",
+           "SAFE-9",
            [code](Board& b) { shut_down_by(b, 1, code, KZ_SHUTDOWN_POT, 1, KZ_POT_FAULT_MS); });
   }
   for (const int code : {KZ_POT_LOWEST, KZ_POT_HIGHEST}) {
-    to.add("pot-valid-" + std::to_string(code), "This code is valid.", "SAFE-9", [code](Board& b) {
-      b.enable(0x1);
-      b.bench().set_analog(1, code);  // of a joint whose angle moves nothing
-      b.stay_alive(40);
-      b.enable(0x3);
-      b.stay_alive(60);
-      check(b.state().reason() != KZ_SHUTDOWN_POT, "POT is latched");
-    });
+    to.add("pot-valid-" + std::to_string(code), "A potentiometer at this code is valid.", "SAFE-9",
+           [code](Board& b) {
+             b.enable(0x1);
+             b.bench().set_analog(1, code);  // of a joint whose angle moves nothing
+             b.stay_alive(40);
+             b.enable(0x3);
+             b.stay_alive(60);
+             check(b.state().reason() != KZ_SHUTDOWN_POT, "POT is latched");
+           });
   }
-  to.add("pot-short", "A potentiometer that is gone for 10 ms shuts nothing down.", "SAFE-9",
+  to.add("pot-short", "A potentiometer disconnected for 10 ms causes no shutdown.", "SAFE-9",
          [](Board& b) { no_shut_down(b, 0, 0, 10); });
-  to.add("pot-no-power", "Its motor has no power from the start.", "SAFE-9", [](Board& b) {
-    b.bench().block_joint(0, true);
-    b.enable(1);
-    b.bench().place_joint(0, 0.2);
-    b.stay_alive(40);
-    check(b.bench().drive(0) != 0, "the motor is not driven before the fault");
-    b.bench().set_analog(0, 0);
-    b.wait(4);
-    check(b.bench().drive(0) == 0, "the motor has power though the potentiometer is gone");
-  });
-  to.add("pot-of-off-joint", "The potentiometer of a joint that is off shuts nothing down.",
+  to.add("pot-no-power", "The motor of a disconnected potentiometer gets no power at once.",
+         "SAFE-9", [](Board& b) {
+           b.bench().block_joint(0, true);
+           b.enable(1);
+           b.bench().place_joint(0, 0.2);
+           b.stay_alive(40);
+           check(b.bench().drive(0) != 0, "the motor is not driven before the fault");
+           b.bench().set_analog(0, 0);
+           b.wait(4);
+           check(b.bench().drive(0) == 0,
+                 "the motor has power although the potentiometer is disconnected");
+         });
+  to.add("pot-of-off-joint", "The potentiometer of a joint that is off causes no shutdown.",
          "SAFE-9", [](Board& b) {
            b.enable(0x2);
            b.bench().set_analog(0, 0);
@@ -187,22 +191,23 @@ void add_sensors(Chapter& to) {
            equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
            equal("POT flag", b.joints(1).number("faults", 0) & KZ_JOINT_POT, KZ_JOINT_POT);
          });
-  to.add("supply-low", "A supply too low shuts down: UNDERVOLTAGE.", "SAFE-10", [](Board& b) {
+  to.add("supply-low", "A low supply causes the shutdown UNDERVOLTAGE.", "SAFE-10", [](Board& b) {
     shut_down_by(b, KZ_ANALOG_SUPPLY, 260, KZ_SHUTDOWN_UNDERVOLTAGE, kNoDetail,  // 3.9 V
                  KZ_SUPPLY_FAULT_MS);
   });
-  to.add("supply-high", "A supply too high shuts down: OVERVOLTAGE.", "SAFE-10", [](Board& b) {
+  to.add("supply-high", "A high supply causes the shutdown OVERVOLTAGE.", "SAFE-10", [](Board& b) {
     shut_down_by(b, KZ_ANALOG_SUPPLY, 870, KZ_SHUTDOWN_OVERVOLTAGE, kNoDetail,  // 13.05 V
                  KZ_SUPPLY_FAULT_MS);
   });
-  to.add("supply-short", "A supply that sags for 10 ms shuts nothing down.", "SAFE-10",
+  to.add("supply-short", "A supply that sags for 10 ms causes no shutdown.", "SAFE-10",
          [](Board& b) { no_shut_down(b, KZ_ANALOG_SUPPLY, 100, 10); });
   for (const int code : {268, 866}) {  // 4.02 and 12.99 V
-    to.add("supply-valid-" + std::to_string(code), "This supply is within its limits.", "SAFE-10",
+    to.add("supply-valid-" + std::to_string(code),
+           "A supply just within its limits causes no shutdown.", "SAFE-10",
            [code](Board& b) { no_shut_down(b, KZ_ANALOG_SUPPLY, code, 200); });
   }
-  to.add("supply-off-joints", "While all motors are off a low supply latches nothing.", "SAFE-10",
-         [](Board& b) {
+  to.add("supply-off-joints", "While all motors are off, a low supply causes no shutdown.",
+         "SAFE-10", [](Board& b) {
            b.bench().set_analog(KZ_ANALOG_SUPPLY, 100);
            b.wait(100);
            equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
@@ -215,17 +220,18 @@ void add_sensors(Chapter& to) {
            within("supply, mV", after["supply_mv"], 9900, 10100);
            within("lowest supply, mV", after["supply_lowest_mv"], 1485, 1515);
          });
-  to.add("temperature", "Hot motor drivers shut down: TEMPERATURE.", "SAFE-11", [](Board& b) {
-    b.enable(0x3);
-    b.bench().set_analog(KZ_ANALOG_TEMPERATURE, 870);
-    ms_until_off(b, 100);
-    expect_latched(b, KZ_SHUTDOWN_TEMPERATURE, kNoDetail);
-    b.refused("clear", {}, KZ_REFUSED_FAULT, KZ_SHUTDOWN_TEMPERATURE);
-    b.bench().set_analog(KZ_ANALOG_TEMPERATURE, {});
-    b.wait(60);
-    b.done("clear");
-  });
-  to.add("temperature-valid", "84 degrees shut nothing down, and `health` reports them.", "SAFE-11",
+  to.add("temperature", "Hot motor drivers cause the shutdown TEMPERATURE.", "SAFE-11",
+         [](Board& b) {
+           b.enable(0x3);
+           b.bench().set_analog(KZ_ANALOG_TEMPERATURE, 870);
+           ms_until_off(b, 100);
+           expect_latched(b, KZ_SHUTDOWN_TEMPERATURE, kNoDetail);
+           b.refused("clear", {}, KZ_REFUSED_FAULT, KZ_SHUTDOWN_TEMPERATURE);
+           b.bench().set_analog(KZ_ANALOG_TEMPERATURE, {});
+           b.wait(60);
+           b.done("clear");
+         });
+  to.add("temperature-valid", "84 degrees cause no shutdown, and `health` reports them.", "SAFE-11",
          [](Board& b) {
            no_shut_down(b, KZ_ANALOG_TEMPERATURE, 840, 200);
            b.bench().set_analog(KZ_ANALOG_TEMPERATURE, 840);
@@ -234,8 +240,8 @@ void add_sensors(Chapter& to) {
          });
   for (const int code : {KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE - 2,
                          KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE + 2}) {
-    to.add("reference-" + std::to_string(code), "A reference at this code shuts down: REFERENCE.",
-           "SAFE-12", [code](Board& b) {
+    to.add("reference-" + std::to_string(code),
+           "A reference at this code causes the shutdown REFERENCE.", "SAFE-12", [code](Board& b) {
              shut_down_by(b, KZ_ANALOG_REFERENCE, code, KZ_SHUTDOWN_REFERENCE, kNoDetail,
                           KZ_REFERENCE_FAULT_MS);
            });
@@ -248,20 +254,20 @@ void add_sensors(Chapter& to) {
 }
 
 void add_motors(Chapter& to) {
-  to.add("stall", "A motor that cannot turn under full drive shuts down: STALL.", "SAFE-13",
+  to.add("stall", "A blocked motor at full drive causes the shutdown STALL.", "SAFE-13",
          [](Board& b) {
            b.enable(0x3);
            b.bench().block_joint(1, true);
            b.target(1, 5000, 0);
            const Time start = b.now();
            while (b.state().flag(KZ_STATUS_ENABLED)) {
-             check(seconds(b.now() - start) < 5, "it is under full drive for 5 s");
+             check(seconds(b.now() - start) < 5, "no shutdown came in 5 s at full drive");
              b.wait(20);
            }
            expect_latched(b, KZ_SHUTDOWN_STALL, 1);
            b.expect_off();
          });
-  to.add("overload", "A motor under half of its drive for long shuts down: STALL or OVERLOAD.",
+  to.add("overload", "A blocked motor at 0.6 of full duty causes the shutdown STALL or OVERLOAD.",
          "SAFE-13", [](Board& b) {
            b.done("gains", Put().u32(2).u16(1536).u16(614).u16(0).u8(0));  // 6 /rad
            b.enable(0x3);
@@ -269,7 +275,7 @@ void add_motors(Chapter& to) {
            b.target(1, 1000, 0);  // 0.6 of full duty
            const Time start = b.now();
            while (b.state().flag(KZ_STATUS_ENABLED)) {
-             check(seconds(b.now() - start) < 60, "it is under load for 60 s");
+             check(seconds(b.now() - start) < 60, "no shutdown came in 60 s under load");
              b.wait(40);
            }
            const Reply health = b.health();
@@ -278,7 +284,7 @@ void add_motors(Chapter& to) {
            equal("detail", health["detail"], 1);
          });
   to.add(
-      "moving-freely", "A motor that turns freely to and fro shuts nothing down.", "SAFE-13",
+      "moving-freely", "A motor that turns freely to and fro causes no shutdown.", "SAFE-13",
       [](Board& b) {
         b.enable(0x3);
         for (int n = 0; n < 10; ++n) {
@@ -289,7 +295,7 @@ void add_motors(Chapter& to) {
       },
       kMotion);
   to.add(
-      "no-missed-tick", "With requests sent without pause no tick is missed.", "SAFE-14",
+      "no-missed-tick", "With requests sent without pause, no tick is missed.", "SAFE-14",
       [](Board& b) {
         b.enable(KZ_ALL_JOINTS);
         for (int n = 0; n < 50; ++n) {
@@ -300,13 +306,13 @@ void add_motors(Chapter& to) {
       },
       kMotion);
   to.add(
-      "flash-is-no-missed-tick", "The ticks that a write to flash took do not count.", "SAFE-14",
+      "flash-is-no-missed-tick", "Ticks lost to a flash write do not count as missed.", "SAFE-14",
       [](Board& b) {
         b.done("store_calibration", {}, 3000);
         const Reply counts = b.statistics();
         check(!counts.flag(KZ_STATUS_MISSED_TICK), "MISSED_TICK is set");
         equal("missed ticks", counts["missed_ticks"], 0);
-        check(!counts.flag(KZ_STATUS_UNCALIBRATED), "UNCALIBRATED is set behind a store");
+        check(!counts.flag(KZ_STATUS_UNCALIBRATED), "UNCALIBRATED is set after a store");
       },
       kFlash);
 }

@@ -48,10 +48,11 @@ void drive_within(double got, double low, double high) {
 void add_settings_cases(Cases& all) {
   Chapter to(all, "settings", kNothing);
   for (const int joint : {0, 5, 9, 17}) {
-    to.add("defaults-" + std::to_string(joint), "Settings of this joint after a reset.", "SET-4",
+    to.add("defaults-" + std::to_string(joint),
+           "This joint has the default settings after a reset.", "SET-4",
            [joint](Board& b) { expect_defaults(b, joint); });
   }
-  to.add("gains-read-back", "`gains` sets them, `settings` reads them back.", "SET-1",
+  to.add("gains-read-back", "`gains` sets the gains, and `settings` reads them back.", "SET-1",
          [](Board& b) {
            b.done("gains", Put().u32(1).u16(2560).u16(1024).u16(123).u8(17));
            const Reply set = settings(b, 0);
@@ -61,7 +62,7 @@ void add_settings_cases(Cases& all) {
            equal("friction", set["friction"], 17);
            equal("ramp", set["ramp"], KZ_RAMP_DEFAULT);
          });
-  to.add("gains-extremes", "Gains at their bounds come back as such.", "SET-1", [](Board& b) {
+  to.add("gains-extremes", "Gains at their bounds are read back.", "SET-1", [](Board& b) {
     b.done("gains",
            Put().u32(4).u16(KZ_KP_MAX).u16(KZ_KD_MAX).u16(KZ_DEAD_BAND_MAX).u8(KZ_FRICTION_MAX));
     const Reply set = settings(b, 2);
@@ -80,14 +81,14 @@ void add_settings_cases(Cases& all) {
     for (const int joint : {1, 5, 16}) expect_defaults(b, joint);
   });
   to.add(
-      "gain-drives", "kp sets how hard an error is driven against.", "SET-1",
+      "gain-drives", "The duty is kp times the error.", "SET-1",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(1280).u16(0).u16(0).u8(0));  // 5 /rad
         drive_within(drive_at_error(b, 0.1), 0.42, 0.58);
       },
       kMotion | kBench);
   to.add(
-      "dead-band", "An error inside the dead band counts as none.", "SET-1",
+      "dead-band", "An error inside the dead band causes no duty.", "SET-1",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(5120).u16(0).u16(500).u8(20));
         drive_within(drive_at_error(b, 0.04), 0, 0);
@@ -106,8 +107,8 @@ void add_settings_cases(Cases& all) {
         drive_within(b.bench().drive(0), -0.28, -0.22);
       },
       kMotion | kBench);
-  to.add("limits-read-back", "`limits` sets ramp and limits, `settings` reads them back.", "SET-2",
-         [](Board& b) {
+  to.add("limits-read-back", "`limits` sets ramp and soft limits, and `settings` reads them back.",
+         "SET-2", [](Board& b) {
            b.done("limits", Put().u32(2).u16(33).s16(-1234).s16(2345));
            const Reply set = settings(b, 1);
            equal("ramp", set["ramp"], 33);
@@ -117,7 +118,7 @@ void add_settings_cases(Cases& all) {
          });
   for (int joint = 0; joint < KZ_JOINTS; ++joint) {
     to.add("limits-cut-" + std::to_string(joint),
-           "Limits beyond the mechanics of this joint are cut to them.", "SET-2",
+           "Limits beyond the mechanics of this joint are clipped to them.", "SET-2",
            [joint](Board& b) {
              const Reply before = settings(b, joint);
              b.done("limits", Put().u32(1L << joint).u16(60).s16(-32768).s16(32767));
@@ -141,7 +142,7 @@ void add_settings_cases(Cases& all) {
            b.refused("limits", Put().u32(1).u16(60).s16(32767).s16(-32768), KZ_REFUSED_RANGE);
            b.done("limits", Put().u32(1).u16(60).s16(100).s16(100));
          });
-  to.add("until-reset", "A reset brings the values of the page back.", "SET-4", [](Board& b) {
+  to.add("until-reset", "A reset restores the default settings.", "SET-4", [](Board& b) {
     const Reply before = settings(b, 3);
     b.done("gains", Put().u32(8).u16(100).u16(100).u16(100).u8(10));
     b.done("limits", Put().u32(8).u16(9).s16(-100).s16(100));
@@ -151,22 +152,21 @@ void add_settings_cases(Cases& all) {
     const Reply after = settings(b, 3);
     equal("lower", after["lower"], before["lower"]);
     equal("upper", after["upper"], before["upper"]);
-    check(b.done("identify")["watchdog_10ms"] != 77, "the link watchdog outlived a reset");
+    check(b.done("identify")["watchdog_10ms"] != 77, "the link watchdog's limit survived a reset");
   });
-  to.add("kept", "Enabling, stopping and clearing leave the settings alone.", "SET-4",
-         [](Board& b) {
-           b.done("gains", Put().u32(1).u16(2560).u16(300).u16(7).u8(5));
-           b.done("limits", Put().u32(1).u16(9).s16(-100).s16(100));
-           b.done("stop");
-           b.done("clear");
-           b.done("enable", Put().u32(0));
-           const Reply set = settings(b, 0);
-           rounded("kp", set["kp"], 2560);
-           equal("ramp", set["ramp"], 9);
-           equal("upper", set["upper"], 100);
-         });
+  to.add("kept", "`enable`, `stop` and `clear` do not change the settings.", "SET-4", [](Board& b) {
+    b.done("gains", Put().u32(1).u16(2560).u16(300).u16(7).u8(5));
+    b.done("limits", Put().u32(1).u16(9).s16(-100).s16(100));
+    b.done("stop");
+    b.done("clear");
+    b.done("enable", Put().u32(0));
+    const Reply set = settings(b, 0);
+    rounded("kp", set["kp"], 2560);
+    equal("ramp", set["ramp"], 9);
+    equal("upper", set["upper"], 100);
+  });
   to.add(
-      "narrower-for-targets", "A narrower limit holds for the next target.", "SET-5",
+      "narrower-for-targets", "A narrower limit applies to the next target.", "SET-5",
       [](Board& b) {
         b.enable(1);
         b.done("limits", Put().u32(1).u16(60).s16(-1000).s16(1000));
@@ -184,10 +184,10 @@ void add_settings_cases(Cases& all) {
         b.done("limits", Put().u32(1).u16(60).s16(-15000).s16(from + 2000));
         b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
         for (const Frame& frame : b.telemetry(900, true)) {
-          within("distance of the command",
+          within("distance moved by the command",
                  Reply(message("telemetry_commands"), frame).number("angle", 0) - from, 0, 2000);
         }
-        within("distance of the joint", b.angle(0) - from, 1900, 2100);
+        within("distance moved by the joint", b.angle(0) - from, 1900, 2100);
         check(!b.state().flag(KZ_STATUS_MOVING), "the ramp has not ended");
       },
       kMotion);

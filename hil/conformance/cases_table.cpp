@@ -13,22 +13,23 @@ bool is_drastic(const Message& request) {
 
 void add_form(Cases& to, const Message& request) {
   if (is_drastic(request)) return;
-  to.push_back({"reply." + request.name,
-                "The reply to `" + request.name + "` has its type, number, length and tick.",
-                {"REQ-1", "REQ-6"},
-                kNothing,
-                [&request](Board& b) {
-                  const long before = b.state()["tick"];
-                  const Reply reply = b.done(request.name, legal_fields(request));
-                  const long after = b.state()["tick"];
-                  within("tick", reply["tick"], before, after);
-                  b.silence(10);
-                }});
+  to.push_back(
+      {"reply." + request.name,
+       "The reply to `" + request.name + "` has the right type, sequence number, length and tick.",
+       {"REQ-1", "REQ-6"},
+       kNothing,
+       [&request](Board& b) {
+         const long before = b.state()["tick"];
+         const Reply reply = b.done(request.name, legal_fields(request));
+         const long after = b.state()["tick"];
+         within("tick", reply["tick"], before, after);
+         b.silence(10);
+       }});
 }
 
 void add_lengths(Cases& to, const Message& request) {
   to.push_back({"length." + request.name + ".long",
-                "`" + request.name + "` with a byte too many is refused with LENGTH.",
+                "`" + request.name + "` with one or two extra bytes is refused with LENGTH.",
                 {"REQ-4"},
                 kNothing,
                 [&request](Board& b) {
@@ -41,7 +42,7 @@ void add_lengths(Cases& to, const Message& request) {
                 }});
   if (request.fields.empty()) return;
   to.push_back({"length." + request.name + ".short",
-                "`" + request.name + "` with a byte too few, or none, is refused with LENGTH.",
+                "`" + request.name + "` with one byte missing, or all, is refused with LENGTH.",
                 {"REQ-4"},
                 kNothing,
                 [&request](Board& b) {
@@ -57,17 +58,18 @@ void add_masked_lengths(Cases& to, const Message& request) {
   bool masked = false;
   for (const Field& field : request.fields) masked |= field.masked;
   if (!masked) return;
-  to.push_back({"length." + request.name + ".mask",
-                "`" + request.name + "` must have as many numbers as its mask has bits.",
-                {"REQ-4"},
-                kNothing,
-                [&request](Board& b) {
-                  Bytes fields = legal_fields(request, 0, 0x3);
-                  fields.resize(fields.size() - 2);
-                  b.refused(request.name, fields, KZ_REFUSED_LENGTH, kNoDetail);
-                  fields.resize(fields.size() + 4);
-                  b.refused(request.name, fields, KZ_REFUSED_LENGTH, kNoDetail);
-                }});
+  to.push_back(
+      {"length." + request.name + ".mask",
+       "`" + request.name + "` with more or fewer numbers than mask bits is refused with LENGTH.",
+       {"REQ-4"},
+       kNothing,
+       [&request](Board& b) {
+         Bytes fields = legal_fields(request, 0, 0x3);
+         fields.resize(fields.size() - 2);
+         b.refused(request.name, fields, KZ_REFUSED_LENGTH, kNoDetail);
+         fields.resize(fields.size() + 4);
+         b.refused(request.name, fields, KZ_REFUSED_LENGTH, kNoDetail);
+       }});
 }
 
 void add_bounds(Cases& to, const Message& request, int index) {
@@ -75,14 +77,14 @@ void add_bounds(Cases& to, const Message& request, int index) {
   const std::string name = request.name + "." + field.name;
   const auto outside = [&](const char* side, long value) {
     if (value < field.lowest() || value > field.highest()) return;
-    to.push_back({"range." + name + "." + side,
-                  "`" + name + "` " + side + " its bounds is refused with RANGE and its number.",
-                  {"REQ-5"},
-                  kNothing,
-                  [&request, index, value](Board& b) {
-                    b.refused(request.name, legal_fields(request, index, value), KZ_REFUSED_RANGE,
-                              index);
-                  }});
+    to.push_back(
+        {"range." + name + "." + side,
+         "`" + name + "` " + side + " its bounds is refused with RANGE and the field's number.",
+         {"REQ-5"},
+         kNothing,
+         [&request, index, value](Board& b) {
+           b.refused(request.name, legal_fields(request, index, value), KZ_REFUSED_RANGE, index);
+         }});
   };
   outside("below", field.low - 1);
   outside("above", field.high + 1);

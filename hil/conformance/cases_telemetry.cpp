@@ -23,7 +23,7 @@ Reply read(const Frame& frame) {
 void add_telemetry_cases(Cases& all) {
   Chapter to(all, "telemetry", kNothing);
   for (int n = 0; n < 4; ++n) {
-    to.add(std::string("frame-") + kFrames[n], "The selected frame comes each period, no other.",
+    to.add(std::string("frame-") + kFrames[n], "Only the selected frame is sent, once each period.",
            "TEL-1", [n](Board& b) {
              const long first_tick = b.done("telemetry", Put().u16(20).u8(1 << n))["tick"];
              long last = first_tick;
@@ -34,12 +34,12 @@ void add_telemetry_cases(Cases& all) {
                equal("type", frame.type, message(kFrames[n]).code);
                equal("address", frame.address, b.address);
                equal("sequence number", frame.sequence, sequence++ & 0xFF);
-               within("ticks since the frame before", read(frame)["tick"] - last, 19, 21);
+               within("ticks since the previous frame", read(frame)["tick"] - last, 19, 21);
                last = read(frame)["tick"];
              }
            });
   }
-  to.add("contents", "The frames carry the values of the replies.", "TEL-1", [](Board& b) {
+  to.add("contents", "Telemetry has the same values as replies.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(50).u8(15));
     const auto frames = b.telemetry(220, true);
     b.done("telemetry", Put().u16(0).u8(0));
@@ -80,7 +80,7 @@ void add_telemetry_cases(Cases& all) {
     for (int n = 0; n < 4; ++n) within(std::string("frames ") + kFrames[n], seen[n], 3, 5);
   });
   for (const int period : {5, 7, 100}) {
-    to.add("period-" + std::to_string(period), "This period, in ms, is kept.", "TEL-1",
+    to.add("period-" + std::to_string(period), "Telemetry keeps this period in ms.", "TEL-1",
            [period](Board& b) {
              const int selection = KZ_TELEMETRY_HEALTH;  // 24 bytes: 2.1 ms
              b.done("telemetry", Put().u16(period).u8(selection));
@@ -93,7 +93,7 @@ void add_telemetry_cases(Cases& all) {
                     period * (static_cast<long>(frames.size()) + 1));
            });
   }
-  to.add("end", "Period 0 ends it.", "TEL-1", [](Board& b) {
+  to.add("end", "Period 0 ends telemetry.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(10).u8(15));
     b.telemetry(60, true);
     const Reply ended = b.done("telemetry", Put().u16(0).u8(0));
@@ -101,24 +101,25 @@ void add_telemetry_cases(Cases& all) {
     b.telemetry(20, true);
     equal("frames after the end", static_cast<long>(b.telemetry(100, true).size()), 0);
   });
-  to.add("none-selected", "With nothing selected nothing comes.", "TEL-1", [](Board& b) {
+  to.add("none-selected", "With selection 0, no frame is sent.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(10).u8(0));
     equal("frames", static_cast<long>(b.telemetry(60, true).size()), 0);
   });
-  to.add("after-reset", "After a reset there is none.", "TEL-1", [](Board& b) {
+  to.add("after-reset", "After a reset, no telemetry is sent.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(10).u8(1));
     b.reset_by_command();
     equal("frames", static_cast<long>(b.telemetry(60, true).size()), 0);
   });
   for (int period = 1; period < KZ_TELEMETRY_PERIOD_MIN_MS; ++period) {
-    to.add("too-fast-" + std::to_string(period), "This period is refused with RANGE.", "TEL-2",
-           [period](Board& b) {
+    to.add("too-fast-" + std::to_string(period), "This period in ms is refused with RANGE.",
+           "TEL-2", [period](Board& b) {
              b.refused("telemetry", Put().u16(period).u8(1), KZ_REFUSED_RANGE, 0);
              equal("frames", static_cast<long>(b.telemetry(30, true).size()), 0);
            });
   }
-  to.add("dropped", "More than the wire carries is dropped and counted; replies still come.",
-         "TEL-3", [](Board& b) {
+  to.add("dropped",
+         "Frames beyond the line's capacity are dropped and counted. Replies still come.", "TEL-3",
+         [](Board& b) {
            const long before = b.statistics()["telemetry_dropped"];
            b.done("telemetry", Put().u16(5).u8(15));  // 190 bytes every 5 ms: 57 go
            for (int n = 0; n < 10; ++n) {
@@ -130,7 +131,7 @@ void add_telemetry_cases(Cases& all) {
            const long dropped = b.statistics()["telemetry_dropped"] - before;
            within("frames dropped in 250 ms", dropped, 50, 400);
          });
-  to.add("reply-first", "A reply waits for the frame under way at most.", "TEL-3", [](Board& b) {
+  to.add("reply-first", "A reply waits at most for the frame being sent.", "TEL-3", [](Board& b) {
     b.done("telemetry", Put().u16(5).u8(15));
     b.wait(30);
     for (int n = 0; n < 10; ++n) {
@@ -142,20 +143,21 @@ void add_telemetry_cases(Cases& all) {
       b.wait(7);
     }
   });
-  to.add("ends-with-link", "It ends with the link watchdog's time, while motors are off.", "TEL-4",
-         [](Board& b) {
+  to.add("ends-with-link", "Telemetry ends after the link watchdog's time, even with motors off.",
+         "TEL-4", [](Board& b) {
            b.done("telemetry", Put().u16(10).u8(1));
            const auto frames = b.telemetry(300, false);
-           within("frames in the silence", static_cast<long>(frames.size()), 6, 10);
+           within("frames during the silence", static_cast<long>(frames.size()), 6, 10);
            const Reply state = b.state();
            check(!state.flag(KZ_STATUS_TELEMETRY), "TELEMETRY is set");
-           equal("reason of a shutdown", state.reason(), KZ_SHUTDOWN_NONE);
-           equal("frames after it", static_cast<long>(b.telemetry(60, true).size()), 0);
+           equal("shutdown reason", state.reason(), KZ_SHUTDOWN_NONE);
+           equal("frames after the end", static_cast<long>(b.telemetry(60, true).size()), 0);
          });
-  to.add("lives-with-link", "It goes on while the host speaks.", "TEL-4", [](Board& b) {
-    b.done("telemetry", Put().u16(20).u8(1));
-    within("frames in 600 ms", static_cast<long>(b.telemetry(600, true).size()), 27, 31);
-  });
+  to.add("lives-with-link", "Telemetry continues while the host sends requests.", "TEL-4",
+         [](Board& b) {
+           b.done("telemetry", Put().u16(20).u8(1));
+           within("frames in 600 ms", static_cast<long>(b.telemetry(600, true).size()), 27, 31);
+         });
 }
 
 }  // namespace kaz::hil

@@ -12,7 +12,7 @@ constexpr double kByteMs = 10.0 / 115.2;
 void add_timing_cases(Cases& all) {
   Chapter to(all, "timing", kNothing);
   to.add(
-      "reply", "The first byte of a reply comes 1.0 to 2.2 ms after the last of the request.",
+      "reply", "The first byte of a reply comes 1.0 to 2.2 ms after the request's last byte.",
       "TIME-1",
       [](Board& b) {
         for (int n = 0; n < 24; ++n) {
@@ -23,25 +23,25 @@ void add_timing_cases(Cases& all) {
           const Time sent = b.now();
           b.write(wire);
           const auto frame = b.next(20);
-          check(frame.has_value(), "no answer");
+          check(frame.has_value(), "no reply");
           // 15 bytes in a row; those written before the request go first.
           const double out = kByteMs * static_cast<double>(wire.size() + n % 5);
           const double first = 1e3 * seconds(frame->at - sent) - out - 14 * kByteMs;
-          check(first >= 0.95 && first <= 2.35, "it came after " + std::to_string(first) + " ms");
+          check(first >= 0.95 && first <= 2.35,
+                "the first byte came after " + std::to_string(first) + " ms");
         }
       },
       kExact);
-  to.add("reply-coarse", "A reply is there 20 ms after its request.", "TIME-1", [](Board& b) {
+  to.add("reply-coarse", "A reply is complete within 20 ms.", "TIME-1", [](Board& b) {
     for (int n = 0; n < 20; ++n) {
       const Time sent = b.now();
       b.done("state");
       const double took = 1e3 * seconds(b.now() - sent);
-      check(took < 20 + 2e3 * seconds(b.slack()), "it took " + std::to_string(took) + " ms");
+      check(took < 20 + 2e3 * seconds(b.slack()), "the reply took " + std::to_string(took) + " ms");
     }
   });
   to.add(
-      "fresh-angle", "The angle in `state_reply` is not older than its tick by more than 1 ms.",
-      "TIME-2",
+      "fresh-angle", "The angle in `state_reply` is at most 1 ms older than its tick.", "TIME-2",
       [](Board& b) {
         for (int n = 0; n < 8; ++n) {
           b.wait(3 + n % 2);
@@ -56,7 +56,7 @@ void add_timing_cases(Cases& all) {
       },
       kBench);
   to.add(
-      "targets-effect", "Targets take effect from the tick behind the one that heard them.",
+      "targets-effect", "Targets take effect in the tick after the one that received them.",
       "TIME-3",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(KZ_KP_MAX).u16(0).u16(0).u8(0));
@@ -64,19 +64,19 @@ void add_timing_cases(Cases& all) {
         b.bench().block_joint(0, true);
         b.enable(1);
         b.wait(5);
-        check(b.bench().drive(0) == 0, "the motor is driven before there is a target");
+        check(b.bench().drive(0) == 0, "the motor is driven before the first target");
         const Bytes wire = b.request_bytes("targets", Put().u32(1).u16(0).s16(5000));
         b.write(wire);
         const double out = kByteMs * static_cast<double>(wire.size());
         // Heard in the tick behind its end, computed in the next one, at the pins with the third.
         b.wait(static_cast<int>(out + 4.5));
-        check(b.bench().drive(0) > 0, "the motor is not driven 4 ms later");
+        check(b.bench().drive(0) > 0, "the motor is not driven 4 ms after the target");
       },
       kMotion | kBench);
-  to.add("after-reset", "A board answers 0.2 s after a reset.", "TIME-4",
+  to.add("after-reset", "A board replies 0.2 s after a reset.", "TIME-4",
          [](Board& b) { b.reset_by_command(); });
   to.add(
-      "after-power-on", "A board answers 0.2 s after power came.", "TIME-4",
+      "after-power-on", "A board replies 0.2 s after power-on.", "TIME-4",
       [](Board& b) {
         b.bench().set_power(false);
         b.wait(100);

@@ -41,11 +41,11 @@ void feeds(Board& b, const std::function<Bytes()>& talk) {
   }
   const Reply state = b.state();
   equal("reason", state.reason(), KZ_SHUTDOWN_NONE);
-  check(state.flag(KZ_STATUS_ENABLED), "the motors went off");
+  check(state.flag(KZ_STATUS_ENABLED), "the motors were switched off");
 }
 
 void add_limits(Chapter& to) {
-  to.add("default", "Silence for the limit after a reset switches the motors off.", "SAFE-5",
+  to.add("default", "The link watchdog's default limit switches the motors off.", "SAFE-5",
          [](Board& b) {
            const int limit = static_cast<int>(b.done("identify")["watchdog_10ms"]) * 10;
            within("limit, ms", limit, 10, 99);  // within 100 ms of the last good frame
@@ -55,7 +55,7 @@ void add_limits(Chapter& to) {
          });
   for (const int limit : {2, 10, 50, 100}) {
     to.add(
-        "limit-" + std::to_string(limit * 10), "This limit, in ms, set by `heartbeat`, holds.",
+        "limit-" + std::to_string(limit * 10), "This limit in ms, set by `heartbeat`, applies.",
         "SAFE-5",
         [limit](Board& b) {
           b.watchdog(limit);
@@ -65,18 +65,18 @@ void add_limits(Chapter& to) {
         limit < 10 ? kMotion | kExact : kMotion);
   }
   to.add(
-      "not-before", "Shortly before the limit the motors are on.", "SAFE-5",
+      "not-before", "The motors are on until shortly before the limit.", "SAFE-5",
       [](Board& b) {
         b.enable(1);
         for (int n = 0; n < 5; ++n) {
           b.done("heartbeat", Put().u8(0).u8(0));
           b.wait(80);
-          check(b.state().flag(KZ_STATUS_ENABLED), "the motors went off too early");
+          check(b.state().flag(KZ_STATUS_ENABLED), "the motors were switched off too early");
         }
       },
       kMotion | kExact);
   to.add(
-      "pins-in-time", "The motors have no power 100 ms after the last good frame.", "SAFE-5",
+      "pins-in-time", "The motors have no power 100 ms after the last valid request.", "SAFE-5",
       [](Board& b) {
         b.bench().block_joint(0, true);
         b.enable(1);
@@ -89,50 +89,54 @@ void add_limits(Chapter& to) {
       },
       kMotion | kBench);
   to.add(
-      "off-nothing", "While all motors are off silence latches nothing.", "SAFE-5",
+      "off-nothing", "While all motors are off, silence causes no shutdown.", "SAFE-5",
       [](Board& b) {
         b.wait(400);
         equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
       },
       kNothing);
-  to.add("any-request-feeds", "Any valid request feeds it, a refused one too.", "SAFE-5",
-         [](Board& b) {
+  to.add("any-request-feeds", "Any valid request resets the link watchdog, even a refused one.",
+         "SAFE-5", [](Board& b) {
            int n = 0;
            feeds(b, [&] {
              return ++n % 2 ? b.request_bytes("state")
                             : frame_of(b.address, 0x7F, b.new_sequence(), {});
            });
          });
-  to.add("all-boards-feeds", "A request to all boards feeds it.", "SAFE-5", [](Board& b) {
-    feeds(b, [&] {
-      return frame_of(KZ_ADDRESS_ALL, KZ_TYPE_heartbeat, b.new_sequence(), Put().u8(0).u8(0));
-    });
-  });
-  to.add("repetition-feeds", "A repetition feeds it.", "SAFE-5", [](Board& b) {
+  to.add("all-boards-feeds", "A request to all boards resets the link watchdog.", "SAFE-5",
+         [](Board& b) {
+           feeds(b, [&] {
+             return frame_of(KZ_ADDRESS_ALL, KZ_TYPE_heartbeat, b.new_sequence(),
+                             Put().u8(0).u8(0));
+           });
+         });
+  to.add("repetition-feeds", "A repetition resets the link watchdog.", "SAFE-5", [](Board& b) {
     const Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
     feeds(b, [&] { return wire; });
   });
-  to.add("others-starve", "Requests for other boards do not feed it.", "SAFE-8", [](Board& b) {
-    const std::uint8_t other = b.other_than_home(2);
-    starves(b, [&] { return frame_of(other, KZ_TYPE_identify, b.new_sequence(), {}); });
-  });
-  to.add("damaged-starve", "Damaged frames do not feed it.", "SAFE-8", [](Board& b) {
-    starves(b, [&] {
-      Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
-      wire[wire.size() - 2] ^= 1;
-      return wire;
-    });
-  });
-  to.add("replies-starve", "Replies do not feed it.", "SAFE-8", [](Board& b) {
+  to.add("others-starve", "Requests to other boards do not reset the link watchdog.", "SAFE-8",
+         [](Board& b) {
+           const std::uint8_t other = b.other_than_home(2);
+           starves(b, [&] { return frame_of(other, KZ_TYPE_identify, b.new_sequence(), {}); });
+         });
+  to.add("damaged-starve", "Damaged frames do not reset the link watchdog.", "SAFE-8",
+         [](Board& b) {
+           starves(b, [&] {
+             Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
+             wire[wire.size() - 2] ^= 1;
+             return wire;
+           });
+         });
+  to.add("replies-starve", "Replies do not reset the link watchdog.", "SAFE-8", [](Board& b) {
     starves(b, [&] { return frame_of(b.address, 0x81, b.new_sequence(), {}); });
   });
-  to.add("noise-starves", "Noise and zeros do not feed it.", "SAFE-8",
+  to.add("noise-starves", "Noise and zeros do not reset the link watchdog.", "SAFE-8",
          [](Board& b) { starves(b, [&] { return Bytes{0, 0, 0x55, 0xAA, 0, 0}; }); });
 }
 
 void add_reactions(Chapter& to) {
-  to.add("limp", "LIMP: all motors go off, and stay off until `clear` and `enable`.", "SAFE-6",
-         [](Board& b) {
+  to.add("limp", "LIMP: all motors are switched off, and stay off until `clear` and `enable`.",
+         "SAFE-6", [](Board& b) {
            b.enable(0x3);
            b.wait(150);
            const Reply state = b.state();
@@ -144,15 +148,14 @@ void add_reactions(Chapter& to) {
            b.expect_off();
            b.enable(0x3);
          });
-  to.add("limp-after-reset", "LIMP is the reaction after a reset, whatever was set.", "SAFE-6",
-         [](Board& b) {
-           b.watchdog(0, KZ_REACTION_HOLD);
-           b.reset_by_command();
-           b.enable(1);
-           b.wait(150);
-           b.expect_off();
-         });
-  to.add("hold", "HOLD: the motors stay on, status HOLDING, reason LINK_LOST.", "SAFE-7",
+  to.add("limp-after-reset", "A reset restores the reaction LIMP.", "SAFE-6", [](Board& b) {
+    b.watchdog(0, KZ_REACTION_HOLD);
+    b.reset_by_command();
+    b.enable(1);
+    b.wait(150);
+    b.expect_off();
+  });
+  to.add("hold", "HOLD: the motors stay on, with HOLDING set and reason LINK_LOST.", "SAFE-7",
          [](Board& b) {
            b.watchdog(0, KZ_REACTION_HOLD);
            b.enable(0x3);
@@ -165,7 +168,7 @@ void add_reactions(Chapter& to) {
              equal("ON", b.joints(3).number("faults", j) & KZ_JOINT_ON, KZ_JOINT_ON);
            }
          });
-  to.add("hold-ends-ramps", "HOLD: ramps end where their commands are.", "SAFE-7", [](Board& b) {
+  to.add("hold-ends-ramps", "HOLD: ramps end at their current commands.", "SAFE-7", [](Board& b) {
     b.watchdog(0, KZ_REACTION_HOLD);
     b.enable(1);
     const long from = b.angle(0), goal = from > 0 ? from - 8000 : from + 8000;
@@ -180,7 +183,7 @@ void add_reactions(Chapter& to) {
     }
   });
   to.add(
-      "hold-drives", "HOLD: the joint is held against a hand that turns it.", "SAFE-7",
+      "hold-drives", "HOLD: the motor drives against a hand that turns the joint.", "SAFE-7",
       [](Board& b) {
         b.watchdog(0, KZ_REACTION_HOLD);
         b.enable(1);
@@ -188,10 +191,10 @@ void add_reactions(Chapter& to) {
         b.bench().block_joint(0, true);
         b.bench().place_joint(0, 0.1);
         b.wait(20);
-        check(b.bench().drive(0) < -0.1, "the motor does not hold against it");
+        check(b.bench().drive(0) < -0.1, "the motor does not drive against the hand");
       },
       kMotion | kBench);
-  to.add("hold-refuses", "HOLD: `targets` is refused with FAULT, `enable` too.", "SAFE-7",
+  to.add("hold-refuses", "HOLD: `targets` and `enable` are refused with FAULT.", "SAFE-7",
          [](Board& b) {
            b.watchdog(0, KZ_REACTION_HOLD);
            b.enable(1);
@@ -199,9 +202,9 @@ void add_reactions(Chapter& to) {
            b.refused("targets", Put().u32(1).u16(100).s16(0), KZ_REFUSED_FAULT,
                      KZ_SHUTDOWN_LINK_LOST);
            b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_LINK_LOST);
-           check(b.state().flag(KZ_STATUS_HOLDING), "it no longer holds");
+           check(b.state().flag(KZ_STATUS_HOLDING), "HOLDING is no longer set");
          });
-  to.add("hold-nothing-off", "HOLD: `enable` of nothing lets the joints off.", "SAFE-7",
+  to.add("hold-nothing-off", "HOLD: `enable` with an empty mask switches the joints off.", "SAFE-7",
          [](Board& b) {
            b.watchdog(0, KZ_REACTION_HOLD);
            b.enable(1);
@@ -209,8 +212,9 @@ void add_reactions(Chapter& to) {
            b.done("enable", Put().u32(0));
            b.expect_off();
          });
-  to.add("hold-clear", "HOLD: `clear` switches the motors off; `enable` takes present angles.",
-         "SAFE-7", [](Board& b) {
+  to.add("hold-clear",
+         "HOLD: `clear` switches the motors off. `enable` then takes the present angles.", "SAFE-7",
+         [](Board& b) {
            b.watchdog(0, KZ_REACTION_HOLD);
            b.enable(1);
            b.wait(150);
@@ -223,8 +227,8 @@ void add_reactions(Chapter& to) {
            b.stay_alive(100);
            within("angle", b.angle(0), at - kHunting, at + kHunting);
          });
-  to.add("hold-stop", "HOLD: `stop` switches the motors off; LINK_LOST stays the reason.", "SAFE-3",
-         [](Board& b) {
+  to.add("hold-stop", "HOLD: `stop` switches the motors off, and the reason remains LINK_LOST.",
+         "SAFE-3", [](Board& b) {
            b.watchdog(0, KZ_REACTION_HOLD);
            b.enable(1);
            b.wait(150);

@@ -90,7 +90,7 @@ Reply::Reply(const Message& message, const Frame& frame) : message_(&message), f
       if (field.name == "mask") mask = static_cast<unsigned long>(number);
     }
   }
-  equal(message.name + ": bytes of fields", static_cast<long>(frame.fields.size()),
+  equal(message.name + ": number of field bytes", static_cast<long>(frame.fields.size()),
         static_cast<long>(at));
 }
 

@@ -99,7 +99,7 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
                one->id,
                std::nullopt,
                Verdict::left_out,
-               "not run: the run broke off before",
+               "not run: the run ended early",
                {},
                {}});
   }
@@ -159,11 +159,11 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
           " failed, " + std::to_string(report.count(Verdict::left_out)) + " left out, " +
           std::to_string(undecided) + " undecided.</p>\n";
   text += "<p class=\"facts\">" + xml_text(report.board) + "<br>on " + xml_text(facts.port) +
-          "<br>examined by " + xml_text(facts.program) + ", seed " + std::to_string(facts.seed) +
+          "<br>tested by " + xml_text(facts.program) + ", seed " + std::to_string(facts.seed) +
           ", in " + fixed(total_seconds(report), 1) + " s of the board's time" +
           provenance_html(facts.from) + "</p>\n";
   if (!facts.broken_off.empty())
-    text += "<p class=\"failed\">The run broke off: " + xml_text(facts.broken_off) + "</p>\n";
+    text += "<p class=\"failed\">The run ended early: " + xml_text(facts.broken_off) + "</p>\n";
   const auto table = [&](Verdict verdict, const char* title) {
     std::string rows;
     for (const CaseResult& one : report.results) {
@@ -171,20 +171,19 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
     }
     if (rows.empty()) return;
     text += "<h2>" + std::string(title) +
-            "</h2>\n<table><tr><th>case</th><th>shows</th><th>statement</th><th>result</th>"
+            "</h2>\n<table><tr><th>case</th><th>requirement</th><th>clause</th><th>result</th>"
             "<th>time</th></tr>\n" +
             rows + "</table>\n";
   };
-  table(Verdict::failed, "Cases that failed");
-  table(Verdict::undecided, "Cases that are undecided: this machine was late");
+  table(Verdict::failed, "Failed cases");
+  table(Verdict::undecided, "Undecided cases: this machine was late");
   if (const std::string rows = statement_rows(report); !rows.empty())
     text +=
-        "<h2>Statements of "
-        "docs/reference/protocol.md</h2>\n<table><tr><th>statement</th><th>text</th>"
+        "<h2>Clauses of docs/reference/protocol.md</h2>\n<table><tr><th>clause</th><th>text</th>"
         "<th>result</th><th>cases passed</th></tr>\n" +
         rows + "</table>\n";
-  table(Verdict::passed, "Cases that passed");
-  table(Verdict::left_out, "Cases that were left out");
+  table(Verdict::passed, "Passed cases");
+  table(Verdict::left_out, "Cases left out");
   return text + kPageEnd;
 }
 

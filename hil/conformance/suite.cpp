@@ -76,7 +76,7 @@ CaseResult run_once(const Case& one, Board& board, unsigned allowed) {
 // Of a board that has lost its power or its cable, every later case would fail.
 Error stopped_answering(const host::Link& link, const Case& one) {
   return {Fault::environment, "the board on " + link.name() + " stopped answering in case " +
-                                  one.id + ", at any address; check its power and the cable"};
+                                  one.id + ", at any address; check its power and cable"};
 }
 
 CaseResult run_one(const Case& one, Board& board, const host::Link& link,
@@ -125,8 +125,8 @@ std::string missing_text(unsigned missing) {
   add(kFlash, "--allow-flash");
   add(kBench, "a bench that can disturb supply, sensors and line");
   add(kExact, "the board's own clock");
-  add(kDefaultAddress, "a board whose address was never set, which is 1");
-  add(kPauses, "a link on which pauses between bytes arrive");
+  add(kDefaultAddress, "a board with the default address 1");
+  add(kPauses, "a link that preserves pauses between bytes");
   return text;
 }
 
@@ -146,11 +146,12 @@ Result<std::vector<const Case*>> chosen(const std::string& filter) {
       if (found) taken.push_back(&one);
     }
   } catch (const std::regex_error& wrong) {
-    return fail(Fault::usage, "--filter " + filter + " is no regular expression: " + wrong.what());
+    return fail(Fault::usage,
+                "--filter " + filter + " is not a regular expression: " + wrong.what());
   }
   if (taken.empty()) {
     return fail(Fault::usage,
-                "--filter " + filter + " takes no case; `kaz conformance --list` names them");
+                "--filter " + filter + " matches no case; `kaz conformance --list` lists them");
   }
   return taken;
 }

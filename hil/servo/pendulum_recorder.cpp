@@ -120,7 +120,7 @@ class Recorder {
       (void)KAZ_TRY(driver_->write(servo_, name, value));
       if (KAZ_TRY(driver_->read(servo_, name)) == value) return {};
     }
-    return wrong(Fault::environment, "does not take " + std::to_string(value) +
+    return wrong(Fault::environment, "does not accept " + std::to_string(value) +
                                          " for its register " + std::string(name));
   }
 
@@ -134,25 +134,24 @@ class Recorder {
       if (KAZ_TRY(read(number)) == model.number) break;
       servo_.model = nullptr;
     }
-    if (servo_.model == nullptr)
-      return wrong(Fault::usage, "is of a model that there is no register table of");
+    if (servo_.model == nullptr) return wrong(Fault::usage, "is a model without a register table");
     const auto law = law_of(*servo_.model);
     if (!law)
       return wrong(Fault::usage,
                    "is an " + std::string(servo_.model->name) +
-                       ": nobody has published the duty that its law gives, and a log "
-                       "needs it");
+                       ": the duty of its control law is not published, and a log needs it");
     law_ = *law;
     record_.servo = std::string(servo_.model->name) + ", id " + std::to_string(servo_.id);
     if (KAZ_TRY(read("torque_enable")) != 0)
       return wrong(Fault::usage,
-                   "has its torque on: end the program that drives it; after a run that was killed "
-                   "switch its power off and on, which gives it its gains back, too");
+                   "has its torque on: end the program that drives it. After a killed run, switch "
+                   "its power off and on, which also restores its gains");
     if (KAZ_TRY(read(feetech() ? "mode" : "operating_mode")) != driver_->position_mode())
-      return wrong(Fault::usage, "is not in position mode");
+      return wrong(Fault::usage, "is not in position mode: switch it to that mode");
     if (feetech() && KAZ_TRY(read("lock")) == 0)
-      return wrong(Fault::usage,
-                   "has its EEPROM unlocked, and gains would stay: write 1 to its register lock");
+      return wrong(
+          Fault::usage,
+          "has its EEPROM unlocked, so that gains would persist: write 1 to its register lock");
     return {};
   }
 
@@ -208,13 +207,14 @@ class Recorder {
       return wrong(Fault::environment, text);
     }
     if (record_.celsius > options_.max_celsius) {
-      std::snprintf(text, sizeof text, "has %.0f degC, and %.0f are allowed: let it cool",
+      std::snprintf(text, sizeof text, "is at %.0f degC, and at most %.0f are allowed: let it cool",
                     record_.celsius, options_.max_celsius);
       return wrong(Fault::environment, text);
     }
     if (std::abs(now.amps) > options_.max_amps) {
-      std::snprintf(text, sizeof text, "takes %.2f A, and %.2f are allowed: take a lighter weight",
-                    now.amps, options_.max_amps);
+      std::snprintf(text, sizeof text,
+                    "draws %.2f A, and at most %.2f are allowed: use a lighter weight", now.amps,
+                    options_.max_amps);
       return wrong(Fault::environment, text);
     }
     if (std::abs(now.angle) > options_.amplitude_rad + kBeyond) {
@@ -259,11 +259,10 @@ class Recorder {
                  to = none ? servo_.model->steps - 1 : std::min(high, servo_.model->steps - 1);
     if (servo_.zero - reach < from || servo_.zero + reach > to) {
       char text[200];
-      std::snprintf(
-          text, sizeof text,
-          "hangs at step %.0f, and needs %.0f to either side within %.0f to %.0f: put the horn "
-          "on so that it hangs near the middle, or give a smaller --amplitude",
-          servo_.zero, reach, from, to);
+      std::snprintf(text, sizeof text,
+                    "hangs at step %.0f, and needs %.0f steps to each side within %.0f to %.0f: "
+                    "put the horn on so that it hangs near the middle, or reduce --amplitude",
+                    servo_.zero, reach, from, to);
       return wrong(Fault::usage, text);
     }
     return {};

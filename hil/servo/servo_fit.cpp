@@ -245,7 +245,7 @@ LogErrors errors_of(int model, const ServoParams& params, const std::vector<Serv
 Result<std::vector<ServoFit>> fit_servo(const std::vector<ServoLog>& logs,
                                         const std::vector<ServoLog>& held_out,
                                         const ServoFitOptions& options) {
-  if (logs.empty()) return fail(Fault::usage, "there is no log to fit");
+  if (logs.empty()) return fail(Fault::usage, "no logs to fit: give at least one");
   std::vector<ServoFit> all;
   for (const int model : options.models) {
     const Fitter fitter(model, logs, options.stopped);
@@ -275,7 +275,7 @@ Result<std::vector<ServoFit>> fit_servo(const std::vector<ServoLog>& logs,
     best.fit = errors_of(model, best.params, logs);
     if (!std::isfinite(cost) || best.fit.position_rad > 1)
       return fail(Fault::failed,
-                  "no motor follows these logs: check gain_per_rad, the weight, and that "
+                  "no motor model fits these logs: check gain_per_rad, the weight, and that "
                   "position_rad is 0 hanging down");
     best.held_out = errors_of(model, best.params, held_out);
     best.fitted = fitter.judged(best.params);

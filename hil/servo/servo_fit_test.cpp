@@ -134,7 +134,7 @@ TEST(ServoFits, AreRefusedWithAReason) {
   options.models = {1};
   const auto fits = fit_servo({wrong}, {}, options);
   ASSERT_FALSE(fits);
-  EXPECT_NE(fits.error().message.find("no motor follows these logs"), std::string::npos);
+  EXPECT_NE(fits.error().message.find("no motor model fits these logs"), std::string::npos);
   options.stopped = [] { return true; };
   EXPECT_EQ(fit_servo({pendulum(2)}, {}, options).error().fault, Fault::interrupted);
 }

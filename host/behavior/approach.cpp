@@ -232,15 +232,14 @@ Result<Approached> approach(BodyControl& body) {
 namespace {
 
 constexpr Option kOptions[] = {
-    {"turns", "3", "", 0, 3, "quarter turns of the body in the search", true}};
+    {"turns", "3", "", 0, 3, "quarter turns of the body during the search", true}};
 
 Result<Outcome> run(Context& context) {
   auto body = KAZ_TRY(BodyControl::begin(context, kApproachBall.name));
   const Time start = body.now();
   const auto found = KAZ_TRY(
       scan_for_ball(body, static_cast<int>(context.options.number("turns")), context.seed & 1));
-  if (!found)
-    return Outcome{false, "no ball was found all around", {}, body.fallen() ? "fell" : "not found"};
+  if (!found) return Outcome{false, "no ball was found", {}, body.fallen() ? "fell" : "not found"};
   const auto end = KAZ_TRY(approach(body));
 
   Outcome outcome;
@@ -249,7 +248,7 @@ Result<Outcome> run(Context& context) {
   const double took = seconds(body.now() - start);
   char text[160];
   std::snprintf(text, sizeof text, "the ball is %s, %.0f mm ahead and %.0f mm to the left",
-                outcome.success ? "before a hand" : end.cause.c_str(), 1e3 * end.ball.x(),
+                outcome.success ? "in front of a hand" : end.cause.c_str(), 1e3 * end.ball.x(),
                 1e3 * end.ball.y());
   outcome.sentence = text;
   outcome.measurements = {{"approach_s", took},

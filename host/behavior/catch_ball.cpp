@@ -19,8 +19,8 @@ using motion::Pickup;
 
 constexpr Option kOptions[] = {
     {"tries", "4", "", 1, 20, "maximum number of tries", true},
-    {"hold", "3", "", 0.5, 60, "time for which the ball is held, s"},
-    {"turns", "3", "", 0, 3, "quarter turns of the body in the search", true},
+    {"hold", "3", "", 0.5, 60, "holding time of the ball, s"},
+    {"turns", "3", "", 0, 3, "quarter turns of the body during the search", true},
     {"seconds", "300", "", 10, 3600, "gives up after this time, s"},
 };
 
@@ -45,7 +45,7 @@ class Catch {
     const Time start = body_.now();
     const auto found = KAZ_TRY(scan_for_ball(body_, turns, left_first));
     if (body_.fallen()) return fell();
-    if (!found) return Outcome{false, "no ball was found all around", {}, "not found"};
+    if (!found) return Outcome{false, "no ball was found", {}, "not found"};
     return Outcome{true, "found", {{"found_s", seconds(body_.now() - start)}}};
   }
 
@@ -54,12 +54,12 @@ class Catch {
     if (end.cause == "fell") return fell();
     if (end.cause == "lost") return Outcome{false, "the ball was lost on the way", {}, "lost"};
     if (!end.cause.empty())
-      return Outcome{false, "the ball was not brought before a hand", {}, end.cause};
+      return Outcome{false, "the robot did not reach the ball", {}, end.cause};
     plan_ = Pickup::plan(end.hand, end.ball, body_.context().ball_radius_m);
-    if (!plan_) return Outcome{false, "the ball lies out of the hand's reach", {}, "not reached"};
+    if (!plan_) return Outcome{false, "the ball is out of the hand's reach", {}, "not reached"};
     ball_ = end.ball;
     return Outcome{true,
-                   "the ball lies before a hand",
+                   "the ball is in front of a hand",
                    {{"ball_ahead_m", ball_.x()}, {"ball_left_m", ball_.y()}}};
   }
 
@@ -72,7 +72,7 @@ class Catch {
     body_.phase("close");
     KAZ_TRY(play(plan_->closed_s() + 0.4));
     if (body_.fallen()) return fell();
-    if (gap() < kStopped) return give_up("the hand closed on nothing", "not grasped");
+    if (gap() < kStopped) return give_up("the hand closed without the ball", "not grasped");
     body_.phase("lift");
     KAZ_TRY(play(plan_->end_s()));
     if (body_.fallen()) return fell();

@@ -62,8 +62,8 @@ Result<void> require_joints(const Context& context, std::string_view behavior,
   }
   if (missing.empty()) return {};
   return fail(Fault::usage, std::string(behavior) + " moves " + listed(missing) +
-                                ", and this robot has only " + listed(others) +
-                                "; use a behaviour that is written for these, or `stand`");
+                                ", but this robot has only " + listed(others) +
+                                "; use a behavior written for these joints, or `stand`");
 }
 
 Result<void> hold_still(host::Robot& robot) {

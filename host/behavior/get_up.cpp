@@ -109,7 +109,7 @@ class GettingUp {
     }
     if (samples == 0)
       return fail(Fault::environment,
-                  "get-up: the board sends no accelerometer; look at its connection");
+                  "get-up: the board sends no accelerometer data; check the sensor's connection");
     return lying_from(forward / samples, left / samples);
   }
 
@@ -186,12 +186,12 @@ const char* name_of(Lying lies) {
 
 Result<Outcome> run(Context& context) {
   if (!context.other_joints.empty())
-    return fail(Fault::usage, "get-up is for Kaz's arms and legs, and this robot has none");
+    return fail(Fault::usage, "get-up needs Kaz's arms and legs, and this robot has none");
   const auto inertial = KAZ_TRY(context.robot.sense_inertial());
   if (!inertial)
     return fail(Fault::usage,
-                "get-up must know how the robot lies, and the board has no accelerometer: fit the "
-                "option (kaz run --imu)");
+                "get-up needs an accelerometer, and the board has none: fit one, or give --imu for "
+                "the virtual robot");
   if (auto set = context.robot.set_limits(host::kAllJoints, {.ramp_rad_per_s = kRamp}); !set)
     return tl::unexpected(set.error());
   GettingUp getting_up(context);
@@ -216,8 +216,9 @@ Result<Outcome> run(Context& context) {
   Outcome outcome;
   outcome.success = lies == Lying::upright;
   char text[160];
-  std::snprintf(text, sizeof text, "the robot, which lay %s, %s after %d attempt%s", name_of(first),
-                outcome.success ? "stands" : "did not get up", attempts, attempts == 1 ? "" : "s");
+  std::snprintf(text, sizeof text, "the robot %s after %d attempt%s; at the start it was %s",
+                outcome.success ? "stands" : "did not get up", attempts, attempts == 1 ? "" : "s",
+                name_of(first));
   outcome.sentence = text;
   if (!outcome.success) outcome.cause = "did not get up";
   outcome.measurements = {{"attempts", attempts}, {"getting_up_s", seconds(upright_at - began)}};
@@ -233,7 +234,7 @@ Lying lying_from(double forward_g, double left_g) {
   return left_g < 0 ? Lying::on_left : Lying::on_right;
 }
 
-constinit const Behavior kGetUp{"get-up", "from where it fell to the walking crouch", false,
-                                kOptions, run};
+constinit const Behavior kGetUp{"get-up", "get up after a fall and stand in the walking crouch",
+                                false, kOptions, run};
 
 }  // namespace kaz::behavior

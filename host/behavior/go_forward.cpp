@@ -19,10 +19,10 @@ bool is_balance(std::string_view text) {
 }
 
 constexpr Option kOptions[] = {
-    {"distance", "0.5", "", -2, 5, "metres ahead, 0.05 at least; negative: back"},
-    {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had none"},
+    {"distance", "0.5", "", -2, 5, "meters ahead, at least 0.05; negative: backward"},
+    {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had no gyro"},
     {"balance", "none", "none|learned|FILE", 0, 0,
-     "learned: a small network that withstands pushes corrects the gait (needs --imu)", false,
+     "learned: a small neural network corrects the gait against pushes (needs --imu)", false,
      is_balance},
 };
 
@@ -39,14 +39,14 @@ Result<Outcome> run(Context& context) {
   if (std::abs(context.options.number("distance")) < kMinDistance - 1e-9)
     return fail(
         Fault::usage,
-        "go-forward: distance is too short to walk; give at least 0.05 m, or -0.05 m for back");
+        "go-forward: distance must be at least 0.05 m, or at most -0.05 m to walk backward");
   motion::Settings settings;
   settings.use_gyro = context.options.choice("gyro") == "use";
   settings.balance = KAZ_TRY(balance_policy(context.options.choice("balance")));
   if (settings.balance && !(settings.use_gyro && KAZ_TRY(context.robot.sense_inertial())))
     return fail(Fault::usage,
-                "go-forward: balance needs the board's gyro and accelerometer; it has none, or "
-                "gyro=ignore is set: give --imu, or balance=none");
+                "go-forward: balance needs the board's gyro and accelerometer, but the board has "
+                "none or gyro=ignore is set: give --imu, or balance=none");
   auto walker = KAZ_TRY(Walker::begin(context, kGoForward.name, settings));
   const double distance = context.options.number("distance");
   const motion::Motion& motion = walker.motion();
@@ -66,7 +66,7 @@ Result<Outcome> run(Context& context) {
   char text[160];
   std::snprintf(text, sizeof text, "the robot %s %.2f m, %.1f degrees off its heading%s",
                 walker.fallen() ? "fell after" : "walked", walked, turned,
-                motion.has_gyro() ? "" : " by its strides (no gyro)");
+                motion.has_gyro() ? "" : " (measured by its strides, no gyro)");
   outcome.sentence = text;
   if (!outcome.success) outcome.cause = walker.fallen() ? "fell" : "not reached";
   outcome.measurements = {{"walked_m", walked},

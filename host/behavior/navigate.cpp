@@ -28,14 +28,14 @@ using Eigen::Vector2d;
 
 constexpr Option kOptions[] = {
     {"goal", "1.2,0.1", "X,Y or X,Y,HEADING or ball", 0, 0,
-     "m ahead and to the left of the start, up to 3 m away; degrees up to 360, + to the left; or "
-     "the ball, which is caught",
+     "position in m ahead and to the left of the start, at most 3 m away; heading in degrees, "
+     "positive to the left, at most 360; ball: find it and catch it",
      false, is_navigation_goal},
     {"turns", "steered", "steered|paper", 0, 0, "paper: turns are multiples of 45 degrees"},
     {"unknown", "costly", "costly|closed", 0, 0,
-     "floor not seen yet: costs twice the time, or no way"},
+     "floor not seen yet: costly counts twice, closed is never entered"},
     {"planner", "grid", "grid|ompl", 0, 0,
-     "searches cells and headings, or random poses (OMPL's ABIT*); paper's turns: grid only"},
+     "grid: searches cells and headings; ompl: random poses (OMPL's ABIT*), not with turns=paper"},
     {"seconds", "600", "", 10, 3600, "gives up after this time, s"},
 };
 
@@ -107,8 +107,7 @@ class Navigation {
     if (goal_.ball) {
       const auto found = KAZ_TRY(find_ball());
       if (!found)
-        return Outcome{
-            false, "no ball was found all around", {}, body_.fallen() ? "fell" : "not found"};
+        return Outcome{false, "no ball was found", {}, body_.fallen() ? "fell" : "not found"};
     }
     auto outcome = KAZ_TRY(walk_there());
     draw();
@@ -528,14 +527,16 @@ class Navigation {
     const std::string goal = "the goal";
     // Planned to places around the goal it is the first of these that is meant.
     if ((goal_.ball || explores_) && text.starts_with(goal))
-      text = (goal_.ball ? "the place 0.3 m before the ball" : "the place 0.3 m before the goal") +
+      text = (goal_.ball ? "the place 0.3 m in front of the ball"
+                         : "the place 0.3 m in front of the goal") +
              text.substr(goal.size());
     if (text.find(" at (") != std::string::npos)
-      text += "; places are m ahead and to the left of the start";
+      text += "; positions are in m ahead and to the left of the start";
     if (const double seen = floor_seen_m2(); seen < kHardlyAnyFloor) {
       char line[120];
       std::snprintf(line, sizeof line,
-                    ". Only %.2f m2 of floor were seen: is it plain, or too dark?", seen);
+                    ". Only %.2f m2 of floor was seen: add light, or texture to a plain floor",
+                    seen);
       text += line;
     }
     return text;
@@ -603,13 +604,13 @@ class Navigation {
     if (body_.fallen()) return Outcome{false, "the robot fell", {}, "fell"};
     const double missed = (goal_now() - here()).norm();
     char text[120];
-    std::snprintf(text, sizeof text, "the goal is reached; by odometry %.0f mm beside it",
+    std::snprintf(text, sizeof text, "the goal is reached; the error by odometry is %.0f mm",
                   1e3 * missed);
     Outcome outcome{true, text, {{"missed_m", missed}}};
     if (goal_.heading_rad) {
       const double missed_deg = wrapped(*goal_.heading_rad - place().heading) / kDegree;
       outcome.measurements.emplace_back("missed_deg", missed_deg);
-      std::snprintf(text, sizeof text, " and %.1f degrees off its heading", std::abs(missed_deg));
+      std::snprintf(text, sizeof text, " and %.1f degrees", std::abs(missed_deg));
       outcome.sentence += text;
     }
     return outcome;
@@ -644,8 +645,9 @@ class Navigation {
 Result<std::unique_ptr<plan::Planner>> planner_of(const Context& context) {
   if (context.options.choice("planner") == "grid") return plan::make_grid_planner();
   if (context.options.choice("turns") == "paper")
-    return fail(Fault::usage,
-                "navigate: turns=paper is for planner=grid only; leave one of the two options out");
+    return fail(
+        Fault::usage,
+        "navigate: turns=paper is only valid with planner=grid; leave out one of the two options");
   return plan::load_ompl_planner({.seed = context.seed});
 }
 

@@ -16,9 +16,9 @@ bool is_poses(std::string_view text) {
 }
 
 constexpr Option kOptions[] = {
-    {"poses", kNone, "the text of a file of poses", 0, 0, "what to play; give --poses FILE", false,
+    {"poses", kNone, "the text of a pose file", 0, 0, "poses to play; give --poses FILE", false,
      is_poses},
-    {"times", "1", "", 1, 1000, "how often", true},
+    {"times", "1", "", 1, 1000, "number of times to play them", true},
 };
 
 // At the end each joint is this near to its place, as `stand` demands it; on the way none is farther than the
@@ -29,8 +29,8 @@ Result<Outcome> run(Context& context) {
   const std::string& text = context.options.choice("poses");
   if (text == kNone)
     return fail(Fault::usage,
-                "play: no poses are given; give --poses FILE, as kaz run pose --view "
-                "writes it (docs/howto/watch.md)");
+                "play: no poses are given; give --poses FILE (kaz run pose --view writes such "
+                "files, see docs/howto/watch.md)");
   const auto sequence = KAZ_TRY(motion::parse_poses(text, "poses"));
   const auto names = joint_names(context);
   const auto motion = KAZ_TRY(motion::PoseMotion::create(sequence, names));

@@ -32,13 +32,12 @@ tl::unexpected<Error> not_loaded(const std::string& path, const std::string& rea
   if (const auto at = reason.find(kUndefined); at != std::string::npos) {
     const auto begin = at + kUndefined.size();
     const std::string symbol = reason.substr(begin, reason.find_first_of(" \t,", begin) - begin);
-    return fail(Fault::usage,
-                path + " needs `" + demangled(symbol) +
-                    "`, which this program does not have: build it again against this "
-                    "Kaz, or define or link what is missing");
+    return fail(Fault::usage, path + " needs `" + demangled(symbol) +
+                                  "`, which this program does not have: rebuild it against this "
+                                  "Kaz, or define or link the missing symbol");
   }
   const auto colon = reason.find(": ");
-  return fail(Fault::usage, path + " is no shared object that can be loaded here (" +
+  return fail(Fault::usage, path + " cannot be loaded as a shared object (" +
                                 (colon == std::string::npos ? reason : reason.substr(colon + 2)) +
                                 "): build it as " + kHowto + " shows");
 }
@@ -77,18 +76,17 @@ Result<void> check_machine(const std::string& path) {
   if (there.e_machine == here.e_machine && there.e_ident[EI_CLASS] == here.e_ident[EI_CLASS] &&
       there.e_ident[kData] == here.e_ident[kData])
     return {};
-  return fail(Fault::usage, path + " is for another kind of machine (" + machine_text(there) +
-                                "; this one: " + machine_text(here) + "): build it here");
+  return fail(Fault::usage, path + " is for another machine type (" + machine_text(there) +
+                                "; this machine: " + machine_text(here) + "): build it here");
 }
 
 // What a program takes for granted of a behaviour.
 Result<void> check_behavior(const Behavior* behavior, const std::string& path) {
   if (behavior == nullptr || behavior->run == nullptr || behavior->name.empty())
-    return fail(Fault::usage, path + " has a behaviour without name or function: complete it");
+    return fail(Fault::usage, path + " has a behavior without a name or function: add it");
   if (find_behavior(behavior->name))
-    return fail(Fault::usage, path + " has a behaviour of the name `" +
-                                  std::string(behavior->name) +
-                                  "`, which is one of Kaz's own: give it another");
+    return fail(Fault::usage, path + " has a behavior named `" + std::string(behavior->name) +
+                                  "`, the name of one of Kaz's own: give it another name");
   if (const auto defaults = OptionValues::parse(behavior->options, {}); !defaults)
     return fail(Fault::usage,
                 path + " has an option with a wrong default: " + defaults.error().message);
@@ -105,10 +103,10 @@ Result<Behavior> load_behavior(const std::string& path) {
   std::error_code error;
   const auto status = fs::status(path, error);
   if (!fs::exists(status))
-    return fail(Fault::usage, path + " is not there: build it as " + std::string(kHowto) +
-                                  " shows, or give the name of a behaviour");
+    return fail(Fault::usage, path + " does not exist: build it as " + std::string(kHowto) +
+                                  " shows, or give the name of a behavior");
   if (!fs::is_regular_file(status))
-    return fail(Fault::usage, path + " is no file: give the plug-in's .so");
+    return fail(Fault::usage, path + " is not a file: give the plug-in's .so");
 
   KAZ_TRY(check_machine(path));
   // A path without a slash would be looked for in the folders of the system's libraries.
@@ -121,17 +119,17 @@ Result<Behavior> load_behavior(const std::string& path) {
   using Factory = const Plugin* (*)();
   const auto factory = reinterpret_cast<Factory>(dlsym(object, kPluginSymbol));
   if (factory == nullptr)
-    return fail(Fault::usage,
-                path + " exports no `" + std::string(kPluginSymbol) +
-                    "`: end its source with KAZ_BEHAVIOR_PLUGIN(behaviour), or build it "
-                    "again if it was made for another Kaz");
+    return fail(Fault::usage, path + " does not export `" + std::string(kPluginSymbol) +
+                                  "`: end its source with KAZ_BEHAVIOR_PLUGIN(behavior), or "
+                                  "rebuild it if it was built for another Kaz");
   const Plugin* const plugin = factory();
   if (plugin == nullptr || plugin->interface == nullptr)
-    return fail(Fault::usage, path + " returns no plug-in: use KAZ_BEHAVIOR_PLUGIN(behaviour)");
+    return fail(Fault::usage, path + " returns no plug-in: use KAZ_BEHAVIOR_PLUGIN(behavior)");
   if (plugin->interface != std::string_view(KAZ_PLUGIN_INTERFACE))
-    return fail(Fault::usage, path + " was built against another Kaz, or with other options (" +
-                                  plugin->interface + "; this program: " + KAZ_PLUGIN_INTERFACE +
-                                  "): build it again");
+    return fail(Fault::usage,
+                path + " was built against another Kaz or with other compiler options (" +
+                    plugin->interface + "; this program: " + KAZ_PLUGIN_INTERFACE +
+                    "): rebuild it");
   KAZ_TRY(check_behavior(plugin->behavior, path));
   return *plugin->behavior;
 }

@@ -79,8 +79,8 @@ class Session {
     const auto limits = KAZ_TRY(context_.robot.settings(joint)).limits;
     if (!(request.angle_rad >= limits.lower_rad && request.angle_rad <= limits.upper_rad)) {
       char text[120];
-      std::snprintf(text, sizeof text, "%s goes from %.4g to %.4g rad, not to %.4g", found->c_str(),
-                    limits.lower_rad, limits.upper_rad, request.angle_rad);
+      std::snprintf(text, sizeof text, "%s: %.4g rad must be %.4g to %.4g rad", found->c_str(),
+                    request.angle_rad, limits.lower_rad, limits.upper_rad);
       refuse({Fault::usage, text});
       return {};
     }
@@ -135,7 +135,7 @@ Result<Outcome> run(Context& context) {
 }  // namespace
 
 constinit const Behavior kPose{
-    "pose", "hold the joints where the page of --view sets them", false, kOptions, run, false,
+    "pose", "hold the joints at the angles set on the --view page", false, kOptions, run, false,
     true};
 
 }  // namespace kaz::behavior

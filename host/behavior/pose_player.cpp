@@ -30,17 +30,16 @@ Result<void> PosePlayer::check(const motion::PoseMotion& motion) {
     const auto [ramp, lower, upper] = settings.limits;
     char text[200];
     if (extent.lowest_rad < lower - kUnit || extent.highest_rad > upper + kUnit) {
-      std::snprintf(text, sizeof text,
-                    "the poses turn %s to %.4g rad, and it goes from %.4g to %.4g rad: change that "
-                    "angle",
-                    name.c_str(),
-                    extent.lowest_rad < lower - kUnit ? extent.lowest_rad : extent.highest_rad,
-                    lower, upper);
+      std::snprintf(
+          text, sizeof text,
+          "the poses turn %s to %.4g rad, but its range is %.4g to %.4g rad: change that angle",
+          name.c_str(), extent.lowest_rad < lower - kUnit ? extent.lowest_rad : extent.highest_rad,
+          lower, upper);
       return fail(Fault::usage, text);
     }
     if (extent.fastest_rad_per_s > ramp) {
       std::snprintf(text, sizeof text,
-                    "the poses turn %s at %.1f rad/s at %.2f s, and the board allows %.1f rad/s: "
+                    "the poses turn %s at %.1f rad/s at %.2f s, but the board allows %.1f rad/s: "
                     "leave more time between the poses",
                     name.c_str(), extent.fastest_rad_per_s, extent.fastest_at_s, ramp);
       return fail(Fault::usage, text);

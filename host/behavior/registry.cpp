@@ -22,7 +22,7 @@ Result<Behavior> find_behavior(std::string_view name) {
     names += (names.empty() ? "" : ", ") + std::string(behavior.name);
   }
   return fail(Fault::usage,
-              "there is no behaviour `" + std::string(name) + "`: it is one of " + names);
+              "there is no behavior `" + std::string(name) + "`: use one of " + names);
 }
 
 }  // namespace kaz::behavior

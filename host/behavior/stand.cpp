@@ -13,8 +13,9 @@ namespace {
 
 using host::JointAngles;
 
-constexpr Option kOptions[] = {{"posture", "keep", "keep|straight|home", 0, 0,
-                                "as it is, all joints at zero, or the walking crouch"}};
+constexpr Option kOptions[] = {
+    {"posture", "keep", "keep|straight|home", 0, 0,
+     "keep: the present posture; straight: all joints at zero; home: the walking crouch"}};
 
 constexpr double kSpeed = 0.5;                     // rad/s, of the joint with the longest path
 constexpr Time kSettle = std::chrono::seconds(3);  // after the ramps; it is to stay there
@@ -46,8 +47,8 @@ Result<Outcome> run(Context& context) {
     std::string names;
     for (const std::string& name : others) names += (names.empty() ? "" : ", ") + name;
     return fail(Fault::usage, "the posture `" + chosen +
-                                  "` is Kaz's, and this robot has the joints " + names +
-                                  "; use posture=keep");
+                                  "` is only valid for Kaz, and this robot has the joints " +
+                                  names + "; use posture=keep");
   }
   KAZ_TRY(hold_still(context.robot));
   const auto start = KAZ_TRY(context.robot.state());
@@ -78,8 +79,8 @@ Result<Outcome> run(Context& context) {
   outcome.success = std::abs(worst.error_rad) <= kTolerance;
   char text[160];
   std::snprintf(
-      text, sizeof text, "%s: %s is farthest from its place, by %.1f degrees",
-      outcome.success ? "the robot stands" : "the robot does not stand as it should",
+      text, sizeof text, "%s: %s has the largest error, %.1f degrees",
+      outcome.success ? "the robot stands" : "the robot does not hold the posture",
       others.empty() ? host::joint_table()[worst.joint].name : others[worst.joint].c_str(),
       degrees);
   outcome.sentence = text;
@@ -90,7 +91,7 @@ Result<Outcome> run(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kStand{"stand", "all motors on, then slowly into a posture", false,
-                                kOptions, run};
+constinit const Behavior kStand{"stand", "switch all motors on and move slowly into a posture",
+                                false, kOptions, run};
 
 }  // namespace kaz::behavior

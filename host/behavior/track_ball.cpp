@@ -64,11 +64,10 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
   Outcome outcome;
   outcome.success = share >= kShare;
   char text[160];
-  std::snprintf(
-      text, sizeof text,
-      "the ball was found after %.1f s and then within 3 degrees of the image center: in %zu "
-      "pictures by vision %.0f %%",
-      found_s, taken, std::min(share * 100, 100.0));
+  std::snprintf(text, sizeof text,
+                "the ball was found after %.1f s; share of %zu pictures with the ball within 3 "
+                "degrees of the image center: by vision %.0f %%",
+                found_s, taken, std::min(share * 100, 100.0));
   outcome.sentence = text;
   if (!outcome.success)
     outcome.sentence += ", less than " + std::to_string(std::lround(kShare * 100)) + " %";

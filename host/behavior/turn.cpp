@@ -15,7 +15,7 @@ constexpr double kSmallest_deg = 5;
 
 constexpr Option kOptions[] = {
     {"angle", "45", "", kSmallest_deg, 360, "degrees"},
-    {"gyro", "use", "use|ignore", 0, 0, "ignore: turn as if the board had none"},
+    {"gyro", "use", "use|ignore", 0, 0, "ignore: turn as if the board had no gyro"},
 };
 
 Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
@@ -39,7 +39,7 @@ Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
   char text[160];
   std::snprintf(text, sizeof text, "the robot %s %.1f degrees%s",
                 walker.fallen() ? "fell after" : "turned by", turned_deg,
-                motion.has_gyro() ? "" : " by its strides (no gyro)");
+                motion.has_gyro() ? "" : " (measured by its strides, no gyro)");
   outcome.sentence = text;
   if (!outcome.success) outcome.cause = walker.fallen() ? "fell" : "not reached";
   outcome.measurements = {{"turned_deg", turned_deg},

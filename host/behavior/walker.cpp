@@ -27,8 +27,7 @@ Walker::Walker(Context& context, std::string_view behavior, const motion::Settin
 Result<Walker> Walker::begin(Context& context, std::string_view behavior,
                              const motion::Settings& settings) {
   if (!context.other_joints.empty())
-    return fail(Fault::usage,
-                std::string(behavior) + " is for Kaz's legs, and this robot has none");
+    return fail(Fault::usage, std::string(behavior) + " needs Kaz's legs, and this robot has none");
   KAZ_TRY(hold_still(context.robot));
   if (auto set = context.robot.set_limits(host::kAllJoints, {.ramp_rad_per_s = kRamp}); !set)
     return tl::unexpected(set.error());

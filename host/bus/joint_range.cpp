@@ -33,7 +33,7 @@ std::string degrees(double steps, const Model& model) {
 // By how much the horn has to be turned for the middle of the range to come to that of the sensor.
 std::string remount(double middle, const Model& model) {
   return "take the horn off, turn the shaft by about " +
-         degrees(std::abs(model.steps / 2.0 - middle), model) + " towards " +
+         degrees(std::abs(model.steps / 2.0 - middle), model) + " toward " +
          (middle < model.steps / 2.0 ? "higher" : "lower") + " positions, and put it back";
 }
 
@@ -80,16 +80,15 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
   if (sweep.empty()) return fault("it was not read: check its cable");
   if (now.counts_turns)
     return fault(
-        "it counts turns, which it forgets with the power (bit 4 of its register phase): clear the "
-        "bit, its position is then within one turn");
+        "it counts turns (bit 4 of its register phase) and loses the count at power-off: clear the "
+        "bit, so that its position stays within one turn");
   if (sweep.jumped())
     return fault("its readings jumped by more than a quarter of a turn: turn it slowly");
   const double wanted = (upper_rad - lower_rad) * per_rad;
   if (std::abs(sweep.width() - wanted) > std::max(kShare * wanted, kLeast * per_rad))
-    return fault(
-        "it was turned over " + degrees(sweep.width(), model) + ", and has " +
-        degrees(wanted, model) +
-        " by its robot file: turn it from one stop to the other, or correct its limits there");
+    return fault("it was turned through " + degrees(sweep.width(), model) +
+                 ", but its robot file gives " + degrees(wanted, model) +
+                 ": turn it from one stop to the other, or correct its limits in that file");
 
   // Positions at the stops afterwards: those read, shifted by `shift`.
   const double middle = (sweep.low() + sweep.high()) / 2;
@@ -99,7 +98,7 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
     const double turns = turn * std::floor(encoder_low / turn);
     plan.wrapped = std::floor(encoder_high / turn) != std::floor(encoder_low / turn);
     if (plan.wrapped)
-      return fault("the end of its turn is inside of its range, and no register moves it: " +
+      return fault("its positions wrap inside its range, and no register can move the wrap: " +
                    remount(modulo((encoder_low + encoder_high) / 2, turn), model));
     shift = -turns;  // forgotten when the torque comes
     if (sweep.low() + shift < 0 || sweep.high() + shift > turn - 1) {
@@ -112,8 +111,8 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
     shift = low - sweep.low();
     plan.wrapped = sweep.high() + shift > turn - 1;
     if (sweep.width() > turn - 2 * kRangeMargin)
-      return fault("it was turned over " + degrees(sweep.width(), model) +
-                   ": the end of a turn has no place outside of that");
+      return fault("it was turned through " + degrees(sweep.width(), model) +
+                   ", which leaves no room for the wrap of its positions");
     if (low < kRangeMargin || sweep.high() + shift > turn - 1 - kRangeMargin) {
       // The middle of the range to the middle of the turn. The register holds half a turn either way.
       const double encoder = modulo(middle + now.offset, turn);
@@ -122,7 +121,7 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
       shift = modulo(encoder - plan.registers.offset, turn) - middle;
     }
   } else if (sweep.low() < 2 || sweep.high() > turn - 3) {
-    return fault("its range goes beyond its sensor: " + remount(middle, model));
+    return fault("its range exceeds the range of its sensor: " + remount(middle, model));
   }
   plan.low = sweep.low() + shift;
   plan.high = sweep.high() + shift;

@@ -69,12 +69,12 @@ std::vector<MotionGroup> make_groups() {
   const Leg down{}, lifted{0, -100, 0, 0};
   return {
       {"head and hands",
-       "the head turns and nods to both ends, the hands open and close",
+       "the head turns and nods to both stops; the hands open and close",
        {press(rest, {{neck_pan, lower}, {neck_tilt, lower}, {l_hand, lower}, {r_hand, lower}}),
         press(rest, {{neck_pan, upper}, {neck_tilt, upper}, {l_hand, upper}, {r_hand, upper}})}},
       {"arms",
-       "both arms swing to all ends: back, overhead, outward, bent, and one after the other across "
-       "the chest",
+       "both arms swing to all stops: back, overhead, outward, bent, and one after the other "
+       "across the chest",
        {way(rest),
         press(arms({20, 30, 0}, {20, 30, 0}),
               {{l_elbow, upper}, {r_elbow, upper}, {l_sh_pitch, upper}, {r_sh_pitch, upper}}),
@@ -87,8 +87,8 @@ std::vector<MotionGroup> make_groups() {
         press(arms(ahead_aside, {-90, -30, 0}), {{r_sh_roll, upper}}),
         way(arms(ahead, ahead_aside)), way(arms(kFarAside, kFarAside)), way(rest)}},
       {"legs",
-       "both legs swing to all ends: feet up and down, knees straight and folded, legs back, up to "
-       "the chest, outward, and one after the other across the middle",
+       "both legs swing to all stops: feet up and down, knees straight and folded, legs back, up "
+       "to the chest, outward, and one after the other across the middle",
        {way(legs(down, down)),
         press(legs({0, 0, 5, -65}, {0, 0, 5, -65}),
               {{l_ankle_pitch, lower}, {r_ankle_pitch, lower}, {l_knee, lower}, {r_knee, lower}}),

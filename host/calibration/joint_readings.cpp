@@ -150,7 +150,7 @@ class Mover {
       resumed_ = true;
       if (resumed->cause == host::Resumption::Cause::reset)
         return fail(Fault::environment,
-                    "the board was reset and has forgotten what it counts by: begin again");
+                    "the board was reset and lost the calibration in its RAM: start again");
     }
     return {};
   }
@@ -179,11 +179,11 @@ StopReading reading_of(const Press& press, const Lines& lines, const Mover::Mean
   if (out.spread > kCalm)
     out.fault = "it did not come to rest";
   else if (std::abs(off) > kMaxPotError)
-    out.fault = "it rests at " + degrees_text(angle) + " degrees, and the stop is at " +
+    out.fault = "it rests at " + degrees_text(angle) + " degrees, but the stop is at " +
                 degrees_text(stop_angle(press.joint, press.stop)) +
-                ": something is in its way, or the potentiometer is mounted wrongly";
+                ": check for an obstacle and for a misaligned potentiometer";
   else if (ahead < kPressed)
-    out.fault = "no stop was met at " + degrees_text(angle) + " degrees";
+    out.fault = "no stop was found at " + degrees_text(angle) + " degrees";
   return out;
 }
 
@@ -289,7 +289,7 @@ Result<void> read_floor(host::Robot& robot, const Lines& lines, const OnReading&
     reading.time_s = seconds(robot.clock().now() - begin);
     readings.push_back(reading);
   }
-  on(1, "straight again");
+  on(1, "back to straight");
   KAZ_TRY(mover.repeat([&] { return mover.go(JointAngles{}, host::kAllJoints, kStandTravel); }));
   KAZ_TRY(mover.wait(kStandSettle_s));
   return robot.enable(0);

@@ -95,19 +95,19 @@ Error v4l2_error(const std::string& path, const std::string& doing, int number) 
     switch (number) {
       case ENOENT:
       case ENOTDIR:
-        return "there is no such device; plug the camera in, `ls /dev/video*` shows what is there";
+        return "there is no such device; plug the camera in (`ls /dev/video*` lists the devices)";
       case EACCES:
       case EPERM:
         return "permission denied; become a member of the group video (`adduser USER video`) and "
                "log in again";
       case EBUSY:
-        return "another program is using it; end that one (`fuser " + path + "` shows which)";
+        return "another program is using it; end that program (`fuser " + path + "` shows it)";
       case ENODEV:
       case ENXIO:
         return "it was unplugged; plug it in and start again";
       case ENOSPC:
-        return "the USB bus has not enough bandwidth left; put the cameras on different ports, or "
-               "take format=mjpeg or a lower fps";
+        return "the USB bus does not have enough bandwidth; plug the cameras into different ports, "
+               "or use format=mjpeg or a lower fps";
       default:
         return doing + " failed (" + std::strerror(number) +
                "); unplug it, plug it in and start again";
@@ -149,8 +149,8 @@ Result<void> V4l2Device::check_kind() const {
   v4l2_capability capability{};
   const int number = control(VIDIOC_QUERYCAP, &capability);
   if (number == ENOTTY || number == EINVAL)
-    return fail(Fault::environment, refused(path_, "it is no video device of Linux (V4L2)"));
-  if (number != 0) return tl::unexpected(error("asking what it is", number));
+    return fail(Fault::environment, refused(path_, "it is not a V4L2 video device"));
+  if (number != 0) return tl::unexpected(error("querying its capabilities", number));
   const std::uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS
                                 ? capability.device_caps
                                 : capability.capabilities;
@@ -158,13 +158,14 @@ Result<void> V4l2Device::check_kind() const {
                          strnlen(reinterpret_cast<const char*>(capability.card), 32));
   if (can & V4L2_CAP_VIDEO_CAPTURE_MPLANE && !(can & V4L2_CAP_VIDEO_CAPTURE))
     return fail(Fault::environment,
-                refused(path_, name + " gives pictures in several planes only, which are not read; "
-                                      "take a camera with the single-planar interface"));
+                refused(path_, name + " delivers only multi-planar pictures, which are not "
+                                      "supported; use a camera with the single-planar interface"));
   if (!(can & V4L2_CAP_VIDEO_CAPTURE) || !(can & V4L2_CAP_STREAMING))
-    return fail(Fault::environment,
-                refused(path_, "this node of " + name +
-                                   " gives no pictures; a camera has several, the first "
-                                   "is as a rule the one with pictures"));
+    return fail(
+        Fault::environment,
+        refused(path_,
+                "this node of " + name +
+                    " delivers no pictures; use another node of the camera, usually the first"));
   return {};
 }
 
@@ -267,19 +268,19 @@ Result<void> V4l2Device::map_buffers() {
   request.count = kBuffers;
   request.memory = V4L2_MEMORY_MMAP;
   if (const int number = control(VIDIOC_REQBUFS, &request))
-    return tl::unexpected(error("asking for buffers", number));
+    return tl::unexpected(error("requesting buffers", number));
   for (std::uint32_t i = 0; i < request.count; ++i) {
     auto buffer = capture<v4l2_buffer>();
     buffer.memory = V4L2_MEMORY_MMAP;
     buffer.index = i;
     if (const int number = control(VIDIOC_QUERYBUF, &buffer))
-      return tl::unexpected(error("asking for a buffer", number));
+      return tl::unexpected(error("querying a buffer", number));
     void* start = mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_,
                        static_cast<off_t>(buffer.m.offset));
     if (start == MAP_FAILED) return tl::unexpected(error("mapping a buffer", errno));
     buffers_.push_back({start, buffer.length});
     if (const int number = control(VIDIOC_QBUF, &buffer))
-      return tl::unexpected(error("handing it a buffer", number));
+      return tl::unexpected(error("queuing a buffer", number));
   }
   return {};
 }
@@ -311,7 +312,7 @@ Result<V4l2Device::Taken> V4l2Device::take(RawFrame& frame) {
     return fail(Fault::environment,
                 "camera " + path_ + " stopped: " +
                     (gone ? "it was unplugged"
-                          : std::string("its driver gave up (") + std::strerror(why) + ")") +
+                          : std::string("its driver failed (") + std::strerror(why) + ")") +
                     "; plug it in and start again");
   };
   if (number != 0) return stopped(number);

@@ -14,7 +14,7 @@ namespace kaz::host {
 std::string text_of(const Diagnostic& diagnostic) {
   std::string text = one_line(diagnostic.what);
   if (!diagnostic.expected.empty()) text += "\n  expected: " + one_line(diagnostic.expected);
-  if (!diagnostic.came.empty()) text += "\n  came:     " + one_line(diagnostic.came);
+  if (!diagnostic.came.empty()) text += "\n  found:    " + one_line(diagnostic.came);
   if (!diagnostic.causes.empty()) text += "\n  likely causes, in this order:";
   int number = 0;
   for (const std::string& cause : diagnostic.causes)

@@ -51,7 +51,7 @@ void ByteStream::attach(Descriptor fd) {
 
 Result<void> ByteStream::write(std::span<const std::uint8_t> bytes) {
   if (pending_.size() + bytes.size() > kMaxPending)
-    return fail(Fault::environment, "port " + name_ + " takes no bytes: check the adapter");
+    return fail(Fault::environment, "port " + name_ + " does not accept bytes: check the adapter");
   if (!is_open()) return tl::unexpected(closed());
   pending_.insert(pending_.end(), bytes.begin(), bytes.end());
   return flush();

@@ -195,7 +195,7 @@ TEST(CanSockets, AnInterfaceThatIsNotThereIsASentence) {
       << link.error().message;
   const auto wrong = CanLink::open(kernel_can_sockets("lo"), {});
   ASSERT_FALSE(wrong);
-  EXPECT_EQ(wrong.error().message.find("lo is a network interface, but none of CAN ("), 0u)
+  EXPECT_EQ(wrong.error().message.find("lo is a network interface, but not a CAN interface ("), 0u)
       << wrong.error().message;
 }
 

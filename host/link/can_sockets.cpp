@@ -31,10 +31,10 @@ tl::unexpected<Error> no_protocol(const char* what, const char* module, int erro
     return fail(Fault::environment, std::string("permission denied for a ") + what +
                                         " socket: this container or sandbox forbids CAN; run kaz "
                                         "outside of it");
-  return fail(Fault::environment,
-              std::string("this kernel has no ") + what + ": `sudo modprobe " + module +
-                  "` loads it; Debian's full kernel (linux-image-amd64) has it, the cloud kernel "
-                  "has not");
+  return fail(
+      Fault::environment,
+      std::string("this kernel has no ") + what + ": `sudo modprobe " + module +
+          "` loads it; Debian's full kernel (linux-image-amd64) has it, the cloud kernel does not");
 }
 
 class KernelCanSockets final : public CanSockets {
@@ -50,21 +50,23 @@ class KernelCanSockets final : public CanSockets {
       return fail(Fault::environment,
                   "no such CAN interface: " + interface_ + " (" + candidates() + ")");
     if (request.ifr_hwaddr.sa_family != ARPHRD_CAN)
-      return fail(Fault::environment,
-                  interface_ + " is a network interface, but none of CAN (" + candidates() + ")");
+      return fail(
+          Fault::environment,
+          interface_ + " is a network interface, but not a CAN interface (" + candidates() + ")");
     if (ioctl(any.get(), SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0)
       return fail(Fault::environment,
                   "the CAN interface " + interface_ + " is down: `sudo ip link set " + interface_ +
-                      " up type can bitrate 1000000 restart-ms 100` (the rate is that of the bus; "
-                      "virtual ones have none: `sudo ip link set " +
+                      " up type can bitrate 1000000 restart-ms 100` with the bit rate of the bus "
+                      "(for a virtual interface: `sudo ip link set " +
                       interface_ + " up`)");
     const auto state = can_state(if_nametoindex(interface_.c_str()));
     if (state && state->bus_off())
-      return fail(Fault::environment,
-                  "the CAN interface " + interface_ +
-                      " is bus-off: check wiring, termination (120 ohm at both ends) and bit rate; "
-                      "with restart-ms it starts again by itself, else by `sudo ip link set " +
-                      interface_ + " type can restart`");
+      return fail(
+          Fault::environment,
+          "the CAN interface " + interface_ +
+              " is bus-off: check wiring, termination (120 ohm at both ends) and bit rate; it "
+              "restarts by itself if restart-ms is set, otherwise with `sudo ip link set " +
+              interface_ + " type can restart`");
     return {};
   }
 
@@ -106,8 +108,8 @@ class KernelCanSockets final : public CanSockets {
         text += (text.empty() ? "CAN interfaces found: " : ", ") + std::string(one->if_name);
     }
     if (all != nullptr) if_freenameindex(all);
-    return text.empty() ? "no CAN interface was found: plug the adapter in, or make a virtual one "
-                          "with `sudo modprobe vcan` and `sudo ip link add vcan0 type vcan`"
+    return text.empty() ? "no CAN interface was found: plug the adapter in, or create a virtual "
+                          "one with `sudo modprobe vcan` and `sudo ip link add vcan0 type vcan`"
                         : text;
   }
 

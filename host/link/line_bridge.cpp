@@ -84,7 +84,7 @@ Result<void> LineBridge::seek(Side& side) {
     return ends(opened.error()) ? opened : Result<void>();
   side.there = true;
   char text[64];
-  std::snprintf(text, sizeof text, " is there again after %.1f s", seconds(now - side.lost));
+  std::snprintf(text, sizeof text, " is available again after %.1f s", seconds(now - side.lost));
   report_(side.link.name() + text);
   return {};
 }

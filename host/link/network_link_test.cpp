@@ -135,8 +135,8 @@ TEST(TcpLink, AServerOfRfc2217IsNamedAsSuch) {
   EXPECT_EQ(read.error().fault, Fault::environment);
   const std::string place = (*link)->name().substr(4);
   EXPECT_EQ(read.error().message, "tcp:" + place +
-                                      ": a server of RFC 2217 answers there, whose commands are "
-                                      "no bytes of the board; give rfc2217:" +
+                                      ": an RFC 2217 server answers there, and its commands are "
+                                      "not bytes of the board; give rfc2217:" +
                                       place);
 }
 
@@ -228,7 +228,7 @@ TEST(TcpLink, EachFailureHasItsSentence) {
   const auto refused = TcpLink::open({PortKind::tcp, "127.0.0.1", unused});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().fault, Fault::environment);
-  EXPECT_NE(refused.error().message.find(" refused the connection: nobody serves that port there"),
+  EXPECT_NE(refused.error().message.find(" refused the connection: no server listens on that port"),
             std::string::npos);
   const auto nobody = TcpLink::open({PortKind::tcp, "kaz-none.invalid", 7000});
   ASSERT_FALSE(nobody);

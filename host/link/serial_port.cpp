@@ -36,8 +36,8 @@ Result<speed_t> rate_of(int baud) {
     if (number == baud) return rate;
     known += (known.empty() ? "" : ", ") + std::to_string(number);
   }
-  return fail(Fault::usage,
-              std::to_string(baud) + " baud is no rate of a serial port here; use one of " + known);
+  return fail(Fault::usage, std::to_string(baud) +
+                                " baud is not supported by serial ports here; use one of " + known);
 }
 
 // The kernel makes /dev/ttyS* for UARTs that may not exist; those have type 0.
@@ -73,7 +73,7 @@ std::string usb_number(const std::string& path, const char* which) {
 // The control socket of a virtual board stands beside its port.
 std::string socket_sentence(const std::string& path) {
   constexpr std::string_view kEnd = ".ctl";
-  if (!path.ends_with(kEnd)) return path + " is a socket, no serial port";
+  if (!path.ends_with(kEnd)) return path + " is a socket, not a serial port";
   const std::string port = path.substr(0, path.size() - kEnd.size());
   return path + " is the control socket of `kaz sim`; its serial port is " + port;
 }
@@ -189,12 +189,12 @@ std::string permission_sentence(const std::string& path, const std::string& vend
     return denied + "add yourself to its group (`sudo adduser $USER " + group +
            "`) and log in again";
   if (vendor.empty() || product.empty())
-    return denied + "it belongs to no group but root's; run as root, or `sudo chgrp dialout " +
-           path + " && sudo chmod 660 " + path + "`";
+    return denied + "only root has access; run as root, or `sudo chgrp dialout " + path +
+           " && sudo chmod 660 " + path + "`";
   return denied +
-         "it belongs to no group but root's; put this line into /etc/udev/rules.d/70-kaz.rules, "
-         "add "
-         "yourself to dialout, and plug it in again: SUBSYSTEM==\"tty\", ATTRS{idVendor}==\"" +
+         "only root has access; add this line to /etc/udev/rules.d/70-kaz.rules, add yourself to "
+         "the group dialout, and plug the adapter in again: SUBSYSTEM==\"tty\", "
+         "ATTRS{idVendor}==\"" +
          vendor + "\", ATTRS{idProduct}==\"" + product +
          "\", GROUP=\"dialout\", MODE=\"0660\", SYMLINK+=\"kaz\"";
 }
@@ -224,7 +224,7 @@ Result<OpenPort> open_serial_port(const std::string& path, int baud) {
   if (fd < 0) return open_failure(path, errno);
   if (!isatty(fd)) {
     close(fd);
-    return fail(Fault::environment, path + " is no serial port (" + candidates_sentence() + ")");
+    return fail(Fault::environment, path + " is not a serial port (" + candidates_sentence() + ")");
   }
   // The lock keeps programs of ours apart, and ends with the process however it ends.
   if (flock(fd, LOCK_EX | LOCK_NB) != 0) {

@@ -48,8 +48,8 @@ TcpLink::TcpLink(PortAddress address, const Interrupt* interrupt)
 
 Result<void> TcpLink::set_dtr_rts(bool, bool) {
   return fail(Fault::environment, name() +
-                                      " carries bytes alone, and no lines DTR and RTS: serve "
-                                      "the port by RFC 2217 and give rfc2217:HOST:PORT");
+                                      " carries only bytes and has no lines DTR and RTS: serve the "
+                                      "port with RFC 2217 and give rfc2217:HOST:PORT");
 }
 
 Result<std::size_t> TcpLink::read(std::span<std::uint8_t> bytes, Time deadline) {
@@ -58,8 +58,9 @@ Result<std::size_t> TcpLink::read(std::span<std::uint8_t> bytes, Time deadline) 
   const std::size_t more = std::min(*count, kTelnetBegin - first_.size());
   first_.insert(first_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
   if (first_.size() < kTelnetBegin || !is_telnet(first_)) return count;
-  return fail(Fault::environment, name() + ": a server of RFC 2217 answers there, whose commands "
-                                           "are no bytes of the board; give rfc2217:" +
+  return fail(Fault::environment, name() +
+                                      ": an RFC 2217 server answers there, and its commands are "
+                                      "not bytes of the board; give rfc2217:" +
                                       name().substr(name().find(':') + 1));
 }
 

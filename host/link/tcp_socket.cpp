@@ -60,13 +60,12 @@ Result<Addresses> resolve(const std::string& name, const std::string& host, std:
   }).detach();
   const short ready = KAZ_TRY(wait_for(state->done.get(), POLLIN, deadline, interrupt, name));
   if (ready == 0)
-    return fail(Fault::environment, name + ": no name server says who " + host +
-                                        " is: give its number, as in 192.168.1.4");
+    return fail(Fault::environment, name + ": no name server answers for " + host +
+                                        ": give its IP address, as in 192.168.1.4");
   if (state->found) return std::move(state->found);
-  return fail(Fault::environment, name + ": there is no host " + host + " (" +
-                                      gai_strerror(state->error) +
-                                      "): check its name, or give its "
-                                      "number, as in 192.168.1.4");
+  return fail(Fault::environment,
+              name + ": cannot find the host " + host + " (" + gai_strerror(state->error) +
+                  "): check its name, or give its IP address, as in 192.168.1.4");
 }
 
 Error connect_failure(const std::string& name, int error) {
@@ -74,16 +73,16 @@ Error connect_failure(const std::string& name, int error) {
     case ECONNREFUSED:
       return {Fault::environment,
               name +
-                  " refused the connection: nobody serves that port there; start `kaz "
-                  "serve-port`, ser2net or socat, or give its port"};
+                  " refused the connection: no server listens on that port; start `kaz "
+                  "serve-port`, ser2net or socat, or correct the port"};
     case EHOSTUNREACH:
     case ENETUNREACH:
       return {Fault::environment, name + " cannot be reached: check the network and the address (" +
                                       std::strerror(error) + ")"};
     case ETIMEDOUT:
-      return {Fault::environment, name +
-                                      " does not answer: the machine is off, or a firewall drops "
-                                      "what is sent to that port"};
+      return {
+          Fault::environment,
+          name + " does not answer: the machine is off, or a firewall drops packets to that port"};
     default:
       return {Fault::environment, "cannot connect to " + name + ": " + std::strerror(error)};
   }
@@ -142,8 +141,7 @@ Result<Descriptor> listen_tcp(const std::string& host, std::uint16_t port) {
   int error = 0;
   const auto addresses = look_up(host, port, AI_PASSIVE, error);
   if (!addresses)
-    return fail(Fault::usage, "there is no address " + host + " of this machine to listen on (" +
-                                  gai_strerror(error) +
+    return fail(Fault::usage, "cannot listen on " + host + " (" + gai_strerror(error) +
                                   "): give 127.0.0.1, or one of `ip address`");
   Descriptor fd(socket(addresses->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int on = 1;
@@ -154,11 +152,13 @@ Result<Descriptor> listen_tcp(const std::string& host, std::uint16_t port) {
     return fail(Fault::environment,
                 "another program listens on " + place + ": end it, or give another port");
   if (errno == EACCES)
-    return fail(Fault::environment, "ports below 1024 are the administrator's: give another than " +
-                                        std::to_string(port));
+    return fail(Fault::environment,
+                "port " + std::to_string(port) +
+                    ": only root may listen on ports below 1024; give another port");
   if (errno == EADDRNOTAVAIL)
-    return fail(Fault::usage,
-                host + " is no address of this machine: give 127.0.0.1, or one of `ip address`");
+    return fail(
+        Fault::usage,
+        host + " is not an address of this machine: give 127.0.0.1, or one of `ip address`");
   return fail(Fault::environment, "cannot listen on " + place + ": " + std::strerror(errno));
 }
 

@@ -118,7 +118,7 @@ TEST(TtyLink, KeepsWhatThePortDoesNotTakeAtOnce) {
   const std::vector<std::uint8_t> flood(70000);
   const auto refused = (*link)->write(flood);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("takes no bytes"), std::string::npos);
+  EXPECT_NE(refused.error().message.find("does not accept bytes"), std::string::npos);
 }
 
 TEST(TtyLink, ReportsWhenItIsDrainedAndDiscardsWhatIsNamed) {
@@ -313,7 +313,7 @@ TEST(TtyLink, SaysWhyAPortCannotBeOpened) {
   std::ofstream(file) << "text";
   const auto no_tty = TtyLink::open(file);
   ASSERT_FALSE(no_tty);
-  EXPECT_NE(no_tty.error().message.find("is no serial port"), std::string::npos);
+  EXPECT_NE(no_tty.error().message.find("is not a serial port"), std::string::npos);
   std::filesystem::remove(file);
 
   // The control socket of a virtual board, and another one.

@@ -37,7 +37,8 @@ Result<LocalMap> LocalMap::make(const LocalMapOptions& o) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   if (!positive(o.cell_m) || !positive(o.size_m) || o.size_m < 2 * o.cell_m ||
       o.size_m > 2000 * o.cell_m)
-    return fail(Fault::usage, "the local map has 2 to 2000 cells a side: see cell_m and size_m");
+    return fail(Fault::usage,
+                "the local map must have 2 to 2000 cells per side: change cell_m or size_m");
   if (!positive(o.farthest_m) || !positive(o.drop_m) || !positive(o.obstacle_m) ||
       !positive(o.robot_m) || !positive(o.disparity_error_px) || !(o.own_m >= 0) ||
       o.robot_m <= o.obstacle_m)
@@ -82,8 +83,8 @@ Result<void> LocalMap::check(const vision::PlaneSegments& planes, const vision::
   if (counts_.updates > 0 && info.exposure <= last_) {
     ++counts_.out_of_order;
     return fail(Fault::failed, picture +
-                                   " is not entered into the map: it was exposed no later than "
-                                   "the one before; clear the map if the clock was set back");
+                                   " is not entered into the map: its exposure is not later than "
+                                   "the previous one; clear the map if the clock was set back");
   }
   const auto pixels =
       static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(std::max(0, depth.height));
@@ -91,18 +92,18 @@ Result<void> LocalMap::check(const vision::PlaneSegments& planes, const vision::
       planes.height != depth.height || depth.disparity_px.size() != pixels ||
       planes.label.size() != pixels || planes.info.sequence != depth.info.sequence ||
       planes.info.exposure != depth.info.exposure)
-    return fail(Fault::usage, picture + ": planes and depth image are not of the same pair");
+    return fail(Fault::usage, picture + ": planes and depth image belong to different pairs");
   std::uint8_t largest = 0;
   for (const std::uint8_t label : planes.label) largest = std::max(largest, label);
   if (largest > planes.segments.size())
-    return fail(Fault::usage, picture + ": a pixel belongs to a segment that is not there");
+    return fail(Fault::usage, picture + ": a pixel refers to a missing segment");
   const vision::CameraModel& c = info.camera;
   if (c.width != depth.width || c.height != depth.height || !(c.fx > 0) || !(c.fy > 0) ||
       !(c.baseline_m > 0) || !std::isfinite(c.fx * c.fy * c.baseline_m + c.cx + c.cy))
     return fail(Fault::usage, picture + ": its camera model has no focal length or baseline, or " +
-                                  "is of another size");
+                                  "has another size");
   if (!info.foot_from_eye.matrix().allFinite() || !map_from_foot.matrix().allFinite())
-    return fail(Fault::usage, picture + ": where eye or foot are is not a finite number");
+    return fail(Fault::usage, picture + ": the pose of the eye or of the foot is not finite");
   return {};
 }
 

@@ -6,8 +6,8 @@ namespace kaz::plan {
 
 Result<std::unique_ptr<Planner>> make_ompl_planner(const OmplOptions&) {
   return fail(Fault::environment,
-              "the planner ompl is not in this build, as OMPL was not found: install libompl-dev "
-              "and build again, or use the planner grid");
+              "the planner ompl is not in this build because OMPL was not found: install "
+              "libompl-dev and rebuild, or use the planner grid");
 }
 
 }  // namespace kaz::plan

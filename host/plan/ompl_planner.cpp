@@ -289,8 +289,9 @@ class OmplPlanner final : public Planner {
                        const PlanOptions& options) override {
     KAZ_TRY(check(grid, start, goal, options));
     if (!options.any_heading)
-      return fail(Fault::usage,
-                  "plan: the planner ompl has no turns of 45 degrees; the planner grid has");
+      return fail(
+          Fault::usage,
+          "plan: the planner ompl does not support turns of 45 degrees; use the planner grid");
     const Clearance clearance(grid, options);
     if (auto none = no_path(clearance, start, goal)) return *none;
     try {

@@ -144,8 +144,7 @@ int main(int count, char** arguments) {
   const int first = as_json ? 2 : 1;
   const int maps = count > first ? std::atoi(arguments[first]) : 1000;
   if (count > first + 1 || maps < 1) {
-    std::fprintf(stderr,
-                 "usage: plan_benchmark [--json] [MAPS]   a number above 0; 1000 without it\n");
+    std::fprintf(stderr, "usage: plan_benchmark [--json] [MAPS]   MAPS: above 0 (default: 1000)\n");
     return 2;
   }
   const auto done = as_json ? kaz::plan::json(maps) : kaz::plan::table(maps);

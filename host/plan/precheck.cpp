@@ -18,7 +18,7 @@ Result<void> check(const Grid& grid, const Pose& start, const Goal& goal, const 
   if (grid.cells_x < 1 || grid.cells_y < 1 || !(grid.cell_m > 0) ||
       grid.state.size() !=
           static_cast<std::size_t>(grid.cells_x) * static_cast<std::size_t>(grid.cells_y))
-    return wrong("the grid has no cells, or not as many as its sides say");
+    return wrong("the grid has no cells, or their number does not match its sides");
   if (grid.state.size() > kMaxCells) return wrong("the grid has too many cells");
   if (!start.position.allFinite() || !goal.position.allFinite() ||
       !std::isfinite(start.heading_rad) ||
@@ -26,7 +26,8 @@ Result<void> check(const Grid& grid, const Pose& start, const Goal& goal, const 
     return wrong("a position or heading is not finite");
   if (!(o.turn_s_per_rad > 0) || !(o.go_s_per_m > 0) || !std::isfinite(o.turn_s_per_rad) ||
       !std::isfinite(o.go_s_per_m) || !(o.radius_m >= 0) || !(o.unknown_factor >= 1))
-    return wrong("times must be above 0, the radius at least 0, the factor of unknown at least 1");
+    return wrong(
+        "times must be above 0, the radius at least 0, the factor of unknown floor at least 1");
   return {};
 }
 

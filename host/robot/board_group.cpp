@@ -73,7 +73,7 @@ class BoardGroup::Links final : public Link {
 
  private:
   static Result<void> no_bytes() {
-    return fail(Fault::usage, "several boards have no line in common: give one of their ports");
+    return fail(Fault::usage, "several boards do not share one line: give one of their ports");
   }
   BoardGroup& group_;
 };
@@ -127,9 +127,10 @@ void BoardGroup::note_enabled(const Request& request) {
 
 Result<Exchanger::Ticket> BoardGroup::post(const Request& request) {
   if (request.type == KZ_TYPE_telemetry || request.type == KZ_TYPE_set_address)
-    return fail(Fault::usage, std::string("`") + message_name(request.type) +
-                                  "` is for one board, and " + links_->name() +
-                                  " are several: give the port and address of one");
+    return fail(Fault::usage,
+                std::string("`") + message_name(request.type) +
+                    "` is for one board: give the port and address of one of those on " +
+                    links_->name());
   note_enabled(request);
   auto exchange = std::make_unique<Exchange>();
   exchange->request = request;
@@ -309,15 +310,17 @@ Result<void> check_boards(std::span<const RobotBoard> boards) {
   std::uint32_t all = 0;
   for (const RobotBoard& board : boards) {
     if (board.joints == 0 || (board.joints & ~kAllJoints) != 0)
-      return fail(Fault::usage,
-                  "a board has no joint, or one that Kaz has not: give each its joints");
+      return fail(
+          Fault::usage,
+          "a board has no joint, or one that Kaz does not have: give each board its joints");
     if (const std::uint32_t twice = all & board.joints)
-      return fail(Fault::usage, "two boards drive " + joint_names_of(twice) + ": give it to one");
+      return fail(Fault::usage,
+                  "two boards drive " + joint_names_of(twice) + ": assign each joint to one board");
     all |= board.joints;
   }
   if (all != kAllJoints)
     return fail(Fault::usage, "no board drives " + joint_names_of(kAllJoints & ~all) +
-                                  ": give each joint to a board");
+                                  ": assign each joint to a board");
   return {};
 }
 

@@ -272,10 +272,12 @@ TEST(Boards, EachJointIsOnOne) {
     return robot ? std::string() : robot.error().message;
   };
   EXPECT_EQ(sentence(kUpper, kLower), "");
-  EXPECT_EQ(sentence(kUpper & ~1u, kLower), "no board drives neck_pan: give each joint to a board");
-  EXPECT_EQ(sentence(kUpper, kLower | 2), "two boards drive neck_tilt: give it to one");
+  EXPECT_EQ(sentence(kUpper & ~1u, kLower),
+            "no board drives neck_pan: assign each joint to a board");
+  EXPECT_EQ(sentence(kUpper, kLower | 2),
+            "two boards drive neck_tilt: assign each joint to one board");
   EXPECT_EQ(sentence(kAllJoints, 0),
-            "a board has no joint, or one that Kaz has not: give each its joints");
+            "a board has no joint, or one that Kaz does not have: give each board its joints");
 }
 
 TEST(Boards, AMissingBoardIsNamed) {

@@ -25,19 +25,18 @@ Error no_board(const Exchanger& requester, const LinkStatistics& before, const s
   const LinkStatistics& statistics = requester.statistics();
   const auto bytes_in = statistics.bytes_in - before.bytes_in;
   if (requester.heard_echo()) {
-    return {Fault::environment,
-            port +
-                " sends back what is written to it, and no board answers: check "
-                "for a loop-back plug or a modem in echo mode" +
-                for_servos(port)};
+    return {Fault::environment, port +
+                                    " echoes the bytes written to it, and no board answers: check "
+                                    "for a loop-back plug or a modem in echo mode" +
+                                    for_servos(port)};
   }
   if (bytes_in == 0) {
-    return {Fault::environment, "nothing answers on " + port +
-                                    ": check that the robot is powered, the cable plugged in, no "
-                                    "other program has the port "
-                                    "open, and the baud rate is the board's (115200); after an "
-                                    "interrupted update the board waits in its loader (kaz flash)" +
-                                    for_servos(port)};
+    return {Fault::environment,
+            "no board answers on " + port +
+                ": check that the robot is powered, the cable is plugged in, no other program has "
+                "the port open, and the baud rate is the board's (115200); after an interrupted "
+                "update the board waits in its loader (kaz flash)" +
+                for_servos(port)};
   }
   if (statistics.ignored > before.ignored) {
     return {Fault::environment,
@@ -47,13 +46,12 @@ Error no_board(const Exchanger& requester, const LinkStatistics& before, const s
   const std::string came = std::to_string(bytes_in) + " bytes came, none of them a reply";
   const auto zero = [](std::uint8_t byte) { return byte == 0; };
   if (!noise.empty() && std::all_of(noise.begin(), noise.end(), zero)) {
-    return {Fault::environment,
-            "on " + port + " " + came +
-                ", all zero: so a chip in boot mode answers, as after an interrupted update; "
-                "`kaz flash write` goes on there"};
+    return {Fault::environment, "on " + port + " " + came +
+                                    ", all zero: a chip in boot mode answers like this, for "
+                                    "example after an interrupted update; run `kaz flash write`"};
   }
-  return {Fault::environment, "what answers on " + port +
-                                  " is no Kaz board, or its baud rate is another: " + came +
+  return {Fault::environment, "the device on " + port +
+                                  " is not a Kaz board, or it has another baud rate: " + came +
                                   (noise.empty() ? "" : ": " + hex(noise, 16))};
 }
 
@@ -79,20 +77,21 @@ Result<kz_identify_reply> identify_board(Exchanger& requester) {
   const bool spoken = version >= KZ_PROTOCOL_VERSION_OLDEST && version <= KZ_PROTOCOL_VERSION;
   if (reply.refused || version < 0 || (spoken && !whole)) {
     return fail(Fault::environment,
-                "what answers on " + port +
+                "the device on " + port +
                     " frames its bytes like a Kaz board but does not identify itself: " +
                     hex({reply.fields.bytes.data(), reply.fields.length}, 16));
   }
   if (!spoken) {
-    return fail(Fault::environment,
-                "the board on " + port + " speaks protocol version " + std::to_string(version) +
-                    " and this program versions " + std::to_string(KZ_PROTOCOL_VERSION_OLDEST) +
-                    " and " + std::to_string(KZ_PROTOCOL_VERSION) +
-                    ": flash firmware of this release, or use the program of that one");
+    return fail(
+        Fault::environment,
+        "the board on " + port + " speaks protocol version " + std::to_string(version) +
+            ", but this program accepts versions " + std::to_string(KZ_PROTOCOL_VERSION_OLDEST) +
+            " and " + std::to_string(KZ_PROTOCOL_VERSION) +
+            ": flash the firmware of this release, or use the program of the board's release");
   }
   if (identity.joints != KZ_JOINTS) {
     return fail(Fault::environment, "the board on " + port + " drives " +
-                                        std::to_string(identity.joints) + " joints and Kaz has " +
+                                        std::to_string(identity.joints) + " joints, but Kaz has " +
                                         std::to_string(KZ_JOINTS) +
                                         ": this is another robot's board");
   }

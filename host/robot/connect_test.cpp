@@ -46,7 +46,7 @@ TEST(Connect, NothingAnswers) {
   board.mute = true;
   EXPECT_EQ(
       connect_error(board),
-      "nothing answers on test-port: check that the robot is powered, the cable plugged in, no "
+      "no board answers on test-port: check that the robot is powered, the cable is plugged in, no "
       "other program has the port open, and the baud rate is the board's (115200); after an "
       "interrupted update the board waits in its loader (kaz flash); for a servo bus use `kaz bus "
       "status --robot feetech:test-port`");
@@ -95,7 +95,7 @@ TEST(Connect, SomethingElseAnswers) {
     return TestBoard::Bytes{};
   };
   const std::string message = connect_error(board);
-  EXPECT_NE(message.find("what answers on test-port is no Kaz board"), std::string::npos);
+  EXPECT_NE(message.find("the device on test-port is not a Kaz board"), std::string::npos);
   EXPECT_NE(message.find("24 bytes came"), std::string::npos) << message;  // 6 tries of 4
   EXPECT_NE(message.find("6f 6b 0d 0a 6f 6b"), std::string::npos) << message;
 }
@@ -110,8 +110,8 @@ TEST(Connect, AChipInBootModeAnswersZeros) {
     return TestBoard::Bytes{};
   };
   EXPECT_EQ(connect_error(board),
-            "on test-port 6 bytes came, none of them a reply, all zero: so a chip in boot mode "
-            "answers, as after an interrupted update; `kaz flash write` goes on there");
+            "on test-port 6 bytes came, none of them a reply, all zero: a chip in boot mode "
+            "answers like this, for example after an interrupted update; run `kaz flash write`");
 }
 
 TEST(Connect, TheLineEchoes) {
@@ -121,7 +121,7 @@ TEST(Connect, TheLineEchoes) {
     board.inject(bytes);
     return bytes;
   };
-  EXPECT_NE(connect_error(board).find("sends back what is written to it"), std::string::npos);
+  EXPECT_NE(connect_error(board).find("echoes the bytes written to it"), std::string::npos);
 }
 
 TEST(Connect, AnotherAddress) {
@@ -137,8 +137,8 @@ TEST(Connect, AnotherProtocolVersion) {
   answer_with(board, [](kz_identify_reply& reply) { reply.protocol_version = 9; });
   EXPECT_EQ(
       connect_error(board),
-      "the board on test-port speaks protocol version 9 and this program versions 2 and 3: flash "
-      "firmware of this release, or use the program of that one");
+      "the board on test-port speaks protocol version 9, but this program accepts versions 2 and "
+      "3: flash the firmware of this release, or use the program of the board's release");
 }
 
 // Boards that were flashed before version 3 go on working; what their firmware gets wrong is named.
@@ -173,7 +173,7 @@ TEST(Connect, AnotherProtocolVersionWithAnotherReply) {
 TEST(Connect, AnotherRobot) {
   TestBoard board;
   answer_with(board, [](kz_identify_reply& reply) { reply.joints = 24; });
-  EXPECT_NE(connect_error(board).find("drives 24 joints and Kaz has 18"), std::string::npos);
+  EXPECT_NE(connect_error(board).find("drives 24 joints, but Kaz has 18"), std::string::npos);
 }
 
 TEST(Connect, LinkFails) {

@@ -121,7 +121,8 @@ TEST(KeptBoard, WhatCannotBePutBackIsNamed) {
   const PutBack back = put_back(board, board, before, {.flash = true});
   EXPECT_EQ(back.found_at, 0);
   ASSERT_EQ(back.left.size(), 1u);
-  EXPECT_EQ(back.left[0], "everything, as the board was not found (port test-port was closed)");
+  EXPECT_EQ(back.left[0],
+            "everything, because the board was not found (port test-port was closed)");
   EXPECT_LT(board.now(), std::chrono::seconds(10));
 }
 

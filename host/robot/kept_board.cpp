@@ -166,8 +166,8 @@ class Return {
   }
 
   Result<void> attempt() {
-    step_ =
-        result_.found_at == 0 ? "everything, as the board was not found" : "the board's address";
+    step_ = result_.found_at == 0 ? "everything, because the board was not found"
+                                  : "the board's address";
     auto at = KAZ_TRY(locate());
     if (result_.found_at == 0) result_.found_at = at;
     // An address that was written is in force after a reset, and RAM hides what is in flash.
@@ -191,7 +191,7 @@ class Return {
     const auto identity = KAZ_TRY(board.identify());
     result_.status = identity.status;
     if (!options_.motors_off || (identity.status & KZ_STATUS_ENABLED) == 0) return {};
-    result_.left.emplace_back("motors, which are still on");
+    result_.left.emplace_back("motors (still on)");
     return fail(Fault::environment, "motors on " + link_.name() + " are still on");
   }
 
@@ -282,14 +282,14 @@ class Return {
       now = KAZ_TRY(board.calibration());
       if (differs(now) != 0)
         return fail(Fault::environment, "the board on " + link_.name() +
-                                            " stored another calibration than it was given");
+                                            " stored a calibration that differs from the one sent");
       put(of_joints("stored calibration", mask));
     }
     result_.notes.clear();
     if (state_.stored_copy == 0 && now.sequence != 0) {
       const auto identity = KAZ_TRY(board.identify());
       result_.notes.push_back(
-          "no calibration was stored before, and now the same nominal values are" +
+          "no calibration was stored before; now the same nominal values are stored" +
           how_calibration_goes(identity, link_.name(), state_.address));
     }
     return {};
@@ -374,8 +374,8 @@ class Return {
 std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
                                  std::uint8_t address) {
   if (identity.image_crc == 0)
-    return ": kaz sim --mcu native, which has no loader to erase them, forgets them when it ends, "
-           "unless its --memory keeps them";
+    return "; kaz sim --mcu native has no loader to erase them, and loses them when it ends unless "
+           "--memory is given";
   return "; `kaz flash erase --blocks 1,2 " + robot_option(port) +
          (address == KZ_ADDRESS_DEFAULT ? "" : " --address " + std::to_string(address)) +
          "` erases them";

@@ -37,18 +37,18 @@ RoundTripCheck judge_round_trip(const std::string& port, double round_trip_s, Ti
       break;
     case LowLatency::set:
       check.sentence +=
-          "; the adapter is slow although its driver took ASYNC_LOW_LATENCY: connect it without a "
-          "hub, or take another";
+          "; the adapter is slow although its driver accepted ASYNC_LOW_LATENCY: connect it "
+          "without a hub, or use another";
       break;
     case LowLatency::bus:
-      check.sentence += "; the bus or its bridge takes the rest: raise the bit rate of the bus";
+      check.sentence += "; the bus or its bridge adds the rest: raise the bit rate of the bus";
       break;
     case LowLatency::network:
-      check.sentence += "; the network takes the rest: connect both machines by cable";
+      check.sentence += "; the network adds the rest: connect both machines by cable";
       break;
     case LowLatency::refused:
       check.sentence +=
-          "; the adapter keeps received bytes back: install 70-kaz.rules (share/kaz/udev) in "
+          "; the adapter delays received bytes: install 70-kaz.rules (share/kaz/udev) in "
           "/etc/udev/rules.d and plug it in again";
       break;
   }

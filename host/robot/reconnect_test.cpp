@@ -193,7 +193,7 @@ TEST_F(Reconnect, GivesUpAfterItsTimeAndLeavesTheFrames) {
   ASSERT_FALSE(state);
   EXPECT_LT(board.now() - before, 1500ms);
   EXPECT_NE(state.error().message.find("stopped answering"), std::string::npos);
-  EXPECT_NE(state.error().message.find("sought for 0."), std::string::npos)
+  EXPECT_NE(state.error().message.find("not found again within 0."), std::string::npos)
       << state.error().message;
   EXPECT_NE(state.error().message.find("; the last frames are in " + path.string()),
             std::string::npos);

@@ -19,7 +19,8 @@ constexpr int kHeartbeatsPerWatchdog = 3;
 
 Error in_vain(const std::string& loss, Time sought, const Error& last) {
   char time[64];
-  std::snprintf(time, sizeof time, "; the board was sought for %.1f s in vain", seconds(sought));
+  std::snprintf(time, sizeof time, "; the board was not found again within %.1f s",
+                seconds(sought));
   return {last.fault, loss + time + (last.message == loss ? "" : ": " + last.message)};
 }
 
@@ -28,7 +29,7 @@ Error in_vain(const std::string& loss, Time sought, const Error& last) {
 const char* text(Resumption::Cause cause) {
   switch (cause) {
     case Resumption::Cause::watchdog:
-      return "the board heard nothing for its watchdog's time";
+      return "the board received no request within its watchdog's limit";
     case Resumption::Cause::reset:
       return "the board was reset";
     default:

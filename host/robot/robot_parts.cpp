@@ -31,14 +31,14 @@ std::unique_ptr<Exchanger> make_requester(std::span<const RobotBoard> boards, Cl
 
 Result<void> check_joint(int joint) {
   if (joint >= 0 && joint < KZ_JOINTS) return {};
-  return fail(Fault::usage, "there is no joint " + std::to_string(joint) +
-                                ": joints are numbered 0 to " + std::to_string(KZ_JOINTS - 1));
+  return fail(Fault::usage,
+              "joint " + std::to_string(joint) + ": must be 0 to " + std::to_string(KZ_JOINTS - 1));
 }
 
 Result<void> check_mask(std::uint32_t mask) {
   if (mask != 0 && (mask & ~kAllJoints) == 0) return {};
-  return fail(Fault::usage,
-              "a mask of joints has bits 0 to " + std::to_string(KZ_JOINTS - 1) + ", at least one");
+  return fail(Fault::usage, "a mask of joints must have bits 0 to " +
+                                std::to_string(KZ_JOINTS - 1) + ", at least one");
 }
 
 Robot::Parts::Parts(std::span<const RobotBoard> boards, Clock& on_clock,
@@ -116,8 +116,8 @@ Error Robot::Parts::not_done(std::span<const Request> requests) const {
       resumptions.empty() ? "the link was lost" : text(resumptions.back().cause);
   return {Fault::environment,
           why + " during " + names +
-              ": the board answers again, and joints that were on hold where they "
-              "are; whether it was done is not known, so ask for it anew"};
+              ": the board answers again, and enabled joints hold their position; the request may "
+              "not have been executed, so send it again"};
 }
 
 }  // namespace kaz::host

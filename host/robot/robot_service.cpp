@@ -51,7 +51,7 @@ Result<void> Robot::stop() {
   const auto stopped = KAZ_TRY(read_reply(*reply, kz_unpack_stop_reply));
   if (const std::string on = parts.still_on(0, stopped.status); !on.empty())
     return fail(Fault::environment,
-                "the board was to stop, and motors are " + on + "; cut their power");
+                "the stop request failed: motors are " + on + "; cut their power");
   return {};
 }
 
@@ -181,8 +181,8 @@ Result<void> Robot::subscribe(Time period, std::uint8_t selection) {
   if (!period_ms || (*period_ms != 0 && *period_ms < KZ_TELEMETRY_PERIOD_MIN_MS) ||
       kz_check_telemetry(&message) != KZ_IN_BOUNDS) {
     return fail(Fault::usage,
-                "telemetry comes every 5 ms to 65 s (0: none) and of the frames that "
-                "KZ_TELEMETRY_* names");
+                "the telemetry period must be 5 ms to 65 s (0: none), and the frames those of "
+                "KZ_TELEMETRY_*");
   }
   const auto reply =
       parts_->query(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply);
@@ -320,7 +320,7 @@ Result<std::uint32_t> Robot::raw_drive(int joint, double duty, Time duration) {
   const auto share = to_wire<s16>(duty / kShare);
   const auto duration_ms = to_wire<u16>(seconds(duration) * 1e3);
   if (!share || std::abs(duty) > 1 || !duration_ms || *duration_ms < 1 || *duration_ms > 2000) {
-    return fail(Fault::usage, "raw drive has a duty of -1 to 1 and lasts 1 ms to 2 s");
+    return fail(Fault::usage, "the duty of a raw drive must be -1 to 1, and its time 1 ms to 2 s");
   }
   const auto reply =
       parts_->query(KZ_TYPE_raw_drive, kz_raw_drive{static_cast<u8>(joint), *share, *duration_ms},
@@ -353,7 +353,7 @@ Result<void> Robot::start_loader() {
 
 Result<void> Robot::set_address(int address, bool shared_line) {
   if (address < 1 || address > KZ_ADDRESS_LAST) {
-    return fail(Fault::usage, "a board's address is 1 to 14");
+    return fail(Fault::usage, "a board's address must be 1 to 14");
   }
   const kz_set_address message{static_cast<u8>(address), static_cast<u8>(shared_line ? 1 : 0)};
   const auto reply = parts_->query(KZ_TYPE_set_address, message, kz_pack_set_address,

@@ -99,10 +99,9 @@ TEST(Robot, NamesTheLimitsThatAreInForce) {
   ASSERT_FALSE(alone);
   EXPECT_EQ(
       alone.error().message,
-      "neck_tilt was not moved: its target of 12.00 degrees lies outside the limits that were "
-      "set on the board, -5.73 to 6.88 degrees; a reset of the board or `kaz recover --robot "
-      "serial:test-port` "
-      "gives it its own of -44.99 to 74.99 degrees again");
+      "neck_tilt was not moved: its target of 12.00 degrees lies outside the limits set on the "
+      "board, -5.73 to 6.88 degrees; a reset of the board or `kaz recover --robot "
+      "serial:test-port` restores the joint's own limits, -44.99 to 74.99 degrees");
   const auto cycle = robot.exchange({&target, 1}, 10ms);
   ASSERT_FALSE(cycle);
   EXPECT_EQ(cycle.error().message, alone.error().message);
@@ -239,7 +238,7 @@ TEST(Robot, DisablesAllEvenWhenInterrupted) {
   ASSERT_FALSE(off);
   EXPECT_EQ(off.error().message,
             "nobody confirms that the motors on test-port are off (gone): cut their power");
-  EXPECT_EQ(robot.state().error().message, "gone; the board was sought for 3.0 s in vain");
+  EXPECT_EQ(robot.state().error().message, "gone; the board was not found again within 3.0 s");
 }
 
 // A board that does not switch the motor of the neck off, as its replies say.
@@ -276,7 +275,7 @@ TEST(Robot, OffIsWhatTheReplyConfirms) {
   const auto stopped = robot.stop();
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().message,
-            "the board was to stop, and motors are still on; cut their power");
+            "the stop request failed: motors are still on; cut their power");
   const auto enabled = robot.enable(0b10);
   ASSERT_FALSE(enabled);
   EXPECT_NE(enabled.error().message.find("as requested: still on: neck_pan; cut their power"),

@@ -47,7 +47,7 @@ std::string outside_limits(int joint, std::span<const JointTarget> targets) {
 std::string out_of_range(const kz_refused& refusal) {
   if (refusal.request == KZ_TYPE_calibrate) {
     return "the calibration of " + joint_name(refusal.detail) +
-           " is too far from nominal: at most 0.5 rad for the centre and 25 % for the scale";
+           " is too far from nominal: at most 0.5 rad for the center and 25 % for the scale";
   }
   const kz_message_info* message = kz_message_find(refusal.request);
   if (!message || refusal.detail >= message->field_count) return "a value is out of range";
@@ -60,12 +60,11 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
   const std::string request = std::string("`") + message_name(refusal.request) + "`";
   switch (refusal.reason) {
     case KZ_REFUSED_UNKNOWN_TYPE:
-      return {Fault::environment, "the board does not know the request " + request +
+      return {Fault::environment, "the board does not support the request " + request +
                                       ": its firmware is older than this program"};
     case KZ_REFUSED_LENGTH:
-      return {Fault::environment,
-              "the board refused " + request +
-                  " for its length: firmware and program do not fit each other"};
+      return {Fault::environment, "the board refused " + request +
+                                      " because of its length: firmware and program do not match"};
     case KZ_REFUSED_RANGE:
       return {Fault::failed, "the board refused " + request + ": " + out_of_range(refusal)};
     case KZ_REFUSED_LIMIT:
@@ -77,7 +76,7 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
     case KZ_REFUSED_FAULT:
       return {shutdown_fault(static_cast<std::uint16_t>(refusal.detail << 8)),
               "the board refused " + request + ": " + kz_shutdown_text(refusal.detail) +
-                  "; mend that, then clear the shutdown"};
+                  "; fix the cause, then clear the shutdown"};
     case KZ_REFUSED_BUSY:
       return {Fault::environment,
               "the board refused " + request + ": it is still sending the previous reply"};
@@ -85,19 +84,19 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
       return {Fault::failed,
               "the board refused " + request + " while a motor is on: switch all joints off first"};
     case KZ_REFUSED_LOCKED:
-      return {Fault::failed,
-              "the board refused " + request + ": it is only for the bench; unlock it first"};
+      return {Fault::failed, "the board refused " + request +
+                                 ": it is only valid while the bench is unlocked; unlock it first"};
     case KZ_REFUSED_SHARED_LINE:
       return {Fault::failed,
               "the board refused " + request + ": other boards share its line; query it instead"};
     case KZ_REFUSED_STORE:
       return {Fault::environment, "the board refused " + request +
-                                      ": its flash could not be written; what was stored before "
-                                      "is still there, and the part may be worn out"};
+                                      ": its flash could not be written; the previous contents are "
+                                      "still stored, and the chip may be worn out"};
     default:
       return {Fault::environment, "the board refused " + request + " for reason " +
                                       std::to_string(refusal.reason) +
-                                      ", which this program does not know"};
+                                      ", which is unknown to this program"};
   }
 }
 
@@ -106,10 +105,10 @@ Error outside_set_limits(int joint, std::span<const JointTarget> targets, const 
   const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
   if (set.lower_rad <= info.lower_rad && set.upper_rad >= info.upper_rad)
     return {Fault::failed, outside_limits(joint, targets)};
-  return {Fault::failed, not_moved(joint, targets) + "the limits that were set on the board, " +
+  return {Fault::failed, not_moved(joint, targets) + "the limits set on the board, " +
                              range(set.lower_rad, set.upper_rad) + "; a reset of the board or `" +
-                             recover + "` gives it its own of " +
-                             range(info.lower_rad, info.upper_rad) + " again"};
+                             recover + "` restores the joint's own limits, " +
+                             range(info.lower_rad, info.upper_rad)};
 }
 
 namespace {
@@ -117,21 +116,21 @@ namespace {
 const char* remedy(std::uint8_t reason) {
   switch (reason) {
     case KZ_SHUTDOWN_STOP:
-      return "find out who stopped it, then enable again";
+      return "find out what stopped it, then enable again";
     case KZ_SHUTDOWN_LINK_LOST:
       return "enable again";
     case KZ_SHUTDOWN_POT:
-      return "look at its plug and its cable";
+      return "check its plug and its cable";
     case KZ_SHUTDOWN_UNDERVOLTAGE:
-      return "charge the battery, or look for thin wires";
+      return "charge the battery, or check for thin wires";
     case KZ_SHUTDOWN_OVERVOLTAGE:
-      return "take a supply of at most 12 V";
+      return "use a supply of at most 12 V";
     case KZ_SHUTDOWN_TEMPERATURE:
       return "let the motor drivers cool";
     case KZ_SHUTDOWN_REFERENCE:
-      return "look for a short at an analogue input";
+      return "check the analog inputs for a short";
     case KZ_SHUTDOWN_STALL:
-      return "free the joint, or look for a target inside an obstacle";
+      return "free the joint, or check for a target inside an obstacle";
     case KZ_SHUTDOWN_OVERLOAD:
       return "let the motor cool";
     default:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Steps of kaz.VectorEnv per second, as a table: engines, many robots beside one, threads.
 # SPDX-License-Identifier: Apache-2.0
-"""Periods of 20 ms of one robot per CPU second, medians of alternating runs; `threads`: per second.
-Resets: ms of CPU time a robot.
+"""Periods of 20 ms per CPU second, summed over robots: medians of alternating runs. Rows with `elapsed` are
+per second of elapsed time. Resets: CPU time per robot, ms.
 
 usage: PYTHONPATH=build/release/python python3 python/benchmark/batch.py [--quick] [--json FILE]
 """
@@ -34,7 +34,7 @@ def rate(engine, robots, threads, clock, seconds, **more):
 
 
 def reset_ms(engine, robots, seconds, **more):
-    """CPU time of one robot's new episode."""
+    """Returns the CPU time of one robot's new episode."""
     env = kaz.VectorEnv("stand", num_envs=robots, engine=engine, threads=1, **more)
     env.reset(seed=1)
     for _ in range(2):  # robots that have run
@@ -49,7 +49,7 @@ def reset_ms(engine, robots, seconds, **more):
 def main():
     options = argparse.ArgumentParser(description=__doc__,
                                       formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--quick", action="store_true", help="only show that it works")
+    options.add_argument("--quick", action="store_true", help="short runs that only show that it works")
     options.add_argument("--json", metavar="FILE")
     given = options.parse_args()
     repeats, seconds = (1, 0.3) if given.quick else (5, 3)

@@ -13,9 +13,10 @@
 The same `Robot` drives a board at a port: kaz.Robot("serial:/dev/ttyUSB0"). Units: m, rad, s, N. Errors are
 UsageError (a ValueError), EnvironmentFault (an OSError: ports, files) and RobotError.
 
-Threads: each object takes one call at a time. A second thread's call raises RuntimeError, "in use by another
-thread". Robot.stop() and Robot.close() are always accepted: they end the call that is running, which raises
-Stopped (a RobotError), and switch the motors off. A Robot in a Simulation and that Simulation count as one.
+Threads: each object accepts one call at a time. A second thread's call raises RuntimeError, "in use by
+another thread". Robot.stop() and Robot.close() are always accepted. They end the running call, which raises
+Stopped (a RobotError), and switch the motors off. A Robot in a Simulation and that Simulation count as one
+object.
 """
 
 import importlib.machinery as _machinery
@@ -31,7 +32,7 @@ if _share.is_dir():
 
 
 def _what_to_do(error):
-    """A sentence where the compiled module or numpy is missing for this Python; None for another error."""
+    """Returns the message for a missing compiled module or numpy; None for another error."""
     folder = _pathlib.Path(__file__).absolute().parent
     this = f"{_sys.executable} (Python {_sys.version_info[0]}.{_sys.version_info[1]})"
     modules = sorted(module.name for module in folder.glob("_kaz.*.so"))

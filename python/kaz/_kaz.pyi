@@ -19,7 +19,7 @@ class UsageError(ValueError): ...
 class EnvironmentFault(OSError): ...
 class RobotError(RuntimeError): ...
 class Stopped(RobotError):
-    """Raised by a call that stop() or close() of the robot has ended, from another thread or a signal handler."""
+    """Raised by a call that the robot's stop() or close(), from another thread or a signal handler, has ended."""
 
 class CameraModel:
     def __init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float,
@@ -116,8 +116,8 @@ class Posture:
     def angle(self) -> _Floats: ...
 
 class Robot:
-    """One call at a time: RuntimeError if another thread's call is running, on a Robot in a Simulation or on that
-    Simulation. Exceptions are stop() and close()."""
+    """Accepts one call at a time, or raises RuntimeError. A Robot in a Simulation and that Simulation count as one
+    object. stop() and close() are always accepted."""
     @overload
     def __init__(self, simulation: Simulation, *, watchdog: float = ..., when_lost: str = ...) -> None: ...
     @overload
@@ -134,14 +134,14 @@ class Robot:
     def set_limits(self, joints: Sequence[_Joint] | None = ..., *, ramp: float = ..., lower: float = ...,
                    upper: float = ...) -> None: ...
     def stop(self) -> None:
-        """Motors off at once, latched until clear() or enable(). From any thread, at any time: a call that is running
-        ends first, and raises Stopped. Returns when the board has confirmed; else it raises an error."""
+        """Switches the motors off at once, latched until clear() or enable(). Can be called from any thread at any
+        time. A running call ends first, and raises Stopped. Returns when the board has confirmed; else raises."""
     def clear(self) -> None: ...
     def sleep(self, seconds: float) -> None: ...
     @property
     def time(self) -> float: ...
     def close(self) -> None:
-        """Motors off, if the board still answers, and the port closed. From any thread, as stop()."""
+        """Switches the motors off, if the board still answers, and closes the port. Any thread, like stop()."""
     def __enter__(self) -> Robot: ...
     def __exit__(self, *of: object) -> None: ...
 
@@ -188,7 +188,7 @@ def behaviors() -> dict[str, tuple[str, dict[str, str]]]: ...
 HOME: tuple[float, ...]
 
 class Batch:
-    """One call at a time: RuntimeError if another thread's call is running."""
+    """Accepts one call at a time: raises RuntimeError if another thread's call is running."""
     def __init__(self, *, robots: int = ..., threads: int = ..., engine: str = ..., period_s: float = ...,
                  settle_s: float = ..., kp: float = ..., kd: float = ..., posture: Sequence[float] = ...,
                  world: str | PathLike[str] = ..., robot_file: str | PathLike[str] = ..., image: str = ...,

@@ -1,6 +1,6 @@
 # kaz.VectorEnv: many robots for learning and evaluation, by the interface of Gymnasium's vector environments.
 # SPDX-License-Identifier: Apache-2.0
-"""VectorEnv(task, num_envs=8, engine="native"): robots in C++ threads, cloned from one loaded world.
+"""VectorEnv(task, num_envs=8, engine="native"): robots that run in C++ threads, cloned from one loaded world.
 
     env = kaz.VectorEnv("stand", num_envs=16, engine="native")
     observations, infos = env.reset(seed=1)
@@ -8,11 +8,13 @@
         actions = numpy.zeros(env.action_space.shape, numpy.float32)
         observations, rewards, terminations, truncations, infos = env.step(actions)
 
-engine: "none" (targets straight to the motor model, true angles), "native" (the firmware's C, serial line,
-potentiometers), "h8" (the firmware's image in the emulator): the same task with more and more of the truth.
+engine: how much of the robot is simulated. "none": targets go directly to the motor model, and angles are
+true. "native": also the firmware's C code, serial line and potentiometers. "h8": the firmware image in the
+emulator.
 
-An action is -1..1 for each controlled joint: an offset from the posture HOME, `reach` rad at most. A period
-is 20 ms. Without gymnasium the spaces are `Box` and `Dict` of this module, with the same members.
+An action is a number from -1 to 1 for each controlled joint: an offset from the posture HOME, at most `reach`
+rad. A period is 20 ms. Without gymnasium, the spaces are `Box` and `Dict` of this module, with the same
+members.
 """
 
 import os
@@ -79,7 +81,7 @@ try:
     from gymnasium.vector import VectorEnv as _VectorEnv  # type: ignore
 except ImportError:
     class _Env:  # type: ignore
-        """What Gymnasium's classes of this name have besides spaces, reset and step."""
+        """Members of Gymnasium's class besides spaces, reset and step."""
 
         metadata = {"render_modes": []}
         render_mode = None
@@ -119,7 +121,7 @@ AUTORESET_MODES = ("next_step", "same_step", "disabled")
 
 
 def _up(trunk):
-    """The world's z component of the trunk's z axis: 1 upright, 0 lying."""
+    """Returns the z component of the trunk's z axis in the world: 1 upright, 0 lying."""
     x, y = trunk[:, 3], trunk[:, 4]
     return 1 - 2 * (x * x + y * y)
 
@@ -130,32 +132,32 @@ def _heading(trunk):
 
 
 class _Task:
-    """What is asked of the robots. Rows of arrays are robots."""
+    """A task for the robots. Each row of an array is a robot."""
 
     world, joints, reach, features, episode_s = "empty", _LEGS, 0.4, 0, 10.0
-    lowest = 0.6  # share of its height at the start below which the trunk counts as fallen
+    lowest = 0.6  # a trunk below this share of its initial height counts as fallen
 
     def begin(self, i, random, env):
-        """Robot i starts anew."""
+        """Called when robot i starts an episode."""
 
     def before(self, env, active):
-        """Before a period of the robots in `active`."""
+        """Called before each period; `active`: robots whose episode runs."""
 
     def look(self, env, state):
-        """The task's part of the observation: robots x features."""
+        """Returns the task's part of the observation: robots x features."""
         return numpy.zeros((env.num_envs, 0))
 
     def judge(self, env, state, actions):
-        """Reward of the period, and who has reached what was asked."""
+        """Returns the period's rewards, and which robots have reached the goal."""
         raise NotImplementedError
 
 
 class Stand(_Task):
     """Stay upright under pushes of 0.2 to 0.8 N s against the trunk, from any side, every 1 to 2 s.
 
-    Who holds the posture HOME withstands 0.5 N s, and falls by 0.8.
+    A robot that only holds the posture HOME withstands 0.5 N s, and falls at 0.8.
 
-    Reward: 1 a period, less a twentieth of the actions' mean square. Ends by a fall.
+    Reward: 1 per period, minus 1/20 of the actions' mean square. A fall ends the episode.
     """
 
     joints = _LEGS + _ARMS
@@ -178,10 +180,10 @@ class Stand(_Task):
 
 
 class Walk(_Task):
-    """Come within 5 cm of a place 0.3 to 0.6 m away, up to 17 degrees aside.
+    """Walk to within 5 cm of a place that is 0.3 to 0.6 m away, up to 17 degrees to either side.
 
-    Features: the place from the trunk, m. Reward: 10 a metre of approach, 10 at the place, less a hundredth
-    of the actions' mean square. Ends there, or by a fall.
+    Features: the place relative to the trunk, m. Reward: 10 per meter of approach, 10 at the place, minus
+    1/100 of the actions' mean square. Arrival or a fall ends the episode.
     """
 
     features, episode_s = 2, 20.0
@@ -209,8 +211,8 @@ class Walk(_Task):
 class Turn(_Task):
     """Turn on the spot by 0.5 to 2.6 rad, to either side, and stay within 10 degrees for half a second.
 
-    Features: sine and cosine of what is left. Reward: 5 a radian of progress, 10 at the end, less a hundredth
-    of the actions' mean square. Ends there, or by a fall.
+    Features: sine and cosine of the remaining angle. Reward: 5 per radian of progress, 10 at the end, minus
+    1/100 of the actions' mean square. Success or a fall ends the episode.
     """
 
     features, episode_s, hold_s = 2, 20.0, 0.5
@@ -240,10 +242,10 @@ class Turn(_Task):
 
 
 class Look(_Task):
-    """Keep the left eye on a ball that is flicked at the start.
+    """Keep the left eye on a ball that is pushed at the start.
 
     Features: the ball's direction in the eye's frame (right, down, ahead). Reward: the cosine of the angle
-    between the eye's axis and the ball. Ends by a fall.
+    between the eye's axis and the ball. A fall ends the episode.
     """
 
     world, joints, reach, features = "ball", ["neck_pan", "neck_tilt"], 1.2, 3
@@ -267,17 +269,17 @@ class Look(_Task):
 
 
 class Catch(_Task):
-    """Look for a ball, walk to it, and lift it clear of the floor by 2 cm for half a second.
+    """Search for a ball, walk to it, and lift it 2 cm off the floor for half a second.
 
-    It lies 70 degrees to the right at 0.5 m, out of view, and is flicked at the start.
+    The ball lies out of view, 0.5 m away and 70 degrees to the right. It is pushed at the start.
 
     Features: the ball in the left eye's frame (right, down, ahead), m, and whether it is seen (1, else 0).
-    With pictures both are what kaz.vision.BallDetector finds in the newest left one; while it finds nothing,
-    the ball stays where it was last seen, at first at 0. Without pictures they are the simulation's truth,
-    in view or not.
+    With pictures, kaz.vision.BallDetector computes both from the newest left picture. If it finds no ball,
+    the position is the last one seen, initially 0. Without pictures, both are ground truth, in view or not.
 
-    Reward: 5 a metre by which the middle between the hands comes nearer to the ball, 0.1 a period of the ball
-    clear of the floor, 10 at the end, less a hundredth of the actions' mean square. Ends there, or by a fall.
+    Reward: 5 per meter by which the middle between the hands approaches the ball, 0.1 per period with the
+    ball off the floor, 10 at the end, minus 1/100 of the actions' mean square. Success or a fall ends the
+    episode.
     """
 
     world, joints, reach, features, episode_s = "catch", list(JOINTS), 1.2, 4, 60.0
@@ -328,17 +330,17 @@ TASKS = {"stand": Stand, "walk": Walk, "turn": Turn, "look": Look, "catch": Catc
 class VectorEnv(_VectorEnv):
     """Robots that are reset and stepped together.
 
-    task: a name of TASKS, or an object with the members of one. threads: 0 is one a core.
-    autoreset_mode: "next_step" (Gymnasium's default), "same_step" (the last observation is
-    infos["final_obs"]), or "disabled" (reset(options={"reset_mask": ...})). sensors, dynamics, imu and the
-    like go to the simulation.
+    task: a name from TASKS, or an object with the same members. threads: 0 means one per core.
+    autoreset_mode: "next_step" (Gymnasium's default), "same_step" (the last observation is in
+    infos["final_obs"]), or "disabled" (reset(options={"reset_mask": ...})). Other arguments, such as sensors,
+    dynamics and imu, go to the simulation.
 
     One call at a time: while step() or reset() runs, another thread's call raises RuntimeError.
 
-    pictures: "ideal" or "real", the kind of eyes; not on the engine "none". Observations are then a dict:
-    "state", which is all there is without, and "pictures", the newest pair that has reached the host, of
-    30 a second: robots x 2 (left, right) x height x width x 3 bytes, RGB. infos["picture_age_s"]: time since
-    its exposure.
+    pictures: "ideal" or "real", the kind of eyes; not with engine "none". Each observation is then a dict.
+    "state" is the observation without pictures. "pictures" is the newest pair that has reached the host, of
+    30 per second: robots x 2 (left, right) x height x width x 3 bytes, RGB. infos["picture_age_s"] is the
+    time since its exposure.
     """
 
     def __init__(self, task="stand", num_envs=8, engine="native", threads=0, autoreset_mode="next_step",
@@ -390,20 +392,21 @@ class VectorEnv(_VectorEnv):
             0, 255, shape + (2, camera.height, camera.width, 3), numpy.uint8)})
 
     def reset(self, *, seed=None, options=None):
-        """seed: of the first robot, the others have those that follow; or one a robot; None: goes on with the
-        random numbers that it has. options["reset_mask"]: which robots."""
+        """seed: the first robot's seed, from which the others count up; or one seed per robot; or None, which
+        continues the current random numbers. options["reset_mask"]: the robots to reset. Returns
+        observations, infos."""
         mask = numpy.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
             mask = numpy.asarray(options["reset_mask"], bool)
             if mask.shape != (self.num_envs,):
-                raise UsageError(f"reset_mask has {mask.shape}, and must have ({self.num_envs},)")
+                raise UsageError(f"reset_mask: the shape is {mask.shape}, and must be ({self.num_envs},)")
         seeds = [None] * self.num_envs
         if seed is not None:
             seeds = [seed + i for i in range(self.num_envs)] if numpy.ndim(seed) == 0 else list(seed)
             if len(seeds) != self.num_envs:
-                raise UsageError(f"seed: give one, or {self.num_envs}")
+                raise UsageError(f"seed: give one, or {self.num_envs} of them")
         if self.batch is None:
-            raise UsageError("the environment is closed: make another")
+            raise UsageError("the environment is closed: make another one")
         for i in numpy.flatnonzero(mask):
             if seeds[i] is not None or self.randoms[i] is None:
                 self.randoms[i] = numpy.random.default_rng(seeds[i])
@@ -415,14 +418,14 @@ class VectorEnv(_VectorEnv):
     def step(self, actions):
         if not self._begun or self.batch is None:
             raise UsageError("step: call reset() first" if not self._begun else
-                             "the environment is closed: make another")
+                             "the environment is closed: make another one")
         actions = numpy.asarray(actions, float)
         if actions.shape != self._action.shape:
-            raise UsageError(f"actions have {actions.shape}, and must have {self._action.shape}")
+            raise UsageError(f"actions: the shape is {actions.shape}, and must be {self._action.shape}")
         restarting = numpy.zeros(self.num_envs, bool)
         if self._done.any():
             if self.autoreset_mode == "disabled":
-                raise UsageError("an episode has ended: reset(options={'reset_mask': ...}) it first")
+                raise UsageError("an episode has ended: call reset(options={'reset_mask': ...}) first")
             restarting = self._done.copy()  # "next_step"
             self._restart(restarting)
         active = ~restarting
@@ -453,7 +456,7 @@ class VectorEnv(_VectorEnv):
         return observations, rewards, terminations, truncations, infos
 
     def render(self):
-        raise UsageError("render: there is none; give pictures=, or look at a run with kaz run --view")
+        raise UsageError("render: not supported; give pictures=, or watch a run with kaz run --view")
 
     def close(self, **_):
         self.batch = None
@@ -482,7 +485,7 @@ class VectorEnv(_VectorEnv):
 
 
 class Env(_Env):
-    """One robot by Gymnasium's interface of a single environment; the arguments are VectorEnv's."""
+    """One robot with Gymnasium's interface of a single environment. Takes the arguments of VectorEnv."""
 
     metadata = {"render_modes": []}
     render_mode = None
@@ -490,20 +493,21 @@ class Env(_Env):
     def __init__(self, task="stand", engine="native", episode_s=None, pictures=None, **simulation):
         for name in ("num_envs", "threads", "autoreset_mode"):
             if name in simulation:
-                raise UsageError(f"{name}: an Env is one robot; VectorEnv has {name}")
+                raise UsageError(f"{name}: only valid with VectorEnv; an Env is one robot")
         self._one = VectorEnv(task, num_envs=1, engine=engine, threads=1, autoreset_mode="disabled",
                               episode_s=episode_s, pictures=pictures, **simulation)
         self.action_space = self._one.single_action_space
         self.observation_space = self._one.single_observation_space
 
     def reset(self, *, seed=None, options=None):
-        """options: none are known. Returns observation, infos."""
+        """options: ignored. Returns observation, infos."""
         observation, infos = self._one.reset(seed=seed)
         self._np_random = self._one.randoms[0]
         return _first(observation), {name: row[0].item() for name, row in infos.items()}
 
     def step(self, action):
-        """Returns observation, reward, terminated, truncated, infos; after an episode ends: reset() first."""
+        """Returns observation, reward, terminated, truncated, infos. After the end of an episode, call
+        reset() first."""
         observation, reward, ended, cut, infos = self._one.step(numpy.asarray(action, float)[None])
         return (_first(observation), float(reward[0]), bool(ended[0]), bool(cut[0]),
                 {name: row[0].item() for name, row in infos.items()})

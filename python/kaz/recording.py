@@ -1,6 +1,6 @@
 # Recordings (MCAP) as numpy arrays and dicts, decoded by the schemas of their channels.
 # SPDX-License-Identifier: Apache-2.0
-"""Recording("recording.mcap"): what `kaz run --out` and Simulation(recording=...) leave."""
+"""Recording("recording.mcap"): reads recordings of `kaz run --out` and Simulation(recording=...)."""
 
 import json
 import os
@@ -42,10 +42,10 @@ class _Schema:
         for name, fields in self.types.items():  # "Header" is std_msgs/Header
             if name.rpartition("/")[2] == kind:
                 return fields
-        raise UsageError(f"the schema does not say what {kind} is")
+        raise UsageError(f"the schema does not define {kind}")
 
     def dtype(self, kind=""):
-        """The numpy type of a message of fixed size; None if it has texts or lists."""
+        """Returns the numpy type of a message of fixed size; None for a message with texts or lists."""
         columns = []
         for name, of, array in self._type(kind):
             if array == "" or of == "string":
@@ -62,7 +62,7 @@ class _Schema:
     def decode(self, data):
         value, at = self._decode("", memoryview(data), 0)
         if at != len(data):
-            raise UsageError(f"a message has {len(data)} bytes, its schema {at}")
+            raise UsageError(f"a message has {len(data)} bytes, but its schema {at}")
         return value
 
     def _decode(self, kind, data, at):
@@ -102,7 +102,8 @@ class _Schema:
 class Recording:
     """A recording in memory.
 
-    topics: how many messages each topic has. facts: version, world, seed and the like. duration_s.
+    topics: number of messages by topic. facts: version, world, seed and others. duration_s: length.
+    whole: False if the file is incomplete.
     """
 
     def __init__(self, path):
@@ -116,14 +117,14 @@ class Recording:
     def _schema(self, topic):
         if topic not in self.topics:
             known = ", ".join(sorted(self.topics))
-            raise UsageError(f"no topic '{topic}' in this recording; there are {known}")
+            raise UsageError(f"no topic '{topic}' in this recording: must be one of {known}")
         known = re.sub(r"^/wire/\d+/", "/wire/", topic)  # of a second board
         if known not in self._schemas:
-            raise UsageError(f"this version of Kaz does not know the topic '{topic}'")
+            raise UsageError(f"topic '{topic}' is unknown in this version of Kaz")
         return self._schemas[known]
 
     def messages(self, topic):
-        """Pairs of time (s) and message, a dict."""
+        """Returns pairs of time (s) and message (a dict)."""
         encoding, _, text = self._schema(topic)
         if encoding == "json":
             return [(1e-9 * time, json.loads(data)) for time, data in self._file.messages(topic)]
@@ -131,16 +132,16 @@ class Recording:
         return [(1e-9 * time, schema.decode(data)) for time, data in self._file.messages(topic)]
 
     def array(self, topic):
-        """All messages of a topic whose messages have one size, as a structured array, `time` (s) first.
+        """Returns all messages of a topic as a structured array, `time` (s) first. They must have one size.
 
-        array("/truth/joints")["angle"] has a row a message and a column a joint."""
+        array("/truth/joints")["angle"] has a row for each message and a column for each joint."""
         encoding, name, text = self._schema(topic)
         dtype = None if encoding == "json" else _Schema(text).dtype()
         if dtype is None:
             raise UsageError(f"messages of '{topic}' ({name}) have no fixed size: use messages()")
         times, data = self._file.joined(topic)
         if len(data) != len(times) * dtype.itemsize:
-            raise UsageError(f"messages of '{topic}' are of another size than {name} has in this version")
+            raise UsageError(f"messages of '{topic}' have another size than {name} in this version")
         table = numpy.frombuffer(data, dtype)
         made = numpy.empty(len(times), [("time", "<f8")] + [(n, dtype.fields[n][0]) for n in dtype.names])
         made["time"] = 1e-9 * times

@@ -22,7 +22,8 @@ tools::BackendOptions take_world_arguments(py::dict& arguments) {
   options.eyes = named("eyes", text("eyes", to_string(options.eyes)), sim::kEyeKinds);
   options.eye_width = take<int>(arguments, "eye_width", 0);
   if (options.eye_width != 0 && options.eye_width != 320 && options.eye_width != 640)
-    raise({Fault::usage, "eye_width is 320 or 640"});
+    raise(
+        {Fault::usage, "eye_width " + std::to_string(options.eye_width) + ": must be 320 or 640"});
   options.renderer =
       named("renderer", text("renderer", to_string(options.renderer)), sim::kRendererKinds);
   options.sensors = named("sensors", text("sensors", to_string(options.sensors)), sim::kSensorSets);
@@ -30,7 +31,7 @@ tools::BackendOptions take_world_arguments(py::dict& arguments) {
   options.physics_step_ms = take<double>(arguments, "physics_step_ms", options.physics_step_ms);
   options.supply_volts = take<double>(arguments, "supply_volts", options.supply_volts);
   if (!(options.supply_volts >= tools::kMinSupply_v && options.supply_volts <= tools::kMaxSupply_v))
-    raise({Fault::usage, "supply_volts is 1 to 20 V"});
+    raise({Fault::usage, "supply_volts: must be 1 to 20 V"});
   options.suspended = take<bool>(arguments, "suspended", false);
   options.imu = take<bool>(arguments, "imu", false);
   options.faults = text("faults", "");

@@ -131,11 +131,11 @@ Batch::~Batch() = default;
 
 Result<std::unique_ptr<Batch>> Batch::create(BatchOptions options) {
   if (options.robots < 1 || options.robots > 4096)
-    return fail(Fault::usage, "num_envs is 1 to 4096");
+    return fail(Fault::usage, "num_envs " + std::to_string(options.robots) + ": must be 1 to 4096");
   if (options.threads < 1 || options.threads > 256)
-    return fail(Fault::usage, "threads is 1 to 256");
+    return fail(Fault::usage, "threads " + std::to_string(options.threads) + ": must be 1 to 256");
   if (options.period_ms < 20 || options.period_ms > 200)
-    return fail(Fault::usage, "period is 0.02 to 0.2 s");
+    return fail(Fault::usage, "period_s: must be 0.02 to 0.2 s");
   std::unique_ptr<Batch> batch(new Batch(std::move(options)));
   sim::SimulationOptions& files = batch->options_.simulation;
   files.mcu = batch->options_.engine == Engine::h8 ? sim::McuKind::h8 : sim::McuKind::native;
@@ -146,7 +146,8 @@ Result<std::unique_ptr<Batch>> Batch::create(BatchOptions options) {
   world.step_s = 1e-3 * files.physics_step_ms;
   batch->prototype_ = KAZ_TRY(sim::World::load(files.world_path, files.robot_path, world));
   if (batch->prototype_->joint_order().size() != kJoints)
-    return fail(Fault::usage, "VectorEnv is for robots of " + std::to_string(kJoints) + " joints");
+    return fail(Fault::usage,
+                "VectorEnv: the robot must have " + std::to_string(kJoints) + " joints");
   batch->has_ball_ = batch->prototype_->object_position("ball").has_value();
   batch->camera_ = KAZ_TRY(sim::CameraFile::load(files.camera_path));
   batch->camera_.ideal = files.eyes == sim::EyeKind::ideal;
@@ -156,7 +157,7 @@ Result<std::unique_ptr<Batch>> Batch::create(BatchOptions options) {
   }
   if (batch->options_.pictures) {
     if (batch->options_.engine == Engine::none)
-      return fail(Fault::usage, "pictures need the engine native or h8");
+      return fail(Fault::usage, "pictures: the engine must be native or h8");
     if (batch->prototype_->head_frame() < 0 || files.eyes == sim::EyeKind::none)
       return tl::unexpected(sim::Simulation::no_eyes());
     batch->renderers_ = std::make_unique<Renderers>(batch->prototype_->scene(), files.renderer);
@@ -380,7 +381,7 @@ const vision::StereoImages* Batch::pictures(std::size_t i) const {
 
 Result<Batch::Robot*> Batch::robot_at(int robot) const {
   if (robot < 0 || robot >= options_.robots)
-    return fail(Fault::usage, "robot " + std::to_string(robot) + ": there are 0 to " +
+    return fail(Fault::usage, "robot " + std::to_string(robot) + ": must be 0 to " +
                                   std::to_string(options_.robots - 1));
   Robot* const found = robots_[static_cast<std::size_t>(robot)].get();
   if (found == nullptr) return fail(Fault::usage, "call reset() first");

@@ -49,7 +49,7 @@ std::map<std::string, std::string> settings_of(const py::dict& given) {
 py::dict run_behavior(const std::string& name, const py::kwargs& given) {
   if (behavior::names_plugin(name))
     raise({Fault::usage, "run_behavior: " + name + ": plug-ins run as `kaz run " + name +
-                             "`; give the name of a behavior that kaz.behaviors() lists"});
+                             "`; give a name from kaz.behaviors()"});
   py::dict arguments(given);
   tools::SessionOptions session;
   const bool named = arguments.contains("world");

@@ -27,13 +27,13 @@ std::unique_ptr<Robots> make(const py::kwargs& given) {
   options.settle_ms =
       static_cast<int>(std::lround(1000 * take<double>(arguments, "settle_s", 0.3)));
   if (options.settle_ms < 10 || options.settle_ms > 10'000)
-    raise({Fault::usage, "settle_s is 0.01 to 10 s"});
+    raise({Fault::usage, "settle_s: must be 0.01 to 10 s"});
   options.kp_per_rad = take<double>(arguments, "kp", options.kp_per_rad);
   options.kd_s_per_rad = take<double>(arguments, "kd", options.kd_s_per_rad);
   const auto posture =
       take<std::vector<double>>(arguments, "posture", std::vector<double>(KZ_JOINTS));
   if (posture.size() != KZ_JOINTS)
-    raise({Fault::usage, "posture: give " + std::to_string(KZ_JOINTS) + " angles, rad"});
+    raise({Fault::usage, "posture: give " + std::to_string(KZ_JOINTS) + " angles in rad"});
   std::ranges::copy(posture, options.posture.begin());
   options.pictures = take<bool>(arguments, "pictures", false);
   const tools::BackendOptions backend = take_world_arguments(arguments);
@@ -85,7 +85,7 @@ py::array_t<std::uint8_t> pictures_of(Robots& robots) {
   const auto [count, camera] = robots.alone([](Batch& batch) {
     return std::pair(batch.options().pictures ? batch.options().robots : 0, batch.camera());
   });
-  if (count == 0) raise({Fault::usage, "this batch has no pictures"});
+  if (count == 0) raise({Fault::usage, "this Batch has no pictures: make it with pictures=True"});
   py::array_t<std::uint8_t> all({count, 2, camera.height, camera.width, 3});
   std::uint8_t* to = all.mutable_data();
   const auto bytes = static_cast<std::size_t>(3 * camera.width * camera.height);
@@ -118,15 +118,15 @@ void step(Robots& robots, const Numbers& targets,
           const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& resting) {
   const int count = count_of(robots);
   if (targets.ndim() != 2 || targets.shape(0) != count || targets.shape(1) != KZ_JOINTS)
-    raise({Fault::usage, "step: targets are an array of " + std::to_string(count) + " x " +
-                             std::to_string(KZ_JOINTS) + " angles, rad"});
+    raise({Fault::usage, "step: targets must be an array of " + std::to_string(count) + " x " +
+                             std::to_string(KZ_JOINTS) + " angles in rad"});
   if (resting.ndim() != 1 || resting.shape(0) != count)
-    raise({Fault::usage, "step: `resting` has a flag for each robot"});
+    raise({Fault::usage, "step: `resting` must have a flag for each robot"});
   // Copies: without the GIL another thread may write into the arrays.
   const std::vector<double> angles(targets.data(), targets.data() + targets.size());
   const std::vector<std::uint8_t> flags(resting.data(), resting.data() + resting.size());
   if (!std::ranges::all_of(angles, [](double x) { return std::isfinite(x); }))
-    raise({Fault::usage, "step: a target is not finite"});
+    raise({Fault::usage, "step: targets must be finite"});
   value_of(robots.alone([&](Batch& batch) { return batch.step(angles, flags); }));
   check_signals();
 }
@@ -149,7 +149,7 @@ void add_environment(py::module_& module) {
           [](Robots& robots, int robot, const std::string& link,
              const std::array<double, 3>& impulse) {
             const Eigen::Vector3d vector(impulse.data());
-            if (!vector.allFinite()) raise({Fault::usage, "push: the impulse is not finite"});
+            if (!vector.allFinite()) raise({Fault::usage, "push: the impulse must be finite"});
             value_of(robots.alone([&](Batch& batch) { return batch.push(robot, link, vector); }));
           },
           py::arg("robot"), py::arg("link"), py::arg("impulse"))
@@ -158,7 +158,7 @@ void add_environment(py::module_& module) {
           [](Robots& robots, int robot, const std::string& model,
              const std::array<double, 3>& change) {
             const Eigen::Vector3d vector(change.data());
-            if (!vector.allFinite()) raise({Fault::usage, "accelerate: the change is not finite"});
+            if (!vector.allFinite()) raise({Fault::usage, "accelerate: the change must be finite"});
             value_of(
                 robots.alone([&](Batch& batch) { return batch.accelerate(robot, model, vector); }));
           },

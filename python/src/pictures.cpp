@@ -42,7 +42,7 @@ Pair pair_of(const vision::StereoPair& pair) {
 vision::Image image_of(
     const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& picture) {
   if (picture.ndim() != 3 || picture.shape(2) != 3)
-    raise({Fault::usage, "a picture is an array of height x width x 3 bytes, RGB"});
+    raise({Fault::usage, "a picture must be an array of height x width x 3 bytes (RGB)"});
   vision::Image image;
   image.height = static_cast<int>(picture.shape(0));
   image.width = static_cast<int>(picture.shape(1));

@@ -20,7 +20,7 @@ using Joints = std::vector<JointKey>;
 int joint_of(const JointKey& key) {
   if (const int* number = std::get_if<int>(&key)) {
     if (*number >= 0 && *number < KZ_JOINTS) return *number;
-    raise({Fault::usage, "joint " + std::to_string(*number) + ": give 0 to " +
+    raise({Fault::usage, "joint " + std::to_string(*number) + ": must be 0 to " +
                              std::to_string(KZ_JOINTS - 1) + ", or a name"});
   }
   const std::string& name = std::get<std::string>(key);
@@ -28,7 +28,7 @@ int joint_of(const JointKey& key) {
   std::string names;
   for (const host::JointInfo& joint : host::joint_table())
     names += (names.empty() ? "" : ", ") + std::string(joint.name);
-  raise({Fault::usage, "no joint '" + name + "'; there are " + names});
+  raise({Fault::usage, "joint '" + name + "': must be one of " + names});
 }
 
 std::uint32_t mask_of(const std::optional<Joints>& joints) {
@@ -41,7 +41,7 @@ std::uint32_t mask_of(const std::optional<Joints>& joints) {
 Time time_of(const char* what, double seconds_, double most) {
   if (!(seconds_ >= 0 && seconds_ <= most))
     raise({Fault::usage,
-           std::string(what) + " is 0 to " + std::to_string(static_cast<int>(most)) + " s"});
+           std::string(what) + ": must be 0 to " + std::to_string(static_cast<int>(most)) + " s"});
   return from_seconds(seconds_);
 }
 
@@ -51,7 +51,7 @@ using Targets = std::variant<std::map<JointKey, double>, std::vector<double>>;
 std::vector<host::JointTarget> targets_of(const Targets& given) {
   std::vector<host::JointTarget> targets;
   const auto add = [&targets](int joint, double angle) {
-    if (!std::isfinite(angle)) raise({Fault::usage, "a target angle is not finite"});
+    if (!std::isfinite(angle)) raise({Fault::usage, "targets: angles must be finite"});
     targets.push_back({joint, angle});
   };
   if (const auto* some = std::get_if<std::map<JointKey, double>>(&given)) {
@@ -83,8 +83,7 @@ class PythonRobot {
     backend.robot_file = robot_file;
     backend.address = address;
     backend.needs_camera = false;
-    if (port == "sim")
-      raise({Fault::usage, "Robot('sim'): make a Simulation first, and give that"});
+    if (port == "sim") raise({Fault::usage, "Robot('sim'): pass a Simulation instead"});
     port_ =
         value_of(released([&] { return tools::SessionBackend::open(backend, lock_.interrupt()); }));
     robot_.emplace(value_of(released([&] {
@@ -126,7 +125,7 @@ class PythonRobot {
 
   // Ctrl-C ends it; the motors stay on.
   void sleep(double seconds_) {
-    const Time left = time_of("sleep: the time", seconds_, 1e6);
+    const Time left = time_of("sleep: seconds", seconds_, 1e6);
     LockedCall call(lock_);
     std::optional<Time> until;
     const auto piece = [&](host::Robot& robot) -> Result<bool> {
@@ -174,7 +173,7 @@ class PythonRobot {
 
   template <class F>
   std::invoke_result_t<F, host::Robot&> with_robot(F work) {
-    if (!robot_) return fail(Fault::usage, "this robot is closed: make another one");
+    if (!robot_) return fail(Fault::usage, "this Robot is closed: make another one");
     return work(*robot_);
   }
 
@@ -190,7 +189,7 @@ class PythonRobot {
 
 host::ConnectOptions options_of(double watchdog, const std::string& reaction) {
   host::ConnectOptions options;
-  if (!(watchdog >= 0.01 && watchdog <= 1)) raise({Fault::usage, "watchdog is 0.01 to 1 s"});
+  if (!(watchdog >= 0.01 && watchdog <= 1)) raise({Fault::usage, "watchdog: must be 0.01 to 1 s"});
   options.watchdog = from_seconds(watchdog);
   options.reaction = named("when_lost", reaction, host::kReactions);
   return options;
@@ -257,7 +256,8 @@ void add_robot(py::module_& module) {
            py::arg("when_lost") = "hold")
       .def(py::init([](const std::string& port, const std::string& robot_file, int address,
                        double watchdog, const std::string& when_lost) {
-             if (address < 1 || address > 14) raise({Fault::usage, "address is 1 to 14"});
+             if (address < 1 || address > 14)
+               raise({Fault::usage, "address " + std::to_string(address) + ": must be 1 to 14"});
              return std::make_unique<Robot>(port, robot_file, static_cast<std::uint8_t>(address),
                                             options_of(watchdog, when_lost));
            }),
@@ -316,8 +316,8 @@ void add_robot(py::module_& module) {
       // Not &Robot::stop: pybind11 would take self by pointer, so None would be null.
       .def(
           "stop", [](Robot& self) { self.stop(); },
-          "Motors off at once, from any thread: the running call ends and raises Stopped. Returns "
-          "when the board has confirmed.")
+          "Switches the motors off at once. Can be called from any thread: the running call ends "
+          "and raises Stopped. Returns when the board has confirmed.")
       .def("clear",
            [](Robot& self) { self.alone([&](host::Robot& robot) { return robot.clear(); }); })
       .def(
@@ -330,7 +330,8 @@ void add_robot(py::module_& module) {
                              })
       .def(
           "close", [](Robot& self) { self.close(); },
-          "Motors off, and the port closed; from any thread, as stop().")
+          "Switches the motors off and closes the port. Can be called from any thread, like "
+          "stop().")
       .def(
           "__enter__", [](Robot& self) -> Robot& { return self; },
           py::return_value_policy::reference)

@@ -22,7 +22,7 @@ constexpr std::int64_t kMillisecondsBetweenSignals = 200;
 // Steps of a millisecond; Ctrl-C and a robot's stop() end them.
 void step(SimulatedWorld& world, double seconds) {
   if (!(seconds >= 0.001 && seconds <= 1e6))
-    raise({Fault::usage, "step: give at least 0.001 s, and 1e6 s at most"});
+    raise({Fault::usage, "step: seconds must be 0.001 to 1e6"});
   auto left = static_cast<std::int64_t>(std::llround(seconds * 1000));
   LockedCall call(world.lock());
   while (left > 0) {
@@ -81,7 +81,7 @@ py::array_t<double> link_pose(SimulatedWorld& world, const std::string& link) {
   if (std::ranges::find(names, link) == names.end()) {
     std::string known;
     for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
-    raise({Fault::usage, "no link '" + link + "'; there are " + known});
+    raise({Fault::usage, "link '" + link + "': must be one of " + known});
   }
   return matrix_of(
       world.alone([&](sim::Simulation& simulation) { return simulation.world().link_pose(link); }));
@@ -100,13 +100,13 @@ std::vector<Pair> pairs(SimulatedWorld& world) {
 py::array picture(SimulatedWorld& world, const std::array<double, 3>& from,
                   const std::array<double, 3>& at, int width, int height, double view_rad) {
   if (width < 16 || height < 16 || width > 4096 || height > 4096)
-    raise({Fault::usage, "picture: width and height are 16 to 4096 pixels"});
+    raise({Fault::usage, "picture: width and height must be 16 to 4096 pixels"});
   if (!(view_rad > 0.01 && view_rad < 3.0))
-    raise({Fault::usage, "picture: view_rad, the angle across the picture, is 0.01 to 3 rad"});
+    raise({Fault::usage, "picture: view_rad, the horizontal field of view, must be 0.01 to 3 rad"});
   const Eigen::Vector3d eye(from.data()), target(at.data());
   if (!eye.allFinite() || !target.allFinite() || (target - eye).head<2>().norm() < 1e-6)
     raise({Fault::usage,
-           "picture: `from_` and `at` are places in the world, m, not one above the other"});
+           "picture: `from_` and `at` must be finite positions in m, not one above the other"});
   sim::View view;
   view.camera = sim::Pinhole::from_horizontal_view(width, height, view_rad);
   view.world_from_optical = sim::look_at(eye, target);
@@ -182,7 +182,7 @@ void add_simulation(py::module_& module) {
           "push",
           [](World& w, const std::string& link, const std::array<double, 3>& impulse) {
             const Eigen::Vector3d vector(impulse.data());
-            if (!vector.allFinite()) raise({Fault::usage, "push: the impulse is not finite"});
+            if (!vector.allFinite()) raise({Fault::usage, "push: the impulse must be finite"});
             value_of(w.alone([&](Simulation& s) { return s.world().push(link, vector); }));
           },
           py::arg("link"), py::arg("impulse"))

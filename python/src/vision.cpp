@@ -68,7 +68,7 @@ py::array_t<float> find_flow(FlowFinder& finder, const Picture& before, const Pi
 py::tuple find_planes(PlaneFinder& finder, const Disparity& disparity,
                       const vision::CameraModel& camera) {
   if (disparity.ndim() != 2)
-    raise({Fault::usage, "a disparity image is an array of height x width numbers, px"});
+    raise({Fault::usage, "a disparity image must be an array of height x width numbers in px"});
   vision::DepthImage depth;
   depth.info = info_of(camera);
   depth.height = static_cast<int>(disparity.shape(0));
@@ -100,7 +100,7 @@ void add_vision(py::module_& module) {
   py::class_<BallDetector>(module, "BallDetector")
       .def(py::init([](double radius_m, double min_confidence) {
              if (!(radius_m > 0) || !std::isfinite(radius_m))
-               raise({Fault::usage, "radius_m is above 0 m"});
+               raise({Fault::usage, "radius_m: must be above 0 m"});
              vision::BallOptions options;
              options.radius_m = radius_m;
              options.min_confidence = min_confidence;

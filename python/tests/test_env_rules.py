@@ -125,7 +125,7 @@ class Rules(unittest.TestCase):
         self.assertTrue(env.step(action)[3])
         with self.assertRaisesRegex(kaz.UsageError, "episode has ended"):
             env.step(action)
-        with self.assertRaisesRegex(kaz.UsageError, "there is none"):
+        with self.assertRaisesRegex(kaz.UsageError, "not supported"):
             env.render()
         env.close()
         env.close()

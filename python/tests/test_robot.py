@@ -98,9 +98,9 @@ class Simulation(unittest.TestCase):
     def test_wrong_values_are_sentences(self):
         for make, part in ((lambda: kaz.Simulation(world="wing"), "no world `wing`"),
                            (lambda: kaz.Simulation(mcu="h9"), "mcu 'h9': give one of h8, native"),
-                           (lambda: kaz.Simulation(supply_volts=200), "supply_volts is 1 to 20 V"),
-                           (lambda: kaz.Simulation(world="empty").step(-1), "at least 0.001 s"),
-                           (lambda: kaz.Simulation(world="empty").link_pose("wing"), "no link 'wing'"),
+                           (lambda: kaz.Simulation(supply_volts=200), "supply_volts: must be 1 to 20 V"),
+                           (lambda: kaz.Simulation(world="empty").step(-1), "must be 0.001 to"),
+                           (lambda: kaz.Simulation(world="empty").link_pose("wing"), "link 'wing': must be"),
                            (lambda: kaz.Simulation(world="empty").restore(b"nothing"), "")):
             with self.assertRaises(kaz.UsageError) as raised:
                 make()

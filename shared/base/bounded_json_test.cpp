@@ -32,19 +32,19 @@ TEST(BoundedJson, CommentsHideNoLevels) {
   for (const char* comment : {"//\"\n", "/* \" */", "/* [ */ //\\\"\n"}) {
     EXPECT_EQ(refusal(comment + deep, JsonComments::ignored), "it nests deeper than 64 levels");
     EXPECT_EQ(refusal(comment + nested(64), JsonComments::ignored), "") << comment;
-    EXPECT_EQ(refusal(comment + deep), "line 1 is no JSON");
+    EXPECT_EQ(refusal(comment + deep), "line 1 is not valid JSON");
   }
 }
 
 TEST(BoundedJson, SaysInOneSentenceWhatIsWrong) {
-  EXPECT_EQ(refusal("{\n\"a\": 1,\n}"), "line 3 is no JSON");
-  EXPECT_EQ(refusal(""), "line 1 is no JSON");
+  EXPECT_EQ(refusal("{\n\"a\": 1,\n}"), "line 3 is not valid JSON");
+  EXPECT_EQ(refusal(""), "line 1 is not valid JSON");
   EXPECT_EQ(refusal("[1,\n1e999]"), "line 2 has a number that is too large");
   EXPECT_EQ(refusal(R"({"a": {"b": 1}, "b": 2})"), "");
-  EXPECT_EQ(refusal(R"({"a": {"b": 1, "b": 2}})"), "\"b\" is there twice");
+  EXPECT_EQ(refusal(R"({"a": {"b": 1, "b": 2}})"), "\"b\" occurs twice");
   const std::string key(50'000, 'k');
   EXPECT_EQ(refusal("{\"" + key + "\":1,\"" + key + "\":1}"),
-            "\"" + key.substr(0, 80) + "...\" is there twice");
+            "\"" + key.substr(0, 80) + "...\" occurs twice");
 }
 
 TEST(BoundedJson, ASampleOfAValueIsShort) {

@@ -73,7 +73,8 @@ std::vector<Fault> Schedule::not_begun(Time end) const {
 std::string not_begun_text(std::span<const Fault> faults) {
   if (faults.empty()) return "";
   constexpr std::size_t kMaxNamed = 6;
-  std::string text = counted(faults.size(), "fault") + " never began, as the run ended before " +
+  std::string text = counted(faults.size(), "fault") +
+                     " never began, because the run ended before " +
                      (faults.size() == 1 ? "it: " : "them: ");
   for (std::size_t i = 0; i < std::min(faults.size(), kMaxNamed); ++i)
     text += (i > 0 ? ", " : "") + text_of(faults[i]);

@@ -147,9 +147,9 @@ TEST(Schedule, NamesTheFaultsThatNeverBegan) {
   EXPECT_TRUE(schedule.not_begun(milliseconds(5001)).empty());
   EXPECT_EQ(not_begun_text({}), "");
   EXPECT_EQ(not_begun_text(schedule.not_begun(milliseconds(5000))),
-            "1 fault never began, as the run ended before it: at 5 s for 1 s link_cut");
-  EXPECT_EQ(not_begun_text(schedule.not_begun(Time::zero())).substr(0, 46),
-            "3 faults never began, as the run ended before ");
+            "1 fault never began, because the run ended before it: at 5 s for 1 s link_cut");
+  EXPECT_EQ(not_begun_text(schedule.not_begun(Time::zero())).substr(0, 51),
+            "3 faults never began, because the run ended before ");
 }
 
 TEST(LinkFaults, HappenWithTheirChance) {

@@ -80,11 +80,11 @@ const char* kz_refusal_text(u8 reason) {
     case KZ_REFUSED_FAULT:
       return "a shutdown is latched or its cause is present";
     case KZ_REFUSED_BUSY:
-      return "too many requests under way";
+      return "too many pending requests";
     case KZ_REFUSED_ARMED:
       return "only while all motors are off";
     case KZ_REFUSED_LOCKED:
-      return "only under bench unlock";
+      return "only while the bench is unlocked";
     case KZ_REFUSED_SHARED_LINE:
       return "not on a line with other boards";
     case KZ_REFUSED_STORE:
@@ -111,7 +111,7 @@ const char* kz_shutdown_text(u8 reason) {
     case KZ_SHUTDOWN_TEMPERATURE:
       return "motor drivers too hot";
     case KZ_SHUTDOWN_REFERENCE:
-      return "converter reads its reference wrong";
+      return "A/D converter misreads its reference";
     case KZ_SHUTDOWN_STALL:
       return "motor stalled";
     case KZ_SHUTDOWN_OVERLOAD:

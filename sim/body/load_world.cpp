@@ -21,14 +21,13 @@ std::string SolverDiagnostics::summary() const {
   char text[400];
   std::snprintf(
       text, sizeof text,
-      "in %lld step%s of the dynamics, from %.3f s to %.3f s, contact and friction forces were "
-      "not solved to the end; velocities are off there by up to %.1e m/s or rad/s, which adds "
-      "up to at most %.2g mm or mrad: %s",
+      "in %lld step%s from %.3f s to %.3f s, contact and friction forces did not converge: "
+      "velocity errors are up to %.1e m/s or rad/s, and add up to at most %.2g mm or mrad; %s",
       static_cast<long long>(unconverged_steps), unconverged_steps == 1 ? "" : "s", first_s, last_s,
       max_residual, 1e3 * drift,
-      negligible ? "negligible, the result can be trusted"
-                 : "do not trust what comes after; try a shorter --physics-step, or "
-                   "compare with --dynamics exact");
+      negligible ? "negligible, the result is reliable"
+                 : "later results are unreliable: try a shorter --physics-step, or compare with "
+                   "--dynamics exact");
   return text;
 }
 namespace {
@@ -55,13 +54,13 @@ Result<void> check_pushes(const WorldModel& world, const RobotModel& robot, bool
   for (const std::string& foot : world.feet) {
     if (!robot.frames.contains(foot))
       return fail(Fault::usage, "<kaz:robot first_step> names the link `" + foot +
-                                    "`, and the robot has no such link");
+                                    "`, which the robot does not have");
   }
   for (const Push& push : world.pushes) {
     const auto frame = robot.frames.find(push.link);
     if (frame == robot.frames.end())
       return fail(Fault::usage, "the world has a <kaz:push> on the link `" + push.link +
-                                    "`, and the robot has no such link");
+                                    "`, which the robot does not have");
     if (frame->second.link == 0 && (hung || robot.fixed_base))
       return fail(Fault::usage,
                   "the world has a <kaz:push> on the link `" + push.link + "`, which is fixed");
@@ -135,8 +134,8 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
   const Result<int> iterations = iterations_of(options.dynamics);
   if (!iterations) return tl::unexpected(iterations.error());
   if (!(options.step_s > 0 && options.step_s <= 0.01)) {
-    return fail(Fault::usage, "physics step of " + std::to_string(options.step_s) +
-                                  " s is outside 0..0.01 s; 0.001 is what all is tuned for");
+    return fail(Fault::usage, "physics step " + std::to_string(options.step_s) +
+                                  " s: must be above 0 and at most 0.01 s; the default is 0.001 s");
   }
   KAZ_TRY(check_pushes(world, robot, options.hung));
   if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);

@@ -105,8 +105,8 @@ class Comparison {
         without_tick_ms = 0;
       } else if (++without_tick_ms > max_without_tick_ms) {
         return fail(Fault::failed,
-                    options_.image_path + " does no tick (" + std::to_string(report_.ticks) +
-                        " so far): is it the servo firmware?\n" + h8_.chip().report());
+                    options_.image_path + " executes no tick (" + std::to_string(report_.ticks) +
+                        " so far): check that it is the servo firmware\n" + h8_.chip().report());
       }
       if (options_.progress && report_.ticks / 1000 != before / 1000)
         options_.progress(report_.ticks, options_.ticks);
@@ -321,12 +321,12 @@ std::string CompareReport::text() const {
                   100.0 * static_cast<double>(translated_instructions) /
                       static_cast<double>(std::max<std::int64_t>(instructions, 1)),
                   static_cast<long long>(instructions));
-    return std::string(line) + executed + "\n  pins equal to the output before in " +
+    return std::string(line) + executed + "\n  pins equal to the previous output in " +
            std::to_string(pins_compared) + " ticks; " + std::to_string(line_bytes) +
            " bytes decoded at TxD0; " + std::to_string(resets) + " resets" +
            "\n  replies: " + listed(coverage.replies, message_name) +
            "\n  refusals: " + listed(coverage.refusals, kz_refusal_text) +
-           "\n  replies under a shutdown: " + listed(coverage.shutdowns, kz_shutdown_text) +
+           "\n  replies during a shutdown: " + listed(coverage.shutdowns, kz_shutdown_text) +
            "\n  actions: " + listed(coverage.actions, action_name);
   }
   std::snprintf(line, sizeof line, "first difference at tick %u:\n  %-32s %12s %12s",
@@ -347,13 +347,13 @@ Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path) 
   char ids[60];
   std::snprintf(ids, sizeof ids, "(build %08x, this program %08x)",
                 static_cast<unsigned>(build_id.value_or(0)), static_cast<unsigned>(kz_build_id));
-  return fail(Fault::usage, image_path + ": the image is of other sources " + ids +
+  return fail(Fault::usage, image_path + ": the image was built from other sources " + ids +
                                 ": build image and program from the same tree (./tools/dev prove)");
 }
 
 Result<CompareReport> compare_engines(const CompareOptions& options) {
   if (options.ticks < 1 || options.state_every < 1)
-    return fail(Fault::usage, "the comparison takes at least one tick");
+    return fail(Fault::usage, "the comparison needs at least one tick");
   h8s::Options chip;
   chip.engine = options.engine;
   auto h8 = KAZ_TRY(H8Mcu::load(options.image_path, chip));

@@ -137,7 +137,8 @@ class Boards {
       KAZ_TRY(h8_.run_until(h8_.now() + tick));
     }
     if (!grid_)
-      return fail(Fault::failed, options_.image_path + " does no tick: is it the servo firmware?");
+      return fail(Fault::failed,
+                  options_.image_path + " executes no tick: check that it is the servo firmware");
     return *grid_ - from;
   }
 
@@ -332,12 +333,12 @@ class Boards {
   void check_waveform(const DecodedByte& decoded, const SerialByte& reported) {
     if (decoded.framing_error || decoded.edge_deviation > edge_tolerance)
       return differ(decoded.start,
-                    "TxD0 does not keep to 115,200 baud, 8N1: an edge is " +
-                        std::to_string(decoded.edge_deviation) + " states off its place" +
+                    "TxD0 violates 115,200 baud, 8N1: an edge is " +
+                        std::to_string(decoded.edge_deviation) + " states off" +
                         (decoded.framing_error ? ", the stop bit is low" : ""),
                     "", "");
     if (decoded.value != reported.value || decoded.start + KZ_STATES_PER_BYTE != reported.at)
-      differ(decoded.start, "TxD0 shows another byte than the channel has sent",
+      differ(decoded.start, "TxD0 shows a byte other than the channel has sent",
              std::to_string(decoded.value), std::to_string(reported.value));
   }
 
@@ -533,7 +534,7 @@ std::string WireReport::text() const {
     text +=
         " ended early: a request waited for room in the transmit ring a tick longer on one board";
     if (ended_early > max_ended_early())
-      text += ", more than the " + std::to_string(max_ended_early()) + " that may be";
+      text += ", more than the " + std::to_string(max_ended_early()) + " allowed";
   }
   for (const WireDifference& difference : differences) {
     std::snprintf(line, sizeof line,
@@ -553,8 +554,8 @@ std::string WireReport::text() const {
                 static_cast<long long>(pins_compared));
   text += line;
   std::snprintf(line, sizeof line,
-                "\n  from power-on to the first tick: h8 %lld states, native %lld; %s equal "
-                "but for fields that differ by design",
+                "\n  from power-on to the first tick: h8 %lld states, native %lld; %s equal except "
+                "for fields that differ by design",
                 static_cast<long long>(h8_start),
                 static_cast<long long>(NativeOptions::default_start_states),
                 counted(masked, "frame").c_str());
@@ -576,7 +577,7 @@ std::string WireReport::text() const {
 
 Result<WireReport> compare_wire(const WireOptions& options) {
   if (options.conversations < 1)
-    return fail(Fault::usage, "the comparison takes at least one conversation");
+    return fail(Fault::usage, "the comparison needs at least one conversation");
   auto h8 = KAZ_TRY(H8Mcu::load(options.image_path));
   if (options.prepare_h8) options.prepare_h8(*h8);
   KAZ_TRY(check_same_sources(*h8, options.image_path));
@@ -590,8 +591,8 @@ Result<WireReport> compare_wire(const WireOptions& options) {
     ++report.different;
     report.differences.push_back(
         {0, 0,
-         "the start takes another time on the native board; if the image has grown, give "
-         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) that of h8",
+         "the start-up time differs on the native board; if the image has grown, set "
+         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to that of h8",
          std::to_string(start), std::to_string(NativeOptions::default_start_states), ""});
     return report;
   }

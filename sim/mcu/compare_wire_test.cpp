@@ -122,7 +122,7 @@ TEST(CompareWire, MoreThanAFewThatEndEarlyAreADifference) {
   EXPECT_TRUE(report.equal());
   report.ended_early = 2;
   EXPECT_FALSE(report.equal());
-  EXPECT_NE(report.text().find("more than the 1 that may be"), std::string::npos) << report.text();
+  EXPECT_NE(report.text().find("more than the 1 allowed"), std::string::npos) << report.text();
 }
 
 TEST(CompareWire, ConversationIsTheSameAlone) {

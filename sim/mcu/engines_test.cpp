@@ -272,7 +272,7 @@ TEST(Compare, RefusesAnImageOfOtherSourcesBeforeTheFirstTick) {
     ASSERT_NE(error, nullptr) << "it was compared";
     EXPECT_EQ(error->fault, Fault::usage);
     for (const std::string& part :
-         {std::string(KAZ_FIRMWARE_IMAGE), std::string("of other sources"),
+         {std::string(KAZ_FIRMWARE_IMAGE), std::string("from other sources"),
           std::string("build ") + other, std::string("this program ") + own})
       EXPECT_NE(error->message.find(part), std::string::npos) << error->message;
   }

@@ -99,7 +99,7 @@ class Dev(unittest.TestCase):
             "kaz demo --out out/demo/track"])
         status, error, _ = self.dev("demo", PRODUCT="false")
         self.assertEqual(status, 1)
-        self.assertTrue(error.endswith(" is done. Again by: ./tools/dev build kaz_product\n"), error)
+        self.assertTrue(error.endswith(" is done. Build them with: ./tools/dev build kaz_product\n"), error)
 
     def test_nothing_is_built_on_behind_a_demo_that_failed(self):
         status, error, _ = self.dev("demo", FAILS="run catch-ball", PRODUCT="sleep 1000")

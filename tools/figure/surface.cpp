@@ -75,7 +75,7 @@ namespace {
 
 tl::unexpected<Error> cannot_encode(const std::string& path, const std::string& why) {
   return fail(Fault::environment,
-              path + ": cannot encode the picture (" + why + "): check the memory left");
+              path + ": cannot encode the picture (" + why + "): check the free memory");
 }
 
 Result<void> write_encoded_png(const std::string& path, const Image& image) {
@@ -100,10 +100,10 @@ Result<void> write_png(const std::string& path, const Image& image) {
                       static_cast<std::size_t>(std::max(image.height, 0));
   if (pixels == 0 || image.rgb.size() != 3 * pixels ||
       std::max(image.width, image.height) > kLargestSide) {
-    return fail(Fault::usage, path + ": an image of " + std::to_string(image.width) + " x " +
-                                  std::to_string(image.height) + " with " +
+    return fail(Fault::usage, path + ": cannot write an image of " + std::to_string(image.width) +
+                                  " x " + std::to_string(image.height) + " pixels and " +
                                   std::to_string(image.rgb.size()) +
-                                  " bytes cannot be written: 3 bytes a pixel, sides 1..32767");
+                                  " bytes: it must have 3 bytes per pixel and sides of 1 to 32767");
   }
   return write_encoded_png(path, image);
 }

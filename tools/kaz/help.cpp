@@ -90,7 +90,7 @@ std::string exit_status(const CLI::App& app, const std::string& differing) {
                                       {1, "failed"},
                                       {2, "wrong usage"},
                                       {3, "the environment failed (port, disk)"},
-                                      {128, "+ signal where a signal ended it"}};
+                                      {128, "+ signal if a signal ended it"}};
   std::string line = filled(differing);
   std::ranges::replace(line, '\n', ' ');
   if (line.ends_with('.')) line.pop_back();

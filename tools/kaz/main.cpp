@@ -84,8 +84,8 @@ std::string more_than_verb(CLI::App& program, int argc, char** argv) {
 int parse_and_run(int argc, char** argv) {
   kaz::tools::set_command_line(argc, argv);
   CLI::App program(
-      "a desktop humanoid with stereo eyes, real or virtual. What runs against the virtual robot "
-      "runs on the real one unchanged: both speak the same bytes on the same kind of line");
+      "a desktop humanoid with stereo eyes, real or virtual. Programs for the virtual robot run on "
+      "the real one unchanged: both use the same protocol on the same kind of port");
   program.name("kaz");
   program.set_help_flag("-h,--help", "print this help");  // its verbs inherit it
   program.set_version_flag("--version", std::string("kaz ") + kaz::tools::kVersion,
@@ -101,11 +101,11 @@ int parse_and_run(int argc, char** argv) {
   program.footer(
       "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
       "open them.\n"
-      "`kaz VERB --help` or `kaz help VERB` says more about a verb.\n"
-      "Exit status: 1 the task failed, 3 the environment failed (docs/reference/output.md), "
-      "128 + signal where a signal ended it (130: Ctrl-C; sim, monitor and servers: 0)\n"
+      "`kaz VERB --help` or `kaz help VERB` describes a verb.\n"
+      "Exit status: 1 the task failed, 3 the environment failed (docs/reference/output.md), 128 + "
+      "signal if a signal ended it (130: Ctrl-C; sim, monitor and servers: 0)\n"
       "Examples:\n"
-      "  kaz demo                              # search and track the ball, leave pictures\n"
+      "  kaz demo                              # find and track the ball, write pictures\n"
       "  kaz sim --world ball --serial board --cameras board.eyes\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes\n"
       "  kaz replay kaz-demo/recording.mcap    # run it again and print the first difference");
@@ -122,7 +122,7 @@ int parse_and_run(int argc, char** argv) {
     const std::string unknown = kaz::tools::unknown_verb(program);
     if (!unknown.empty()) return refuse(unknown);
     if (const std::string more = more_than_verb(program, argc, argv); !more.empty())
-      return refuse("`help` takes a verb alone, not `" + more + "` as well");
+      return refuse("`help` takes only a verb, not `" + more + "`");
     return program.exit(success);
   } catch (const CLI::ParseError& wrong) {
     if (argc < 2) {  // somebody's first look: what there is

@@ -72,11 +72,11 @@ CLI::Validator whole_number_above_zero(std::int64_t max) {
 }
 
 void add_sim_options(CLI::App& verb, BackendOptions& options) {
-  verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
+  verb.add_option("--world", options.world, "name of a Kaz world, or an SDF file")
       ->type_name("NAME|FILE")
       ->capture_default_str();
   verb.add_option("--robot-file", options.robot_file,
-                  "URDF of another robot, its motor.xml and sensors.xml beside it; without it Kaz")
+                  "URDF of another robot, with motor.xml and sensors.xml beside it (default: Kaz)")
       ->type_name("FILE");
   add_choice(verb, "--mcu", sim::kMcuKinds, options.mcu,
              "microcontroller of the servo board: h8 executes the firmware image, native runs the "
@@ -86,10 +86,9 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--faults", options.faults,
                   "file with faults to inject and their times (docs/reference/simulator.md)")
       ->type_name("FILE");
-  add_choice(
-      verb, "--sensors", sim::kSensorSets, options.sensors,
-      "nominal: with noise; ideal: without; as-built: as nominal, and each potentiometer has "
-      "its own curve and offset that calibration can find");
+  add_choice(verb, "--sensors", sim::kSensorSets, options.sensors,
+             "nominal: with noise; ideal: without noise; as-built: as nominal, and each "
+             "potentiometer has its own curve and offset, which calibration can measure");
   add_imu(verb, options.imu);
   verb.add_option("--dynamics", options.dynamics,
                   "physics engine: reduced (Kaz's own), exact or quickN (Open Dynamics Engine; N "
@@ -98,9 +97,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->capture_default_str();
   verb.add_option(
           "--physics-step", options.physics_step_ms,
-          "length of a step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's "
-          "tick stays at 1 ms. Thrown balls need 1 or less, servos 2 or less "
-          "(docs/explanation/dynamics.md)")
+          "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick stays at "
+          "1 ms. Thrown balls need 1 or less, servos 2 or less (docs/explanation/dynamics.md)")
       ->check(number())
       ->type_name("MS")
       ->capture_default_str();
@@ -109,15 +107,14 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
-             "ideal: pinholes without noise; real: with lens, exposure and noise, rectified; none: "
-             "closed, for behaviours that do not look");
+             "ideal: pinhole cameras without noise; real: with lens, exposure and noise, "
+             "rectified; none: no cameras, for behaviors that do not use them");
   verb.add_option("--eye-width", options.eye_width,
-                  "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
+                  "width of the eyes' pictures: 320 or 640 (default: from camera.json)")
       ->check(CLI::IsMember({320, 640}));
-  add_choice(
-      verb, "--renderer", sim::kRendererKinds, options.renderer,
-      "what draws the pictures: raster (Kaz's own) or opengl (Mesa, the reference; three times "
-      "the time)");
+  add_choice(verb, "--renderer", sim::kRendererKinds, options.renderer,
+             "renderer of the pictures: raster (Kaz's own) or opengl (Mesa, the reference; takes "
+             "three times as long)");
   verb.add_option("--seed", options.seed, "seed of all noise; the same seed gives the same bytes")
       ->transform(whole_number())
       ->capture_default_str();
@@ -127,10 +124,10 @@ void add_imu(CLI::App& verb, bool& imu) {
   const std::string by_default = " (default)";
   auto* with = verb.add_flag_callback(
       "--imu", [&imu] { imu = true; },
-      "the board has gyro and accelerometer, on AN3..AN5" + (imu ? by_default : ""));
+      "the board has a gyro and an accelerometer, on AN3..AN5" + (imu ? by_default : ""));
   verb.add_flag_callback(
           "--no-imu", [&imu] { imu = false; },
-          "the board has no gyro and accelerometer" + (imu ? "" : by_default))
+          "the board has no gyro or accelerometer" + (imu ? "" : by_default))
       ->excludes(with);
 }
 
@@ -145,9 +142,10 @@ void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std:
 
 void add_motor_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--motor-file", options.motor_file,
-                  "parameters of the motors on the virtual stand; without it Kaz's motor.xml")
+                  "motor parameters of the virtual stand (default: Kaz's motor.xml)")
       ->type_name("FILE");
-  verb.add_option("--motor", options.motor, "the motor of that file; without it the file's default")
+  verb.add_option("--motor", options.motor,
+                  "motor in that file (default: the file's default motor)")
       ->type_name("NAME");
   verb.add_option("--disc", options.disc_kgm2, "inertia of the disc on the shaft")
       ->check(between(1e-6, 2e-3))
@@ -167,8 +165,8 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
   return verb
       .add_option_function<int>(
           "--address", [&address](int number) { address = static_cast<std::uint8_t>(number); },
-          "address of the board on a shared line; if none answers there, the message names those "
-          "that do")
+          "address of the board on a shared line; if no board answers there, the error lists the "
+          "addresses that answer")
       ->check(between(1, KZ_ADDRESS_LAST))
       ->type_name("N")
       ->default_str(std::to_string(address));
@@ -176,7 +174,7 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
 
 void add_record_pictures(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
-                "the eyes' pictures into the recording too, not only their SHA-256");
+                "record the eyes' pictures too, not only their SHA-256");
 }
 
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,
@@ -190,7 +188,7 @@ void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load
                                                    {"ihex", h8s::Format::intel_hex},
                                                    {"raw", h8s::Format::raw}};
   verb.add_option("--format", load.format,
-                  "format of the image; recognised by its contents if not given")
+                  "format of the image (default: detected from its contents)")
       ->transform(one_of(formats))
       ->type_name("FORMAT");
   verb.add_option("--at", load.address,

@@ -24,8 +24,8 @@ Result<void> check_duration(const behavior::Behavior& behavior, const std::strin
   const auto option =
       std::ranges::find(behavior.options, std::string_view("seconds"), &behavior::Option::name);
   if (option == behavior.options.end())
-    return fail(Fault::usage, "--duration: " + std::string(behavior.name) +
-                                  " ends by itself; leave the option out");
+    return fail(Fault::usage, "--duration is not valid with " + std::string(behavior.name) +
+                                  ", which ends by itself; leave it out");
   if (const auto seconds = set.find("seconds"); seconds != set.end() && seconds->second != text)
     return fail(Fault::usage, "--duration " + text + " and --set seconds=" + seconds->second +
                                   " contradict each other; leave one out");
@@ -46,8 +46,7 @@ Result<void> check_has(const behavior::Behavior& behavior, const std::string& op
   for (const auto& other : behavior::behaviors()) {
     if (has_option(other, option)) names += (names.empty() ? "" : ", ") + std::string(other.name);
   }
-  return fail(Fault::usage, "--" + option + " is of " + names + ": " + std::string(behavior.name) +
-                                " has no " + option + "; leave the option out");
+  return fail(Fault::usage, "--" + option + " is only valid with " + names);
 }
 
 // Errors: it is set to something else already.
@@ -64,22 +63,22 @@ Result<void> set_once(std::map<std::string, std::string>& settings, const std::s
 void add_run_options(CLI::App& verb, RunArguments& arguments) {
   add_sim_options(verb, arguments.session.backend);
   add_record_pictures(verb, arguments.session.backend);
-  verb.add_option("--memory", arguments.memory,
-                  "the virtual board's calibration, from kaz calibrate joints or kaz sim --memory")
+  verb.add_option(
+          "--memory", arguments.memory,
+          "calibration of the virtual board: a file of kaz calibrate joints or kaz sim --memory")
       ->type_name("FILE");
   verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
-                  "self-test of saving and restoring: every so many seconds the virtual robot is "
-                  "saved, goes "
-                  "on unrecorded for 0.1 s and is restored; the recording must not show it")
+                  "self-test of save and restore: at this interval the virtual robot is saved, "
+                  "runs 0.1 s unrecorded, and is restored; the recording must not change")
       ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.session.vision.modules,
-                  "vision modules to run in behaviours that look, with commas between: " +
+                  "vision modules, separated by commas, for behaviors that use the cameras: " +
                       module_names() + "; color always runs")
       ->type_name("LIST")
       ->capture_default_str();
   verb.add_option("--color", arguments.color,
-                  "colour of the ball: file of kaz vision learn-color (default: the red ball)")
+                  "color of the ball: file of kaz vision learn-color (default: red)")
       ->type_name("FILE");
   verb.add_option("--radius", arguments.session.vision.ball.radius_m, "radius of the ball, m")
       ->check(between(0.005, 0.5))

@@ -15,10 +15,10 @@ namespace kaz::tools {
 namespace {
 
 void add_common(CLI::App& verb, BenchOptions& arguments) {
-  auto* port = add_port(verb, arguments.target.port,
-                        std::string(kPortText) +
-                            "; without it an emulated one on a virtual motor stand, in simulated "
-                            "time");
+  auto* port =
+      add_port(verb, arguments.target.port,
+               std::string(kPortText) +
+                   "; without it, an emulated board on a virtual motor stand, in simulated time");
   add_address(verb, arguments.target.address)->needs(port);
   add_choice(verb, "--mcu", sim::kMcuKinds, arguments.target.backend.mcu,
              "microcontroller of the emulated board: h8 executes the firmware image, native runs "
@@ -39,8 +39,7 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
       ->excludes(port);
   verb.add_option(
           "--limits", arguments.limits,
-          "JSON file with limits other than the default ones: an edited `kaz bench list "
-          "--json`, or " +
+          "JSON file with other limits: edited output of `kaz bench list --json`, or for example " +
               std::string(arguments.motor  ? "{\"stall.torque_10v\": {\"low\": 2.0, \"high\": 2.3}}"
                           : arguments.link ? "{\"link.cycle_rate\": {\"low\": 110}}"
                                            : "{\"tick.median\": {\"high\": 55}}"))
@@ -51,34 +50,34 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
       ->capture_default_str()
       ->type_name("DIR");
   verb.add_flag("--json", arguments.json,
-                "print result.json, no table and no progress; the folder is written too");
+                "print result.json instead of table and progress; the folder is written too");
 }
 
 void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
-  verb.add_option("--joint", arguments.joints, "whose motor: names with commas between, or all")
+  verb.add_option("--joint", arguments.joints,
+                  "joints whose motors are measured: names separated by commas, or all")
       ->capture_default_str()
       ->type_name("NAME,NAME");
   verb.add_option("--stand", arguments.target.stand,
-                  "what stands around the board at the port: ctl:PATH is the control socket of kaz "
-                  "sim --stand, manual asks you to clamp, press and read. Without it, what needs a "
-                  "stand is left out")
+                  "motor stand of the board at the port: ctl:PATH is the control socket of kaz sim "
+                  "--stand; with manual, you clamp, press and read as prompted. Without it, "
+                  "measurements that need a stand are left out")
       ->type_name("ctl:PATH|manual");
   verb.add_option("--supply", arguments.supply_volts,
-                  "supply of the stand without load, V, where a measurement does not set its own")
+                  "no-load supply voltage of the stand, V, unless a measurement sets its own")
       ->check(between(5.0, 12.0))
       ->type_name("VOLTS")
       ->capture_default_str();
-  verb.add_option(
-          "--filter", arguments.filter,
-          "only measurements in whose names this regular expression is found, and those made "
-          "together with them")
+  verb.add_option("--filter", arguments.filter,
+                  "only measurements whose names match this regular expression, and those made "
+                  "together with them")
       ->type_name("REGEX");
   add_motor_options(verb, arguments.target.backend);
   for (const char* name : {"--motor-file", "--motor"})
     verb.get_option(name)->excludes(verb.get_option("--robot"));
   verb.get_option("--disc")->description(
-      "inertia of the disc on the shaft: of the virtual stand, or of yours with --stand "
-      "manual");
+      "inertia of the disc on the shaft of the virtual stand or, with --stand manual, of your "
+      "stand");
 }
 
 using Chooser = void (*)(BenchOptions&);
@@ -96,25 +95,25 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   auto* motion = verb->add_flag(
       "--allow-motion", arguments->allow_motion,
       arguments->motor && arguments->link
-          ? "link and tick with the joints on and held where they are, for a realistic load; at a "
-            "port without a stand also: the joint may move at full speed through its range"
+          ? "for link and tick: switch the joints on and hold them, for a realistic load. At a "
+            "port without a stand: let the joint move at full speed through its range"
       : arguments->motor
-          ? "at a port without a stand: the joint may move at full speed through its range"
-          : "switch the joints on and hold them where they are, for a realistic load; without it "
-            "the board refuses the target frames, which are as long");
+          ? "at a port without a stand: let the joint move at full speed through its range"
+          : "switch the joints on and hold them, for a realistic load; without it, the board "
+            "refuses the target frames, which have the same length");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
     motion->needs(verb->get_option("--robot"))->excludes(verb->get_option("--stand"));
   std::string joints;
   for (const host::JointInfo& joint : host::joint_table())
     joints += (joints.empty() ? "" : ", ") + std::string(joint.name);
-  verb->footer((arguments->motor ? "A motor takes five and a half minutes on a port, a few "
-                                   "seconds on the emulated board. Joints: " +
+  verb->footer((arguments->motor ? "Each motor takes 5.5 minutes at a port, and a few seconds on "
+                                   "the emulated board. Joints: " +
                                        joints + ".\n"
                                  : std::string()) +
-               "Exit status: 0 all within its limits, 1 a limit failed, 2 wrong usage, 3 port "
-               "error, or this "
-               "machine was too late, or a motor too warm, to judge.\nExamples:\n" +
+               "Exit status: 0 all within limits, 1 a limit failed, 2 wrong usage, 3 port error, "
+               "or no verdict because this machine was too late or a motor too warm.\n"
+               "Examples:\n" +
                footer);
   verb->callback([&action, arguments, watch, verb] {
     action = [arguments, watch, verb]() -> Result<Outcome> {
@@ -122,13 +121,13 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
       if (arguments->motor && verb->count("--disc") > 0 && !target.port.empty() &&
           target.stand != "manual")
         return fail(Fault::usage,
-                    "--disc is that of the virtual stand, or of yours with --stand manual: the "
-                    "stand of kaz sim has a --disc of its own; leave it out");
+                    "--disc is only valid with the virtual stand or --stand manual, because kaz "
+                    "sim --stand has its own --disc; leave it out");
       if (arguments->motor && verb->count("--supply") > 0 && !target.port.empty() &&
           target.stand.empty())
         return fail(Fault::usage,
-                    "--supply is what a stand's supply is set to, and without --stand nobody sets "
-                    "it; leave it out");
+                    "--supply needs --stand, because only a stand can set the supply; give --stand "
+                    "too, or leave --supply out");
       if (arguments->motor) {
         for (const char* option :
              {"--joint", "--stand", "--supply", "--motor-file", "--motor", "--disc"})
@@ -142,21 +141,20 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
 
 void add_servo(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
-      "servo", "motor and friction of a bus servo from logs of a pendulum on its horn");
+      "servo", "fit motor and friction of a bus servo to logs of a pendulum on its horn");
   auto arguments = std::make_shared<ServoFitArguments>();
-  verb->add_option("LOG", arguments->logs, "logs that are fitted (CSV: docs/howto/bench.md)")
-      ->required();
+  verb->add_option("LOG", arguments->logs, "logs to fit (CSV: docs/howto/bench.md)")->required();
   verb->add_option("--held-out", arguments->held_out,
-                   "logs that no fit sees, and each model predicts; they choose the model")
+                   "logs that are not used in the fit; the model that predicts them best is chosen")
       ->type_name("FILE");
   verb->add_option("--model", arguments->model,
-                   "friction models M1 up to this one; all six if not given")
+                   "fit friction models M1 up to this one (default: all six)")
       ->check(between(1, 6))
       ->type_name("1..6");
   verb->add_option("--out", arguments->out, "folder for report.html, result.json, held-out-*.svg")
       ->capture_default_str()
       ->type_name("DIR");
-  verb->add_flag("--json", arguments->json, "the result as JSON on standard output");
+  verb->add_flag("--json", arguments->json, "print the result as JSON on standard output");
   verb->footer(
       "Takes half a minute for 16 logs of 6 s.\n"
       "Examples:\n"
@@ -168,7 +166,7 @@ void add_servo(CLI::App& bench_verb, Action& action) {
 
 void add_pendulum(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
-      "pendulum", "record a pendulum on the horn of a bus servo: the logs of kaz bench servo");
+      "pendulum", "record logs of a pendulum on the horn of a bus servo, for kaz bench servo");
   auto arguments = std::make_shared<PendulumArguments>();
   hil::PendulumOptions& recorder = arguments->recorder;
   verb->add_option_function<std::string>(
@@ -177,36 +175,37 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
             arguments->protocol = protocol == "feetech" ? servo_bus::Protocol::feetech
                                                         : servo_bus::Protocol::dynamixel;
           },
-          "the servo's protocol, where --robot does not say it")
+          "the servo's protocol, if --robot does not name it")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   add_port(*verb, arguments->robot, kBusText)->required();
   verb->add_option("--baud", arguments->baud,
-                   "rate of the bus; that of servos as they are sold if not given")
+                   "rate of the bus (default: factory setting of the servos)")
       ->check(between(1200L, 10000000L))
       ->type_name("BAUD");
-  verb->add_option("--id", recorder.id, "of the servo")
+  verb->add_option("--id", recorder.id, "id of the servo")
       ->check(between(0, 253))
       ->capture_default_str()
       ->type_name("N");
-  verb->add_option("--mass", recorder.mass_kg, "at the end of the arm, kg")
+  verb->add_option("--mass", recorder.mass_kg, "mass at the end of the arm, kg")
       ->required()
       ->check(between(0.001, 20.0))
       ->type_name("KG");
-  verb->add_option("--length", recorder.length_m, "from the shaft to the mass, m")
+  verb->add_option("--length", recorder.length_m, "distance from the shaft to the mass, m")
       ->required()
       ->check(between(0.01, 2.0))
       ->type_name("M");
-  verb->add_option("--arm", recorder.arm_kg, "the arm itself, a uniform rod of that length, kg")
+  verb->add_option("--arm", recorder.arm_kg, "mass of the arm, a uniform rod of that length, kg")
       ->check(between(0.0, 20.0))
       ->capture_default_str()
       ->type_name("KG");
   verb->add_option("--amplitude", arguments->amplitude_deg,
-                   "how far it swings to either side of hanging down")
+                   "amplitude of the swing to each side of the vertical")
       ->check(between(10.0, 150.0))
       ->capture_default_str()
       ->type_name("DEGREES");
-  verb->add_option("--seconds", recorder.seconds, "of each log; motions become faster with less")
+  verb->add_option("--seconds", recorder.seconds,
+                   "duration of each log; shorter logs have faster motions")
       ->check(between(2.0, 60.0))
       ->capture_default_str()
       ->type_name("S");
@@ -221,15 +220,15 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
   verb->add_option("--out", arguments->out, "folder for the logs and record.json")
       ->capture_default_str()
       ->type_name("DIR");
-  verb->add_flag("--yes", arguments->yes, "do not ask before it moves");
-  verb->add_flag("--json", arguments->json, "record.json on standard output, no progress");
+  verb->add_flag("--yes", arguments->yes, "start without confirmation");
+  verb->add_flag("--json", arguments->json, "print record.json on standard output, no progress");
   verb->footer(
-      "Twelve logs of 6 s, two minutes: four motions with each of three gains; those of the middle "
-      "gain are to be held out. D, I and least duty are 0 meanwhile, and put back. Ctrl-C, a limit "
-      "or a lost servo: torque off, registers as they were, nothing is written.\n"
+      "Records twelve logs of 6 s in two minutes: four motions with each of three gains. Use the "
+      "logs of the middle gain as held-out logs. D, I and minimum duty are 0 during the recording, "
+      "and are put back afterwards. After Ctrl-C, an exceeded limit or a lost servo, the torque is "
+      "off, the registers are put back, and no file is written.\n"
       "Examples:\n"
-      "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 "
-      "\\\n"
+      "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 \\\n"
       "      --out heavy\n"
       "  kaz bench servo heavy/fit-*.csv light/fit-*.csv --held-out heavy/held-*.csv \\\n"
       "      light/held-*.csv");
@@ -239,26 +238,25 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
 
 void add_fit(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
-      "fit", "fit the parameters of the motor model so that the simulated bench measures the same");
+      "fit", "fit the motor model so that the simulated bench gives the same measurements");
   auto arguments = std::make_shared<BenchFitOptions>();
-  verb->add_option("REPORT", arguments->report,
-                   "result.json of `kaz bench motor`, or the folder it is in")
+  verb->add_option("REPORT", arguments->report, "result.json of `kaz bench motor`, or its folder")
       ->required();
-  verb->add_option("--joint", arguments->joint, "which motor, where the report is of several")
+  verb->add_option("--joint", arguments->joint,
+                   "joint whose motor is fitted, if the report has several")
       ->type_name("NAME");
   verb->add_option("--motor-file", arguments->model.motor_file,
-                   "motor file with the parameters to begin with; without it Kaz's motor.xml")
+                   "motor file with the initial parameters (default: Kaz's motor.xml)")
       ->type_name("FILE");
   verb->add_option("--motor", arguments->model.motor,
-                   "the motor of that file; without it the file's default")
+                   "motor in that file (default: the file's default motor)")
       ->type_name("NAME");
   add_choice(*verb, "--mcu", sim::kMcuKinds, arguments->model.mcu,
              "microcontroller of the model's board: h8 executes the firmware image, native is five "
-             "times as fast "
-             "and 0.1 ms off in a start");
+             "times as fast, with an error of 0.1 ms at the start of a motion");
   verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
-  verb->add_option("--seed", arguments->model.seed, "seed of the noise on the model's bench")
+  verb->add_option("--seed", arguments->model.seed, "seed of the noise of the simulated bench")
       ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
@@ -266,7 +264,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
                    "folder for motor.xml, report.html, result.json, plots/")
       ->capture_default_str()
       ->type_name("DIR");
-  verb->add_flag("--json", arguments->json, "the result as JSON on standard output");
+  verb->add_flag("--json", arguments->json, "print the result as JSON on standard output");
   verb->footer(
       "Examples:\n"
       "  kaz bench motor --robot serial:/dev/ttyUSB0 --stand manual --disc 4e-4 --out my-motor\n"
@@ -295,11 +293,11 @@ void add_bench(CLI::App& program, Action& action) {
       "board "
       "--stand");
   add_measuring(
-      *verb, action, "link", "measure round trips, cycles a second, errors, lost telemetry",
+      *verb, action, "link", "measure round trips, cycles per second, errors and lost telemetry",
       [](BenchOptions& a) { a.link = true; },
       "  kaz bench link --robot serial:/dev/ttyUSB0\n  kaz bench link --json > link.json");
   add_measuring(
-      *verb, action, "tick", "measure how long and how even the board's ticks are",
+      *verb, action, "tick", "measure duration and jitter of the board's ticks",
       [](BenchOptions& a) { a.tick = true; },
       "  kaz bench tick --robot serial:/dev/ttyUSB0 --allow-motion\n  kaz bench tick");
   add_measuring(
@@ -309,10 +307,11 @@ void add_bench(CLI::App& program, Action& action) {
   add_fit(*verb, action);
   add_servo(*verb, action);
   add_pendulum(*verb, action);
-  auto* names = verb->add_subcommand("list", "print the measurements with their limits; run none");
+  auto* names =
+      verb->add_subcommand("list", "print the measurements and their limits, without running them");
   auto as_json = std::make_shared<bool>(false);
   names->add_flag("--json", *as_json,
-                  "print them as JSON, which --limits takes; a side without limit is null");
+                  "print them as JSON, the format of --limits; a missing limit is null");
   names->footer("Examples:\n  kaz bench list\n  kaz bench list --json > limits.json");
   names->callback([&action, as_json] {
     action = [as_json] {

@@ -23,7 +23,7 @@ CLI::Validator ids_of(const std::shared_ptr<BusScanOptions>& options) {
         const auto last =
             dash == std::string::npos ? first : parse_number<int>(text.substr(dash + 1));
         if (!first || !last || *first < 0 || *last > 252 || *first > *last)
-          return "give an id or a range within 0 to 252, as 1-20";
+          return "give an id or a range from 0 to 252, such as 1-20";
         options->first_id = *first;
         options->last_id = *last;
         return "";
@@ -35,7 +35,7 @@ CLI::Validator ids_of(const std::shared_ptr<BusScanOptions>& options) {
 void add_robot(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--robot", options.robot, kBusText)->required()->type_name("KIND:PATH");
   verb.add_option("--robot-file", options.robot_file,
-                  "URDF of the robot; bus.json beside it says which servo is which joint")
+                  "URDF of the robot; bus.json beside it assigns servos to joints")
       ->required()
       ->type_name("FILE");
 }
@@ -43,28 +43,30 @@ void add_robot(CLI::App& verb, BackendOptions& options) {
 template <class Options>
 Result<void> check_robot(const Options& options) {
   if (names_servo_bus(options.backend.robot)) return {};
-  return fail(Fault::usage, "--robot " + options.backend.robot +
-                                ": give a bus of servos, as feetech:/dev/ttyACM0 or "
-                                "dynamixel:/dev/ttyUSB0@1000000");
+  return fail(
+      Fault::usage,
+      "--robot " + options.backend.robot +
+          ": give a servo bus, such as feetech:/dev/ttyACM0 or dynamixel:/dev/ttyUSB0@1000000");
 }
 
 void add_record(CLI::App& bus, Action& action) {
-  auto* verb = bus.add_subcommand("record", "record a motion by hand, for kaz run play");
+  auto* verb =
+      bus.add_subcommand("record", "record a motion that you make by hand, for kaz run play");
   auto options = std::make_shared<MotionRecordOptions>();
   add_robot(*verb, options->backend);
   verb->add_option("--out", options->out, "file of poses (docs/howto/watch.md)")
       ->required()
       ->type_name("FILE");
-  verb->add_option("--seconds", options->seconds, "how long; rest at both ends is cut off")
+  verb->add_option("--seconds", options->seconds, "duration; rest at the start and end is cut off")
       ->check(between(1.0, 120.0))
       ->capture_default_str()
       ->type_name("S");
   verb->add_flag("--release", options->release,
-                 "a torque that is on is switched off at the beginning; hold the robot");
-  verb->add_flag("--json", options->json, "print what was recorded as JSON, no progress");
+                 "first switch off the torque if it is on; hold the robot");
+  verb->add_flag("--json", options->json, "print a summary of the recording as JSON, no progress");
   verb->footer(
-      "Nothing is driven: move the robot by hand. A motion faster than 4 rad/s is written slower. "
-      "Ctrl-C: nothing is written.\n"
+      "No servo is driven: move the robot by hand. A motion faster than 4 rad/s is slowed down in "
+      "the file. After Ctrl-C, nothing is written.\n"
       "Exit status: 0 written, 1 nothing moved, or a joint was outside of its limits, 2 wrong "
       "usage, 3 port error.\n"
       "Examples:\n"
@@ -80,14 +82,14 @@ void add_record(CLI::App& bus, Action& action) {
 
 void add_bus_status(CLI::App& bus, Action& action) {
   auto* verb = bus.add_subcommand(
-      "status", "print each servo's angle, torque, load, current, voltage, heat and errors");
+      "status", "print each servo's angle, torque, load, current, voltage, temperature and errors");
   auto options = std::make_shared<BusStatusOptions>();
   add_robot(*verb, options->backend);
   verb->add_flag("--json", options->json, "print it as JSON");
   verb->footer(
-      "Reads only.\n"
-      "Exit status: 0 all answer and report no error, 1 one does not, 2 wrong usage, 3 port "
-      "error.\n"
+      "Only reads: nothing moves.\n"
+      "Exit status: 0 all servos answer without errors, 1 a servo does not answer or reports an "
+      "error, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz bus status --robot feetech:/dev/ttyACM0 --robot-file so101.urdf\n"
       "  watch -n 0.5 kaz bus status --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
@@ -103,7 +105,7 @@ void add_bus_status(CLI::App& bus, Action& action) {
 
 void add_bus(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "bus", "servos of Feetech's and ROBOTIS's on a serial line: find, look at, record");
+      "bus", "find, examine and record Feetech and ROBOTIS servos on a serial line");
   verb->require_subcommand(1);
   verb->footer(
       "Examples:\n  kaz bus scan --robot serial:/dev/ttyACM0\n  kaz bus status --robot "
@@ -112,37 +114,37 @@ void add_bus(CLI::App& program, Action& action) {
   add_record(*verb, action);
   add_bus_status(*verb, action);
   auto* scan = verb->add_subcommand(
-      "scan", "look for servos at every id and rate, and for what is wrong with them and the wire");
+      "scan", "find servos at every id and rate, and diagnose servos and wiring");
   auto options = std::make_shared<BusScanOptions>();
   auto ids = std::make_shared<std::string>();
   add_port(*scan, options->robot, std::string(kBusText) + "; PATH alone tries both protocols")
       ->required();
   scan->add_option("--protocol", options->protocol,
-                   "feetech or dynamixel, where --robot does not say it; both if not given")
+                   "feetech or dynamixel, if --robot does not name it (default: both)")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   scan->add_option("--baud", options->bauds,
-                   "rates, with commas between; all that the servos can be set to if not given")
+                   "rates, separated by commas (default: all rates of the servos)")
       ->delimiter(',')
       ->check(between(1200L, 10000000L))
       ->type_name("BAUD,BAUD");
-  scan->add_option("--ids", *ids, "an id or a range of them; 0-252 if not given")
+  scan->add_option("--ids", *ids, "an id or a range of ids (default: 0-252)")
       ->check(ids_of(options))
       ->type_name("N-N");
-  scan->add_option("--readings", options->readings, "readings of each servo that is found")
+  scan->add_option("--readings", options->readings, "number of readings of each servo found")
       ->check(between(1, 10000))
       ->capture_default_str()
       ->type_name("N");
   scan->add_flag("--json", options->json, "print the servos as JSON");
   scan->footer(
-      "Reads only: nothing moves, no register is written. An id and a rate take 8 ms, all of both "
-      "protocols a minute; --protocol and --baud shorten it.\n"
-      "Exit status: 0 servos are there and nothing is wrong, 1 none is, or something is wrong, 2 "
-      "wrong usage, 3 port error.\n"
+      "Only reads: nothing moves, and no register is written. Each id takes 8 ms at each rate; a "
+      "scan with both protocols takes a minute. --protocol and --baud shorten it.\n"
+      "Exit status: 0 servos found and nothing is wrong, 1 no servo found, or something is wrong, "
+      "2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz bus scan --robot serial:/dev/ttyACM0\n"
       "  kaz bus scan --robot feetech:/dev/ttyACM0@1000000 --ids 1-6\n"
-      "  kaz bus scan --robot serial:arm --readings 1000 --json     # of kaz sim --bus");
+      "  kaz bus scan --robot serial:arm --readings 1000 --json     # port of kaz sim --bus");
   scan->callback([&action, options, ids] {
     (void)ids;  // CLI11 writes the option's text there
     action = [options] { return run_bus_scan(*options); };

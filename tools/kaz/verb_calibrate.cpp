@@ -18,7 +18,7 @@ void add_stereo(CLI::App& calibrate, Action& action) {
       "stereo",
       "calibrate lenses and relative position of two cameras from pictures of a chessboard");
   auto arguments = std::make_shared<StereoCalibrationOptions>();
-  stereo->add_option("--left", arguments->left, "pictures of the left eye; a pattern in quotes")
+  stereo->add_option("--left", arguments->left, "pictures of the left eye, as a pattern in quotes")
       ->required()
       ->type_name("PATTERN");
   stereo
@@ -38,28 +38,27 @@ void add_stereo(CLI::App& calibrate, Action& action) {
       ->required()
       ->check(positive())
       ->type_name("M");
-  stereo->add_option("--out", arguments->out, "calibration file: .yml or .json of OpenCV's kind")
+  stereo->add_option("--out", arguments->out, "calibration file in OpenCV's format, .yml or .json")
       ->required()
       ->type_name("FILE");
   stereo
       ->add_option("--coverage", arguments->coverage,
-                   "picture of where the board was seen; without it beside FILE, "
-                   "FILE.coverage.png")
+                   "picture that shows where the board was seen (default: FILE.coverage.png)")
       ->type_name("PNG");
   stereo
       ->add_option("--max-rms", arguments->max_rms_px,
-                   "reprojection error in px above which nothing is written")
+                   "largest valid reprojection error, px; above it, nothing is written")
       ->check(between(0.01, 5.0))
       ->capture_default_str()
       ->type_name("PX");
   stereo->add_flag("--json", arguments->json, "print the report as JSON, no progress");
   stereo->footer(
-      "A pair is two pictures with the same last number in their names (left07.jpg, right07.jpg). "
-      "Pictures without the whole board are named and left out; " +
+      "Two pictures with the same last number in their names (left07.jpg, right07.jpg) are a pair. "
+      "Pictures that do not show the whole board are listed and left out; at least " +
       std::to_string(vision::kLeastPairs) +
-      " pairs have to remain. "
-      "Move and tilt the board until the coverage picture is full, corners too.\n"
-      "Exit status: 0 done, 1 no good calibration comes of them, 2 wrong usage.\n"
+      " pairs must remain. Move and tilt the board until the coverage picture is full, also in the "
+      "corners.\n"
+      "Exit status: 0 done, 1 the pictures give no good calibration, 2 wrong usage.\n"
       "Examples:\n"
       "  kaz calibrate stereo --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
       "      --board 9x6 --square 0.025 --out stereo.yml\n"
@@ -86,14 +85,14 @@ Result<void> check_joint_options(const CLI::App& verb, const JointCalibrationOpt
     const char* option;
     bool idle;
     const char* why;
-  } rows[] = {{"--gauge-error", !gauge,
-               "is of angles of a gauge, and none is used (--gauge NAME=DEGREES, --only gauge)"},
-              {"--yes", sim, "is for a robot at a port: the virtual one moves without a question"},
-              {"--yes", gauge, "is of motions, and with a gauge nothing is moved"},
-              {"--json", options.dry_run,
-               "is of results, and --dry-run has none: it prints its plan as text"},
-              {"--out", options.dry_run, "is for results, and --dry-run has none"},
-              {"--no-store", options.dry_run, "is of a calibration, and --dry-run makes none"}};
+  } rows[] = {
+      {"--gauge-error", !gauge, "is only valid with --gauge NAME=DEGREES or --only gauge"},
+      {"--yes", sim,
+       "is only valid with a robot at a port: the virtual robot moves without confirmation"},
+      {"--yes", gauge, "is not valid with a gauge: nothing moves"},
+      {"--json", options.dry_run, "is not valid with --dry-run, which prints its plan as text"},
+      {"--out", options.dry_run, "is not valid with --dry-run, which has no results"},
+      {"--no-store", options.dry_run, "is not valid with --dry-run, which makes no calibration"}};
   for (const auto& [option, idle, why] : rows) {
     if (idle && verb.count(option) > 0)
       return fail(Fault::usage, std::string(option) + " " + why + "; leave " + option + " out");
@@ -111,29 +110,30 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
   add_address(verb, options.backend.address);
   verb.add_option(
           "--only", options.only,
-          "stops: only the suspended robot, all joints against their stops; floor: only the "
-          "standing one, after that; gauge: nothing is moved, angles are typed in")
+          "stops: only the suspended robot, with all joints against their stops; floor: only the "
+          "standing robot, after stops; gauge: nothing moves, and you enter the angles")
       ->check(CLI::IsMember({"stops", "floor", "gauge"}));
   verb.add_option(
           "--gauge", options.gauge,
-          "by a gauge or a jig: that this joint, or all, is at this angle now; may be repeated")
+          "present angle of this joint, or of all, measured by a gauge or a jig; may be repeated")
       ->type_name("NAME=DEGREES")
       ->expected(1)
       ->allow_extra_args(false)
       ->take_all();
   verb.add_option("--gauge-error", options.gauge_error_deg,
-                  "how well an angle of the gauge is known, one standard deviation in degrees")
+                  "uncertainty of the gauge angles, one standard deviation in degrees")
       ->check(between(0.01, 5.0))
       ->capture_default_str()
       ->type_name("DEGREES");
-  verb.add_flag("--yes", options.yes, "do not ask at a port before each group of motions");
+  verb.add_flag("--yes", options.yes,
+                "at a port: start each group of motions without confirmation");
   verb.add_flag("--dry-run", options.dry_run,
-                "print what would be moved where, connect to nothing");
+                "print the planned motions, without connecting to a board");
   verb.add_flag_callback(
       "--no-store", [&options] { options.store = false; },
-      "report only, and leave the board as it was");
+      "only report, and leave the board unchanged");
   verb.add_option("--out", options.out,
-                  "folder for result.json and joints.svg; nothing is written if not given")
+                  "folder for result.json and joints.svg; without it, nothing is written")
       ->type_name("DIR");
   verb.add_flag("--json", options.json, "print result.json on standard output, no progress");
   verb.add_option("--memory", options.memory,
@@ -142,20 +142,20 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
   add_sim_options(verb, options.backend);
   for (const char* absent : {"--robot-file", "--eyes", "--eye-width", "--renderer"})
     verb.remove_option(verb.get_option(absent));
-  verb.add_option("--robot-file", options.backend.robot_file,
-                  "of a robot on a servo bus: its URDF; bus.json beside it gets the zeros")
+  verb.add_option(
+          "--robot-file", options.backend.robot_file,
+          "URDF of a robot on a servo bus; the zero positions are written to bus.json beside it")
       ->type_name("FILE");
 }
 
 void add_bus_options(CLI::App& verb, BusCalibrationOptions& options) {
   verb.add_option("--seconds", options.seconds,
-                  "on a servo bus: for turning the joints by hand, at most")
+                  "on a servo bus: time limit for turning the joints by hand")
       ->check(between(1.0, 3600.0))
       ->capture_default_str()
       ->type_name("S");
   verb.add_flag("--release", options.release,
-                "on a servo bus: a torque that is on is switched off at the beginning; hold the "
-                "robot");
+                "on a servo bus: first switch off the torque if it is on; hold the robot");
 }
 
 Result<Outcome> calibrate_on_bus(const CLI::App& verb, const JointCalibrationOptions& arguments,
@@ -185,18 +185,15 @@ void add_joints(CLI::App& calibrate, Action& action) {
   add_bus_options(*verb, *bus);
   verb->footer(
       "First the robot hangs by its trunk, and each joint is pressed gently against both stops: "
-      "head "
-      "and hands, arms, legs. Then it stands on a level floor, crouches and leans: both soles are "
-      "flat "
-      "there, and the accelerometer, if the board has one, points down. At a port each group of "
-      "motions "
-      "waits for Enter; the virtual robot is suspended and set down by itself. What is computed is "
-      "stored in the board if all joints have good readings. After Ctrl-C or an error the board is "
-      "as "
-      "it was.\n"
-      "On a servo bus (--robot feetech:PORT, dynamixel:PORT) nothing is driven: turn each joint by "
-      "hand from one stop to the other. Each range is placed so that the position does not wrap; "
-      "what that writes to EEPROM is shown first and read back, and bus.json gets the zeros.\n"
+      "head and hands, then arms, then legs. Then the robot stands on a level floor, crouches and "
+      "leans, with both soles flat on the floor. An accelerometer on the board measures the "
+      "vertical. At a port, each group of motions waits for Enter; the virtual robot is suspended "
+      "and set down automatically. If all joints have good readings, the calibration is stored in "
+      "the board. After Ctrl-C or an error, the board is unchanged.\n"
+      "On a servo bus (--robot feetech:PORT, dynamixel:PORT) no servo is driven: turn each joint "
+      "by hand from one stop to the other. Position offsets are chosen so that no position wraps "
+      "within its range. The EEPROM values are shown before they are written, and read back. The "
+      "zero positions are written to bus.json.\n"
       "Exit status: 1 a joint has no good reading, nothing is stored.\n"
       "Examples:\n"
       "  kaz calibrate joints --dry-run\n"

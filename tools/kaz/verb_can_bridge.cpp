@@ -11,13 +11,13 @@ namespace kaz::tools {
 void add_can_bridge(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "can-bridge",
-      "put a board's serial line, real or emulated, on a CAN bus (SocketCAN, ISO-TP)");
+      "connect a board's serial line, real or emulated, to a CAN bus (SocketCAN, ISO-TP)");
   auto arguments = std::make_shared<CanBridgeOptions>();
   add_required_port(
       *verb, arguments->port,
       "the board's line: serial:PATH[@BAUD] of a serial port or pty, tcp:HOST:PORT or "
       "rfc2217:HOST:PORT[@BAUD]");
-  verb->add_option("--can", arguments->interface, "CAN interface, which is up")
+  verb->add_option("--can", arguments->interface, "CAN interface, which must be up")
       ->type_name("NAME")
       ->required();
   verb->add_option_function<std::vector<int>>(
@@ -25,17 +25,15 @@ void add_can_bridge(CLI::App& program, Action& action) {
           [arguments](const std::vector<int>& all) {
             arguments->addresses.assign(all.begin(), all.end());
           },
-          "addresses of the boards on this line, each on one bridge of the bus only")
+          "addresses of the boards on this line; no other bridge of the bus may have them")
       ->check(between(1, KZ_ADDRESS_LAST))
       ->delimiter(',')
       ->type_name("N")
       ->default_str("1");
   verb->footer(
-      "Then `--robot can:can0` reaches the board from every machine on the "
-      "bus. "
-      "docs/reference/links.md lists the identifiers and what cannot cross. A line or a bus that "
-      "goes "
-      "away is looked for until it is there again.\n"
+      "Then `--robot can:can0` reaches the board from every machine on the bus. "
+      "docs/reference/links.md lists the identifiers and the messages that cannot cross. A lost "
+      "line or bus is opened again when it is back.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port or interface "
       "error.\n"
       "Examples:\n"

@@ -9,26 +9,24 @@
 namespace kaz::tools {
 
 void add_compare(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand(
-      "compare", "set two recordings side by side: joints, supply, link, pictures");
+  auto* verb =
+      program.add_subcommand("compare", "compare two recordings: joints, supply, link, pictures");
   auto arguments = std::make_shared<CompareOptions>();
-  verb->add_option("A", arguments->a, "recording.mcap of a run, or the folder that has it")
+  verb->add_option("A", arguments->a, "recording.mcap of a run, or its folder")
       ->required()
       ->type_name("");
-  verb->add_option("B", arguments->b, "the other one")->required()->type_name("");
+  verb->add_option("B", arguments->b, "the other recording")->required()->type_name("");
   verb->add_option("--out", arguments->out, "folder for report.html, its plots and result.json")
       ->type_name("DIR");
-  verb->add_flag("--all", arguments->all, "print also what does not differ");
-  verb->add_flag("--json", arguments->json, "print result.json instead, which has all measures")
+  verb->add_flag("--all", arguments->all, "print also the measures that do not differ");
+  verb->add_flag("--json", arguments->json, "print result.json instead, with all measures")
       ->excludes("--all");
   verb->footer(
-      "For a real robot and a virtual one, or before and after a change. Only what passed the wire "
-      "and "
-      "what the behaviour reported is read, so both sides have the same: each joint's lag, offset "
-      "and "
-      "scatter against its command, supply, round trips, delays of pictures. A measure differs if "
-      "it "
-      "does so by more than its scatter within the runs explains (Welch's test, 0.1 %).\n"
+      "Compares a real robot with a virtual one, or runs before and after a change. Only data on "
+      "the wire and reports of the behavior are used, which every recording has. Measures are each "
+      "joint's lag, offset and scatter against its command, the supply, round trips, and delays of "
+      "pictures. A measure differs if the difference is larger than the scatter within the runs "
+      "explains (Welch's test, 0.1 %).\n"
       "Exit status: 0 nothing differs, 1 something does, 2 wrong usage.\n"
       "Examples:\n"
       "  kaz run go-forward --set distance=0.1 --mcu native --out before\n"

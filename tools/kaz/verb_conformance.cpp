@@ -35,10 +35,10 @@ Result<void> check_kind(const CLI::App& verb, ConformanceOptions& arguments) {
 
 void add_conformance(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "conformance", "check case by case that a board does what docs/reference/protocol.md says");
+      "conformance", "check case by case that a board follows docs/reference/protocol.md");
   auto arguments = std::make_shared<ConformanceOptions>();
   auto* port = add_port(*verb, arguments->port,
-                        std::string(kPortText) + "; or " + kBusText + "; either this or --virtual");
+                        std::string(kPortText) + "; or " + kBusText + "; give this or --virtual");
   add_address(*verb, arguments->address)->needs(port);
   add_choice(*verb, "--virtual", sim::kMcuKinds, arguments->mcu,
              "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
@@ -50,67 +50,71 @@ void add_conformance(CLI::App& program, Action& action) {
         arguments->bus =
             protocol == "feetech" ? servo_bus::Protocol::feetech : servo_bus::Protocol::dynamixel;
       },
-      "a servo on a bus instead of a board: does it do what its maker publishes?");
+      "check a servo on a bus instead of a board, against its manufacturer's documentation");
   bus->check(CLI::IsMember({"feetech", "dynamixel"}))->type_name("feetech|dynamixel");
-  verb->add_option("--id", arguments->id, "of the servo on the bus")
+  verb->add_option("--id", arguments->id, "id of the servo on the bus")
       ->check(between(0, 253))
       ->capture_default_str()
       ->type_name("N");
-  verb->add_option("--baud", arguments->baud,
-                   "rate of the bus; that of servos as they are sold if not given: 1000000 of "
-                   "Feetech's, 57600 of ROBOTIS's")
+  verb->add_option(
+          "--baud", arguments->baud,
+          "rate of the bus (default: factory setting, 1000000 for Feetech, 57600 for ROBOTIS)")
       ->check(between(1200L, 10000000L))
       ->type_name("BAUD");
   verb->add_flag(
       "--allow-eeprom", arguments->allow_eeprom,
-      "on a bus: also the cases that write EEPROM, which wear it; each value is put back");
-  verb->add_flag("--alone", arguments->alone,
-                 "on a bus: the servo is alone at the port, so also requests to all servos");
+      "on a bus: also run the cases that write EEPROM, which wears it; each value is put back");
+  verb->add_flag(
+      "--alone", arguments->alone,
+      "on a bus: the servo is alone at the port; also run the cases with requests to all servos");
   verb->add_flag("--release", arguments->release,
-                 "on a bus: a torque that is on is switched off at the beginning; hold the arm");
+                 "on a bus: first switch off the torque if it is on; hold the arm");
   verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
-  verb->add_flag(
-      "--allow-motion", arguments->allow_motion,
-      "on a port: also the cases that move joints or drive motors. Put the robot where it can "
-      "move, and stand by");
+  verb->add_flag("--allow-motion", arguments->allow_motion,
+                 "at a port: also run the cases that move joints or drive motors. Put the robot "
+                 "where it can move, and stay beside it");
   verb->add_flag(
       "--allow-flash", arguments->allow_flash,
-      "on a port: also the cases that write flash (calibration, address), which wear it");
+      "at a port: also run the cases that write flash (calibration, address), which wears it");
   verb->add_option("--filter", arguments->run.filter,
-                   "only cases whose id or statement this regular expression is found in")
+                   "only cases whose id or statement matches this regular expression")
       ->type_name("REGEX");
-  verb->add_option("--seed", arguments->run.seed, "of the cases' random bytes")
+  verb->add_option("--seed", arguments->run.seed, "seed of the cases' random bytes")
       ->transform(whole_number())
       ->type_name("N")
       ->capture_default_str();
-  auto* list = verb->add_flag("--list", arguments->list,
-                              "print the cases and run none; with --filter those that it takes");
+  auto* list =
+      verb->add_flag("--list", arguments->list,
+                     "print the cases, or with --filter the matching cases, without running them");
   for (const char* of_a_run :
        {"--robot", "--virtual", "--image", "--allow-motion", "--allow-flash", "--seed", "--id",
         "--baud", "--allow-eeprom", "--alone", "--release"})
     verb->get_option(of_a_run)->excludes(list);
-  verb->add_option("--junit", arguments->junit, "write JUnit XML; -: to standard output")
+  verb->add_option("--junit", arguments->junit,
+                   "write JUnit XML to FILE, or to standard output (-)")
       ->type_name("FILE")
       ->excludes(list);
   verb->add_option_function<std::string>(
           "--json",
           [arguments](const std::string& file) { arguments->json = file.empty() ? "-" : file; },
-          "write the report, or the list of --list, as JSON; without FILE or with -: to standard "
-          "output, and nothing else there")
+          "write the report, or the list of --list, as JSON to FILE; without FILE or with -, print "
+          "only JSON on standard output")
       ->expected(0, 1)
       ->type_name("[FILE]");
-  verb->add_option("--html", arguments->html, "write one HTML page; -: to standard output")
+  verb->add_option("--html", arguments->html,
+                   "write one HTML page to FILE, or to standard output (-)")
       ->type_name("FILE")
       ->excludes(list);
   verb->footer(
-      "A virtual board passes all cases; on a port those that disturb supply, sensors or line are "
-      "left out. The board there is left as it was found, also by Ctrl-C; kaz recover brings back "
-      "one whose run was killed. A case that fails while this machine is late runs up to three "
-      "times more, and is undecided then. All cases take a few "
-      "seconds on a virtual board, a minute or two on a port, some four with --allow-flash.\n"
-      "--bus: a servo must have its torque off. Only RAM is written, and put back, and nothing "
-      "moves, unless an option allows more; half a minute.\n"
+      "A virtual board passes all cases. At a port, cases that disturb supply, sensors or line are "
+      "left out. The settings of a board at a port are put back at the end, also after Ctrl-C; if "
+      "the run was killed, kaz recover puts them back. A case that fails while this machine is "
+      "late runs up to three times more; if the machine is late each time, the case is undecided. "
+      "All cases take a few seconds on a virtual board, one or two minutes at a port, and about "
+      "four minutes with --allow-flash.\n"
+      "With --bus, the servo's torque must be off. Only RAM is written and put back, and nothing "
+      "moves, unless an option allows more. The cases take half a minute.\n"
       "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error or "
       "undecided.\n"
       "Examples:\n"

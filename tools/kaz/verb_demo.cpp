@@ -25,14 +25,13 @@ void add_demo(CLI::App& program, Action& action) {
   add_settings(*verb, arguments->settings, "an option of track-ball (kaz run track-ball --help)");
   add_run_options(*verb, *arguments);
   verb->footer(
-      "The behaviour is track-ball of kaz run, the robot virtual. Its 23 s take "
-      "some 10 s on one processor.\n"
+      "Runs the behavior track-ball of kaz run on the virtual robot. Its 23 s take about 10 s on "
+      "one processor.\n"
       "The folder then contains the pictures start.png, end.png, left_eye.png, "
-      "color_extraction.png, outside.png and "
-      "moments.png (and .jpg), the plot pan_tilt.png (and .svg), vision.csv, result.json and "
-      "recording.mcap; a demo that fails leaves fewer. The recording holds bytes, pins, joints, "
-      "contacts and the rest on one clock: `kaz replay` runs it again; Foxglove (foxglove.dev), "
-      "PlotJuggler and `mcap info` open it.\n"
+      "color_extraction.png, outside.png and moments.png (and .jpg), the plot pan_tilt.png (and "
+      ".svg), vision.csv, result.json and recording.mcap; a demo that fails leaves fewer. The "
+      "recording has bytes, pins, joints, contacts and more on one clock. `kaz replay` runs it "
+      "again; Foxglove (foxglove.dev), PlotJuggler and `mcap info` open it.\n"
       "Examples:\n"
       "  kaz demo\n"
       "  kaz demo --seed 7 --out seven\n"

@@ -11,7 +11,7 @@ namespace kaz::tools {
 
 void add_doctor(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "doctor", "examine this machine's ports, CAN interfaces, cameras, drivers and cores");
+      "doctor", "check this machine's ports, CAN interfaces, cameras, drivers and cores");
   auto options = std::make_shared<DoctorOptions>();
   auto* port =
       add_port(*verb, options->port,
@@ -19,9 +19,9 @@ void add_doctor(CLI::App& program, Action& action) {
   add_address(*verb, options->address)->needs(port);
   verb->add_flag("--json", options->json, "print the findings as JSON");
   verb->footer(
-      "Each finding is good, a note (it could be better) or wrong, with the command that mends it. "
-      "No serial port but that of --robot is opened: some adapters would reset the board. Programs "
-      "of other users that hold a device are found by root alone.\n"
+      "Each finding is good, a note (it could be better) or wrong, with the command that fixes it. "
+      "Only the serial port of --robot is opened, because some adapters would reset the board. "
+      "Only root can find programs of other users that hold a device.\n"
       "Exit status: 0 nothing is wrong, 1 something is.\n"
       "Examples:\n"
       "  kaz doctor\n"

@@ -31,9 +31,8 @@ struct Arguments {
 };
 
 constexpr const char* kExitStatus =
-    "Exit status: 0 at least one episode succeeded, 1 none did, 2 wrong usage, 3 episodes lost "
-    "(disk, "
-    "port, process).\n";
+    "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 "
+    "episodes lost (disk, port, process).\n";
 
 // --NAME FROM TO, both within `bounds`; `by_default`: what `given` stays without it.
 void add_interval(CLI::App& verb, const std::string& name, std::vector<double>& given,
@@ -54,7 +53,7 @@ template <class T>
 Result<void> no_repetition(const std::string& option, std::vector<T> values) {
   std::ranges::sort(values);
   if (std::ranges::adjacent_find(values) == values.end()) return {};
-  return fail(Fault::usage, option + ": a value stands in the list twice, give it once");
+  return fail(Fault::usage, option + ": a value is in the list twice; give it once");
 }
 
 // Values with commas between, or the option repeated. Words after it belong to no option.
@@ -82,7 +81,7 @@ std::vector<std::string> given_options(const CLI::App& verb) {
 Result<void> check_tasks(const std::string& option, int tasks, std::uint64_t episodes) {
   if (tasks <= 0 || static_cast<std::uint64_t>(tasks) <= episodes) return {};
   return fail(Fault::usage, option + " " + std::to_string(tasks) +
-                                ": that is more tasks than there are --episodes (" +
+                                ": must be at most the number of --episodes (" +
                                 std::to_string(episodes) + ")");
 }
 
@@ -119,8 +118,7 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
   }
   for (const std::string& floor : c.variation.floors) {
     if (std::ranges::count(floor_names(), floor) == 0)
-      return fail(Fault::usage,
-                  "'" + floor + "' is no floor: there are wood, carpet, checker, plain");
+      return fail(Fault::usage, "--floors " + floor + ": give wood, carpet, checker or plain");
   }
   KAZ_TRY(no_repetition("--floors", c.variation.floors));
   c.variation.worlds = KAZ_TRY(parse_world_kinds(a.worlds));
@@ -163,8 +161,8 @@ Result<void> check_nothing_given(const CLI::App& evaluate) {
   for (const CLI::Option* option : evaluate.get_options()) {
     if (option->count() > 0)
       return fail(Fault::usage, option->get_name() +
-                                    " before merge: it runs no episode; leave it out, or give what "
-                                    "is merge's (--out, --json) behind it");
+                                    " is not valid before merge, which runs no episode; leave it "
+                                    "out, or give --out and --json after merge");
   }
   return {};
 }
@@ -178,16 +176,16 @@ void add_merge(CLI::App& evaluate, Action& action) {
   };
   auto arguments = std::make_shared<Merge>();
   verb->add_option("DIR", arguments->folders, "folders of the parts")->required()->type_name("");
-  verb->add_option("--out", arguments->out, "folder for the whole")->required()->type_name("DIR");
+  verb->add_option("--out", arguments->out, "folder for the complete evaluation")
+      ->required()
+      ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print result.json");
   verb->footer(
-      "Parts are those of one evaluation: the same options but for --shard, --jobs and --out; "
-      "others are refused, also those of another --episodes. "
-      "Episodes that are missing, as a part is not there or was interrupted, are named; "
-      "result.json "
-      "is then of the others and contains \"interrupted\": true.\n"
-      "Exit status: 0 at least one episode succeeded, 1 none did, 2 wrong usage, 3 episodes are "
-      "missing.\n"
+      "All parts must have the same options except --shard, --jobs and --out; other parts are "
+      "rejected. Episodes of a missing or interrupted part are listed. result.json then covers the "
+      "completed episodes and contains \"interrupted\": true.\n"
+      "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 "
+      "episodes are missing.\n"
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 8 --shard 1/2 --out one\n"
       "  kaz evaluate search-ball --episodes 8 --shard 2/2 --out two\n"
@@ -206,7 +204,7 @@ void add_merge(CLI::App& evaluate, Action& action) {
 
 void add_evaluate(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand("evaluate",
-                                      "run a behaviour in many random worlds and count successes");
+                                      "run a behavior in many random worlds and count successes");
   auto arguments = std::make_shared<Arguments>();
   CampaignOptions& c = arguments->campaign;
   c.backend.eyes = sim::EyeKind::real;
@@ -214,33 +212,33 @@ void add_evaluate(CLI::App& program, Action& action) {
   // The virtual robot of kaz run, but for what each episode draws or fixes.
   add_sim_options(*verb, c.backend);
   verb->get_option("--eyes")->description(verb->get_option("--eyes")->get_description() +
-                                          " (none is the default of these)");
+                                          " (their default)");
   for (const char* fixed : {"--world", "--robot-file", "--image", "--faults", "--dynamics",
                             "--physics-step", "--supply", "--eye-width", "--seed"})
     verb->remove_option(verb->get_option(fixed));
-  verb->add_option("BEHAVIOUR", c.behavior,
-                   "(required) as of kaz run: a name, or a plug-in (./NAME.so)")
+  verb->add_option("BEHAVIOR", c.behavior,
+                   "(required) behavior, as in kaz run: a name, or a plug-in (./NAME.so)")
       ->type_name("");
-  verb->add_option("--episodes", c.episodes, "how many, of all parts")
+  verb->add_option("--episodes", c.episodes, "number of episodes, in all parts together")
       ->check(between(1, 1000000))
       ->capture_default_str();
-  verb->add_option("--seed", c.seed, "of what differs; the same seed gives the same episodes")
+  verb->add_option("--seed", c.seed,
+                   "seed of all random choices; the same seed gives the same episodes")
       ->transform(whole_number())
       ->type_name("N")
       ->capture_default_str();
-  verb->add_option("--jobs", c.jobs, "episodes at the same time")
+  verb->add_option("--jobs", c.jobs, "number of episodes that run in parallel")
       ->check(between(1, 256))
       ->capture_default_str();
   verb->add_option("--out", c.out,
                    "(required) folder for result.json, episodes.csv, junit.xml and recordings of "
-                   "failures; the same "
-                   "command goes on where it was interrupted")
+                   "failures; the same command continues an interrupted evaluation")
       ->type_name("DIR");
   verb->add_option("--shard", arguments->shard,
-                   "part I of N: independent, repeatable, to be merged")
+                   "run only part I of N; kaz evaluate merge joins the parts")
       ->type_name("I/N")
       ->capture_default_str();
-  add_settings(*verb, arguments->settings, "an option of the behaviour (kaz run NAME --help)");
+  add_settings(*verb, arguments->settings, "an option of the behavior (kaz run NAME --help)");
   const Variation& v = c.variation;
   add_interval(*verb, "--friction", arguments->friction, v.friction, {0.01, 10},
                "friction coefficient of the floor, drawn from this range");
@@ -249,99 +247,96 @@ void add_evaluate(CLI::App& program, Action& action) {
   add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m, {0.05, 20},
                "distance of the ball from the feet, m, drawn from this range", "m");
   verb->add_option("--bearing", c.variation.bearing_deg,
-                   "largest angle between the ball, or a goal, and straight ahead, degrees")
+                   "largest angle between straight ahead and the ball or goal, degrees")
       ->check(between(0.0, 180.0))
       ->capture_default_str()
       ->type_name("DEGREES");
-  add_list(*verb, "--radii", c.variation.radii_m, "radii of balls, m, with commas between")
+  add_list(*verb, "--radii", c.variation.radii_m, "radii of balls, m, separated by commas")
       ->check(between(0.005, 0.5, "m"));
   add_list(*verb, "--colors", c.variation.colors,
-           "colours of balls, with commas between: red, green, blue");
+           "colors of balls, separated by commas: red, green, blue");
   add_list(*verb, "--floors", c.variation.floors,
-           "patterns of floors, with commas between: wood, carpet, checker, plain");
-  add_interval(
-      *verb, "--props", arguments->props, v.props, {0, 20},
-      "so many boxes, cans and large balls stand about, drawn from this range, every third "
-      "of the ball's colour; none on the straight way to the ball");
+           "patterns of floors, separated by commas: wood, carpet, checker, plain");
+  add_interval(*verb, "--props", arguments->props, v.props, {0, 20},
+               "number of boxes, cans and large balls in the world, drawn from this range; every "
+               "third has the ball's color, and the straight path to the ball is free");
   add_interval(*verb, "--lamp", arguments->lamp, v.lamp, {0.01, 100},
-               "factor on the light of the lamp, drawn from this range; the lamp stands anywhere "
-               "around, 35 to 80 degrees up");
+               "factor on the lamp's light, drawn from this range; the lamp is in a random "
+               "direction, at an elevation of 35 to 80 degrees");
   add_interval(*verb, "--shade", arguments->shade, v.shade, {0.01, 100},
-               "factor on the light where the lamp does not reach, drawn from this range");
+               "factor on the light in shadows, drawn from this range");
   std::string kinds;
   for (const WorldKindInfo& info : world_kinds())
     kinds += (kinds.empty() ? "" : ", ") + std::string(info.name);
-  add_list(
-      *verb, "--worlds", arguments->worlds,
-      "of navigate: kinds of worlds, with commas between, which the episodes have in turn: all, "
-      "or of " +
-          kinds);
+  add_list(*verb, "--worlds", arguments->worlds,
+           "only with navigate: kinds of worlds, separated by commas, which the episodes use in "
+           "turn: all, or from " +
+               kinds);
   add_interval(*verb, "--density", arguments->density, v.density, {0, 1},
-               "of navigate: how hard the worlds are, drawn from this range: more or narrower, "
-               "0 to 1");
-  verb->add_option(
-          "--obstacles", c.variation.max_obstacles,
-          "of navigate: up to so many boxes and cans stand about in worlds with clutter, at least "
-          "half as many")
+               "only with navigate: difficulty of the worlds, 0 to 1 (more obstacles or narrower "
+               "gaps), drawn from this range");
+  verb->add_option("--obstacles", c.variation.max_obstacles,
+                   "only with navigate: maximum number of boxes and cans in worlds of kind "
+                   "clutter; the minimum is half of it")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();
   add_interval(
       *verb, "--goal-distance", arguments->goal_distance, v.goal_distance_m, {0.3, 2.5},
-      "of navigate, without --set goal=X,Y: distance of the goal, m, drawn from this range", "m");
+      "only with navigate, without --set goal=X,Y: distance of the goal, m, drawn from this range",
+      "m");
   verb->add_option("--mass-sigma", c.variation.mass_sigma,
-                   "standard deviation of each link's mass, as a share of it")
+                   "standard deviation of each link's mass, as a fraction of the mass")
       ->check(between(0.0, 0.3))
       ->capture_default_str();
   Pushes& pushes = c.variation.pushes;
   auto* push = verb->add_option("--push", pushes.impulse_ns,
-                                "pushes on the trunk, of so many N s each (default: none)")
+                                "impulse of each push on the trunk, N s (default: no pushes)")
                    ->check(between(0.01, 5.0, "N s"))
                    ->type_name("NS");
   add_choice(*verb, "--push-to", kPushTo, pushes.to,
-             "where they go; sides, around: drawn for each push")
+             "direction of the pushes; sides and around are drawn for each push")
       ->needs(push);
   verb->add_option("--push-from", pushes.from_s,
-                   "when the first one is, s since the robot's first step; of stand, get-up, "
-                   "search-ball and track-ball since the start (there 1 by default)")
+                   "time of the first push, s after the robot's first step; for stand, get-up, "
+                   "search-ball and track-ball after the start (their default: 1)")
       ->check(between(0.0, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")
       ->needs(push);
-  verb->add_option("--push-every", pushes.every_s, "time between them, s")
+  verb->add_option("--push-every", pushes.every_s, "time between pushes, s")
       ->check(between(0.1, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")
       ->needs(push);
-  verb->add_flag("--calibrated", c.calibrated,
-                 "of --sensors as-built: each robot's joints are calibrated before, as by kaz "
-                 "calibrate joints");
+  verb->add_flag(
+      "--calibrated", c.calibrated,
+      "with --sensors as-built: calibrate each robot's joints first, as kaz calibrate joints does");
   verb->add_option("--judge", c.judged_as,
-                   "of a plug-in: the behaviour of Kaz that it is judged as; else it may not fall, "
-                   "and its own word counts")
+                   "for a plug-in: the Kaz behavior whose judge decides success. Without it, the "
+                   "plug-in's own result counts, and a fall is a failure")
       ->type_name("NAME");
   verb->add_flag("--realtime", c.realtime,
-                 "in real time, kaz sim and kaz run as processes of their own with a pty between "
-                 "them; needs two processors for each job");
+                 "run in real time, with kaz sim and kaz run as separate processes connected by a "
+                 "pty; needs two processors for each job");
   auto* slurm =
-      verb->add_option("--slurm", arguments->slurm_tasks,
-                       "run it on a Slurm cluster, as a job array of so many tasks; DIR is on a "
-                       "disk that all nodes have, and so is kaz; --jobs are the processors of a "
-                       "task")
+      verb->add_option(
+              "--slurm", arguments->slurm_tasks,
+              "run on a Slurm cluster, as a job array with this number of tasks. DIR and kaz must "
+              "be on a disk that all nodes share; --jobs is the number of processors of a task")
           ->check(between(1, 100000))
           ->type_name("TASKS");
   verb->add_option("--sbatch", arguments->sbatch,
-                   "options for sbatch, in one text: \"--partition=day --time=60\"")
+                   "options for sbatch, as one argument: \"--partition=day --time=60\"")
       ->needs(slurm)
       ->type_name("OPTIONS");
-  auto* hosts =
-      verb->add_option("--parallel-hosts", arguments->hosts,
-                       "run it on the machines of this file by GNU parallel, a line each: :, "
-                       "which is this one, or what ssh takes, with 8/ before it for 8 "
-                       "processors; they have DIR and kaz at the same place")
-          ->type_name("FILE");
+  auto* hosts = verb->add_option("--parallel-hosts", arguments->hosts,
+                                 "run on the machines in this file with GNU parallel. Each line is "
+                                 ": (this machine) or an ssh destination; the prefix 8/ means 8 "
+                                 "processors. DIR and kaz must have the same paths on all machines")
+                    ->type_name("FILE");
   verb->add_option("--parallel-tasks", arguments->hosts_tasks,
-                   "in so many parts; by default 100, or an episode each")
+                   "number of parts (default: 100, or one per episode if there are fewer)")
       ->check(between(1, 100000))
       ->needs(hosts)
       ->type_name("TASKS");
@@ -354,9 +349,10 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->get_option("--view")->excludes(slurm)->excludes(hosts);
   verb->footer(
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
-      "supply and ball (place, radius, colour), all from --seed and the episode's number. Success "
-      "is judged by the simulator's truth alone; what the behaviour claims is compared with it. "
-      "An episode of catch-ball takes some 15 s on one processor, with --realtime 50 s.\n" +
+      "supply and ball (place, radius, color), which depend only on --seed and the episode's "
+      "number. Only ground truth of the simulator decides success; the behavior's own result is "
+      "compared with it. An episode of catch-ball takes about 15 s on one processor, or 50 s with "
+      "--realtime.\n" +
       std::string(kExitStatus) +
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
@@ -381,9 +377,10 @@ void add_evaluate(CLI::App& program, Action& action) {
     action = [arguments, watch, verb]() -> Result<Outcome> {
       if (arguments->campaign.behavior.empty())
         return fail(Fault::usage,
-                    "say which behaviour, as in kaz evaluate search-ball --out found");
+                    "BEHAVIOR is missing; give one, as in kaz evaluate search-ball --out found");
       if (arguments->campaign.out.empty())
-        return fail(Fault::usage, "--out is missing: the folder for what is found");
+        return fail(Fault::usage,
+                    "--out is missing; give a folder for the results, as in --out found");
       return start(*arguments, *watch, given_options(*verb));
     };
   });

@@ -15,7 +15,7 @@ namespace kaz::tools {
 
 void add_eyes(CLI::App& program, Action& action) {
   auto* verb =
-      program.add_subcommand("eyes", "draw what an onlooker and both eyes see at the start");
+      program.add_subcommand("eyes", "draw the views of an observer and of both eyes at the start");
   auto arguments = std::make_shared<EyesOptions>();
   arguments->backend.mcu = sim::McuKind::native;
   verb->add_option("--out", arguments->out, "folder for the pictures")
@@ -27,7 +27,8 @@ void add_eyes(CLI::App& program, Action& action) {
                               "--no-imu", "--supply", "--dynamics", "--physics-step"})
     verb->remove_option(verb->get_option(useless));
   verb->footer(
-      "Each eye is drawn as a pinhole, through its lens and sensor, and rectified from that.\n"
+      "Each eye is drawn three times: as a pinhole camera, with its lens and sensor, and "
+      "rectified.\n"
       "Examples:\n"
       "  kaz eyes\n"
       "  kaz eyes --world ball --eye-width 640 --out big");

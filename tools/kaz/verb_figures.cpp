@@ -29,11 +29,11 @@ Result<void> check_drawn(const CLI::App& verb, const std::vector<int>& only) {
                          return std::ranges::count(only, figure) > 0;
                        });
     if (verb.count(option) > 0 && !drawn)
-      return fail(Fault::usage, std::string(option) + " is of figure" +
+      return fail(Fault::usage, std::string(option) + " is only valid with figure" +
                                     (figures.size() == 1   ? " 7"
                                      : figures.size() == 2 ? "s 5 and 6"
                                                            : "s 3, 5, 6 and 8") +
-                                    ", which --only leaves out; leave it out too");
+                                    ", which --only leaves out; leave this option out too");
   }
   return {};
 }
@@ -41,7 +41,7 @@ Result<void> check_drawn(const CLI::App& verb, const std::vector<int>& only) {
 }  // namespace
 
 void add_figures(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand("figures", "draw the paper's figures, each of one run");
+  auto* verb = program.add_subcommand("figures", "draw the paper's figures, each from one run");
   auto options = std::make_shared<FiguresOptions>();
   auto only = std::make_shared<std::vector<int>>();
   options->backend.world = "boxes";
@@ -51,18 +51,17 @@ void add_figures(CLI::App& program, Action& action) {
                    "folder for the figures, figures.html, result.json and the runs")
       ->type_name("DIR")
       ->capture_default_str();
-  verb->add_option("--only", *only, "these figures alone, with commas between")
+  verb->add_option("--only", *only, "draw only these figures, separated by commas")
       ->delimiter(',')
       ->check(CLI::IsMember(figure_numbers()))
       ->expected(1)
       ->allow_extra_args(false)
       ->take_all();
   verb->add_option("--recording", options->recording,
-                   "recording.mcap of a run of your own: its figures in place of those of other "
-                   "runs; it runs "
-                   "again from its seed")
+                   "recording.mcap of your own run: draw its figures instead; the run is repeated "
+                   "from its seed")
       ->type_name("FILE");
-  verb->add_option("--goal", options->goal, "of figures 5 and 6, as kaz run navigate takes it")
+  verb->add_option("--goal", options->goal, "goal of figures 5 and 6, as in kaz run navigate")
       ->type_name("X,Y[,DEGREES]|ball")
       ->capture_default_str();
   verb->add_option("--yard", options->yard, "world of figure 7: boxes on a floor")
@@ -75,11 +74,10 @@ void add_figures(CLI::App& program, Action& action) {
   verb->get_option("--world")->description("world of figures 5 and 6: a ball behind obstacles");
   verb->add_flag("--json", options->json, "print result.json on standard output, no progress");
   verb->footer(
-      "Figure 3 is of track-ball, 5 and 6 of navigate, 8 of catch-ball, 7 of a sweep of the head; "
-      "figures 1, 2 and 4 show no run. All of them take some minutes. Each run is left in a "
-      "folder of its own, DIR/navigate and so on, with its recording (some 1.3 MB a second).\n"
-      "Exit status: 1 a run did not succeed, or does not show what a figure needs; the others are "
-      "drawn.\n"
+      "Figure 3 shows track-ball, 5 and 6 navigate, 7 a sweep of the head, and 8 catch-ball; "
+      "figures 1, 2 and 4 show no run. All figures take a few minutes. Each run is kept in its own "
+      "folder, such as DIR/navigate, with its recording (about 1.3 MB per second).\n"
+      "Exit status: 1 a run failed, or lacks data for a figure; the other figures are drawn.\n"
       "Examples:\n"
       "  kaz figures\n"
       "  kaz figures --only 3,6 --seed 7 --out seven\n"
@@ -92,7 +90,7 @@ void add_figures(CLI::App& program, Action& action) {
       for (const char* option : kOfRuns) {
         if (!options->recording.empty() && verb->count(option) > 0)
           return fail(Fault::usage, std::string(option) +
-                                        " is that of the recording; leave it out with --recording");
+                                        " is set by the recording; leave it out with --recording");
       }
       KAZ_TRY(check_drawn(*verb, *only));
       return make_figures(*options);

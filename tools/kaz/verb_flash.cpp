@@ -18,34 +18,33 @@ constexpr const char* kWriteExamples =
     "--erased\n"
     "  kaz flash write kaz.mot --robot serial:/dev/ttyUSB0 --reset manual\n";
 constexpr const char* kExitStatus =
-    "Exit status: 0 done, 1 it failed, 2 wrong usage or image, 3 port error.";
+    "Exit status: 0 done, 1 failed, 2 wrong usage or image, 3 port error.";
 
 // Of the verbs that can do without the loader.
 void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
   auto* reset =
       verb.add_option(
               "--reset", arguments.reset,
-              "boot mode, entered by dtr-rts (DTR at RES, RTS at the mode pins), ctl:PATH (control "
-              "socket of kaz sim) or manual; it erases the whole flash, with stored calibration "
-              "and "
-              "address; without it the resident loader")
+              "use boot mode, entered by dtr-rts (DTR at RES, RTS at the mode pins), ctl:PATH "
+              "(control socket of kaz sim) or manual. Boot mode erases the whole flash, with "
+              "stored calibration and address. Without --reset, the resident loader is used")
           ->type_name("HOW");
   verb.add_option("--boot-baud", arguments.boot_baud, "baud rate in boot mode")
       ->check(CLI::IsMember({4800, 9600, 19200}))
       ->capture_default_str()
       ->needs(reset);
   verb.add_option("--writer", arguments.writer,
-                  "flash writer to load into the board's RAM in boot mode; that of this program if "
-                  "not given")
+                  "flash writer to load into the board's RAM in boot mode (default: the writer of "
+                  "this program)")
       ->type_name("FILE")
       ->needs(reset);
 }
 
 void add_reset_to_run(CLI::App& verb, FlashArguments& arguments) {
   verb.add_option("--reset", arguments.reset,
-                  "reset the board, as after boot mode: by dtr-rts (DTR at RES, RTS at the mode "
-                  "pins), ctl:PATH (control socket of kaz sim) or manual; without it the resident "
-                  "loader starts the firmware")
+                  "reset the board, as after boot mode, by dtr-rts (DTR at RES, RTS at the mode "
+                  "pins), ctl:PATH (control socket of kaz sim) or manual. Without --reset, the "
+                  "resident loader starts the firmware")
       ->type_name("HOW");
 }
 
@@ -53,11 +52,12 @@ void add_common(CLI::App& verb, FlashArguments& arguments, bool dry_run) {
   auto* port =
       add_port(verb, arguments.port,
                std::string("the board: serial:PATH of a serial port or pty; 115,200 baud") +
-                   (dry_run ? " (required, but for --dry-run)" : ""));
+                   (dry_run ? " (required except with --dry-run)" : ""));
   if (!dry_run) port->required();
   add_address(verb, arguments.address);
-  verb.add_flag("--json", arguments.json,
-                "one JSON object on standard output, of a failure too: `ok`, and `error`");
+  verb.add_flag(
+      "--json", arguments.json,
+      "print one JSON object on standard output, also after a failure, with `ok` and `error`");
 }
 
 // The message on a block that the loader keeps says more (flash/arguments.cpp).
@@ -80,7 +80,8 @@ void add_image(CLI::App& verb, FlashArguments& arguments) {
 
 void add_flash(CLI::App& program, Action& action) {
   auto* all = program.add_subcommand(
-      "flash", "write, read and verify the board's firmware, through boot mode or resident loader");
+      "flash",
+      "write, read and verify the board's firmware, through boot mode or the resident loader");
   all->require_subcommand(1);
   all->footer(std::string("Examples:\n") + kWriteExamples +
               "  kaz flash info --robot serial:/dev/ttyUSB0\n" + kExitStatus);
@@ -90,12 +91,13 @@ void add_flash(CLI::App& program, Action& action) {
     const bool starts = which == "run", by_boot_mode = which == "write" || which == "erase";
     const auto image = firmware_image("");
     const bool takes_image = which == "write" || which == "verify";
-    verb->footer(std::string(by_boot_mode || starts
-                                 ? ""
-                                 : "Boot mode would erase the flash: this uses the "
-                                   "resident loader.\n") +
-                 (takes_image && image ? "The firmware of this kaz: " + *image + "\n" : "") +
-                 "Examples:\n" + examples + kExitStatus);
+    verb->footer(
+        std::string(
+            by_boot_mode || starts
+                ? ""
+                : "This uses the resident loader, because boot mode would erase the flash.\n") +
+        (takes_image && image ? "The firmware of this kaz: " + *image + "\n" : "") + "Examples:\n" +
+        examples + kExitStatus);
     auto arguments = std::make_shared<FlashArguments>();
     arguments->verb = name;
     add_common(*verb, *arguments, which == "write");
@@ -105,14 +107,15 @@ void add_flash(CLI::App& program, Action& action) {
         [&action, arguments] { action = [arguments] { return run_flash(*arguments); }; });
     return std::pair(verb, arguments);
   };
-  add("info", "print what is in the board's flash; restarts the board, motors go off",
+  add("info",
+      "describe the contents of the board's flash; restarts the board, so the motors go off",
       "  kaz flash info --robot serial:/dev/ttyUSB0\n"
       "  kaz flash info --robot serial:board --json\n");
   add("run", "start the firmware in the flash, and print its identity",
       "  kaz flash run --robot serial:/dev/ttyUSB0     # after kaz flash write --no-start\n"
       "  kaz flash run --robot serial:board --reset ctl:board.ctl\n");
   auto [write, to_write] =
-      add("write", "erase what differs, write, verify and start an image", kWriteExamples);
+      add("write", "erase changed blocks, and write, verify and start an image", kWriteExamples);
   add_image(*write, *to_write);
   write->add_flag("--dry-run", to_write->dry_run,
                   "check the image and, if given, the port; send nothing");
@@ -121,23 +124,22 @@ void add_flash(CLI::App& program, Action& action) {
   write->add_flag("!--no-start", to_write->start,
                   "leave the board in the loader or boot mode, without starting the image");
   auto [verify, to_verify] =
-      add("verify", "compare the flash with an image; restarts the board, motors go off",
+      add("verify", "compare the flash with an image; restarts the board, so the motors go off",
           "  kaz flash verify kaz.mot --robot serial:/dev/ttyUSB0\n");
   add_image(*verify, *to_verify);
   auto [erase, to_erase] = add("erase", "erase blocks; with --reset the whole flash",
                                "  kaz flash erase --robot serial:/dev/ttyUSB0 --blocks 7,8\n"
                                "  kaz flash erase --robot serial:/dev/ttyUSB0 --reset manual\n");
   erase
-      ->add_option(
-          "--blocks", to_erase->blocks,
-          "blocks to erase through the resident loader, with commas between: 1 to 5 and 7 "
-          "to 9, for it keeps EB0 (vectors) and EB6 (itself). EB1 and EB2 hold the calibration, "
-          "EB3 the board's address, the others the application")
+      ->add_option("--blocks", to_erase->blocks,
+                   "blocks to erase through the resident loader, separated by commas: 1 to 5 and 7 "
+                   "to 9. EB0 (vectors) and EB6 (loader) cannot be erased. EB1 and EB2 hold the "
+                   "calibration, EB3 the board's address, the others the application")
       ->delimiter(',')
       ->check(erasable_block())
       ->type_name("N,N");
   auto [read, to_read] =
-      add("read", "copy flash to a raw file; restarts the board, motors go off",
+      add("read", "copy flash to a raw file; restarts the board, so the motors go off",
           "  kaz flash read --robot serial:/dev/ttyUSB0 --out flash.bin\n"
           "  kaz flash read --robot serial:board --from 0x1000 --length 4096 --out "
           "part.bin\n");

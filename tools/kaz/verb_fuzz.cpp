@@ -11,38 +11,38 @@ namespace kaz::tools {
 
 void add_fuzz(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "fuzz", "send hostile requests to a board and check that motors and replies stay in order");
+      "fuzz", "send hostile requests to a board and check its motors and replies");
   auto arguments = std::make_shared<FuzzOptions>();
   verb->add_option("--target,--robot,--port", arguments->target,
                    std::string("native or h8, simulated in this process, or ") + kPortText)
       ->capture_default_str()
       ->type_name("native|h8|KIND:PATH");
   add_address(*verb, arguments->address);
-  auto* seconds = verb->add_option("--seconds", arguments->seconds,
-                                   "how long to run; a case that has begun is finished")
-                      ->check(between(0.001, 1e7))
-                      ->capture_default_str()
-                      ->type_name("SECONDS");
+  auto* seconds =
+      verb->add_option("--seconds", arguments->seconds, "duration; the last case is finished")
+          ->check(between(0.001, 1e7))
+          ->capture_default_str()
+          ->type_name("SECONDS");
   auto* cases = verb->add_option("--cases", arguments->cases,
-                                 "number of cases to run instead, for a result that repeats")
+                                 "number of cases to run instead, for a repeatable result")
                     ->transform(whole_number_above_zero())
                     ->excludes(seconds)
                     ->type_name("N");
   verb->add_option("--seed", arguments->seed,
-                   "seed of the cases, and on native and h8 of noise and of the chances of faults")
+                   "seed of the cases and, on native and h8, of noise and fault probabilities")
       ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
   auto* corpus = verb->add_option("--corpus", arguments->corpus,
-                                  "folder of cases to begin with; those that show something new "
-                                  "are added; made if it is not there")
+                                  "folder of initial cases, created if it is missing; cases that "
+                                  "show a new feature are added")
                      ->type_name("DIR");
-  auto* out = verb->add_option("--out", arguments->out, "where to put a case that goes wrong")
+  auto* out = verb->add_option("--out", arguments->out, "file for a failing case")
                   ->capture_default_str()
                   ->type_name("FILE");
   verb->add_option("--replay", arguments->replay,
-                   "run this case alone, and list what it does; a case is any "
-                   "file: its bytes choose the requests")
+                   "run only this case, and list its steps; a case is any file, whose bytes choose "
+                   "the requests")
       ->type_name("FILE")
       ->excludes(seconds)
       ->excludes(cases)
@@ -51,24 +51,23 @@ void add_fuzz(CLI::App& program, Action& action) {
   verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
   verb->add_flag("--body", arguments->body,
-                 "simulate the robot's body in its world instead of motors alone; no faults");
+                 "simulate the robot's body in its world instead of motors alone, without faults");
   verb->add_flag("--allow-motion", arguments->allow_motion,
-                 "at a port, required: the joints may move at random. Suspend the robot, or take "
-                 "the motors' supply away, and stand by");
+                 "required at a port, because the joints may move at random. Suspend the robot, or "
+                 "disconnect the motors' supply, and stay beside it");
   verb->add_flag("--wear-flash", arguments->wear_flash,
-                 "at a port: also requests that write the board's flash");
+                 "at a port: also send requests that write the board's flash");
   verb->add_flag("--json", arguments->json, "print the result as JSON, no progress");
   verb->footer(
-      "On native and h8 each tick is judged, and each tick of h8 is computed by native too. At a "
-      "port the replies are judged. THE JOINTS OF A ROBOT AT A PORT MOVE. Where something is "
-      "wrong, "
-      "the shortened case is written to --out. The board at a port is left as it was "
-      "found, also by Ctrl-C (kaz recover). Cases choose their own faults of line, power and "
-      "sensors (docs/reference/simulator.md). docs/howto/fuzzing.md says what is judged.\n"
+      "On native and h8, each tick is judged; native also computes each tick of h8. At a port, the "
+      "replies are judged. THE JOINTS OF A ROBOT AT A PORT MOVE. A failing case is shortened and "
+      "written to --out. The settings of a board at a port are put back at the end, also after "
+      "Ctrl-C (kaz recover). Each case chooses its own faults of line, power and sensors "
+      "(docs/reference/simulator.md). docs/howto/fuzzing.md lists the criteria.\n"
       "A feature is a reaction of the board: a kind of reply with its status, a refusal with its "
       "reason, or, on native and h8, a combination of shutdown, limits and queue. Cases that show "
-      "a new one are kept, and later cases are made from them.\n"
-      "Exit status: 0 nothing was wrong, 1 something was.\n"
+      "a new feature are kept, and later cases are made from them.\n"
+      "Exit status: 0 no case failed, 1 a case failed.\n"
       "Examples:\n"
       "  kaz fuzz --seconds 60\n"
       "  kaz fuzz --target h8 --cases 200 --seed 7\n"

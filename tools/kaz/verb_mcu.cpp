@@ -27,7 +27,7 @@ struct CompareArguments {
 
 void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
   auto* wire =
-      verb.add_flag("--wire", arguments.on_wire, "compare whole boards on the line instead");
+      verb.add_flag("--wire", arguments.on_wire, "compare complete boards on the line instead");
   verb.add_option("--conversations", arguments.wire.conversations,
                   "number of conversations of one second each")
       ->transform(whole_number_above_zero(1'000'000'000))
@@ -56,27 +56,28 @@ void add_mcu_compare(CLI::App& mcu, Action& action) {
       ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
-  verb->add_option("--state-every", arguments->options.state_every,
-                   "compare the whole state every N ticks; outputs and pins in each")
+  verb->add_option(
+          "--state-every", arguments->options.state_every,
+          "compare the complete state every N ticks; outputs and pins are compared in every tick")
       ->transform(whole_number_above_zero(kMaxTicks))
       ->capture_default_str()
       ->type_name("N");
-  verb->add_option(
-          "--engine", arguments->options.engine,
-          "engine of the emulator: reference, interpreter or translator (the default, which every "
-          "other verb uses)")
+  verb->add_option("--engine", arguments->options.engine,
+                   "engine of the emulator: reference, interpreter or translator (the default, as "
+                   "in all other verbs)")
       ->transform(one_of(kEngines))
       ->type_name("ENGINE");
   verb->add_option("--image", arguments->options.image_path,
-                   "firmware image, with its .coff beside it; the built one if not given")
+                   "firmware image, with its .coff beside it (default: the built image)")
       ->type_name("FILE");
   verb->add_flag("--json", arguments->json, "print the report as JSON, no progress");
   verb->footer(
-      "The firmware runs in the emulator under random traffic, legal and illegal. Each tick's "
-      "input is fed to the native build; outputs and state must be equal; where they are not, the "
-      "first difference is printed side by side. --wire compares whole boards instead, reply by "
-      "reply. The defaults take some five seconds, a million ticks on the translator a minute.\n"
-      "Exit status: 0 equal, 1 a difference.\n"
+      "The firmware runs in the emulator with random traffic, valid and invalid. The native build "
+      "gets the same input in each tick, and its outputs and state must be equal. Otherwise the "
+      "first difference is printed side by side. --wire compares complete boards instead, reply by "
+      "reply. The defaults take about five seconds; a million ticks with the translator take a "
+      "minute.\n"
+      "Exit status: 0 equal, 1 different.\n"
       "Examples:\n"
       "  kaz mcu compare\n"
       "  kaz mcu compare --ticks 1000000 --seed 7\n"
@@ -95,17 +96,17 @@ void add_mcu_compare(CLI::App& mcu, Action& action) {
 
 void add_machine_options(CLI::App& verb, McuRunOptions& options) {
   verb.add_flag("--flat", options.flat,
-                "instead of the chip: its CPU with 16 MiB of RAM, from the image's entry");
+                "emulate only the CPU, with 16 MiB of RAM, and start at the image's entry");
   verb.add_flag("--semihost", options.semihost,
-                "with --flat: GDB's calls of the host, the program's own exit status")
+                "with --flat: serve GDB's host calls, and exit with the program's own status")
       ->needs("--flat");
   verb.add_flag(
       "--count", options.count,
       "print insns=N (instructions) and states=N (cycles of the chip's clock) at the end, "
       "on standard error");
   verb.add_option("--max-states", options.max_states,
-                  "stop after N states (cycles of the chip's clock); one second of the chip if not "
-                  "given, no limit with --flat")
+                  "stop after N states (cycles of the chip's clock; default: one second of the "
+                  "chip, no limit with --flat)")
       ->transform(whole_number_above_zero())
       ->type_name("N");
   verb.add_option("--max-insns", options.max_insns, "stop after N instructions")
@@ -119,7 +120,7 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
       ->check(CLI::IsMember({2, 3}))
       ->capture_default_str()
       ->excludes("--flat");
-  verb.add_option("--ram-fill", options.ram_fill, "value of each byte of RAM when power comes")
+  verb.add_option("--ram-fill", options.ram_fill, "initial value of each byte of RAM")
       ->check(between(0, 255))
       ->capture_default_str()
       ->excludes("--flat")
@@ -133,36 +134,35 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
 
 // All of them are for the chip, not for the flat machine.
 void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
-  verb.add_flag("--trace{-}", debug.trace,
-                "each instruction with what it changes, on standard error or to --trace=FILE")
+  verb.add_flag(
+          "--trace{-}", debug.trace,
+          "print each instruction and its effects on standard error, or write them to --trace=FILE")
       ->excludes("--flat")
       ->type_name("FILE");
-  auto* profile =
-      verb.add_flag("--profile{-}", debug.profile,
-                    "states by function at the end, on standard error or to --profile=FILE; names "
-                    "need a COFF or ELF image")
-          ->excludes("--flat")
-          ->type_name("FILE");
+  auto* profile = verb.add_flag("--profile{-}", debug.profile,
+                                "at the end, print states per function on standard error, or write "
+                                "them to --profile=FILE; names need a COFF or ELF image")
+                      ->excludes("--flat")
+                      ->type_name("FILE");
   verb.add_option("--profile-format", debug.profile_format,
                   "text, json or callgrind (for KCachegrind)")
       ->check(CLI::IsMember({"text", "json", "callgrind"}))
       ->capture_default_str()
       ->needs(profile);
   verb.add_option("--tick", debug.tick,
-                  "labels of a COFF or ELF image, or addresses, around a tick; the profile reports "
-                  "the longest one")
+                  "begin and end of a tick: labels of a COFF or ELF image, or addresses; the "
+                  "profile reports the longest tick")
       ->needs(profile)
       ->type_name("BEGIN,END");
-  verb.add_option(
-          "--coverage", debug.coverage,
-          "write coverage for lcov to FILE, and a table by function on standard error; needs "
-          "a COFF or ELF image")
+  verb.add_option("--coverage", debug.coverage,
+                  "write coverage for lcov to FILE, and print a table per function on standard "
+                  "error; needs a COFF or ELF image")
       ->excludes("--flat")
       ->type_name("FILE");
   verb.add_flag("--check-uninitialised", debug.check_uninitialised,
-                "report reads of RAM that nobody has written")
+                "report reads of uninitialized RAM")
       ->excludes("--flat");
-  verb.add_flag("--stack", debug.stack, "report how deep the stack went, and in which calls")
+  verb.add_flag("--stack", debug.stack, "report the greatest stack depth and its calls")
       ->excludes("--flat");
   verb.add_option("--gdb", debug.gdb,
                   "wait for GDB at a TCP port of this machine, a Unix socket (a path with /) or "
@@ -172,27 +172,28 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
 }
 
 void add_bare_run(CLI::App& mcu, Action& action) {
-  auto* verb = mcu.add_subcommand("run", "run any image on the bare emulator, no board around it");
+  auto* verb = mcu.add_subcommand("run", "run any image on the emulated chip, without a board");
   auto options = std::make_shared<McuRunOptions>();
   add_image_options(*verb, options->image, options->load, 0xffffff);
   add_machine_options(*verb, *options);
   verb->add_flag("--entry{image}", options->entry,
-                 "start at the image's entry, or with --entry=ADDRESS there, not by reset")
+                 "start at the image's entry, or at ADDRESS, instead of by reset")
       ->type_name("ADDRESS");
   verb->add_option("--input", options->input,
                    "bytes sent to RxD0 at line rate, from FILE or - (standard input)")
       ->excludes("--flat")
       ->type_name("FILE");
   verb->add_option("--netlist", options->netlist,
-                   "parts around the chip: docs/howto/h8s-program.md")
+                   "file with the parts connected to the chip: docs/howto/h8s-program.md")
       ->excludes("--flat")
       ->type_name("FILE");
-  auto* vcd = verb->add_option("--vcd", options->vcd, "record signals for GTKWave and the like")
-                  ->excludes("--flat")
-                  ->type_name("FILE");
+  auto* vcd =
+      verb->add_option("--vcd", options->vcd, "record signals for GTKWave and similar viewers")
+          ->excludes("--flat")
+          ->type_name("FILE");
   verb->add_option("--signals", options->signals,
-                   "pins, registers, memory to record: P50,pc,FRC,0xffe100:16; pins and pc if not "
-                   "given; names of variables need a COFF or ELF image")
+                   "pins, registers and memory to record, such as P50,pc,FRC,0xffe100:16 (default: "
+                   "pins,pc); names of variables need a COFF or ELF image")
       ->delimiter(',')
       ->needs(vcd)
       ->type_name("NAMES");
@@ -203,10 +204,10 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   for (const char* unused : {"--max-states", "--input", "--json", "--count"})
     verb->get_option("--gdb")->excludes(verb->get_option(unused));
   verb->footer(
-      "Starts at the reset vector, as the chip does. What the program sends on SCI0 goes to "
-      "standard output. Where the chip stops on an error, a report is printed.\n"
-      "Exit status: 1 the chip stopped on an error; with --semihost the program's own, or 125 "
-      "where it does not end by itself.\n"
+      "The program starts at the reset vector. Its output on SCI0 goes to standard output. If the "
+      "chip stops on an error, a report is printed.\n"
+      "Exit status: 1 the chip stopped on an error; with --semihost the program's own status, or "
+      "125 if it does not end by itself.\n"
       "Examples:\n"
       "  kaz mcu run kaz.mot\n"
       "  kaz mcu run kaz.coff --max-states 2000 --trace\n"
@@ -222,9 +223,9 @@ void add_bare_run(CLI::App& mcu, Action& action) {
 }  // namespace
 
 void add_mcu(CLI::App& program, Action& action) {
-  auto* mcu = program.add_subcommand("mcu",
-                                     "the emulator of the Hitachi H8S/2128: run any image, or "
-                                     "compare the firmware with its native build");
+  auto* mcu = program.add_subcommand(
+      "mcu",
+      "emulate the Hitachi H8S/2128: run any image, or compare the firmware with its native build");
   mcu->require_subcommand(1);
   mcu->footer(
       "Examples:\n"

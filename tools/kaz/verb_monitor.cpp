@@ -18,25 +18,24 @@ void add_monitor(CLI::App& program, Action& action) {
   add_required_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
   verb->add_option("--robot-file", arguments->robot_file,
-                   "URDF of another robot than Kaz; of a bus of servos, feetech:PATH[@BAUD] or "
+                   "URDF of a robot other than Kaz; for a servo bus, feetech:PATH[@BAUD] or "
                    "dynamixel:PATH[@BAUD], with bus.json beside it")
       ->type_name("FILE");
   add_watch_options(*verb, *watch, false);
   verb->remove_option(verb->get_option("--view-wait"));
   verb->footer(
-      "80 columns and 24 lines are enough; works over ssh. It reads only, until a key is pressed: "
-      "e switches the selected joint on or off, E all on, left and right move it by a degree, [ "
-      "and "
-      "] by five, SPACE stops everything, c clears a shutdown, q quits and switches off what was "
-      "switched on here. A board that goes away is sought until it is there again; at the start it "
-      "has to be there.\n"
-      "Exit status: 0 left by q, Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage or no terminal, 3 port "
+      "A terminal with 80 columns and 24 lines is enough, also over ssh. The monitor only reads "
+      "until you press a key: e switches the selected joint on or off, E switches all on, left and "
+      "right move the joint by one degree, [ and ] by five. SPACE stops everything, c clears a "
+      "shutdown, and q quits and switches off the motors that were switched on here. The board "
+      "must answer at the start; later, a lost board is connected again when it is back.\n"
+      "Exit status: 0 ended by q, Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage or no terminal, 3 port "
       "error.\n"
       "Examples:\n"
       "  kaz monitor --robot serial:/dev/ttyUSB0\n"
-      "  kaz sim --mcu native --serial board     # in another terminal, until it says ready\n"
+      "  kaz sim --mcu native --serial board     # in another terminal; wait for ready\n"
       "  kaz monitor --robot serial:board\n"
-      "  kaz monitor --robot serial:board --view        # the robot in a browser, too\n"
+      "  kaz monitor --robot serial:board --view        # also in a browser\n"
       "  kaz monitor --robot feetech:/dev/ttyACM0 --robot-file so101.urdf\n"
       "  ssh workbench -t kaz monitor --robot serial:/dev/ttyUSB0");
   verb->callback([&action, arguments, watch] {

@@ -11,7 +11,8 @@ namespace kaz::tools {
 
 void add_recover(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "recover", "find a board at any address, and bring it back: address, faults, motors off");
+      "recover",
+      "find a board at any address and recover it: set address, clear faults, motors off");
   auto arguments = std::make_shared<RecoverOptions>();
   add_required_port(*verb, arguments->port);
   const auto add_number = [&](const char* name, std::optional<std::uint8_t>& to, const char* text) {
@@ -21,28 +22,29 @@ void add_recover(CLI::App& program, Action& action) {
         ->type_name("N");
   };
   add_number("--address", arguments->address,
-             "address that the board gets; that of --from if not given, else 1");
+             "new address of the board (default: the address in --from, or 1)");
   add_number("--found-at", arguments->found_at,
              "present address of the board to recover, if several are on the line");
   verb->add_option_function<std::string>(
           "--shared-line",
           [arguments](const std::string& text) { arguments->shared_line = text == "on"; },
-          "whether the board shares its line with others: on or off (default: left as it is)")
+          "whether the board shares its line with others: on or off (default: unchanged)")
       ->check(CLI::IsMember({"on", "off"}))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
-                   "notes of an interrupted run, whose message names them: also put back "
+                   "notes of an interrupted run, as named in its message: also put back "
                    "calibration, gains and limits")
       ->type_name("FILE");
   verb->add_flag("--port-changed", arguments->port_changed,
-                 "the notes of --from are of this board, though it was on another port then")
+                 "the notes of --from belong to this board, although it was on another port")
       ->needs("--from");
-  verb->add_flag("--json", arguments->json, "print what was found and done as JSON");
+  verb->add_flag("--json", arguments->json, "print the result as JSON");
   verb->footer(
       "Searches all 14 addresses, switches the motors off, resets the board, which clears latched "
-      "faults, and gives it its address. The calibration in its flash stays, or becomes that of "
+      "faults, and sets its address. The calibration in its flash is kept, or replaced by that of "
       "--from.\n"
-      "Exit status: 0 recovered, 1 something or a fault remains, 2 wrong usage, 3 port error.\n"
+      "Exit status: 0 recovered, 1 a setting was not put back or a fault remains, 2 wrong usage, 3 "
+      "port error.\n"
       "Examples:\n"
       "  kaz recover --robot serial:/dev/ttyUSB0\n"
       "  kaz recover --robot serial:/dev/ttyUSB0 --from "

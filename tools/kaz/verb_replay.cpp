@@ -21,21 +21,20 @@ void add_replay(CLI::App& program, Action& action) {
     FilmOptions film;
   };
   auto arguments = std::make_shared<Arguments>();
-  verb->add_option("FILE", arguments->replay.file,
-                   "recording.mcap of a run, or the folder that it is in")
+  verb->add_option("FILE", arguments->replay.file, "recording.mcap of a run, or its folder")
       ->required()
       ->type_name("");
   auto* host = verb->add_flag("--host", arguments->host,
-                              "the host alone, on the bytes and pictures that are recorded: the "
-                              "default where the recording has pictures");
+                              "replay only the host, with the recorded bytes and pictures (the "
+                              "default if the recording has pictures)");
   verb->add_flag("--whole", arguments->whole,
-                 "host and simulation from the seed, every message compared: the default where it "
-                 "has none")
+                 "run host and simulation again from the seed, and compare every message (the "
+                 "default if the recording has no pictures)")
       ->excludes(host);
   verb->add_option("--seed", arguments->replay.seed,
-                   "another seed than the recording's; implies --whole")
+                   "use another seed than the recording's; implies --whole")
       ->transform(whole_number());
-  add_settings(*verb, arguments->settings, "another value of an option of the behaviour");
+  add_settings(*verb, arguments->settings, "another value of an option of the behavior");
   verb->add_option(
           "--plugin", arguments->replay.plugin,
           "the plug-in, if the behavior of the run is one; a recording does not contain it")
@@ -43,17 +42,18 @@ void add_replay(CLI::App& program, Action& action) {
   add_watch_options(*verb, arguments->watch);
   auto* view = verb->get_option("--view");
   auto* video = verb->add_option("--video", arguments->film.path,
-                                 "make a film of it, by the program ffmpeg: FILE.mp4, FILE.webm, "
-                                 "FILE.webp or FILE.gif")
+                                 "make a film of the recording with the program ffmpeg: FILE.mp4, "
+                                 "FILE.webm, FILE.webp or FILE.gif")
                     ->type_name("FILE")
                     ->excludes(view);
   verb->add_option("--video-fps", arguments->film.fps,
-                   "pictures of the film in a second (default: 30; of .webp and .gif 10)")
+                   "frames per second of the film (default: 30; 10 for .webp and .gif)")
       ->check(between(1, 60))
       ->needs(video);
   auto* pace = verb->get_option("--pace");
   pace->remove_needs(view);
-  pace->description("with --view or --video: seconds of the recording in a second (default: 1)");
+  pace->description(
+      "with --view or --video: speed, in seconds of the recording per second (default: 1)");
   for (const char* option : {"--host", "--whole", "--seed", "--set", "--plugin"}) {
     view->excludes(verb->get_option(option));
     video->excludes(verb->get_option(option));
@@ -61,13 +61,13 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output")
       ->excludes("--view");  // which has no result
   verb->footer(
-      "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
-      "first difference is reported with time, place in the stream, and its message. Changed "
-      "programs of the host are tried like this on what a virtual robot has met.\n"
-      "With --view nothing runs again: the recording is played, with pause and jumps in the page, "
-      "until Ctrl-C. With --video nothing runs again either: the film is drawn from the recorded "
-      "poses.\n"
-      "Exit status: 0 identical, played, or filmed; 1 they differ.\n"
+      "With --host (behavior, vision, protocol), the bytes that the host sends are compared with "
+      "the recording. The first difference is reported with its time, its place in the stream and "
+      "its message. Use this to test changed host programs with the recorded data of a virtual "
+      "robot.\n"
+      "With --view or --video, nothing runs again. --view plays the recording until Ctrl-C; the "
+      "page can pause and jump. --video draws the film from the recorded poses.\n"
+      "Exit status: 0 identical, played or filmed; 1 different.\n"
       "Examples:\n"
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz replay seen/recording.mcap\n"
@@ -91,7 +91,7 @@ void add_replay(CLI::App& program, Action& action) {
         return Outcome();
       }
       if (arguments->watch.pace > 0)
-        return fail(Fault::usage, "--pace is for --view and --video: leave it out");
+        return fail(Fault::usage, "--pace is only valid with --view or --video; leave it out");
       const auto settings = KAZ_TRY(parse_settings(arguments->settings));
       arguments->replay.settings = settings;
       if (arguments->host) arguments->replay.mode = ReplayMode::host;

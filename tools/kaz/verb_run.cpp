@@ -53,8 +53,8 @@ Result<void> check_seed(const CLI::App& verb, const std::string& behavior,
     return {};
   const auto known = behavior::find_behavior(behavior);
   if (!known || known->needs_camera) return {};
-  return fail(Fault::usage, "--seed: " + behavior +
-                                " draws nothing, and a robot at a port has no " +
+  return fail(Fault::usage, "--seed has no effect: " + behavior +
+                                " uses no random numbers, and a robot at a port has no " +
                                 "simulated noise; leave it out with --robot " + robot);
 }
 
@@ -63,7 +63,8 @@ Result<void> check_given(const CLI::App& verb, const std::string& behavior,
                          const std::string& robot) {
   if (robot == "sim" && verb.count("--address") > 0)
     return fail(Fault::usage,
-                "--address is for a port, as --robot serial:PATH; the virtual board has address 1");
+                "--address is only valid with a port, such as --robot serial:PATH; the virtual "
+                "board has address 1");
   if (robot == "sim") return {};
   for (const char* option : kVirtualOnly) {
     if (verb.count(option) > 0)
@@ -78,9 +79,10 @@ Result<void> check_given(const CLI::App& verb, const std::string& behavior,
 Result<void> check_alone(const CLI::App& verb) {
   for (const CLI::Option* option : verb.get_options()) {
     if (option->count() > 0 && option->nonpositional() && option->get_name() != "--options")
-      return fail(Fault::usage, option->get_name() +
-                                    ": --options prints what there is to set, and runs nothing; "
-                                    "leave one of them out");
+      return fail(
+          Fault::usage,
+          option->get_name() +
+              " is not valid with --options, which only prints the options; leave one of them out");
   }
   return {};
 }
@@ -117,7 +119,7 @@ constexpr const char* kExamples[] = {
     "  kaz run track-ball --seed 3 --duration 12 --out three\n",
     "  kaz run catch-ball --world catch --eyes real --imu --out caught\n",
     "  kaz run navigate --goal 1.2,0.1 --world boxes --eyes real --imu --out there\n",
-    "  kaz run track-ball --robot serial:board --camera board.eyes     # of kaz sim\n",
+    "  kaz run track-ball --robot serial:board --camera board.eyes     # port of kaz sim\n",
     "  kaz run pose --view              # set joints and make poses in the browser\n",
     "  kaz run play --poses wave.json\n",
     "  kaz run ./wave.so --set times=2\n",
@@ -143,20 +145,20 @@ std::string examples_of(const behavior::Behavior* behavior) {
 std::string footer(const behavior::Behavior* behavior) {
   std::string text;
   if (behavior != nullptr) {
-    text = "The behaviour and its options (--set NAME=VALUE), with default and valid values:\n" +
+    text = "The behavior and its options (--set NAME=VALUE), with default and valid values:\n" +
            behavior_text(*behavior);
   } else {
-    text = "Behaviours; `kaz run NAME --help` shows the options of a behaviour:\n";
+    text = "Behaviors (`kaz run NAME --help` shows the options of a behavior):\n";
     for (const auto& one : behavior::behaviors())
       text += "  " + std::string(one.name) + ": " + std::string(one.text) + "\n";
     text +=
-        "A behaviour of your own, built outside of Kaz: docs/howto/own-behavior.md. It runs with "
-        "your rights.\n";
+        "To write your own behavior, see docs/howto/own-behavior.md. A plug-in runs with your user "
+        "rights.\n";
   }
   return text +
-         "A robot at a port (--robot serial:PATH) takes no options of the virtual robot, such as "
-         "--world or --mcu; of --faults it takes those of the line. Of a robot other than Kaz "
-         "--robot-file states the joints, at a port as well.\n"
+         "Options of the virtual robot, such as --world or --mcu, are not valid with a robot at a "
+         "port (--robot serial:PATH). There, --faults can contain only faults of the line. "
+         "--robot-file describes the joints of a robot other than Kaz, also at a port.\n"
          "Examples:\n" +
          examples_of(behavior);
 }
@@ -164,10 +166,10 @@ std::string footer(const behavior::Behavior* behavior) {
 }  // namespace
 
 void add_run(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand("run", "run one behaviour on a real or virtual robot");
+  auto* verb = program.add_subcommand("run", "run one behavior on a real or virtual robot");
   auto arguments = std::make_shared<RunArguments>();
   auto& session = arguments->session;
-  verb->add_option("BEHAVIOUR", session.behavior,
+  verb->add_option("BEHAVIOR", session.behavior,
                    "one of: " + behavior_names() + "; or a plug-in, ./NAME.so")
       ->required()
       ->type_name("");
@@ -184,37 +186,36 @@ void add_run(CLI::App& program, Action& action) {
           "file of kaz calibrate stereo, for v4l2 cameras; it sets the size of their pictures")
       ->type_name("FILE");
   verb->add_option("--reconnect", session.backend.reconnect_s,
-                   "at a port: how long a link that is lost is sought before the run ends")
+                   "at a port: how long to retry a lost link before the run ends")
       ->check(between(0, 3600))
       ->capture_default_str()
       ->type_name("SECONDS");
-  add_choice(
-      *verb, "--when-lost", host::kReactions, session.backend.reaction,
-      "what the board does 90 ms after the last request that it heard: hold its joints where "
-      "they are, or switch the motors off");
-  add_out(*verb, *arguments, "; nothing is written if not given");
+  add_choice(*verb, "--when-lost", host::kReactions, session.backend.reaction,
+             "reaction of the board 90 ms after the last request that it received: hold the "
+             "posture, or switch the motors off");
+  add_out(*verb, *arguments, "; without it, nothing is written");
   add_duration(*verb, *arguments,
-               "the same as --set seconds=SECONDS, of " + timed_behaviors() +
-                   "; the other behaviours end by themselves");
-  verb->add_option("--goal", arguments->goal, "the same as --set goal=..., of navigate")
+               "same as --set seconds=SECONDS, for " + timed_behaviors() +
+                   "; the other behaviors end by themselves");
+  verb->add_option("--goal", arguments->goal, "same as --set goal=..., for navigate")
       ->type_name("X,Y[,DEGREES]|ball");
-  verb->add_option("--poses", arguments->poses,
-                   "of play: file of poses (docs/howto/watch.md); run pose --view makes one")
+  verb->add_option(
+          "--poses", arguments->poses,
+          "for play: file of poses (docs/howto/watch.md), for example from kaz run pose --view")
       ->type_name("FILE");
-  add_settings(*verb, arguments->settings, "an option of the behaviour (kaz run NAME --help)");
+  add_settings(*verb, arguments->settings, "an option of the behavior (kaz run NAME --help)");
   auto list = std::make_shared<bool>(false);
-  verb->add_flag("--options", *list,
-                 "print the options of the behaviour, also of a plug-in's, and end");
-  verb->add_flag(
-      "--profile", session.profile,
-      "measure CPU and waiting time of each part of the program; a table, and in result.json");
+  verb->add_flag("--options", *list, "print the options of the behavior or plug-in, and exit");
+  verb->add_flag("--profile", session.profile,
+                 "measure CPU and waiting time of each part of the program; print a table and add "
+                 "it to result.json");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
   const std::string shown = verb->get_option("--robot")->get_group();
   show_shortcuts(*verb, nullptr, shown);
   auto chosen = std::make_shared<std::optional<behavior::Behavior>>();
   // Before --help is answered.
-  verb->get_option("BEHAVIOUR")->each([verb, chosen, shown](const std::string& name) {
+  verb->get_option("BEHAVIOR")->each([verb, chosen, shown](const std::string& name) {
     const auto known = behavior::find_behavior(name);
     if (!known || behavior::names_plugin(name)) return;
     *chosen = *known;

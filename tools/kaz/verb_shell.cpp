@@ -33,7 +33,7 @@ std::string joined(const std::vector<std::string>& words) {
 // The words that a positional argument can be.
 std::vector<std::string> words_of(const CLI::Option& positional) {
   std::vector<std::string> words = choices(positional);
-  if (positional.get_name() == "BEHAVIOUR") {
+  if (positional.get_name() == "BEHAVIOR") {
     for (const auto& behavior : behavior::behaviors()) words.emplace_back(behavior.name);
   }
   return words;
@@ -172,9 +172,10 @@ std::string man_page(CLI::App& app) {
 }  // namespace
 
 void add_shell(CLI::App& program, Action& action) {
-  auto* completion = program.add_subcommand("completion", "print completion for a shell");
+  auto* completion =
+      program.add_subcommand("completion", "print the completion script for a shell");
   auto shell = std::make_shared<std::string>();
-  completion->add_option("SHELL", *shell, "which one: bash")
+  completion->add_option("SHELL", *shell, "name of the shell: bash")
       ->required()
       ->check(CLI::IsMember({"bash"}))
       ->type_name("");
@@ -186,9 +187,10 @@ void add_shell(CLI::App& program, Action& action) {
     };
   });
 
-  auto* man = program.add_subcommand("man", "print the manual page of a verb, as man(1) reads it");
+  auto* man =
+      program.add_subcommand("man", "print the manual page of a verb, in the format of man(1)");
   auto verb = std::make_shared<std::vector<std::string>>();
-  man->add_option("VERB", *verb, "such as: mcu run; of the program itself if not given")
+  man->add_option("VERB", *verb, "verb, such as mcu run (default: the program itself)")
       ->type_name("");
   man->footer("Examples:\n  kaz man | man -l -\n  kaz man mcu run | man -l -");
   man->callback([&program, &action, verb] {

@@ -47,7 +47,7 @@ std::string not_without_pictures(const CLI::App& verb) {
   for (const char* name : {"--eyes", "--eye-width", "--renderer"})
     if (verb.get_option(name)->count() > 0)
       return std::string(name) +
-             ": nothing takes the eyes' pictures; give --cameras PATH, --record FILE or --view";
+             " needs --cameras PATH, --record FILE or --view, which use the eyes' pictures";
   return "";
 }
 
@@ -59,8 +59,8 @@ std::string not_of_a_calibration(const CLI::App& verb) {
     const std::string name = option->get_name();
     if (option->count() > 0 && !kTaken.contains(name))
       return name +
-             ": without --serial nothing runs, only the calibration is written; give "
-             "--serial PATH, or leave " +
+             " needs --serial: without it, only the calibration is written; give --serial PATH, or "
+             "leave " +
              name + " out";
   }
   return "";
@@ -101,44 +101,44 @@ void add_sim(CLI::App& program, Action& action) {
       "serve a virtual robot in real time to other processes: pty, camera and control socket");
   auto arguments = std::make_shared<ServeOptions>();
   verb->add_option("--serial", arguments->real_time.serial_path,
-                   "where to put the link to the board's serial port, a pty (required without "
-                   "--write-calibration)")
+                   "path of the symbolic link to the board's serial port, a pty (required unless "
+                   "--write-calibration is given)")
       ->type_name("PATH");
   verb->add_option("--cameras", arguments->real_time.cameras_path,
-                   "where to publish the stereo pairs (a Unix socket)")
+                   "path of the Unix socket that publishes the stereo pairs")
       ->type_name("PATH");
   auto* fast = verb->add_flag("--fast", arguments->real_time.fast,
-                              "as fast as the machine can, not real time");
+                              "run as fast as possible, not in real time");
   verb->add_option("--clock", arguments->real_time.clock_path,
-                   "follow another machine's clock, which comes over a Unix socket made there; the "
-                   "world stands still between its messages")
+                   "follow an external clock, received on a Unix socket that is created at this "
+                   "path; simulated time stands still between its messages")
       ->type_name("PATH")
       ->excludes(fast);
   verb->add_option("--memory", arguments->memory,
-                   "file that keeps the board's calibration and address from one run to the next; "
-                   "written at the end (Ctrl-C, SIGTERM, SIGHUP), not if the simulator is killed")
+                   "file that keeps the board's calibration and address between runs; written at "
+                   "the end (Ctrl-C, SIGTERM, SIGHUP), but not if the simulator is killed")
       ->type_name("FILE");
   verb->add_flag("--erased", arguments->backend.erased,
-                 "the board's flash is blank, as the chip comes from the factory (kaz flash)");
-  verb->add_flag("--boot", arguments->boot, "the board's mode switch is set to boot mode");
-  verb->add_option("--write-calibration", arguments->calibration,
-                   "write the eyes' calibration as OpenCV does (YAML); without --serial, only that")
+                 "start with a blank flash, as in a new chip (for kaz flash)");
+  verb->add_flag("--boot", arguments->boot, "start with the board's mode switch set to boot mode");
+  verb->add_option(
+          "--write-calibration", arguments->calibration,
+          "write the eyes' calibration in OpenCV's format (YAML); without --serial, do only that")
       ->type_name("FILE");
   verb->add_flag(
       "--suspended", arguments->backend.suspended,
-      "the robot hangs by its trunk, feet free, as for kaz calibrate joints --only stops");
+      "hang the robot by its trunk with free feet, as for kaz calibrate joints --only stops");
   auto* record = verb->add_option("--record", arguments->backend.recording,
                                   "record everything into this file (MCAP), until Ctrl-C")
                      ->type_name("FILE");
   auto* stand = verb->add_flag(
       "--stand", arguments->backend.stand,
-      "a motor stand instead of a robot: each motor alone with a disc on its shaft, clamp, "
-      "scale, weight and supply at PATH.ctl (kaz bench)");
+      "simulate a motor stand instead of a robot: each motor has a disc on its shaft; clamp, "
+      "scale, weight and supply are controlled at PATH.ctl (for kaz bench)");
   auto bus = std::make_shared<std::string>();
-  verb->add_option(
-          "--bus", *bus,
-          "a servo bus instead of a servo board: the port is that of the servos which bus.json, "
-          "beside --robot-file, lists (docs/howto/own-arm.md)")
+  verb->add_option("--bus", *bus,
+                   "simulate a servo bus instead of a servo board, with the servos in bus.json "
+                   "beside --robot-file (docs/howto/own-arm.md)")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   add_motor_options(*verb, arguments->backend);
@@ -150,21 +150,22 @@ void add_sim(CLI::App& program, Action& action) {
   auto watch = std::make_shared<WatchArguments>();
   add_watch_options(*verb, *watch, false);
   verb->footer(
-      "The link behaves as a port with a board at the other end. The socket PATH.ctl (PATH of "
-      "--serial) takes commands, one a line; `help` lists them (reset, mode, power, plug, fault, "
-      "stand, status). Ctrl-C ends the simulator, which removes what it made.\n"
+      "The link behaves like a port with a board at the other end. The control socket PATH.ctl "
+      "(PATH of --serial) accepts commands, one per line; `help` lists them (reset, mode, power, "
+      "plug, fault, stand, status). Ctrl-C ends the simulator, which removes its link and "
+      "sockets.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP.\n"
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"
-      "  kaz sim --serial board --erased   # kaz flash puts a firmware into it\n"
+      "  kaz sim --serial board --erased   # then kaz flash write\n"
       "  kaz sim --serial board --stand   # kaz bench motor --robot serial:board --stand "
       "ctl:board.ctl\n"
-      "  kaz sim --serial board --view   # and in a browser\n"
+      "  kaz sim --serial board --view   # also in a browser\n"
       "  kaz sim --bus feetech --robot-file sim/robots/so101/so101.urdf --serial arm\n"
       "  kaz sim --bus dynamixel --robot-file sim/robots/mini/mini.urdf --serial mini --suspended\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
-      "  kaz sim --serial board --record run.mcap   # Foxglove, PlotJuggler and `mcap info` "
-      "open it\n"
+      "  kaz sim --serial board --record run.mcap   # Foxglove, PlotJuggler and `mcap info` open "
+      "it\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes   # in another terminal");
   verb->callback([&action, arguments, watch, verb, bus] {
     if (!bus->empty()) {

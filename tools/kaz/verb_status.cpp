@@ -11,19 +11,18 @@ namespace kaz::tools {
 
 void add_status(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "status", "print a board's state: motors, why they went off, supply, link");
+      "status", "print a board's state: motors, cause of a shutdown, supply, link");
   auto arguments = std::make_shared<StatusOptions>();
   add_required_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
   verb->add_flag("--json", arguments->json, "print it as JSON");
   verb->footer(
-      "Reads only: nothing moves, and nothing is cleared. docs/explanation/safety.md says what to "
-      "do about a "
-      "shutdown.\n"
-      "In JSON, since_reset_s is the time since the board's last reset, of which last_reset is the "
-      "cause; shutdown_at_s is on the same clock. build identifies the firmware's sources, as in "
-      "`kaz flash info`. firmware_fault is there for firmware that is known to be unsafe.\n"
-      "Exit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port error.\n"
+      "Only reads: nothing moves, and nothing is cleared. After a shutdown, see "
+      "docs/explanation/safety.md.\n"
+      "In JSON, since_reset_s is the time since the board's last reset, and last_reset is its "
+      "cause. shutdown_at_s is on the same clock. build identifies the firmware's sources, as in "
+      "`kaz flash info`. firmware_fault is present only for firmware that is known to be unsafe.\n"
+      "Exit status: 0 nothing is latched, 1 a shutdown is latched, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz status --robot serial:/dev/ttyUSB0\n"
       "  kaz status --robot serial:/dev/ttyUSB0 --address 3 --json");

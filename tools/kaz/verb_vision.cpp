@@ -33,8 +33,8 @@ Result<vision::PictureRegion> parse_region(const std::string& text) {
       std::sscanf(text.c_str(), "%9d,%9d,%9d,%9d%n", &r.x, &r.y, &r.width, &r.height, &end) == 4 &&
       end == static_cast<int>(text.size()))
     return r;
-  return fail(Fault::usage, "--region '" + text +
-                                "' is not like 120,80,40,30: left, top, width and height in px");
+  return fail(Fault::usage, "--region " + text +
+                                ": give left, top, width and height in px, such as 120,80,40,30");
 }
 
 Result<Outcome> learn(const LearnArguments& arguments) {
@@ -49,11 +49,10 @@ Result<Outcome> learn(const LearnArguments& arguments) {
   std::string warning;
   if (learned->too_common()) {
     char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "%.0f %% of the rest of the picture has this colour too; unless that is the object "
-        "itself, mark only the object, or take a picture before another background",
-        100 * learned->outside);
+    std::snprintf(text, sizeof text,
+                  "%.0f %% of the rest of the picture has this color too; if that is not the "
+                  "object itself, mark only the object, or take a picture with another background",
+                  100 * learned->outside);
     warning = text;
     json["warning"] = warning;
   }
@@ -75,12 +74,13 @@ Result<Outcome> learn(const LearnArguments& arguments) {
 
 void add_learn(CLI::App& vision, Action& action) {
   auto* verb = vision.add_subcommand(
-      "learn-color", "learn the thresholds of a colour from a marked region of a picture");
+      "learn-color", "learn the thresholds of a color from a marked region of a picture");
   auto arguments = std::make_shared<LearnArguments>();
-  verb->add_option("--in", arguments->in, "picture with the object in it")
+  verb->add_option("--in", arguments->in, "picture that shows the object")
       ->required()
       ->type_name("PICTURE");
-  verb->add_option("--region", arguments->region, "part of it that shows the object, px")
+  verb->add_option("--region", arguments->region,
+                   "part of the picture that shows only the object, px")
       ->required()
       ->type_name("X,Y,W,H");
   verb->add_option("--out", arguments->out, "file for the thresholds, JSON")
@@ -88,8 +88,8 @@ void add_learn(CLI::App& vision, Action& action) {
       ->type_name("FILE");
   verb->add_flag("--json", arguments->json, "print the thresholds as JSON too");
   verb->footer(
-      "Prints the share of the rest of the picture that has the colour: it should be the rest of "
-      "the object and nothing else. Above a quarter there is a warning.\n"
+      "Prints the share of the rest of the picture that has this color. Only the rest of the "
+      "object should have it; above a quarter, a warning is printed.\n"
       "Examples:\n"
       "  kaz eyes --world ball --eye-width 640 --out eyes\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json");
@@ -105,13 +105,13 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                        "folder with pictures, in the order of their names; or a recording "
                        "(recording.mcap, made with --record-pictures); or the socket of a camera "
                        "(kaz sim --cameras); or v4l2:LEFT,RIGHT[,fps=N][,format=NAME], two cameras "
-                       "at this machine, as v4l2:/dev/video0,/dev/video2")
+                       "at this machine, such as v4l2:/dev/video0,/dev/video2")
           ->type_name("SOURCE");
   auto* left = verb->add_option("--left", options->left,
-                                "left pictures of stereo pairs; a pattern in quotes")
+                                "left pictures of stereo pairs, as a pattern in quotes")
                    ->excludes(in)
                    ->type_name("PATTERN");
-  auto* right = verb->add_option("--right", options->right, "the right ones, with the same numbers")
+  auto* right = verb->add_option("--right", options->right, "right pictures, with the same numbers")
                     ->needs(left)
                     ->type_name("PATTERN");
   left->needs(right);
@@ -119,21 +119,22 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->required()
       ->type_name("DIR");
   verb->add_option("--modules", options->modules,
-                   "modules to run, with commas between: " + module_names() +
-                       "; color is the ball by its colour, the others need stereo pairs")
+                   "modules to run, separated by commas: " + module_names() +
+                       "; color finds the ball by its color, the others need stereo pairs")
       ->capture_default_str()
       ->type_name("LIST");
   verb->add_option("--color", options->color,
-                   "colour of the ball, from kaz vision learn-color; without it the red ball's")
+                   "color of the ball: file of kaz vision learn-color (default: red)")
       ->type_name("FILE");
   auto* calibration =
       verb->add_option("--calibration", options->calibration,
-                       "of the cameras, from kaz calibrate stereo; needed for --left and --right, "
-                       "v4l2 and folders (there --view will do); pictures in a folder are taken as "
-                       "the left eye's")
+                       "calibration of the cameras, from kaz calibrate stereo; required with "
+                       "--left and --right, v4l2 and folders. A folder needs only --view; its "
+                       "pictures count as those of the left eye")
           ->type_name("FILE");
-  verb->add_option("--view", options->view_deg,
-                   "for a folder without calibration: width of a pinhole's view, degrees")
+  verb->add_option(
+          "--view", options->view_deg,
+          "for a folder without calibration: horizontal field of view of a pinhole camera, degrees")
       ->check(between(1.0, 170.0))
       ->excludes(calibration)
       ->type_name("DEGREES");
@@ -141,10 +142,10 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->check(between(0.005, 0.5))
       ->capture_default_str()
       ->type_name("M");
-  verb->add_option(
-          "--nearest", options->nearest_m,
-          "nearest distance for which depth is computed, m; less work if larger, in steps of "
-          "16 px of disparity, the fewest there are: of Kaz's eyes up to 0.476, 640 wide 0.953")
+  verb->add_option("--nearest", options->nearest_m,
+                   "nearest distance for which depth is computed, m. Larger values are faster, in "
+                   "steps of 16 px of disparity. With Kaz's eyes, values above 0.476 (0.953 at 640 "
+                   "px) have no effect")
       ->check(between(0.001, 100.0))
       ->default_str("0.14")
       ->type_name("M");
@@ -156,17 +157,15 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->check(between(1, 100000000))
       ->type_name("N");
   verb->add_option("--robot", options->robot,
-                   "of a live camera: the robot that has it (a PORT, as in serial:/dev/ttyUSB0), "
-                   "whose posture "
-                   "determines which plane is the floor")
+                   "for a live camera: the robot that has it (a PORT, such as "
+                   "serial:/dev/ttyUSB0); its posture determines which plane is the floor")
       ->type_name("ROBOT");
   add_address(*verb, options->address)->needs("--robot");
   verb->add_flag("--json", options->json,
                  "print result.json, no progress; the folder is written too");
   verb->footer(
-      "Exit status: 0 done, also without a ball; 1 none of the pictures could be read; 2 wrong "
-      "usage, or no picture there; 3 camera or port error, or "
-      "lost: what was seen until then is kept.\n"
+      "Exit status: 0 done, also without a ball; 1 no picture could be read; 2 wrong usage, or no "
+      "picture found; 3 camera or port error, or lost: the results so far are kept.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"
@@ -185,8 +184,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
     action = [options]() -> Result<bool> {
       if (!options->left.empty()) return run_on_pairs(*options);
       if (!options->in.empty()) return run_on_source(*options);
-      return fail(Fault::usage,
-                  "give pictures: --in SOURCE, or --left and --right of stereo pairs");
+      return fail(Fault::usage, "pictures are missing; give --in SOURCE, or --left and --right");
     };
   });
 }

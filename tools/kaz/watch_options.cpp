@@ -40,7 +40,7 @@ void print_address(const std::string& label, const std::string& url) {
 // A run that somebody had a hand in proves nothing by itself.
 void print_acts(const std::string& label, const watch::View& view) {
   if (const int acts = view.done_by_hand(); acts > 0)
-    std::fprintf(stderr, "%s: %d act%s by hand, recorded in /hand\n", label.c_str(), acts,
+    std::fprintf(stderr, "%s: %d manual action%s, recorded in /hand\n", label.c_str(), acts,
                  acts == 1 ? "" : "s");
 }
 
@@ -53,27 +53,26 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
         arguments.view = true;
         arguments.where = where;
       },
-      "show it in a browser, or in Foxglove, at this address and port (default: "
-      "127.0.0.1:8765); viewers need the address with its token, as it is printed");
+      "serve a view for a browser or Foxglove at this address and port (default: 127.0.0.1:8765); "
+      "open the printed URL, which contains the token");
   view->check(CLI::Validator(
       [](std::string& text) {
         return watch::parse_where(text) ? std::string()
-                                        : "give a port, or address and port in numbers, as 8765, "
-                                          "127.0.0.1:8765 or 0.0.0.0:8765";
+                                        : "give a port, or a numeric address and port, such as "
+                                          "8765, 127.0.0.1:8765 or 0.0.0.0:8765";
       },
       ""));
   view->expected(0, 1)->type_name("[ADDRESS:]PORT")->trigger_on_parse();
   verb.add_flag("--view-wait", arguments.wait,
-                "begin when the first viewer has subscribed to a channel")
+                "wait until the first viewer has subscribed to a channel")
       ->needs(view);
   verb.add_flag("--view-open", arguments.open,
-                "programs may look without the token: cameras, wire, everything; web pages of "
-                "others may not, and nobody may act")
+                "let programs read all data (cameras, wire) without the token. Web pages of other "
+                "servers cannot read it, and control still needs the token")
       ->needs(view);
   if (!paced) return;
   verb.add_option("--pace", arguments.pace,
-                  "with --view: simulated seconds in a second at most (default: as fast as it "
-                  "goes)")
+                  "with --view: maximum speed, in simulated seconds per second (default: no limit)")
       ->check(between(0.01, 100))
       ->type_name("TIMES")
       ->needs(view);
@@ -83,7 +82,9 @@ Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session
   if (!arguments.view) return run_session(std::move(session));
   const bool real = session.backend.robot != "sim";
   if (real && arguments.pace > 0)
-    return fail(Fault::usage, "--pace: a robot at a port has its own time; leave it out");
+    return fail(
+        Fault::usage,
+        "--pace is not valid with a robot at a port, which runs in real time; leave it out");
   auto options = KAZ_TRY(view_of(arguments, session.backend.robot_file));
   options.recorded_pictures = session.backend.record_pictures;
   options.hands = !real;
@@ -134,7 +135,9 @@ Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions benc
   if (!arguments.view) return run_bench(bench);
   const bool real = !bench.target.port.empty();
   if (real && arguments.pace > 0)
-    return fail(Fault::usage, "--pace: a board at a port has its own time; leave it out");
+    return fail(
+        Fault::usage,
+        "--pace is not valid with a board at a port, which runs in real time; leave it out");
   auto options = KAZ_TRY(view_of(arguments, ""));
   options.joints_only = true;
   if (real) options.source = "robot";
@@ -162,17 +165,17 @@ Result<bool> monitor_watched(const WatchArguments& arguments, MonitorOptions opt
 Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions campaign) {
   if (!arguments.view) return run_campaign(campaign);
   if (campaign.realtime)
-    return fail(
-        Fault::usage,
-        "--view shows the episodes of this program; with --realtime each is two programs of "
-        "its own: leave one of them out");
+    return fail(Fault::usage,
+                "--view is not valid with --realtime, where each episode runs in two other "
+                "processes; leave one of them out");
   auto options = KAZ_TRY(view_of(arguments, ""));
   options.token = watch::make_token();
   {
     const auto where = KAZ_TRY(watch::parse_where(options.where));
     if (where.port == 0)
       return fail(Fault::usage,
-                  "--view: each episode serves at the same port, so give one, as in --view 8765");
+                  "--view: all episodes use the same port, so port 0 is not valid; give a port, as "
+                  "in --view 8765");
     // Whether it can be served, and the address; the episodes take it over.
     print_address("kaz evaluate", KAZ_TRY(watch::View::open(options))->url());
   }

@@ -266,12 +266,12 @@ Result<std::string> joint_of(const hil::BenchReport& report, const std::string& 
     if (one.of->group == hil::BenchGroup::motor) joints.insert(one.subject);
   }
   if (joints.empty())
-    return fail(Fault::usage, "the report has no motor in it; `kaz bench motor` makes one");
+    return fail(Fault::usage, "the report contains no motor; make one with `kaz bench motor`");
   if (wanted.empty() && joints.size() > 1)
-    return fail(Fault::usage, "the report is of several joints; say which one with --joint");
+    return fail(Fault::usage, "the report contains several joints; select one with --joint");
   const std::string joint = wanted.empty() ? *joints.begin() : wanted;
   if (!joints.contains(joint) || !host::joint_index(joint))
-    return fail(Fault::usage, "the report has nothing of a joint `" + joint + "`");
+    return fail(Fault::usage, "the report does not contain joint `" + joint + "`");
   return joint;
 }
 
@@ -289,13 +289,13 @@ Result<Bench> bench_of(const hil::BenchReport& report, const std::string& joint,
   if (bench.disc_kgm2 > 1 || bench.supply_volts > 100 ||
       !(bench.pressing_s >= 0.01 && bench.pressing_s <= 60))
     return fail(Fault::usage,
-                "the report's conditions are of no bench: disc_kgm2 is up to 1, supply_volts up to "
-                "100, pressing_s from 0.01 to 60; measure again with `kaz bench motor`");
+                "conditions of the report: disc_kgm2 must be at most 1, supply_volts at most 100, "
+                "pressing_s 0.01 to 60; measure again with `kaz bench motor`");
   if (!(bench.disc_kgm2 > 0) || !(bench.supply_volts > 0))
     return fail(
         Fault::usage,
-        "the report does not say what disc and supply it was made with; a fit needs one that "
-        "was made with a motor stand (--stand)");
+        "the report does not contain disc and supply; a fit needs a report made with a motor stand "
+        "(--stand)");
   return bench;
 }
 

@@ -189,7 +189,7 @@ def add_pages(stage):
         what = what.replace("../reference/../", "../")
         text = f"# {component}\n\n{what[0].upper()}{what[1:]}.\n"
         for folder in dict.fromkeys(posixpath.dirname(path) for path in paths):
-            text += f"\n## {folder}\n\n| header | what it has |\n|---|---|\n"
+            text += f"\n## {folder}\n\n| header | content |\n|---|---|\n"
             for path in paths:
                 if posixpath.dirname(path) == folder:
                     text += f"| [{posixpath.basename(path)}](include/{path}.md) | {found[path].summary()} |\n"
@@ -199,7 +199,7 @@ def add_pages(stage):
         "# API: public headers\n\nEach component of the [installed package](../reference/libraries.md), its "
         "headers, their comments and declarations. Private parts, bodies of functions, and headers that call "
         "themselves internal are left out. [All names](names.md)\n\n"
-        "| component | what it is | headers |\n|---|---|---|\n" + "".join(rows)).encode()
+        "| component | description | headers |\n|---|---|---|\n" + "".join(rows)).encode()
     stage.files["api/names.md"] = names_page(found).encode()
     return pages.toctree("API",
                          ["api/overview", *(f"api/{component}" for component in grouped), "api/names"])

@@ -3,9 +3,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: build.py [--out FOLDER] [--work FOLDER] [--jobs N] [--packages]
 
-Writes the site to FOLDER (default: out/site of the tree; its first page is index.html). Work that can be used
-again stays in the work folder (default: build/site). Does nothing if no input has changed. Exit status: 0 the
-site is there; 1 a page has an error, or a program is missing: the last line says which and what to do."""
+Writes the site to FOLDER (default: out/site of the tree; its first page is index.html). The work folder
+(default: build/site) speeds up the next build. Does nothing if no input has changed. Exit status: 0 the site
+is complete; 1 a page has an error, or a program is missing: see the last line."""
 
 import argparse
 import contextlib
@@ -39,7 +39,7 @@ def site_version():
     found = re.search(r"^project\(kaz VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text(), re.M)
     if not found:
         raise pages.SiteError(
-            "CMakeLists.txt has no line 'project(kaz VERSION ...': the site's version stands there")
+            "CMakeLists.txt has no line 'project(kaz VERSION ...': the site takes its version from there")
     return found[1]
 
 
@@ -131,8 +131,8 @@ def run_sphinx(work, jobs, version):
         # Sphinx would keep what it has read and be silent about it the next time.
         forget(work)
         raise pages.SiteError(
-            "Sphinx failed (above). Lines of pages are those of the staged copies in "
-            f"{work / 'source'}, which are the pages without lines that are comments")
+            "Sphinx failed (see above). Line numbers refer to the staged pages in "
+            f"{work / 'source'}, which have no comment lines")
     say(f"Sphinx took {time.monotonic() - begin:.0f} s")
 
 
@@ -166,7 +166,7 @@ def mend_theme(html):
     if "prefers-color-scheme" not in style:
         if not dark:
             raise pages.SiteError(
-                f"the theme's style {styles / 'furo.css'} has no dark colours where they were in 2022.12.07"
+                f"the theme's style {styles / 'furo.css'} has no dark colors as in version 2022.12.07"
             )
         style += (
             '\n@media not print { @media (prefers-color-scheme: dark) { body:not([data-theme="light"]) '
@@ -216,7 +216,7 @@ def alone(work):
 
 def build(out, work, jobs):
     if out.exists() and not (out / "searchindex.js").exists() and any(out.iterdir()):
-        raise pages.SiteError(f"{out} is there and is no site: it would be replaced; give another --out")
+        raise pages.SiteError(f"{out} exists and is not a site, and would be replaced; give another --out")
     say("pages and public headers")
     files = staged()
     version = site_version()
@@ -252,15 +252,15 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n", 1)[0].removeprefix("usage: "),
                                      description=__doc__.split("\n", 2)[2],
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/site", help="where the site goes")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/site", help="folder of the site")
     parser.add_argument("--work",
                         type=pathlib.Path,
                         default=ROOT / "build/site",
-                        help="what can be used again")
-    parser.add_argument("--jobs", type=positive, default=os.cpu_count(), help="processes side by side")
+                        help="folder of files for the next build")
+    parser.add_argument("--jobs", type=positive, default=os.cpu_count(), help="number of parallel processes")
     parser.add_argument("--packages",
                         action="store_true",
-                        help="print the Debian packages that it needs, and end")
+                        help="print the required Debian packages and exit")
     options = parser.parse_args()
     if options.packages:
         print(PACKAGES)

@@ -97,14 +97,14 @@ def sections(root, pages):
             if path in pages and path not in seen:
                 if not result:
                     raise SiteError(
-                        f"{INDEX}: '{path}' is linked above the first '## ' heading: put it below one")
+                        f"{INDEX}: '{path}' is linked above the first '## ' heading: put the link below one")
                 result[-1][1].append(path)
                 seen.add(path)
     missing = [page for page in pages if page not in seen]
     if missing:
         raise SiteError(
-            f"{INDEX} has no link to {', '.join(missing)}: each page needs one there, by which it gets "
-            "its place in the site's navigation")
+            f"{INDEX} has no link to {', '.join(missing)}: add one for each page; it sets the page's "
+            "place in the site's navigation")
     return result
 
 

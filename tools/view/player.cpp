@@ -163,9 +163,9 @@ class Player {
 std::string no_pictures_text(const sim::McapRecording& recording) {
   if (recording.has_messages("/eyes/left") || recording.has_messages("/eyes/right"))
     return "no pictures yet";
-  const std::string none = "This recording holds no pictures";
+  const std::string none = "This recording contains no pictures";
   if (recording.facts.contains("port"))
-    return none + ": those of a robot at a port are not recorded.";
+    return none + ": pictures of a robot at a port are not recorded.";
   const auto fact = [&](const char* key, const char* otherwise) {
     const auto at = recording.facts.find(key);
     return at != recording.facts.end() && at->second.size() <= 64 ? at->second : otherwise;
@@ -176,9 +176,8 @@ std::string no_pictures_text(const sim::McapRecording& recording) {
           " --eyes " + fact("eyes", "KIND") + (fact("imu", "") == "true" ? " --imu" : "") +
           " --seed " + fact("seed", "N") + " --out DIR";
   return none +
-         ". kaz replay RECORDING --video film.mp4 draws the left eye's again. For both eyes here, "
-         "record "
-         "the run again, with the options that it had and --record-pictures: " +
+         ". kaz replay RECORDING --video film.mp4 renders those of the left eye. To see both eyes "
+         "here, record the run again with its options and --record-pictures: " +
          how + " --record-pictures";
 }
 

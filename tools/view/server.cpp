@@ -207,7 +207,7 @@ Result<std::unique_ptr<Server>> Server::open(ServerOptions options) {
   const auto address = asio::ip::make_address(impl->options.address, error);
   if (error)
     return fail(Fault::usage, "--view " + where +
-                                  ": the address must be numbers, as 127.0.0.1:8765 or "
+                                  ": the address must be numeric, such as 127.0.0.1:8765 or "
                                   "0.0.0.0:8765");
   const tcp::endpoint endpoint(address, impl->options.port);
   impl->acceptor.open(endpoint.protocol(), error);

@@ -25,8 +25,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kLargestFile = 64 << 20;
 constexpr const char* kWithoutPage =
     ".\nFoxglove and Lichtblick can open the address that kaz printed, with its token: paste it "
-    "with ws:// in place of "
-    "http://.\n";
+    "with ws:// instead of http://.\n";
 
 const char* type_of(const fs::path& path) {
   const std::string end = path.extension().string();
@@ -105,7 +104,7 @@ Result<Where> parse_where(const std::string& text) {
   (void)boost::asio::ip::make_address(where.address, error);
   if (!port || error)
     return fail(Fault::usage, "--view " + text +
-                                  ": give a port, or address and port in numbers, as 8765, "
+                                  ": give a port, or a numeric address and port, such as 8765, "
                                   "127.0.0.1:8765 or 0.0.0.0:8765");
   where.port = *port;
   return where;
@@ -151,7 +150,7 @@ Result<std::unique_ptr<View>> View::open(ViewOptions options) {
   if (options.joints_only)
     options.no_pictures = "no pictures: a motor stand has no cameras";
   else if (options.source == "robot")
-    options.no_pictures = "no pictures yet; kaz run shows those of a robot at a port with --camera";
+    options.no_pictures = "no pictures yet; for a robot at a port, use kaz run --camera";
   auto server = KAZ_TRY(open_server(options, 0, 0, url));
   FeedOptions feeds;
   feeds.recorded_robot = options.source == "simulation" && !options.joints_only;
@@ -276,7 +275,7 @@ Result<void> View::hear(const std::string& line) {
   const bool of_time =
       line == "pause" || line == "go" || line.starts_with("step ") || line.starts_with("pace ");
   if (of_time && options_.own_time)
-    return fail(Fault::usage, "`" + line + "`: this simulator goes by the clock on the wall");
+    return fail(Fault::usage, "`" + line + "`: this simulator runs in real time");
   if (line == "pause" || line == "go") {
     pause_at_.reset();
     paused_ = line == "pause";
@@ -297,13 +296,14 @@ Result<void> View::hear(const std::string& line) {
       line == "stop" || line == "end" || line.starts_with("target ") || line.starts_with("play ");
   if (request && !options_.requests)
     return fail(Fault::usage, "`" + line.substr(0, line.find(' ')) +
-                                  "`: the joints are this program's; kaz run pose --view takes "
-                                  "targets and poses");
+                                  "`: this program controls the joints; only kaz run pose --view "
+                                  "accepts targets and poses");
   if (!request && line.size() > kLongestAct)
-    return fail(Fault::usage, "a line is longer than " + std::to_string(kLongestAct) + " bytes");
+    return fail(Fault::usage,
+                "the line is too long: must be at most " + std::to_string(kLongestAct) + " bytes");
   if (!request) KAZ_TRY(sim::parse_hand(line, Time::zero()));
   if (lines_.size() + requests_.size() >= kMostLines)
-    return fail(Fault::usage, "the run stands still, and too much waits for it already");
+    return fail(Fault::usage, "the run is paused, and its queue of requests is full");
   if (request) {
     requests_.push_back(line);
     return {};

@@ -240,8 +240,8 @@ TEST(View, ARecordingWithoutPicturesSaysHowToRecordSome) {
     return no_pictures_text(recording).find(part) != std::string::npos;
   };
   EXPECT_TRUE(
-      says("holds no pictures. kaz replay RECORDING --video film.mp4 draws the left "
-           "eye's again"));
+      says("contains no pictures. kaz replay RECORDING --video film.mp4 renders those of the left "
+           "eye. "));
   EXPECT_TRUE(
       says("kaz run search-ball --world catch --eyes real --imu --seed 7 --out DIR "
            "--record-pictures"));
@@ -264,7 +264,7 @@ TEST(View, ViewersMayReadWhyThereAreNoPictures) {
   client.send(nlohmann::json{{"op", "getParameters"}, {"parameterNames", {"no_pictures"}}});
   const auto parameters = client.next_op("parameterValues")["parameters"];
   ASSERT_EQ(parameters.size(), 1u);
-  EXPECT_NE(parameters[0]["value"].dump().find("with --camera"), std::string::npos);
+  EXPECT_NE(parameters[0]["value"].dump().find("use kaz run --camera"), std::string::npos);
 }
 
 // What a board states, as the recording of a run at a port has it.
@@ -382,7 +382,7 @@ TEST(View, WhoHasTheTokenDoesThingsByHandAndNobodyElse) {
   const auto info = owner.next_op("serverInfo");
   EXPECT_EQ(std::ranges::count(info["capabilities"], "clientPublish"), 1);
   owner.send(published(7, "power_reset"));
-  EXPECT_NE(owner.next_op("status").dump().find("was advertised"), std::string::npos);
+  EXPECT_NE(owner.next_op("status").dump().find("advertise the channel"), std::string::npos);
   owner.send(hand);
   owner.send(published(7, "fly away"));
   EXPECT_NE(owner.next_op("status").dump().find("give `push LINK X Y Z`"), std::string::npos);
@@ -405,7 +405,7 @@ TEST(View, WithoutHandsNothingIsDoneByThem) {
   ASSERT_TRUE(owner.open("foxglove.sdk.v1", "/" + url.substr(url.find('?'))));
   EXPECT_EQ(std::ranges::count(owner.next_op("serverInfo")["capabilities"], "clientPublish"), 0);
   owner.send(published(7, "power_reset"));
-  EXPECT_NE(owner.next_op("status").dump().find("nothing can be done by hand"), std::string::npos);
+  EXPECT_NE(owner.next_op("status").dump().find("cannot be controlled by hand"), std::string::npos);
 }
 
 TEST(View, ARunIsPausedStepsAndGoesOnAndIsTheSame) {

@@ -146,11 +146,11 @@ void Viewer::subscribe(const std::vector<Subscription>& all) {
     const bool taken = std::ranges::any_of(
         subscriptions_, [&](const auto& other) { return other.second.id == one.id; });
     if (one.channel >= server_.channels.size()) {
-      wrong = "there is no channel of that number";
+      wrong = "no channel has this number";
     } else if (taken) {
-      wrong = "a subscription of that number is there already";
+      wrong = "a subscription with this number already exists";
     } else if (subscriptions_.contains(one.channel)) {
-      twice = "this viewer has a subscription of that channel already; the second one is ignored";
+      twice = "this viewer already subscribes to this channel; the second subscription is ignored";
     } else {
       subscriptions_[one.channel] = {one.id, server_.taken};
       ++server_.wanted[one.channel];
@@ -174,7 +174,7 @@ void Viewer::unsubscribe(const std::vector<std::uint32_t>& ids) {
     new_.erase(at->first);
     subscriptions_.erase(at);
   }
-  if (wrong) reject("there is no subscription of that number");
+  if (wrong) reject("no subscription has this number");
 }
 
 void Viewer::fetch(const Request& request) {
@@ -201,18 +201,19 @@ void Viewer::send_parameters(const Request& request) {
 }
 
 void Viewer::playback(const Playback& wanted) {
-  if (server_.options.end_ns == 0) return reject("this run is live: there is nothing to play");
-  if (!control_) return reject("only who opens the address with its token may control the player");
+  if (server_.options.end_ns == 0)
+    return reject("this run is live, not a recording: it cannot be played");
+  if (!control_) return reject("to control the player, open the address with its token");
   const std::lock_guard lock(server_.handlers);
   if (server_.on_playback) server_.on_playback(wanted);
 }
 
 void Viewer::hand(const Request& request) {
-  if (!server_.options.hands) return reject("nothing can be done by hand here");
-  if (!control_) return reject("only who opens the address with its token may do things by hand");
+  if (!server_.options.hands) return reject("this run cannot be controlled by hand");
+  if (!control_) return reject("to control the run by hand, open the address with its token");
   if (request.kind == Request::Kind::publish) {
     if (!own_channels_.contains(request.published))
-      return reject("publish on a channel that was advertised");
+      return reject("advertise the channel before publishing on it");
     const std::lock_guard lock(server_.handlers);
     const Result<void> done = server_.on_hand ? server_.on_hand(request.line) : Result<void>();
     // No wrong request of the protocol: somebody may type it.

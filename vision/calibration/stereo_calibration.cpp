@@ -162,14 +162,14 @@ Result<StereoResult> fit(const Views& views, std::size_t pairs, const Board& boa
   if (!std::isfinite(result.rms_px) || !(left.k.at<double>(0, 0) > 0) ||
       !(right.k.at<double>(0, 0) > 0))
     return fail(Fault::failed,
-                "the fit of lenses and board did not settle: take pictures with the "
-                "board tilted in different ways");
+                "the fit of lenses and board did not converge: take pictures with the board tilted "
+                "in different ways");
   Eigen::Matrix3d turn;
   Eigen::Vector3d shift;
   cv::cv2eigen(r, turn);
   cv::cv2eigen(t, shift);
   if (auto done = rectify_pair(result.calibration, turn, shift); !done)
-    return fail(Fault::failed, "the pairs give no rectification: " + done.error().message);
+    return fail(Fault::failed, "the pairs cannot be rectified: " + done.error().message);
   double rows = 0;
   const auto corners = static_cast<double>(board.columns * board.rows);
   for (std::size_t i = 0; i < views.pair.size(); ++i) {
@@ -230,14 +230,14 @@ Board largest_board(const Image& image, Board board) {
 Result<StereoResult> calibrate_stereo(std::span<const BoardPair> pairs, const Board& board,
                                       int width, int height) {
   if (board.columns < 3 || board.rows < 3 || !(board.square_m > 0))
-    return fail(Fault::usage, "a board needs 3 x 3 inner corners or more, and squares above 0 m");
+    return fail(Fault::usage, "a board needs at least 3 x 3 inner corners and squares above 0 m");
   const auto corners =
       static_cast<std::size_t>(board.columns) * static_cast<std::size_t>(board.rows);
   for (const auto& pair : pairs) {
     for (const Corners* eye : {&pair.left, &pair.right}) {
       if (!eye->empty() && eye->size() != corners)
         return fail(Fault::usage, "a picture has " + std::to_string(eye->size()) +
-                                      " corners where the board has " + std::to_string(corners));
+                                      " corners, but the board has " + std::to_string(corners));
     }
   }
   const Views views = sort(pairs);
@@ -250,9 +250,9 @@ Result<StereoResult> calibrate_stereo(std::span<const BoardPair> pairs, const Bo
   try {
     return fit(views, pairs.size(), board, cv::Size(width, height));
   } catch (const cv::Exception& error) {
-    return fail(Fault::failed, "no calibration comes from these pictures (" +
+    return fail(Fault::failed, "calibration from these pictures failed (" +
                                    error.err.substr(0, error.err.find('\n')) +
-                                   "): take some with the board tilted in different ways");
+                                   "): take pictures with the board tilted in different ways");
   }
 }
 

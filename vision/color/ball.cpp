@@ -181,14 +181,14 @@ std::optional<Error> unfit(const Image& image, const CameraModel& camera) {
                       static_cast<std::size_t>(std::max(image.height, 0));
   if (pixels == 0 || image.rgb.size() != 3 * pixels) {
     return Error{Fault::environment, "a picture of " + std::to_string(image.width) + " x " +
-                                         std::to_string(image.height) + " came with " +
+                                         std::to_string(image.height) + " has " +
                                          std::to_string(image.rgb.size()) +
-                                         " bytes: check the camera or the file it came from"};
+                                         " bytes: check the camera or the file"};
   }
   if (camera.width != image.width || camera.height != image.height) {
     return Error{Fault::usage, "a picture of " + std::to_string(image.width) + " x " +
                                    std::to_string(image.height) +
-                                   " does not fit its camera model of " +
+                                   " does not match its camera model of " +
                                    std::to_string(camera.width) + " x " +
                                    std::to_string(camera.height) + ": check the calibration"};
   }

@@ -82,7 +82,7 @@ Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region
   }
   if (chroma <= kGrey * lightness || lightness <= kDark * static_cast<double>(pixels.size()))
     return fail(Fault::failed,
-                "the region " + text(region) + " is grey or black: colour extraction needs a hue");
+                "the region " + text(region) + " is gray or black: color extraction needs a hue");
   const double middle = std::atan2(q, i);
   std::vector<double> hue, saturation, y;
   for (const Yiq& p : pixels) {
@@ -94,8 +94,9 @@ Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region
     y.push_back(p.y);
   }
   if (2 * hue.size() < pixels.size())
-    return fail(Fault::failed, "the region " + text(region) +
-                                   " is of several colours: mark less than half of anything else");
+    return fail(Fault::failed,
+                "the region " + text(region) +
+                    " has several colors: the object must fill more than half of it");
   LearnedColor learned;
   learned.range.hue_min = middle + percentile(hue, 0.01) - kNoise_rad;
   learned.range.hue_max = middle + percentile(hue, 0.99) + kNoise_rad;

@@ -81,7 +81,7 @@ TEST(LearnColor, RefusesWhatHasNoColourOfItsOwn) {
   const auto holds = [](const std::string& text, const char* word) {
     return text.find(word) != std::string::npos;
   };
-  EXPECT_TRUE(holds(message(scene.image, {10, 10, 40, 40}), "grey"));
+  EXPECT_TRUE(holds(message(scene.image, {10, 10, 40, 40}), "gray"));
   EXPECT_TRUE(holds(message(scene.image, {310, 10, 40, 40}), "not within"));
   EXPECT_TRUE(holds(message(scene.image, {-1, 10, 40, 40}), "not within"));
   EXPECT_TRUE(holds(message(scene.image, {5, 5, 2147483647, 2147483647}), "not within"));
@@ -98,7 +98,7 @@ TEST(LearnColor, RefusesWhatHasNoColourOfItsOwn) {
       p[2] = u < 40 ? 20 : 200;
     }
   }
-  EXPECT_TRUE(holds(message(stripes, {0, 0, 60, 20}), "several colours"));
+  EXPECT_TRUE(holds(message(stripes, {0, 0, 60, 20}), "several colors"));
 }
 
 }  // namespace

@@ -35,20 +35,20 @@ Result<void> check_picture(const char* name, const GreySource& picture, int bloc
   const std::size_t size = picture.bytes.size();
   const std::string what = std::string("depth: the ") + name + " picture ";
   if (width <= 0 || height <= 0 || size == 0)
-    return fail(Fault::usage, what + "is empty: is the camera running?");
+    return fail(Fault::usage, what + "is empty: check that the camera is running");
   if (width > kLargest_px || height > kLargest_px)
     return fail(Fault::usage, what + "has " + size_text(width, height) +
                                   " pixels, more than 8192 a side: scale it down");
   if (width <= 2 * block || height <= 2 * block)
     return fail(Fault::usage, what + "has " + size_text(width, height) +
                                   " pixels, too few for blocks of " + std::to_string(block) +
-                                  ": take smaller blocks or larger pictures");
+                                  ": use smaller blocks or larger pictures");
   const std::size_t needed = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                              static_cast<std::size_t>(picture.channels);
   if (size != needed)
-    return fail(Fault::usage, what + "has " + std::to_string(size) + " bytes where " +
+    return fail(Fault::usage, what + "has " + std::to_string(size) + " bytes, but " +
                                   size_text(width, height) + " pixels need " +
-                                  std::to_string(needed) + ": it was cut short or is padded");
+                                  std::to_string(needed) + ": it is truncated or padded");
   return {};
 }
 
@@ -58,14 +58,13 @@ Result<void> check_camera(const CameraModel& camera, int width, int height) {
       !std::isfinite(camera.cy))
     return fail(Fault::usage, "depth: the camera model has no focal length: calibrate the eyes");
   if (!positive(camera.baseline_m))
-    return fail(
-        Fault::usage,
-        "depth: the camera model has no distance between the eyes: calibrate them as a pair");
+    return fail(Fault::usage,
+                "depth: the camera model has no baseline: calibrate the eyes as a pair");
   if (camera.width != width || camera.height != height)
     return fail(Fault::usage, "depth: the pictures have " + size_text(width, height) +
-                                  " pixels, the camera model " +
+                                  " pixels, but the camera model has " +
                                   size_text(camera.width, camera.height) +
-                                  ": take the calibration of this size");
+                                  ": use a calibration of this size");
   return {};
 }
 
@@ -102,7 +101,7 @@ struct DepthFinder::State {
     const double max_disparity = std::ceil(camera.fx * camera.baseline_m / options.nearest_m);
     if (!(max_disparity < width))
       return fail(Fault::usage,
-                  "depth: at nearest_m the eyes' pictures have nothing in common: raise it");
+                  "depth: the pictures of the eyes do not overlap at nearest_m: raise it");
     return std::max(16, (static_cast<int>(max_disparity) + 15) / 16 * 16);
   }
 
@@ -124,9 +123,9 @@ struct DepthFinder::State {
         static_cast<std::size_t>(l.width) * static_cast<std::size_t>(l.height);
     for (const auto& [name, grey] : {std::pair{"left", left_grey}, {"right", right_grey}}) {
       if (std::all_of(grey, grey + pixels, [first = *grey](std::uint8_t x) { return x == first; }))
-        return fail(Fault::failed, std::string("depth: the ") + name +
-                                       " picture has one colour from edge to edge: is the lens "
-                                       "covered, is there light?");
+        return fail(Fault::failed,
+                    std::string("depth: the ") + name +
+                        " picture has a single color: check the lens cover and the light");
     }
     depth.width = l.width;
     depth.height = l.height;
@@ -185,8 +184,8 @@ void point_cloud(const DepthImage& depth, PointCloud& cloud) {
 Result<void> point_cloud_before_foot(const DepthImage& depth, PointCloud& cloud) {
   if (!depth.info.posture_known)
     return fail(Fault::failed,
-                "depth: the posture at the exposure of the picture is not known, so nothing can be "
-                "placed before the foot: wait for the board's state");
+                "depth: the posture at the exposure of the picture is not known, so no point can "
+                "be transformed to the foot: wait for the board's state");
   point_cloud(depth, cloud);
   const Eigen::Isometry3f foot_from_eye = depth.info.foot_from_eye.cast<float>();
   for (Eigen::Vector3f& p : cloud.points) p = foot_from_eye * p;

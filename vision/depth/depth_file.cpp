@@ -12,7 +12,7 @@ namespace kaz::vision {
 
 Result<std::vector<std::uint8_t>> depth_png(const DepthImage& depth) {
   if (depth.width < 1 || depth.height < 1)
-    return fail(Fault::usage, "an empty depth image is no PNG");
+    return fail(Fault::usage, "an empty depth image cannot be written as PNG");
   std::vector<std::uint8_t> rows;
   rows.reserve(2 * depth.disparity_px.size());
   for (int v = 0; v < depth.height; ++v) {
@@ -24,18 +24,19 @@ Result<std::vector<std::uint8_t>> depth_png(const DepthImage& depth) {
     }
   }
   auto bytes = picture::encode_png({depth.width, depth.height, 1, 16, rows});
-  if (!bytes) return fail(Fault::failed, "the depth image could not be made a PNG: out of memory?");
+  if (!bytes)
+    return fail(Fault::failed, "the depth image could not be written as PNG: out of memory?");
   return bytes;
 }
 
 Result<std::vector<std::uint8_t>> points_ply(const PointCloud& cloud, const Image& colors) {
   if (cloud.width != colors.width || cloud.height != colors.height ||
       colors.rgb.size() != 3 * cloud.points.size())
-    return fail(Fault::usage, "points and picture are of different size: no PLY of them");
+    return fail(Fault::usage, "points and picture differ in size: cannot write a PLY");
   std::size_t count = 0;
   for (const Eigen::Vector3f& point : cloud.points) count += std::isfinite(point.z()) ? 1 : 0;
   const std::string header =
-      "ply\nformat binary_little_endian 1.0\ncomment m; colours of the left eye\nelement vertex " +
+      "ply\nformat binary_little_endian 1.0\ncomment m; colors of the left eye\nelement vertex " +
       std::to_string(count) +
       "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
       "property uchar green\nproperty uchar blue\nend_header\n";

@@ -203,7 +203,7 @@ TEST(Depth, PicturesThatHaveNoneAreErrors) {
   EXPECT_TRUE(says(message(good, {}, camera), "right picture is empty"));
   Image cut = good;
   cut.rgb.resize(1000);
-  EXPECT_TRUE(says(message(good, cut, camera), "cut short"));
+  EXPECT_TRUE(says(message(good, cut, camera), "truncated"));
   EXPECT_TRUE(says(message({-320, 240, good.rgb}, good, camera), "empty"));
   EXPECT_TRUE(says(message({1 << 30, 1 << 30, good.rgb}, good, camera), "8192"));
   const Image tiny = plain_picture(8, 8, kTestGrey), half = plain_picture(160, 120, kTestGrey);
@@ -211,11 +211,11 @@ TEST(Depth, PicturesThatHaveNoneAreErrors) {
   EXPECT_TRUE(says(message(good, half, camera), "one size"));
   EXPECT_TRUE(says(message(good, good, test_camera(160, 120)), "calibration of this size"));
   const Image plain = plain_picture(320, 240, kTestGrey);
-  EXPECT_TRUE(says(message(plain, good, camera), "left picture has one colour"));
-  EXPECT_TRUE(says(message(good, plain, camera), "right picture has one colour"));
+  EXPECT_TRUE(says(message(plain, good, camera), "left picture has a single color"));
+  EXPECT_TRUE(says(message(good, plain, camera), "right picture has a single color"));
   CameraModel wrong = camera;
   wrong.baseline_m = 0;
-  EXPECT_TRUE(says(message(good, good, wrong), "distance between the eyes"));
+  EXPECT_TRUE(says(message(good, good, wrong), "no baseline"));
   wrong = camera;
   wrong.fx = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(says(message(good, good, wrong), "focal length"));

@@ -90,7 +90,7 @@ struct FlowFinder::State {
       compute(image);
       prepared = true;
     } catch (const cv::Exception& e) {
-      return fail(Fault::failed, std::string("flow: OpenCV gave up: ") + e.what());
+      return fail(Fault::failed, std::string("flow: OpenCV failed: ") + e.what());
     }
     return {};
   }

@@ -21,28 +21,28 @@ Result<void> check_picture(const char* name, const ImageView& picture, const Cam
   const std::string what = std::string("flow: the ") + name + " picture ";
   const std::string size = size_text(width, height);
   if (width <= 0 || height <= 0 || picture.bytes.empty())
-    return fail(Fault::usage, what + "is empty: is the camera running?");
+    return fail(Fault::usage, what + "is empty: check that the camera is running");
   if (width > kLargest_px || height > kLargest_px)
     return fail(Fault::usage,
                 what + "has " + size + " pixels, more than 8192 a side: scale it down");
   if (width < kSmallestFlow_px || height < kSmallestFlow_px)
     return fail(Fault::usage,
-                what + "has " + size + " pixels, under 64 a side: take larger pictures");
+                what + "has " + size + " pixels, fewer than 64 a side: use larger pictures");
   const std::size_t needed = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                              static_cast<std::size_t>(picture.channels);
   if (picture.bytes.size() != needed)
     return fail(Fault::usage, what + "has " + std::to_string(picture.bytes.size()) +
-                                  " bytes where " + size + " pixels need " +
-                                  std::to_string(needed) + ": it was cut short or is padded");
+                                  " bytes, but " + size + " pixels need " + std::to_string(needed) +
+                                  ": it is truncated or padded");
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   if (!positive(camera.fx) || !positive(camera.fy) || !std::isfinite(camera.cx) ||
       !std::isfinite(camera.cy))
     return fail(Fault::usage, std::string("flow: the camera model of the ") + name +
                                   " picture has no focal length: calibrate the eyes");
   if (camera.width != width || camera.height != height)
-    return fail(Fault::usage, what + "has " + size + " pixels, its camera model " +
+    return fail(Fault::usage, what + "has " + size + " pixels, but its camera model has " +
                                   size_text(camera.width, camera.height) +
-                                  ": take the calibration of this size");
+                                  ": use a calibration of this size");
   return {};
 }
 
@@ -65,8 +65,8 @@ Result<void> check_flow_pair(const ImageView& before, const FrameInfo& info_befo
     return fail(Fault::failed,
                 "flow: the later picture was exposed " +
                     std::to_string(seconds(between(info_before.exposure, info_after.exposure))) +
-                    " s before the earlier one or at its time: the clock jumped back, begin anew "
-                    "with the later one");
+                    " s before the earlier one or at the same time: the clock jumped back, so "
+                    "start again with the later one");
   return {};
 }
 

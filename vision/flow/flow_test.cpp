@@ -131,9 +131,9 @@ TEST_F(Flow, SaysWhatIsWrongWithThePictures) {
   after = {};
   EXPECT_NE(complaint().find("later picture is empty"), std::string::npos);
   after = plain_picture(20, 20, kTestGrey);
-  EXPECT_NE(complaint().find("under 64 a side"), std::string::npos);
+  EXPECT_NE(complaint().find("fewer than 64 a side"), std::string::npos);
   after = plain_picture(640, 480, kTestGrey);
-  EXPECT_NE(complaint().find("its camera model 320 x 240"), std::string::npos);
+  EXPECT_NE(complaint().find("its camera model has 320 x 240"), std::string::npos);
   second.camera = test_camera(640, 480);
   EXPECT_NE(complaint().find("must come from one eye"), std::string::npos);
   after = wall(camera, 0.01, 2);

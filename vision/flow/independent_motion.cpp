@@ -25,7 +25,7 @@ int cell_middle(int cell, int cells, int pixels) {
 
 Result<void> check(const FlowImage& flow, const DepthImage* depth) {
   if (flow.flow_px.empty() || flow.certainty.empty())
-    return fail(Fault::usage, "moving: the flow image is empty: find the flow first");
+    return fail(Fault::usage, "moving: the flow image is empty: compute the flow first");
   const FrameInfo &a = flow.before, &b = flow.after;
   if (!a.posture_known || !b.posture_known)
     return fail(Fault::failed, std::string("moving: the posture at the ") +
@@ -38,14 +38,15 @@ Result<void> check(const FlowImage& flow, const DepthImage* depth) {
   if (!motion.matrix().allFinite() || motion.translation().norm() > kMaxSpeed_m_s * dt ||
       Eigen::AngleAxisd(motion.linear()).angle() > kMaxRate_rad_s * dt)
     return fail(Fault::failed,
-                "moving: the eye has jumped between the pictures, as when another foot begins to "
-                "support: take the next pair");
+                "moving: the pose of the eye jumped between the pictures, for example at a change "
+                "of the supporting foot: use the next pair");
   if (!depth) return {};
   if (depth->width != flow.width || depth->height != flow.height || depth->width < 4 ||
       depth->height < 4)
-    return fail(Fault::usage, "moving: flow and depth image are not of one size");
+    return fail(Fault::usage, "moving: flow and depth image differ in size");
   if (depth->info.exposure != a.exposure && depth->info.exposure != b.exposure)
-    return fail(Fault::usage, "moving: the depth image is of neither of the flow's two pictures");
+    return fail(Fault::usage,
+                "moving: the depth image belongs to neither of the flow's two pictures");
   if (!(depth->info.camera.fx * depth->info.camera.baseline_m > 0))
     return fail(Fault::usage, "moving: the depth image has no camera model");
   return {};
@@ -76,7 +77,7 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Pictur
   for (const Picture* picture : {&before, &after})
     if (picture->width != flow.width || picture->height != flow.height ||
         picture->bytes.size() != flow.flow_px.size() * static_cast<std::size_t>(picture->channels))
-      return fail(Fault::usage, "moving: these are not the pictures that the flow is of");
+      return fail(Fault::usage, "moving: these are not the pictures of the flow");
   const std::size_t cells = flow.certainty.size();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   moving.cells_across = flow.cells_across;
@@ -92,10 +93,10 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Pictur
   find_candidates(flow, depth, moving);
   if (moving.turn_error_rad.norm() > options_.max_posture_error_rad ||
       moving.shift_error_m.norm() > options_.max_posture_error_m)
-    return fail(Fault::failed,
-                "moving: the flow of most of the picture contradicts the posture by more than its "
-                "accuracy: the robot slips or falls, or something before the eyes hides "
-                "the rest; take the next pair");
+    return fail(
+        Fault::failed,
+        "moving: the flow of most of the picture contradicts the posture by more than its "
+        "accuracy: the robot slips or falls, or an object hides the rest; use the next pair");
   if (std::ranges::find(candidates_.pixels, 255) == candidates_.pixels.end()) return {};
   const auto reader = [](const Picture& p, std::vector<float>& codes) {
     grey_codes(p.bytes, p.channels, codes);

@@ -56,7 +56,7 @@ struct SparseFlow::State {
       }
       if (!from.empty()) follow(a, b, flow);
     } catch (const cv::Exception& e) {
-      return fail(Fault::failed, std::string("sparse flow: OpenCV gave up: ") + e.what());
+      return fail(Fault::failed, std::string("sparse flow: OpenCV failed: ") + e.what());
     }
     return {};
   }

@@ -87,15 +87,16 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes,
                                  const DepthImage* depth) {
   const int reach = state_->options.reach_px;
   if (reach < 1 || reach > 64)
-    return fail(Fault::usage, "floor edges: reach_px is " + std::to_string(reach) + ", not 1..64");
+    return fail(Fault::usage,
+                "floor edges: reach_px " + std::to_string(reach) + ": must be 1 to 64");
   const auto pixels = static_cast<std::size_t>(std::max(0, left.width)) *
                       static_cast<std::size_t>(std::max(0, left.height));
   if (pixels == 0 || left.rgb.size() != 3 * pixels || planes.width != left.width ||
       planes.height != left.height || planes.label.size() != pixels)
-    return fail(Fault::usage, "floor edges: picture and planes are not of the same size");
+    return fail(Fault::usage, "floor edges: picture and planes differ in size");
   if (depth != nullptr && (depth->width != left.width || depth->height != left.height ||
                            depth->disparity_px.size() != pixels))
-    return fail(Fault::usage, "floor edges: picture and depth are not of the same size");
+    return fail(Fault::usage, "floor edges: picture and depth differ in size");
 
   // Labels that count as floor: floor segments whose middle is within step_m of the plane n . p + d = 0 of
   // the largest one (optical frame, m). Label 0 is no segment; segment k has label k + 1.

@@ -22,17 +22,17 @@ Result<void> check(const DepthImage& depth, const PlaneOptions& o) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   if (depth.width < 32 || depth.height < 32 || depth.width > 8192 || depth.height > 8192)
     return fail(Fault::usage, "planes: the depth image has " + std::to_string(depth.width) + " x " +
-                                  std::to_string(depth.height) + " pixels: 32 to 8192 a side");
+                                  std::to_string(depth.height) +
+                                  " pixels: must be 32 to 8192 a side");
   if (depth.disparity_px.size() !=
       static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height))
     return fail(Fault::usage, "planes: the depth image has " +
                                   std::to_string(depth.disparity_px.size()) +
-                                  " numbers, not one a pixel: it was cut short");
+                                  " values, not one per pixel: it is truncated");
   if (!positive(c.fx) || !positive(c.fy) || !std::isfinite(c.cx) || !std::isfinite(c.cy) ||
       !positive(c.baseline_m))
     return fail(Fault::usage,
-                "planes: the camera model has no focal length or no distance between the eyes: "
-                "calibrate them");
+                "planes: the camera model has no focal length or no baseline: calibrate the eyes");
   if (o.triples < 1 || o.triples > 1'000'000 || o.max_planes < 1 || o.max_planes > kMaxPlanes)
     return fail(Fault::usage, "planes: triples must be 1 to 1000000 and max_planes 1 to 16");
   if (!positive(o.tolerance_px) || !(o.min_share >= 0 && o.min_share <= 1))

@@ -44,16 +44,15 @@ void measure_backlash(MotorOnBench& motor, BenchJudge& judge) {
   sure(stand.press(motor.joint(), 0));
   const Mean play = mean_of(ways);
   judge.enter(motor.name(), "backlash", play.value, play.error);
-  judge.add(
-      {"backlash",
-       motor.name(),
-       "Backlash",
-       "time pressed, s",
-       "reported angle, degrees",
-       false,
-       {shown},
-       "The shaft pressed with 0.03 Nm backward and forward in turn, motor off: the step is the "
-       "backlash. Means of 0.1 s."});
+  judge.add({"backlash",
+             motor.name(),
+             "Backlash",
+             "time pressed, s",
+             "reported angle, degrees",
+             false,
+             {shown},
+             "The shaft is pressed with 0.03 Nm backward and forward in turn, motor off. The step "
+             "is the backlash. Means of 0.1 s."});
 }
 
 }  // namespace kaz::hil

@@ -29,11 +29,11 @@ Start search(MotorOnBench& motor, double sign, int first, int by) {
   const double from = mean_angle(motor.watch(0.1));
   for (int step = first; step <= kMost; step += by) {
     const Trace trace = motor.drive(sign * step / kFull, kHold);
-    check(trace.size() >= kLast, "no readings came");
+    check(trace.size() >= kLast, "no readings arrived");
     const Trace end(trace.end() - kLast, trace.end());
     if (sign * (mean_angle(end) - from) > kMoved) return {step, mean_volts(trace, 0, kHold)};
   }
-  throw Failed{"the shaft did not turn at half the full duty"};
+  throw Failed{"the shaft did not turn at half of full duty"};
 }
 
 Start find_start(MotorOnBench& motor, double sign) {
@@ -75,16 +75,15 @@ void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_vol
   } else {
     judge.leave_out(motor.name(), "friction.breakaway", "needs stall.slope in the same run");
   }
-  judge.add(
-      {"dead_band",
-       motor.name(),
-       "Dead band",
-       "supply, V",
-       "motor voltage at the start, V",
-       false,
-       {forward, backward},
-       "Duty times supply at which the shaft began to turn: one value for all supplies, within "
-       "a step of the duty (1/255)."});
+  judge.add({"dead_band",
+             motor.name(),
+             "Dead band",
+             "supply, V",
+             "motor voltage at the start, V",
+             false,
+             {forward, backward},
+             "Duty times supply at which the shaft began to turn. It is the same for all supplies, "
+             "within one duty step (1/255)."});
 }
 
 }  // namespace kaz::hil

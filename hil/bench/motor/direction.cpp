@@ -41,18 +41,18 @@ bool measure_direction(MotorOnBench& motor, BenchJudge& judge, bool enter_good) 
     if (change[1] == 0) change[1] = turned_by(motor, -duty);
   }
   check(change[0] != 0 && change[1] != 0, change[0] == 0 && change[1] == 0
-                                              ? "the shaft did not turn at half the full duty"
+                                              ? "the shaft did not turn at half of full duty"
                                               : std::string("the shaft turned only at a ") +
                                                     (change[0] != 0 ? "positive" : "negative") +
-                                                    " duty, up to half the full one");
+                                                    " duty, up to half of full duty");
   check(change[0] * change[1] < 0,
-        "the shaft turned to the same side at a positive and at a negative duty: something else "
+        "the shaft turned in the same direction at positive and negative duty: something else "
         "turns it");
   if (change[0] < 0) {
     judge.enter_finding(motor.name(), "direction", -1,
                         motor.name() +
                             " turns against its potentiometer: exchange the motor's two wires, or "
-                            "those at the ends of the potentiometer");
+                            "the two end wires of the potentiometer");
     return false;
   }
   if (enter_good) judge.enter(motor.name(), "direction", 1);

@@ -51,7 +51,7 @@ double passes(const Trace& trace, double from, double distance, double share) {
       return trace[i - 1].t_s + part * (trace[i].t_s - trace[i - 1].t_s);
     }
   }
-  throw Failed{"the joint did not come near its target"};
+  throw Failed{"the joint did not approach its target"};
 }
 
 StepResponse step_response(const Trace& trace, double from, double to) {
@@ -60,7 +60,7 @@ StepResponse step_response(const Trace& trace, double from, double to) {
   for (const Sample& sample : trace) {
     if (sample.t_s >= kStepEnd) rest.push_back(sample.angle_rad);
   }
-  check(!rest.empty(), "no readings came");
+  check(!rest.empty(), "no readings arrived");
   const double end = mean_of(rest).value;
   const auto [min, max] = std::ranges::minmax(rest);
   StepResponse response;
@@ -115,14 +115,14 @@ double crossing(const Points& gain_db, double level) {
 
 void measure_step(MotorOnBench& motor, BenchJudge& judge) {
   std::vector<double> rise, overshoot, settling, error, hunting;
-  Series up{"up", Series::Style::line, {}}, down{"down, turned over", Series::Style::line, {}};
+  Series up{"up", Series::Style::line, {}}, down{"down, inverted", Series::Style::line, {}};
   motor.go_to(motor.middle_rad() - 0.5 * kStepWay);
   for (int round = 0; round < kStepRounds; ++round) {
     for (const double sign : {1.0, -1.0}) {
       const double from = motor.middle_rad() - sign * 0.5 * kStepWay;
       const double to = motor.middle_rad() + sign * 0.5 * kStepWay;
       const Trace trace = motor.step(from, to, kStepSeconds);
-      check(!trace.empty(), "no readings came");
+      check(!trace.empty(), "no readings arrived");
       const StepResponse response = step_response(trace, from, to);
       rise.push_back(response.rise_ms);
       overshoot.push_back(response.overshoot);
@@ -144,15 +144,15 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
   enter("step.settling_time", settling);
   enter("step.error", error);
   enter("step.hunting", hunting);
-  judge.add(
-      {"step",
-       motor.name(),
-       "Step of the target",
-       "time, ms",
-       "displacement, rad",
-       false,
-       {up, down, {"target", Series::Style::dashed, {{0, kStepWay}, {600, kStepWay}}}},
-       "0.3 rad at once, with " + gains_text(motor.gains()) + " and the board's ramp of 6 rad/s."});
+  judge.add({"step",
+             motor.name(),
+             "Step of the target",
+             "time, ms",
+             "displacement, rad",
+             false,
+             {up, down, {"target", Series::Style::dashed, {{0, kStepWay}, {600, kStepWay}}}},
+             "A step of 0.3 rad, with " + gains_text(motor.gains()) +
+                 " and the board's ramp limit of 6 rad/s."});
 }
 
 void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
@@ -165,7 +165,7 @@ void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
     const auto sine = motor.follow(motor.middle_rad(), kAmplitude, hertz, seconds);
     const std::complex<double> ratio =
         component(sine.answer, hertz) / component(sine.target, hertz);
-    check(std::isfinite(std::abs(ratio)), "the joint did not answer");
+    check(std::isfinite(std::abs(ratio)), "the joint did not respond");
     gain.emplace_back(hertz, 20 * std::log10(std::abs(ratio)));
     double degrees = std::arg(ratio) / kDegree;
     // Without a jump where it passes half a turn.
@@ -184,7 +184,7 @@ void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
        "frequency, Hz",
        "gain, dB",
        true,
-       {{"answer over target", Series::Style::line, gain},
+       {{"response over target", Series::Style::line, gain},
         {"-3 dB", Series::Style::dashed, {{kHertz[0], -3}, {kHertz[std::size(kHertz) - 1], -3}}}},
        "Sines of 0.05 rad, targets every 10 ms, with " + gains_text(motor.gains()) + "."});
   judge.add({"phase",
@@ -193,8 +193,8 @@ void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
              "frequency, Hz",
              "phase, degrees",
              true,
-             {{"answer against target", Series::Style::line, phase}},
-             "Targets travel 10 ms to where they are; that is part of it."});
+             {{"response against target", Series::Style::line, phase}},
+             "Each target is a ramp of 10 ms, which is included."});
 }
 
 }  // namespace kaz::hil

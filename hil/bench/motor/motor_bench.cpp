@@ -126,11 +126,13 @@ Result<std::vector<Part>> chosen_parts(const std::vector<Part>& parts, const std
         taken.push_back(part);
     }
   } catch (const std::regex_error& wrong) {
-    return fail(Fault::usage, "--filter " + filter + " is no regular expression: " + wrong.what());
+    return fail(Fault::usage,
+                "--filter " + filter + " is not a regular expression: " + wrong.what());
   }
   if (taken.empty())
-    return fail(Fault::usage, "--filter " + filter +
-                                  " takes no measurement of a motor; `kaz bench list` names them");
+    return fail(
+        Fault::usage,
+        "--filter " + filter + " matches no measurement of a motor; `kaz bench list` lists them");
   return taken;
 }
 
@@ -195,8 +197,7 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
   auto parts = KAZ_TRY(chosen_parts(all, options.filter));
   begin_with_direction(parts, all, stand != nullptr, found);
   if (options.joint < 0 || options.joint >= KZ_JOINTS)
-    return fail(Fault::usage,
-                "joints have the numbers 0 to 17, not " + std::to_string(options.joint));
+    return fail(Fault::usage, "joint " + std::to_string(options.joint) + ": must be 0 to 17");
   try {
     MotorOnBench motor(robot, stand, options.joint, options.gains);
     motor.come_to_rest();

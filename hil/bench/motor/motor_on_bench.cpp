@@ -70,7 +70,7 @@ void MotorOnBench::set_supply(double volts) {
   wait(0.05);
   const double there = or_throw(robot_.health()).supply_volts;
   char text[100];
-  std::snprintf(text, sizeof text, "the supply was to be %.1f V, the board reads %.1f V", volts,
+  std::snprintf(text, sizeof text, "the supply should be %.1f V, but the board reads %.1f V", volts,
                 there);
   check(std::abs(there - volts) <= 0.2 + 0.03 * volts, text);
 }
@@ -89,9 +89,8 @@ void MotorOnBench::wait(double length_s) {
 void MotorOnBench::check_potentiometer() {
   const auto details = or_throw(robot_.joints(bit(joint_)));
   check(!details.empty() && (details.front().flags & KZ_JOINT_POT) == 0,
-        "the potentiometer's input is at an end of the converter's range, where no shaft turns it: "
-        "its wiper is open or touches a supply, so there is no reading to judge; check its three "
-        "wires");
+        "the potentiometer's input is at an end of the converter's range: its wiper is open or "
+        "touches a supply; check its three wires");
 }
 
 double MotorOnBench::potentiometer_code(double angle_rad) {
@@ -105,12 +104,12 @@ std::string MotorOnBench::take_line_trouble() {
   std::string trouble = line_trouble(std::exchange(counted_, now), now);
   const auto resumed = robot_.take_resumption();
   if (std::exchange(link_lost_, false)) {
-    add_trouble(trouble, "the board was lost");
+    add_trouble(trouble, "the connection to the board was lost");
   } else if (resumed && resumed->cause == host::Resumption::Cause::link) {
-    add_trouble(trouble, "the board was lost for a while");
+    add_trouble(trouble, "the connection to the board was lost for a while");
   }
   if (const auto frames = std::exchange(frames_lost_, 0); frames > 0)
-    add_trouble(trouble, counted(frames, "frame") + " of telemetry did not come");
+    add_trouble(trouble, counted(frames, "frame") + " of telemetry did not arrive");
   return trouble;
 }
 
@@ -265,7 +264,7 @@ MotorOnBench::Sine MotorOnBench::follow(double middle_rad, double amplitude_rad,
 }
 
 double mean_angle(const Trace& trace) {
-  check(!trace.empty(), "no readings came");
+  check(!trace.empty(), "no readings arrived");
   double sum = 0;
   for (const Sample& sample : trace) sum += sample.angle_rad;
   return sum / static_cast<double>(trace.size());
@@ -279,7 +278,7 @@ double mean_volts(const Trace& trace, double from_s, double to_s) {
     sum += sample.volts;
     ++count;
   }
-  check(count > 0, "no readings of the supply came");
+  check(count > 0, "no readings of the supply arrived");
   return sum / count;
 }
 

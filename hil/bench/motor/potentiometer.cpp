@@ -22,7 +22,7 @@ constexpr double kFollows = 0.2;  // share of the shaft's turns; less is no erro
 constexpr double kRailCodes = 12, kRailNoise = 0.05;
 
 Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
-  Series off{"read, less the line", Series::Style::line, {}};
+  Series off{"reading minus the line", Series::Style::line, {}};
   for (const auto& [turned, measured] : read)
     off.points.emplace_back(turned / kDegree, (measured - line(turned)) / kDegree);
   return {"potentiometer",
@@ -53,8 +53,8 @@ void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
   const double code = motor.potentiometer_code(kCode * mean_of(codes).value);
   char text[160];
   std::snprintf(text, sizeof text,
-                "the potentiometer stands at A/D code %.0f, an end of its range, without any "
-                "noise: its wiper touches a supply or is open",
+                "the potentiometer is at A/D code %.0f, an end of its range, without noise: its "
+                "wiper is open or touches a supply",
                 code);
   check(noise > kRailNoise || (code > kRailCodes && code < KZ_POT_CODES - 1 - kRailCodes), text);
   judge.enter(motor.name(), "pot.noise", noise,
@@ -75,8 +75,8 @@ void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge) {
   const Line line = fit_line(read);
   char text[160];
   std::snprintf(text, sizeof text,
-                "the reading follows the shaft by %.1f %% of its turns: the wiper or its gear is "
-                "loose, or the input is another joint's",
+                "the reading follows the shaft by only %.1f %%: the wiper or its gear is loose, or "
+                "the input is another joint's",
                 100 * line.slope);
   check(std::abs(line.slope) > kFollows, text);
   judge.enter(motor.name(), "pot.linearity", 100 * line.worst / kRange);

@@ -53,7 +53,7 @@ std::optional<Run> run_once(MotorOnBench& motor, double duty, double supply_volt
   }
   if (steady.size() < kFewest) return std::nullopt;
   const Line line = fit_line(steady);
-  check(sign * line.slope > 0.1, "the shaft did not turn in the direction in which it was driven");
+  check(sign * line.slope > 0.1, "the shaft did not turn in the driven direction");
   run.speed = line.slope;
   run.lag = (run.from - line.at_zero) / line.slope;
   run.volts = duty * mean_volts(run.trace, kSteady, 10);
@@ -67,16 +67,15 @@ Plot speed_plot(const std::string& joint, const Points& points, const Line& line
     if (line(volts) >= 0 || volts > 0) fitted.points.emplace_back(volts, line(volts));
   if (fitted.points.size() < 2)
     fitted.points.insert(fitted.points.begin(), {-line.at_zero / line.slope, 0});
-  return {
-      "no_load",
-      joint,
-      "Speed without load",
-      "motor voltage, V",
-      "speed, rad/s",
-      false,
-      {measured, fitted},
-      "Both senses of turning; where the line meets zero speed, sliding friction has used up all "
-      "of the voltage."};
+  return {"no_load",
+          joint,
+          "Speed without load",
+          "motor voltage, V",
+          "speed, rad/s",
+          false,
+          {measured, fitted},
+          "Both directions. Where the line meets zero speed, sliding friction uses all of the "
+          "voltage."};
 }
 
 Plot start_plot(const std::string& joint, const Run& run) {
@@ -95,7 +94,7 @@ Plot start_plot(const std::string& joint, const Run& run) {
           "displacement, rad",
           false,
           {measured, steady},
-          "Where the dashed line meets zero is the lag: rotor and disc over back-EMF, the gear's "
+          "The dashed line meets zero at the lag: rotor and disc over back-EMF, the gear's "
           "backlash and the board's tick."};
 }
 

@@ -137,9 +137,8 @@ Plot stall_plot(const std::string& joint, const Readings& readings, const ColdLi
            {"negative", Series::Style::points, points_of(readings.negative, cold)},
            fitted,
            {"paper, section 2.1", Series::Style::points, {{4.8, 0.97}, {10, 2.16}}}},
-          "At the driver's terminals, under load, cold: what warming took is added again. The "
-          "line's slope is torque for each volt, what it "
-          "lacks at 0 V is sliding friction."};
+          "Voltage at the driver's terminals under load. Torque lost to warming is added. The "
+          "line's slope is torque per volt, and its deficit at 0 V is sliding friction."};
 }
 
 // Presses to both sides, then a rest of kRest. None where somebody has to press.
@@ -174,8 +173,8 @@ double gain_at_rest(const std::vector<Press>& before, double fading,
 std::string was_warm(double gain) {
   char text[200];
   std::snprintf(text, sizeof text,
-                "the motor was warm: its torque grew by %.1f %% in %.0f s of rest; let it cool, "
-                "for 20 minutes after hard work, and measure again",
+                "the motor was warm: its torque grew by %.1f %% in %.0f s of rest; let it cool, 20 "
+                "minutes after hard work, and measure again",
                 100 * gain, kRest);
   return text;
 }
@@ -189,7 +188,7 @@ double measure_stall(MotorOnBench& motor, BenchJudge& judge, double supply_volts
   const std::vector<Press> all = readings.all();
   const ColdLine cold = fit_cold(all);
   const Line& line = cold.line;
-  check(line.slope > 0, "the torque does not grow with the voltage");
+  check(line.slope > 0, "the torque does not increase with the voltage");
   const std::size_t first = judge.report().measurements.size();
   const Points points = points_of(all, cold);
   const auto torque_at = [&](const char* name, double volts) {
@@ -260,13 +259,13 @@ void measure_heat(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
   judge.doubt(first, (1 + missing) * (1 + missing), was_warm(gain));
   judge.add({"thermal",
              motor.name(),
-             "Torque of a motor that presses",
-             "pressed at 6.5 V for, s",
+             "Torque of a pressing motor",
+             "time pressed at 6.5 V, s",
              "torque, Nm",
              false,
              {shown},
-             "Copper warms and its resistance grows. Each point is a press of its own after 50 ms "
-             "off."});
+             "The copper's resistance grows as it warms. Each point is a separate press after 50 "
+             "ms off."});
 }
 
 }  // namespace kaz::hil

@@ -101,7 +101,7 @@ std::string measurement_row(const Measurement& one, bool with_subject) {
 }
 
 std::string table(const std::string& rows, bool with_subject) {
-  return std::string("<table><tr>") + (with_subject ? "<th>of</th>" : "") +
+  return std::string("<table><tr>") + (with_subject ? "<th>subject</th>" : "") +
          "<th>measurement</th><th>value</th><th>unit</th><th>limits</th><th></th><th>verdict</th>"
          "</tr>\n" +
          rows + "</table>\n";
@@ -164,8 +164,8 @@ std::string facts(const BenchReport& report) {
 
 std::string verdict_heading(const BenchReport& report) {
   if (!report.interrupted.empty()) {
-    return "<h1>Bench: <span class=\"failed\">incomplete</span></h1>\n<p class=\"failed\">It ended "
-           "before its time: " +
+    return "<h1>Bench: <span class=\"failed\">incomplete</span></h1>\n<p class=\"failed\">The run "
+           "ended early: " +
            xml_text(report.interrupted) + "</p>\n";
   }
   if (report.count(Verdict::failed) > 0) {
@@ -201,7 +201,7 @@ std::string bench_html(const BenchReport& report) {
     for (const Measurement& one : report.measurements) {
       if (one.verdict == Verdict::failed) failed += measurement_row(one, true);
     }
-    if (!failed.empty()) text += "<h2>What failed</h2>\n" + table(failed, true);
+    if (!failed.empty()) text += "<h2>Failed measurements</h2>\n" + table(failed, true);
   }
   for (std::size_t i = 0; i < all.size(); ++i) text += subject_part(report, all[i], anchor(i));
   return text + kPageEnd;

@@ -46,7 +46,7 @@ std::string exact_text(double value) {
 
 std::string value_text(double value, double error) {
   if (std::isnan(value)) return "none";
-  if (std::isinf(value)) return value > 0 ? "infinite" : "minus infinite";
+  if (std::isinf(value)) return value > 0 ? "infinity" : "minus infinity";
   if (extreme(value)) return with_digits(value, kDigits);
   if (error > 0 && std::isfinite(error)) {
     return fixed(value, std::clamp(1 - decimal_place(error), 0, 9));

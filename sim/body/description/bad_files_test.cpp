@@ -451,7 +451,7 @@ TEST(Load, NamesAnUnknownObject) {
   ASSERT_TRUE(world);
   const auto cube = world->object_position("cube");
   ASSERT_FALSE(cube);
-  EXPECT_EQ(cube.error().message, "the world has no object `cube`; those that can move: ball");
+  EXPECT_EQ(cube.error().message, "the world has no object `cube`; movable objects: ball");
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ TEST_P(Pushes, OnWhatTheRobotDoesNotHaveAreRefused) {
       "<kaz:robot pose='0 0 0 0 0 0'><kaz:push time='1' link='tail' impulse='0 1 0'/></kaz:robot>");
   ASSERT_FALSE(none);
   EXPECT_NE(
-      none.error().message.find("<kaz:push> on the link `tail`, and the robot has no such link"),
+      none.error().message.find("<kaz:push> on the link `tail`, which the robot does not have"),
       std::string::npos)
       << none.error().message;
   const auto unnamed =

@@ -64,10 +64,10 @@ Result<void> StagedWorld::push(const std::string& link, const Eigen::Vector3d& i
   }
   const int body = frame->second.link;
   if (!bodies()[static_cast<std::size_t>(body)].moves || (hung_ && body == 0)) {
-    return fail(Fault::usage, "the link `" + link + "` is fixed: no push moves it");
+    return fail(Fault::usage, "the link `" + link + "` is fixed: a push cannot move it");
   }
   if (!impulse.allFinite()) {
-    return fail(Fault::usage, "a push on `" + link + "` has no finite impulse, N s");
+    return fail(Fault::usage, "push on `" + link + "`: the impulse in N s must be finite");
   }
   hand_pushes_.push_back({static_cast<std::uint32_t>(body), impulse});
   return {};
@@ -77,10 +77,10 @@ Result<void> StagedWorld::accelerate(const std::string& model, const Eigen::Vect
   const auto object = model_->objects.find(model);
   if (object == model_->objects.end() ||
       !bodies()[static_cast<std::size_t>(object->second)].moves) {
-    return fail(Fault::usage, "the world has no object `" + model + "` that moves");
+    return fail(Fault::usage, "the world has no movable object `" + model + "`");
   }
   if (!change.allFinite()) {
-    return fail(Fault::usage, "a push on `" + model + "` has no finite velocity, m/s");
+    return fail(Fault::usage, "push on `" + model + "`: the velocity in m/s must be finite");
   }
   kick(object->second, change);
   return {};
@@ -116,7 +116,7 @@ bool StagedWorld::joint_can_turn(std::size_t joint, double velocity) {
   if (std::abs(velocity) * step_s_ <= kMaxTurn) return true;
   char speed[48];
   std::snprintf(speed, sizeof speed, "` turns at %.3g rad/s", velocity);
-  break_down("joint `" + model_->joint_order[joint] + speed + ", more than a step can follow");
+  break_down("joint `" + model_->joint_order[joint] + speed + ", too fast for the physics step");
   return false;
 }
 
@@ -126,7 +126,7 @@ bool StagedWorld::body_can_move(std::size_t body, const Eigen::Vector3d& velocit
   char speed[96];
   std::snprintf(speed, sizeof speed, "` moves at %.3g m/s and turns at %.3g rad/s", velocity.norm(),
                 angular.norm());
-  break_down("link `" + bodies()[body].rigid.name + speed + ", more than a step can follow");
+  break_down("link `" + bodies()[body].rigid.name + speed + ", too fast for the physics step");
   return false;
 }
 
@@ -175,7 +175,7 @@ Result<Eigen::Vector3d> StagedWorld::object_position(const std::string& model) c
     known += name;
   }
   return fail(Fault::usage, "the world has no object `" + model +
-                                "`; those that can move: " + (known.empty() ? "none" : known));
+                                "`; movable objects: " + (known.empty() ? "none" : known));
 }
 
 }  // namespace kaz::sim

@@ -112,7 +112,7 @@ void BootRom::heard(Machine& m, const ReceivedByte& byte) {
 void BootRom::measured(Machine& m, States low, States at) {
   const States bit = low / 9;
   if (!allowed(m, bit)) {
-    m.misuse(0xffd9, "boot mode: the low time measured is that of no bit rate which it allows");
+    m.misuse(0xffd9, "boot mode: the measured low time matches no allowed bit rate");
     return;
   }
   const unsigned n = channel(m);

@@ -61,12 +61,12 @@ void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) 
     return;
   }
   if (busy()) {
-    m.misuse(address, "write to flash memory while it is set up or under a pulse; no effect");
+    m.misuse(address, "write to flash memory during setup or a pulse; no effect");
     return;
   }
   // In verify mode a dummy write selects the word to be read.
   if (flmcr1_ & (kPv | kEv)) {
-    if (value != 0xff) m.misuse(address, "dummy write of verification with other than FF");
+    if (value != 0xff) m.misuse(address, "verification dummy write with a value other than FF");
     require(m, verify_at_, flmcr1_ & kPv ? times::after_pv : times::after_ev, at,
             "dummy write too early after PV or EV was set");
     dummy_ = address & ~1u;
@@ -87,7 +87,7 @@ std::uint8_t FlashControl::read(Machine& m, std::uint32_t address, std::uint8_t 
     return static_cast<std::uint8_t>(mixed(m.options.flash_seed ^ address));
   }
   if (dummy_ != (address & ~1u))
-    m.misuse(address, "verification read of a word that no dummy write has prepared");
+    m.misuse(address, "verification read of a word without a dummy write");
   else
     require(m, dummy_at_, times::after_dummy, at, "verification read too early after dummy write");
   return cell;
@@ -133,7 +133,7 @@ void FlashControl::program(Machine& m, double share) {
 void FlashControl::erase(Machine& m, double share) {
   const unsigned selected = static_cast<unsigned>(ebr1_ & 3) << 8 | ebr2_;
   if (std::popcount(selected) != 1) {
-    m.misuse(0xff82, "flash erased with other than exactly one block selected");
+    m.misuse(0xff82, "flash erased without exactly one block selected");
     return;
   }
   erase_block(m, static_cast<unsigned>(std::countr_zero(selected)), share);
@@ -180,7 +180,8 @@ void FlashControl::end_pulse(Machine& m, States at) {
   double share = 1;
   if (m.options.flash_timing) {
     share = length / min_us;
-    if (share < 1) m.misuse(0xff80, "flash pulse shorter than the manual's; cells are left weak");
+    if (share < 1)
+      m.misuse(0xff80, "flash pulse shorter than the manual requires; cells are left weak");
     // Tolerance of 10% for a polling loop.
     if (length > 1.1 * max_us) m.misuse(0xff80, "flash pulse longer than the manual allows");
   }
@@ -211,7 +212,7 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
       if (!(flmcr2_ & kEsu) || locked) next = static_cast<std::uint8_t>(next & ~kErase);
       // Both at once, or together with verification, is not an operation.
       if (std::popcount(static_cast<unsigned>(next & 0x0f)) > 1) {
-        m.misuse(0xff80, "more than one of EV, PV, E and P set; none acts");
+        m.misuse(0xff80, "more than one of EV, PV, E and P set; none has an effect");
         next = static_cast<std::uint8_t>(next & 0xf0);
       }
       const auto ended = static_cast<std::uint8_t>(before & ~next);
@@ -220,7 +221,7 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
       flmcr1_ = next;
       if (begun & kSwe) swe_at_ = at;
       if ((begun | ended) & kSwe && from_flash)
-        m.misuse(0xff80, "SWE changed by code in flash; it has to run from RAM");
+        m.misuse(0xff80, "SWE changed by code in flash; that code must run from RAM");
       if (begun & (kProgram | kErase)) {
         pulse_start_ = at;
         require(m, setup_at_, begun & kProgram ? times::after_psu : times::after_esu, at,
@@ -233,7 +234,7 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
     case 0xff81: {
       const std::uint8_t next = flmcr1_ & kSwe && !locked ? value & 3 : 0;
       if ((flmcr1_ & kProgram && !(next & kPsu)) || (flmcr1_ & kErase && !(next & kEsu))) {
-        m.misuse(0xff81, "PSU or ESU cleared under a pulse; the pulse ends");
+        m.misuse(0xff81, "PSU or ESU cleared during a pulse; the pulse ends");
         end_pulse(m, at);
         flmcr1_ &= static_cast<std::uint8_t>(~(kProgram | kErase));
       }

@@ -310,7 +310,7 @@ std::uint8_t Machine::read_register(const Place& p, std::uint32_t address, State
     case Unit::wdt:
       return wdt[p.n].read(*this, p.n, (a & 1) != 0, at);
     case Unit::absent:
-      misuse(a, "read of a register of a module that this emulator lacks");
+      misuse(a, "read of a register of a module that is not emulated");
       break;
     case Unit::none:
       misuse(a, "read of an address without a register");
@@ -423,7 +423,7 @@ void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value
       adc.write(*this, a, value, at);
       return;
     case Unit::wdt:
-      misuse(a, "byte write to a watchdog register: only keyed words count");
+      misuse(a, "byte write to a watchdog register: only keyed words have an effect");
       return;
     case Unit::flash:
       flash_control.write(*this, a, value, at);
@@ -435,7 +435,7 @@ void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value
       write_system(a, value, at);
       return;
     case Unit::absent:
-      misuse(a, "write to a register of a module that this emulator lacks");
+      misuse(a, "write to a register of a module that is not emulated");
       return;
     case Unit::none:
       misuse(a, "write to an address without a register");
@@ -487,7 +487,7 @@ void Machine::write_system(std::uint32_t a, std::uint8_t value, States at) {
       break;
     case 0xffc5:
       system.mdcr = static_cast<std::uint8_t>((value & 0x80) | (system.mdcr & 0x03));
-      if (value & 0x80) misuse(a, "MDCR.EXPE set: expanded mode is not modelled");
+      if (value & 0x80) misuse(a, "MDCR.EXPE set: expanded mode is not modeled");
       break;
     case 0xffc6:
       system.bcr = value;

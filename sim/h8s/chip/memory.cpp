@@ -75,7 +75,7 @@ void Machine::store16(std::uint32_t address, std::uint16_t value) {
 }
 
 void Machine::odd_word_access(std::uint32_t address) {
-  misuse(address, "word access at an odd address; the chip takes the even one below");
+  misuse(address, "word access at an odd address; the chip uses the even address below");
 }
 
 std::uint8_t* Machine::memory_at(std::uint32_t address) {

@@ -45,7 +45,7 @@ void Machine::enter_standby() {
   wakes_at_ = kNever;
   watch_ = wdt[1].subclocked();
   if (system.lpwrcr & (kDton | kLson))
-    misuse(0xff85, "subactive mode and direct transition (LSON, DTON) are not modelled");
+    misuse(0xff85, "subactive mode and direct transition (LSON, DTON) are not modeled");
   if (watch_ && options.subclock_states == 0)
     misuse(0xffea, "watch mode without a subclock (Options::subclock_states)");
   if ((system.sbycr >> 4 & 7) > 5) misuse(0xff84, "reserved settling time in SBYCR.STS");

@@ -99,7 +99,7 @@ void Pwmx::write(Machine& m, std::uint32_t address, std::uint8_t value, States a
   switch (address) {
     case 0xffa0:
       if (second_bank()) {
-        if (value & 0x80) m.misuse(address, "DACR.TEST set: the 14-bit PWM's test mode");
+        if (value & 0x80) m.misuse(address, "DACR.TEST set: the 14-bit PWM is in test mode");
         set_control(value, at);
         break;
       }
@@ -109,7 +109,7 @@ void Pwmx::write(Machine& m, std::uint32_t address, std::uint8_t value, States a
       return;
     case 0xffa1:
       if (second_bank())
-        m.misuse(address, "write behind DACR: there is no register while REGS is 1");
+        m.misuse(address, "write after DACR: no register there while REGS is 1");
       else
         dadr_[0] = word | 1;
       break;

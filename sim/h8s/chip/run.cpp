@@ -328,7 +328,7 @@ Stop Machine::run_to(Chip& chip, States until, bool single) {
       if (!stand_by(until))
         return error_stop(
             Stop::Reason::asleep_forever,
-            "standby with nothing enabled that could end it, before " + symbols->describe(pc()));
+            "standby without an enabled wake-up source, before " + symbols->describe(pc()));
       continue;
     }
     // The DTC takes the bus between two instructions, regardless of the CPU's interrupt mask.
@@ -366,7 +366,7 @@ Stop Machine::run_to(Chip& chip, States until, bool single) {
       if (event == kNever && any_event == kNever && !could_wake())
         return error_stop(
             Stop::Reason::asleep_forever,
-            "SLEEP with nothing enabled that could wake it, before " + symbols->describe(pc()));
+            "SLEEP without an enabled wake-up source, before " + symbols->describe(pc()));
       if (single && event == kNever && until == kNever) return {};
       sleep_until(std::min(event, until));
       cpu.hold_off = first_after_reset_ = false;

@@ -167,8 +167,7 @@ void TmrXY::write_timer(Machine& m, std::uint32_t address, std::uint8_t value, S
       if (compare)
         *compare = value;
       else
-        m.misuse(address,
-                 "write to an address without a register: TMRX's while TCONRS.TMRX/Y is 1");
+        m.misuse(address, "write to an address without a register while TCONRS.TMRX/Y is 1");
       break;
   }
   if (const States d = divisor(n)) t.tick = (at - m.epoch) / d;
@@ -179,18 +178,21 @@ void TmrXY::write_connection(Machine& m, std::uint32_t address, std::uint8_t val
   switch (address) {
     case 0xfffc:
       if (value & 0xef)
-        m.misuse(address, "TCONRI switches the timer connection on: its signal paths are not here");
+        m.misuse(address,
+                 "TCONRI enables the timer connection, whose signal paths are not emulated");
       if (value & 0x10 & ~tconri_) rose_ = false;
       tconri_ = value;
       break;
     case 0xfffd:
       if (value & 0xf0)
-        m.misuse(address, "TCONRO enables a sync output: the timer connection's are not here");
+        m.misuse(address,
+                 "TCONRO enables a sync output of the timer connection, which is not emulated");
       tconro_ = value;
       break;
     case 0xfffe:
       if (value & 0x7f)
-        m.misuse(address, "TCONRS selects sync signals: the timer connection's are not here");
+        m.misuse(address,
+                 "TCONRS selects sync signals of the timer connection, which are not emulated");
       tconrs_ = value;
       break;
     default:

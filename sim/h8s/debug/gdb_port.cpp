@@ -108,7 +108,8 @@ Result<GdbPort> GdbPort::open(const std::string& where) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     if (where.size() >= sizeof address.sun_path)
-      return fail("the path of the GDB socket is too long: " + where);
+      return fail("GDB socket path " + where + ": must be at most " +
+                  std::to_string(sizeof address.sun_path - 1) + " bytes");
     std::memcpy(address.sun_path, where.data(), where.size());
     p.listener_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (p.listener_ < 0 ||
@@ -123,7 +124,8 @@ Result<GdbPort> GdbPort::open(const std::string& where) {
   int number = -1;
   const auto [end, error] = std::from_chars(where.data(), where.data() + where.size(), number);
   if (error != std::errc() || end != where.data() + where.size() || number < 0 || number > 65535)
-    return fail("'" + where + "' is neither a port (0 to 65535) nor a path with a '/' nor '-'");
+    return fail("GDB address '" + where +
+                "': must be a port (0 to 65535), a path with a '/', or '-'");
   p.listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -218,7 +218,7 @@ Halt History::step() {
 Result<void> History::back_to(States at) {
   mend();
   if (at < begin() || at > end())
-    return fail("state " + std::to_string(at) + " is not in the history, which reaches from " +
+    return fail("state " + std::to_string(at) + ": must be in the history, " +
                 std::to_string(begin()) + " to " + std::to_string(end()));
   Player p = player(*last_before(at == begin() ? at + 1 : at));
   p.run_until(at);

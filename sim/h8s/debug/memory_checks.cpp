@@ -73,11 +73,11 @@ void UninitialisedReads::changed(std::uint32_t address, std::uint32_t size) {
 }
 
 std::string UninitialisedReads::text() const {
-  if (reads_.empty()) return "no reads of RAM that was not written\n";
+  if (reads_.empty()) return "no reads of uninitialized RAM\n";
   std::string out;
   for (const UninitialisedRead& r : reads_) {
     char line[256];
-    std::snprintf(line, sizeof line, "%.120s reads %06x (%.60s), never written, at state %lld\n",
+    std::snprintf(line, sizeof line, "%.120s reads uninitialized %06x (%.60s) at state %lld\n",
                   chip_.symbols().describe(r.pc).c_str(), r.address,
                   chip_.symbols().describe(r.address).c_str(), static_cast<long long>(r.at));
     out += line;

@@ -69,7 +69,7 @@ Result<Signal> memory_signal(const Chip& chip, const std::string& name) {
     const std::string width = name.substr(colon + 1);
     bits = width == "8" ? 8 : width == "16" ? 16 : width == "32" ? 32 : 0;
     if (bits == 0)
-      return fail("signal '" + name + "': the width behind ':' must be 8, 16 or 32 bits");
+      return fail("signal '" + name + "': the width after ':' must be 8, 16 or 32 bits");
   }
   Signal s;
   s.kind = Signal::Kind::memory;
@@ -79,15 +79,14 @@ Result<Signal> memory_signal(const Chip& chip, const std::string& name) {
     const auto end = place.data() + place.size();
     const auto parsed = std::from_chars(place.data() + 2, end, s.address, 16);
     if (parsed.ec != std::errc{} || parsed.ptr != end || s.address > 0xffffff)
-      return fail("signal '" + name + "': '" + place + "' is no address of 24 bits");
+      return fail("signal '" + name + "': '" + place + "' is not a 24-bit address");
   } else {
     return fail("signal '" + name +
-                "' is no pin (P50, TxD0), no register of the CPU (er0, pc, ccr), no I/O register "
-                "(FRC, SSR0), no symbol of the image and no address (0xffe100:16)");
+                "': must be a pin (P50, TxD0), a CPU register (er0, pc, ccr), an I/O register "
+                "(FRC, SSR0), a symbol of the image, or an address (0xffe100:16)");
   }
   if (!chip.peek(s.address) || !chip.peek(s.address + static_cast<unsigned>(bits / 8 - 1)))
-    return fail("signal '" + name + "': there is neither memory nor a register at " +
-                hex6(s.address));
+    return fail("signal '" + name + "': no memory or register at " + hex6(s.address));
   std::string shown = place;
   for (char& c : shown) {
     if (c == ' ' || c == '[' || c == ']') c = '_';
@@ -112,7 +111,7 @@ Result<std::vector<Signal>> find_signals(const Chip& chip, const std::vector<std
     } else if (const RegisterInfo* r = find_register(name)) {
       if (r->write_only)
         return fail("signal '" + name +
-                    "' is a write-only register; what it does shows at the port's pins");
+                    "' is a write-only register; record the port's pins instead");
       Signal s;
       s.kind = Signal::Kind::io;
       s.io = r;
@@ -159,7 +158,7 @@ class VcdRecorder::Impl : public Observer {
       std::remove(temporary_.c_str());
     }
     const std::string name = std::exchange(temporary_, {});
-    return fail("cannot write " + name + ": is the folder there, and may it be written to?");
+    return fail("cannot write " + name + ": check that the folder exists and is writable");
   }
   std::ostream& file() { return file_; }
 

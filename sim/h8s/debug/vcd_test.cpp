@@ -182,11 +182,11 @@ TEST(Vcd, NamesThatAreNothingAreErrors) {
     const auto r = VcdRecorder::open(chip, {name}, out);
     return r ? std::string() : r.error().message;
   };
-  EXPECT_NE(message("P53").find("'P53' is no pin"), std::string::npos);
+  EXPECT_NE(message("P53").find("'P53': must be a pin"), std::string::npos);
   EXPECT_NE(message("P3DDR").find("write-only"), std::string::npos);
   EXPECT_NE(message("0xffe100:12").find("8, 16 or 32"), std::string::npos);
-  EXPECT_NE(message("0x400000").find("neither memory"), std::string::npos);
-  EXPECT_NE(message("0xzz").find("no address"), std::string::npos);
+  EXPECT_NE(message("0x400000").find("no memory or register"), std::string::npos);
+  EXPECT_NE(message("0xzz").find("not a 24-bit address"), std::string::npos);
 }
 
 TEST(Vcd, FilesAppearWhenTheyAreComplete) {

@@ -123,19 +123,19 @@ class Flat::Body {
       ended = FlatStop{FlatStop::Reason::exited, static_cast<int>(low16(0) >> 8), at, 0x0180, ""};
       return *ended;
     }
-    return end(FlatStop::Reason::asleep, at, "SLEEP with nothing to wake it");
+    return end(FlatStop::Reason::asleep, at, "SLEEP without a wake-up source");
   }
 
   void answer(unsigned request) {
     const std::uint32_t at = (pc() - 2) & kMask;
     if (request != kWriteRequest) {
       end(FlatStop::Reason::bad_request, at,
-          "host request " + hex(request, 2) + " does not exist, only 0xc7 (write) does");
+          "host request " + hex(request, 2) + ": must be 0xc7 (write)");
       return;
     }
     if (cpu.er[0] > 2) {
       end(FlatStop::Reason::bad_request, at,
-          "write to descriptor " + std::to_string(cpu.er[0]) + ", there are only 0, 1 and 2");
+          "write to descriptor " + std::to_string(cpu.er[0]) + ": must be 0, 1 or 2");
       return;
     }
     const int stream = cpu.er[0] == 2 ? 2 : 1;
@@ -174,7 +174,7 @@ Result<void> Flat::load(const Image& image) {
                   std::to_string(s.bytes.size()) +
                   " bytes does not fit into the memory (000000 to ffffff)");
   }
-  if (!image.entry) return fail("the image names no entry address; give one with --entry");
+  if (!image.entry) return fail("the image has no entry address; give one with --entry");
   if (image.normal_mode)
     return fail(
         "the image is built for 16-bit addresses; this machine has 24: build it with -ms "

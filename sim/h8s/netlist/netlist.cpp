@@ -16,9 +16,9 @@ constexpr double kThreshold = 0.5;
 
 std::string Conflict::text() const {
   if (second.empty())
-    return "net " + net + " does not come to rest at state " + std::to_string(at) +
+    return "net " + net + " does not settle at state " + std::to_string(at) +
            ": a loop without delay, last driven by " + first;
-  return "net " + net + " is driven high and low at once from state " + std::to_string(at) +
+  return "net " + net + " is driven both high and low from state " + std::to_string(at) +
          " on: by " + first + " and by " + second;
 }
 

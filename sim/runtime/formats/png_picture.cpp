@@ -18,7 +18,7 @@ std::string reason_text(const picture::DecodeError& error) {
   using Kind = picture::DecodeError::Kind;
   if (error.kind == Kind::size)
     return "a PNG of " + std::to_string(error.width) + " x " + std::to_string(error.height) +
-           " pixels is no eye's picture";
+           " pixels is not an eye's picture";
   if (error.kind == Kind::damaged) return "a picture is damaged: " + error.reason;
   return "a picture cannot be read as PNG: " + error.reason;
 }

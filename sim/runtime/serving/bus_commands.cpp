@@ -31,15 +31,16 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
     return value && *value >= 0 && *value <= max ? value : std::nullopt;
   };
   if (command == "help")
-    return {{"ok", true},
-            {"commands",
-             {{"help", "this list"},
-              {"power on|off", "the supply of all servos; off loses their RAM"},
-              {"supply VOLTS", "voltage of the supply, 0 to 30"},
-              {"damage SHARE", "share of bytes with one wrong bit, 0 to 1"},
-              {"turn JOINT DEGREES",
-               "by hand to an angle, while its torque is off; \"turn off\": no hand"},
-              {"status", "time, host, losses, and each servo"}}}};
+    return {
+        {"ok", true},
+        {"commands",
+         {{"help", "this list"},
+          {"power on|off", "switch the supply of all servos; off clears their RAM"},
+          {"supply VOLTS", "set the supply voltage, 0 to 30 V"},
+          {"damage SHARE", "set the share of bytes with one wrong bit, 0 to 1"},
+          {"turn JOINT DEGREES",
+           "turn by hand to an angle while the torque is off; \"turn off\" releases all joints"},
+          {"status", "print time, host, losses, and each servo"}}}};
   if (command == "power") {
     if (argument != "on" && argument != "off")
       return refusal("\"power\" takes \"on\" or \"off\", got \"" + argument + "\"");

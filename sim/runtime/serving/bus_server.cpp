@@ -136,7 +136,7 @@ void BusServer::Parts::host_to_bus() {
   if (const long now = pty->rate(); now != rate) {
     rate = now;
     if (rate > 0) bus.set_host_baud(rate);
-    say(rate > 0 ? "host talks at " + std::to_string(rate) + " baud"
+    say(rate > 0 ? "host sends at " + std::to_string(rate) + " baud"
                  : "host has hung up (0 baud): its bytes do not reach the bus");
   }
   if (rate <= 0) return;
@@ -158,7 +158,7 @@ void BusServer::Parts::bus_to_host() {
   statistics.bytes_lost += bytes.size() - taken;
   if (!losing)
     say("host does not read " + options.serial_path + ": " + std::to_string(bytes.size() - taken) +
-        " bytes of servos lost");
+        " bytes from servos lost");
   losing = true;
 }
 
@@ -168,8 +168,8 @@ void BusServer::Parts::report_overrun() {
     return;
   reported_overruns = pacer.overruns();
   reported_at = bus.time();
-  say("overrun: the bus has lost " + std::to_string(pacer.lost().count() / 1'000'000) +
-      " ms to the wall clock in " + std::to_string(reported_overruns) +
+  say("overrun: the bus fell " + std::to_string(pacer.lost().count() / 1'000'000) +
+      " ms behind the wall clock in " + std::to_string(reported_overruns) +
       (reported_overruns == 1 ? " stall" : " stalls"));
 }
 

@@ -34,12 +34,12 @@ void HostWatch::presence(Time now, bool present, long baud) {
     if (baud != 115200)
       say("host set " + port_ + " to " +
           (baud == 0 ? "an odd speed" : std::to_string(baud) + " baud") +
-          "; the firmware talks at 115200 baud and hears damaged bytes, boot mode wants 9600");
+          "; the firmware uses 115200 baud and receives damaged bytes, boot mode uses 9600");
   }
 }
 
 void HostWatch::bytes_came(Time now) {
-  if (silent_) say("host talks again");
+  if (silent_) say("host sends again");
   heard_ = true;
   silent_ = held_ = false;
   last_byte_ = now;

@@ -66,7 +66,7 @@ TEST(HostWatch, ReportsSilenceOnce) {
   heard.watch.check_silence(milliseconds(7000));
   heard.watch.bytes_came(milliseconds(7500));
   EXPECT_EQ(heard.lines, (std::vector<std::string>{"host opened board", "host silent for 1000 ms",
-                                                   "host talks again"}));
+                                                   "host sends again"}));
 }
 
 TEST(HostWatch, ReportsAWrongSpeed) {

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 tl::unexpected<Error> no_pty(const char* what) {
   return fail(Fault::environment, std::string("cannot make a pseudo-terminal: ") + what + ": " +
-                                      std::strerror(errno) + "; is /dev/pts mounted?");
+                                      std::strerror(errno) + "; check that /dev/pts is mounted");
 }
 
 bool is_pty_name(const std::string& target) {
@@ -50,11 +50,12 @@ Result<void> make_link(const std::string& target, const std::string& link, bool 
     const std::string there = fs::read_symlink(link, error).string();
     if (error || !is_left_over(there, target, maker_is_dead))
       return fail(Fault::usage, link + " is a symbolic link to " + there +
-                                    ", which no virtual board has left behind; choose another path "
-                                    "for the serial port, or remove it");
+                                    ", which no virtual board created; choose another path for the "
+                                    "serial port, or remove it");
     fs::remove(link, error);
   } else if (fs::exists(status)) {
-    return fail(Fault::usage, link + " exists and is no symbolic link; choose another path for " +
+    return fail(Fault::usage, link +
+                                  " exists and is not a symbolic link; choose another path for " +
                                   "the serial port, or remove it");
   }
   // Fails if the path was created meanwhile.

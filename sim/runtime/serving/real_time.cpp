@@ -46,7 +46,7 @@ void sleep_for(Time length) {
 }
 
 std::string shutdown_words(std::uint32_t reason, std::uint32_t joint) {
-  if (reason == KZ_SHUTDOWN_NONE) return "by a request of the host, or a reset";
+  if (reason == KZ_SHUTDOWN_NONE) return "by a host request, or a reset";
   std::string words = std::string("shutdown, ") + kz_shutdown_text(static_cast<u8>(reason));
   if (joint < KZ_JOINTS) words += " (" + joint_names()[joint] + ")";
   return words;
@@ -145,8 +145,7 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
   if (options.keep_hung) p->keep_hung();
   simulation.board().mcu().on_watchdog_reset([p](States) {
     p->watch.board_restarted(
-        "through its watchdog, requested by the host or because its program hung (`identify` "
-        "reports "
+        "by its watchdog, on a host request or because its program hung (`identify` reports "
         "which)");
   });
   return std::unique_ptr<RealTimeServer>(new RealTimeServer(std::move(parts)));
@@ -345,9 +344,8 @@ void RealTimeServer::Parts::report_overrun() {
   overruns_reported = pacer.overruns();
   overruns_reported_at = now;
   if (options.report)
-    options.report("overrun: the world has lost " +
-                   std::to_string(pacer.lost().count() / 1'000'000) + " ms to the wall clock in " +
-                   std::to_string(overruns_reported) +
+    options.report("overrun: the world fell " + std::to_string(pacer.lost().count() / 1'000'000) +
+                   " ms behind the wall clock in " + std::to_string(overruns_reported) +
                    (overruns_reported == 1 ? " stall" : " stalls"));
 }
 

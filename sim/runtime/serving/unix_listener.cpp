@@ -40,10 +40,11 @@ Result<std::unique_ptr<UnixListener>> UnixListener::open(const std::string& path
   if (::lstat(path.c_str(), &status) == 0) {
     if (!S_ISSOCK(status.st_mode))
       return fail(Fault::usage,
-                  path + " exists and is no socket; choose another path, or remove it");
+                  path + " exists and is not a socket; choose another path, or remove it");
     if (is_served(address))
-      return fail(Fault::environment,
-                  path + " is served by another process; stop that, or choose another path");
+      return fail(
+          Fault::environment,
+          path + " is served by another process; stop that process, or choose another path");
     ::unlink(path.c_str());
   }
 

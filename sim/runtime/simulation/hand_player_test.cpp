@@ -93,7 +93,7 @@ TEST(HandPlayer, WhatWasDoneIsRecordedAndDoneAgainTheRunIsTheSame) {
   const auto first = with_hands(&hands, folder.file("first.mcap"));
   run(*first, 400);
   const auto hash = first->finish_recording();
-  EXPECT_NE(hands.refusals.find("hold moon 0 0 0: the world has no object `moon` that moves"),
+  EXPECT_NE(hands.refusals.find("hold moon 0 0 0: the world has no movable object `moon`"),
             std::string::npos);
 
   const auto recording = McapRecording::load(folder.file("first.mcap"));

@@ -64,19 +64,18 @@ Result<void> check_limits(const std::string& robot_path) {
       continue;
     if (const auto bus = std::filesystem::path(robot_path).replace_filename("bus.json");
         std::filesystem::exists(bus))
-      return fail(Fault::usage, robot_path +
-                                    " is a robot of bus servos (bus.json): start `kaz sim --bus "
-                                    "feetech --robot-file " +
-                                    robot_path +
-                                    " --serial PORT`, or give --robot feetech:PORT (dynamixel "
-                                    "for servos of ROBOTIS's)");
-    return fail(Fault::usage,
-                robot_path + ": joint `" + joint.name + "`: limits of " +
-                    range_text(joint.lower, joint.upper) + " rad are beyond " +
-                    range_text(min_rad, max_rad) + ", which channel " + std::to_string(j) +
-                    " of the servo board (Kaz's " + board[j] +
-                    ") has; make them narrower, or move the joint in the file: the first has "
-                    "channel 0, the second channel 1");
+      return fail(
+          Fault::usage,
+          robot_path +
+              " is a robot with bus servos (bus.json): start `kaz sim --bus feetech --robot-file " +
+              robot_path +
+              " --serial PORT`, or give --robot feetech:PORT (dynamixel for ROBOTIS servos)");
+    return fail(Fault::usage, robot_path + ": joint `" + joint.name + "`: limits " +
+                                  range_text(joint.lower, joint.upper) + " rad: must be within " +
+                                  range_text(min_rad, max_rad) + ", the limits of channel " +
+                                  std::to_string(j) + " of the servo board (Kaz's " + board[j] +
+                                  "); make them narrower, or move the joint in the file: the first "
+                                  "has channel 0, the second channel 1");
   }
   return {};
 }
@@ -125,8 +124,8 @@ Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions
   if (world->joint_order().size() > KZ_JOINTS) {
     return fail(Fault::usage, options.robot_path + ": the robot has " +
                                   std::to_string(world->joint_order().size()) +
-                                  " joints; the servo board has channels for " +
-                                  std::to_string(KZ_JOINTS));
+                                  " joints: must be at most " + std::to_string(KZ_JOINTS) +
+                                  ", the channels of the servo board");
   }
   const auto ratio = KAZ_TRY(step_ratio(1000 * world->step_s()));
   std::unique_ptr<Simulation> simulation(

@@ -39,8 +39,8 @@ Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend) {
   if (backend.empty()) return make_gl_renderer(first_that_starts);
   if (backend == "osmesa") return make_gl_renderer(make_osmesa_context);
   if (backend == "egl") return make_gl_renderer(make_egl_context);
-  return fail(Fault::usage, "there is no OpenGL backend named \"" + backend +
-                                "\": set KAZ_OPENGL to osmesa or egl, or leave it out");
+  return fail(Fault::usage,
+              "OpenGL backend \"" + backend + "\": KAZ_OPENGL must be osmesa, egl or unset");
 }
 
 Result<std::unique_ptr<Renderer>> make_opengl_renderer() {

@@ -32,7 +32,7 @@ struct Egl {
 };
 
 tl::unexpected<Error> no_egl(const std::string& why) {
-  return fail(Fault::environment, "off-screen OpenGL by EGL cannot be had: " + why +
+  return fail(Fault::environment, "off-screen OpenGL with EGL is not available: " + why +
                                       "; install libegl1 and libegl-mesa0, or use OSMesa "
                                       "(KAZ_OPENGL=osmesa)");
 }
@@ -40,7 +40,7 @@ tl::unexpected<Error> no_egl(const std::string& why) {
 Result<Egl> load_egl() {
   // Never closed: Mesa's drivers leave threads and handlers behind.
   static void* const library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return no_egl("there is no libEGL.so.1");
+  if (library == nullptr) return no_egl("libEGL.so.1 is missing");
   Egl egl;
   const char* missing = nullptr;
 #define KAZ_EGL_LOAD(Name)                                                      \
@@ -65,7 +65,7 @@ class EglGlContext final : public GlContext {
     // The API bound is each thread's own.
     if (egl_.BindAPI(EGL_OPENGL_API) == EGL_FALSE ||
         egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_FALSE) {
-      return no_egl("a context does not become current (error " + std::to_string(egl_.GetError()) +
+      return no_egl("a context cannot become current (error " + std::to_string(egl_.GetError()) +
                     ")");
     }
     return {};
@@ -106,7 +106,7 @@ Result<std::unique_ptr<GlContext>> make_egl_context() {
                                    EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                    EGL_NONE};
   EGLContext context = egl->CreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-  if (context == EGL_NO_CONTEXT) return no_egl("it gives no OpenGL 3.3 context");
+  if (context == EGL_NO_CONTEXT) return no_egl("it provides no OpenGL 3.3 context");
   return std::make_unique<EglGlContext>(*egl, display, context);
 }
 

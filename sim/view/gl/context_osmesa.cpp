@@ -45,7 +45,7 @@ struct Osmesa {
 };
 
 tl::unexpected<Error> no_osmesa(const std::string& why) {
-  return fail(Fault::environment, "off-screen OpenGL by OSMesa cannot be had: " + why +
+  return fail(Fault::environment, "off-screen OpenGL with OSMesa is not available: " + why +
                                       "; install libosmesa6, or use EGL (KAZ_OPENGL=egl)");
 }
 
@@ -53,7 +53,7 @@ tl::unexpected<Error> no_osmesa(const std::string& why) {
 Result<Osmesa> load_osmesa() {
   // Never closed: LLVM leaves handlers behind.
   static void* const library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return no_osmesa("there is no libOSMesa.so.8");
+  if (library == nullptr) return no_osmesa("libOSMesa.so.8 is missing");
   Osmesa osmesa;
   const char* missing = nullptr;
   const auto load = [&](auto& function, const char* name) {
@@ -82,7 +82,7 @@ class OsmesaContext final : public GlContext {
     const std::lock_guard lock(mesa_mutex());
     if (osmesa_.make_current(context_, buffer_.data(), GL_UNSIGNED_BYTE, 1, 1) == GL_FALSE) {
       return fail(Fault::environment,
-                  "off-screen OpenGL (OSMesa) refused its drawing buffer: check the memory left");
+                  "off-screen OpenGL (OSMesa) rejected its drawing buffer: check the free memory");
     }
     return {};
   }
@@ -113,7 +113,7 @@ Result<std::unique_ptr<GlContext>> make_osmesa_context() {
   const Osmesa osmesa = KAZ_TRY(load_osmesa());
   OSMesaContext context = osmesa.create(attributes.data(), nullptr);
   if (context == nullptr)
-    return no_osmesa("it gives no OpenGL 3.3 context (Mesa 22.3 and newer do)");
+    return no_osmesa("it provides no OpenGL 3.3 context (Mesa 22.3 and newer do)");
   return std::make_unique<OsmesaContext>(osmesa, context);
 }
 
@@ -121,8 +121,8 @@ Result<std::unique_ptr<GlContext>> make_osmesa_context() {
 
 Result<std::unique_ptr<GlContext>> make_osmesa_context() {
   return fail(Fault::environment,
-              "off-screen OpenGL by OSMesa was not built in: build with libosmesa6-dev, or use EGL "
-              "(KAZ_OPENGL=egl)");
+              "off-screen OpenGL with OSMesa is not built in: build with libosmesa6-dev, or use "
+              "EGL (KAZ_OPENGL=egl)");
 }
 
 #endif

@@ -93,7 +93,7 @@ class GlRenderer final : public Renderer {
       gl_->DeleteRenderbuffers(1, &t.depth);
       return fail(Fault::environment, "OpenGL has no memory for a picture of " +
                                           std::to_string(width) + " x " + std::to_string(height) +
-                                          " samples: ask for a smaller one");
+                                          " samples: request a smaller one");
     }
     targets_.push_back(t);
     return &targets_.back();
@@ -106,7 +106,7 @@ class GlRenderer final : public Renderer {
     gl_->ReadPixels(0, 0, target.width, target.height, GL_RGBA, GL_UNSIGNED_BYTE, samples_.data());
     if (const GLenum error = gl_->GetError(); error != GL_NO_ERROR) {
       return fail(Fault::environment, "OpenGL failed while drawing a picture (error " +
-                                          std::to_string(error) + "): check the memory left");
+                                          std::to_string(error) + "): check the free memory");
     }
     picture.width = target.width / n;
     picture.height = target.height / n;

@@ -77,9 +77,10 @@ Result<std::vector<Prepared>> prepare(const Scene& scene, SceneModel& model) {
   std::map<std::string, int> texture_index;
   for (const Visual& visual : scene.visuals) {
     if (visual.frame < 0 || static_cast<std::size_t>(visual.frame) >= scene.frames.size()) {
-      return fail(Fault::usage, "visual `" + visual.name + "` is fixed to frame " +
-                                    std::to_string(visual.frame) + " of a scene that has " +
-                                    std::to_string(scene.frames.size()));
+      return fail(Fault::usage,
+                  "visual `" + visual.name + "`: frame " + std::to_string(visual.frame) +
+                      ": must be at least 0 and below " + std::to_string(scene.frames.size()) +
+                      ", the scene's number of frames");
     }
     Result<Mesh> mesh = make_mesh(visual.shape);
     if (!mesh) {

@@ -27,24 +27,27 @@ Result<void> check_view(std::size_t frames, const ScenePose& pose, const View& v
       c.height > kLargestSide / n) {
     return fail(Fault::usage,
                 "a picture of " + std::to_string(c.width) + " x " + std::to_string(c.height) +
-                    " with " + std::to_string(n) + " samples an axis cannot be drawn: sides 1.." +
-                    std::to_string(kLargestSide) + ", samples included, 1..4 of them");
+                    " with " + std::to_string(n) +
+                    " samples per axis cannot be drawn: sides times samples must be 1 to " +
+                    std::to_string(kLargestSide) + ", and samples 1 to 4");
   }
   if (const auto& part = view.part;
       part && !(0 <= part->left && part->left < part->right && part->right <= c.width &&
                 0 <= part->top && part->top < part->bottom && part->bottom <= c.height)) {
-    return fail(Fault::usage, "a part of a picture needs a column and a row, and is inside of it");
+    return fail(Fault::usage,
+                "a part of a picture must have at least one column and one row, and lie inside the "
+                "picture");
   }
   if (!(c.fx > 0 && c.fy > 0 && std::isfinite(c.fx + c.fy + c.cx + c.cy))) {
-    return fail(Fault::usage, "a camera needs positive focal lengths and a finite centre");
+    return fail(Fault::usage, "a camera needs positive focal lengths and a finite center");
   }
   const Light& light = view.light;
   // Shadows of a lower lamp would extend beyond the shadow map.
   if (!light.to_key.allFinite() || !(light.to_key.z() > 0.05 * light.to_key.norm()) ||
       !(light.key >= 0 && light.shaded >= 0 && std::isfinite(light.key + light.shaded))) {
-    return fail(Fault::usage,
-                "a lamp needs a direction 3 degrees or more above the ground and factors of 0 or "
-                "more");
+    return fail(
+        Fault::usage,
+        "a lamp needs a direction at least 3 degrees above the ground, and factors of at least 0");
   }
   return {};
 }

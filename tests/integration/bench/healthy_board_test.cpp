@@ -183,7 +183,7 @@ TEST(BoardLine, WithoutABoardThereIsASentence) {
        {bench_link(board, board, {}, judge), bench_tick(board, board, {}, judge)}) {
     ASSERT_FALSE(measured);
     EXPECT_EQ(measured.error().fault, Fault::environment);
-    EXPECT_NE(measured.error().message.find("nothing answers on virtual board"), std::string::npos)
+    EXPECT_NE(measured.error().message.find("no board answers on virtual board"), std::string::npos)
         << measured.error().message;
   }
 }

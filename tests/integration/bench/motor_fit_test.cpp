@@ -104,7 +104,7 @@ TEST(MotorFit, SaysWhyAReportIsOfNoUse) {
     const auto fit = fit_motor(report, options);
     return fit ? std::string("fitted") : fit.error().message;
   };
-  EXPECT_EQ(error({}), "the report has no motor in it; `kaz bench motor` makes one");
+  EXPECT_EQ(error({}), "the report contains no motor; make one with `kaz bench motor`");
   MotorTest test;
   test.options.filter = "pot.noise";
   BenchReport report = measure_motor(test);
@@ -112,16 +112,16 @@ TEST(MotorFit, SaysWhyAReportIsOfNoUse) {
             "the report of l_sh_pitch determines no parameter of the motor: its measurements were "
             "skipped or "
             "failed");
-  EXPECT_EQ(error(report, "l_knee"), "the report has nothing of a joint `l_knee`");
+  EXPECT_EQ(error(report, "l_knee"), "the report does not contain joint `l_knee`");
   BenchReport two = report;
   two.measurements.push_back(two.measurements.front());
   two.measurements.back().subject = "l_knee";
-  EXPECT_EQ(error(two), "the report is of several joints; say which one with --joint");
+  EXPECT_EQ(error(two), "the report contains several joints; select one with --joint");
   report.conditions.clear();
   EXPECT_EQ(
       error(report),
-      "the report does not say what disc and supply it was made with; a fit needs one that was "
-      "made with a motor stand (--stand)");
+      "the report does not contain disc and supply; a fit needs a report made with a motor stand "
+      "(--stand)");
 }
 
 }  // namespace

@@ -266,7 +266,7 @@ TEST(ReversedMotor, IsFoundBeforeAnyLoopIsClosed) {
       EXPECT_EQ(first.of->name, "direction");
       EXPECT_EQ(first.message, name +
                                    " turns against its potentiometer: exchange the motor's two "
-                                   "wires, or those at the ends of the potentiometer");
+                                   "wires, or the two end wires of the potentiometer");
       EXPECT_EQ(report.count(Verdict::left_out), static_cast<int>(report.measurements.size()) - 1);
       for (std::size_t i = 1; i < report.measurements.size(); ++i)
         EXPECT_EQ(report.measurements[i].message,
@@ -355,13 +355,13 @@ TEST(MotorBench, RefusesWhatItCannotMeasure) {
   };
   MotorBenchOptions options;
   options.filter = "(";
-  EXPECT_NE(error(options).find("is no regular expression"), std::string::npos);
+  EXPECT_NE(error(options).find("is not a regular expression"), std::string::npos);
   options.filter = "wings";
   EXPECT_EQ(error(options),
-            "--filter wings takes no measurement of a motor; `kaz bench list` names them");
+            "--filter wings matches no measurement of a motor; `kaz bench list` lists them");
   options = {};
   options.joint = 18;
-  EXPECT_EQ(error(options), "joints have the numbers 0 to 17, not 18");
+  EXPECT_EQ(error(options), "joint 18: must be 0 to 17");
 }
 
 }  // namespace

@@ -174,7 +174,7 @@ TEST(LateSuite, ACaseThatFailsByTheProgramsLatenessIsUndecided) {
   const CaseResult late = LateSuite().run(kCoarse, kForever);
   EXPECT_EQ(late.verdict, Verdict::undecided);
   EXPECT_EQ(late.runs, 1 + host::LatenessMeter::kRepetitions);
-  EXPECT_NE(late.message.find("it took "), std::string::npos) << late.message;
+  EXPECT_NE(late.message.find("the reply took "), std::string::npos) << late.message;
   EXPECT_NE(late.message.find("kept waiting for up to 70 ms"), std::string::npos) << late.message;
 }
 

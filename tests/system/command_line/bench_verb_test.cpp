@@ -115,14 +115,14 @@ TEST(BenchVerb, StandBehindAPort) {
 
   const Finished constrained = run(kaz(at_port), seconds(60));
   EXPECT_EQ(constrained.exit_code, 2);
-  EXPECT_NE(constrained.err.find("give --stand if the motor is on a bench, or --allow-motion"),
+  EXPECT_NE(constrained.err.find("give --stand if the motor is on a stand, or --allow-motion"),
             std::string::npos)
       << constrained.err;
   auto allowed = at_port;
   allowed.push_back("--allow-motion");
   const Finished alone = run(kaz(allowed), seconds(60));
   EXPECT_EQ(alone.exit_code, 1) << "nothing measured is no success";
-  EXPECT_NE(alone.err.find("nothing was measured"), std::string::npos) << alone.err;
+  EXPECT_NE(alone.err.find("no measurement was made"), std::string::npos) << alone.err;
   const Json left = measurement(Json::parse(alone.out), "stall.torque_10v");
   EXPECT_EQ(left["verdict"], "left out");
   EXPECT_EQ(left["message"], "needs a motor stand: --stand ctl:PATH or --stand manual");
@@ -143,11 +143,11 @@ TEST(BenchVerb, ErrorsSayWhatToDo) {
   } cases[] = {
       {{"motor", "--joint", "l_foot"}, 2, "there is no joint `l_foot`"},
       {{"motor", "--joint", "neck_pan,neck_pan"}, 2, "names `neck_pan` twice"},
-      {{"motor", "--stand", "manual"}, 2, "--stand goes with --robot"},
+      {{"motor", "--stand", "manual"}, 2, "--stand is only valid with --robot"},
       {{"motor", "--limits", folder / "none.json"},
        2,
        "cannot be read (No such file or directory)"},
-      {{"motor", "--filter", "wings", "--mcu", "native"}, 2, "takes no measurement of a motor"},
+      {{"motor", "--filter", "wings", "--mcu", "native"}, 2, "matches no measurement of a motor"},
       {{"motor", "--port", folder / "none", "--allow-motion"}, 3, "none"},
       {{"motor", "--motor", "v8", "--mcu", "native"}, 2, "v8"},
       {{"fit", folder / "none"}, 2, "cannot be read (No such file or directory)"},

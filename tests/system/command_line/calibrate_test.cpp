@@ -320,9 +320,10 @@ TEST(Calibrate, RefusesImplausibleSizes) {
                     out}));
   };
   for (const std::string square_m : {"25", "0.51", "0.0009"})
-    expect_refusal(with_square(square_m), 2, out, {"--square " + square_m, "in metres", "0.025"});
-  expect_refusal(with_square("0.5"), 1, out, {"the eyes 1.6", "--square is in metres"});
-  expect_refusal(with_square("0.001"), 1, out, {"the eyes 0.003", "--square is in metres"});
+    expect_refusal(with_square(square_m), 2, out,
+                   {"--square " + square_m, "must be 0.001 to 0.5 m", "0.025"});
+  expect_refusal(with_square("0.5"), 1, out, {"distance of the eyes, 1.6", "(--square)"});
+  expect_refusal(with_square("0.001"), 1, out, {"distance of the eyes, 0.003", "(--square)"});
   expect_refusal(calibrate(kPictures, out, {"--max-rms", "100"}), 2, out, {"--max-rms"});
 }
 

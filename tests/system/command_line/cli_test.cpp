@@ -96,7 +96,7 @@ TEST(Cli, HelpOfARunHasTheOptionsOfOneBehaviourWhereItIsNamed) {
   const std::string all = help({});
   EXPECT_LT(std::ranges::count(all, '\n'), 130);
   EXPECT_FALSE(has(all, "\n\n\n")) << all;
-  EXPECT_TRUE(has(all, "`kaz run NAME --help` shows the options of a behaviour")) << all;
+  EXPECT_TRUE(has(all, "`kaz run NAME --help` shows the options of a behavior")) << all;
   EXPECT_TRUE(has(all, "\n  navigate: map the floor")) << all;
   for (const char* of_some : {"planner", "  --goal", "  --poses", "  --duration"})
     EXPECT_FALSE(has(all, of_some)) << of_some;
@@ -143,7 +143,7 @@ TEST(Cli, EachHelpHasTheExitStatusBeforeTheExamples) {
     const auto status = help.find("\nExit status: 0 ");
     ASSERT_NE(status, std::string::npos) << help;
     EXPECT_NE(help.find(" 2 wrong usage", status), std::string::npos) << help;
-    EXPECT_NE(help.find(" 128 + signal", status), std::string::npos) << help;
+    EXPECT_NE(help.find(" 128 +", status), std::string::npos) << help;  // a line may end there
     EXPECT_LT(status, help.find("\nExamples:\n")) << help;
   }
   // These end so by design.
@@ -277,10 +277,10 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
       {{"vision", "run", "--in", folder / "a", "--out", "out", "--radius", "25"}, {"--radius"}},
       {{"vision", "run", "--in", "v4l2:a,b", "--calibration", "c", "--out", "out", "--modules",
         "depth", "--radius", "0.03"},
-       {"--radius", "of the ball", "--modules depth"}},
-      {{"run", "track-ball", "--goal", "1,0"}, {"--goal is of navigate: track-ball has no goal"}},
+       {"--radius", "only valid with module color", "--modules depth"}},
+      {{"run", "track-ball", "--goal", "1,0"}, {"--goal is only valid with navigate"}},
       {{"evaluate", "stand", "--out", folder / "lcov", "--obstacles", "4"},
-       {"--obstacles is of navigate alone"}},
+       {"--obstacles is only valid with navigate"}},
       {{"conformance", "--virtual", "native", "--allow-motion"},
        {"--allow-motion is for a board at a port", "every case runs"}},
       {{"conformance", "--virtual", "native", "--allow-flash"}, {"--allow-flash"}},
@@ -293,30 +293,35 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
        {"--disc", "--stand manual"}},
       {{"flash", "info", "--port", "board", "--writer", "x"}, {"--writer"}},
       {{"flash", "run", "--port", "board", "--boot-baud", "4800"}, {"--boot-baud"}},
-      {{"figures", "--only", "7", "--goal", "1,0"}, {"--goal is of figures 5 and 6", "--only"}},
-      {{"figures", "--only", "7", "--imu"}, {"--imu is of figures 3, 5, 6 and 8", "--only"}},
+      {{"figures", "--only", "7", "--goal", "1,0"},
+       {"--goal is only valid with figures 5 and 6", "--only"}},
+      {{"figures", "--only", "7", "--imu"},
+       {"--imu is only valid with figures 3, 5, 6 and 8", "--only"}},
       {{"run", "stand", "--robot", "serial:none", "--seed", "3"},
-       {"--seed: stand draws nothing", "leave it out"}},
-      {{"run", "stand", "--options", "--seed", "3"}, {"--seed: --options prints", "leave one"}},
+       {"--seed has no effect: stand uses no random numbers", "leave it out"}},
+      {{"run", "stand", "--options", "--seed", "3"},
+       {"--seed is not valid with --options", "leave one"}},
       {{"sim", "--write-calibration", folder / "lcov", "--record", folder / "r.mcap"},
-       {"--record: without --serial nothing runs"}},
-      {{"sim", "--write-calibration", folder / "lcov", "--fast"},
-       {"--fast: without --serial nothing runs"}},
-      {{"sim", "--serial", "p", "--eyes", "real"}, {"--eyes: nothing takes the eyes' pictures"}},
-      {{"calibrate", "joints", "--gauge-error", "1"}, {"--gauge-error is of angles of a gauge"}},
-      {{"calibrate", "joints", "--yes"}, {"--yes is for a robot at a port", "leave --yes out"}},
+       {"--record needs --serial"}},
+      {{"sim", "--write-calibration", folder / "lcov", "--fast"}, {"--fast needs --serial"}},
+      {{"sim", "--serial", "p", "--eyes", "real"},
+       {"--eyes needs --cameras PATH, --record FILE or --view"}},
+      {{"calibrate", "joints", "--gauge-error", "1"},
+       {"--gauge-error is only valid with --gauge NAME=DEGREES"}},
+      {{"calibrate", "joints", "--yes"},
+       {"--yes is only valid with a robot at a port", "leave --yes out"}},
       {{"calibrate", "joints", "--robot", "serial:none", "--only", "gauge", "--yes"},
-       {"--yes is of motions", "leave --yes out"}},
-      {{"calibrate", "joints", "--dry-run", "--json"}, {"--json is of results", "--dry-run"}},
+       {"--yes is not valid with a gauge", "leave --yes out"}},
+      {{"calibrate", "joints", "--dry-run", "--json"}, {"--json is not valid with --dry-run"}},
       {{"calibrate", "joints", "--dry-run", "--out", folder / "lcov"}, {"--out", "--dry-run"}},
       {{"evaluate", "--seed", "3", "merge", folder / "a", folder / "b", "--out", folder / "lcov"},
-       {"--seed before merge"}},
+       {"--seed is not valid before merge"}},
       {{"replay", folder / "a", "--view", "--json"}, {"--json", "--view"}},
       {{"compare", folder / "a", folder / "b", "--all", "--json"}, {"--all", "--json"}},
       {{"bench", "all", "--filter", "^link", "--joint", "l_knee"},
-       {"--joint is of motors", "--filter ^link"}},
+       {"--joint is only valid with motor measurements", "--filter ^link"}},
       {{"bench", "motor", "--port", "none", "--allow-motion", "--supply", "8"},
-       {"--supply is what a stand's supply is set to", "--stand"}},
+       {"--supply needs --stand"}},
   };
   for (const auto& one : cases) {
     auto arguments = one.arguments;
@@ -401,7 +406,7 @@ TEST(Cli, WithoutThePageOfViewTheTerminalNamesTheCommandForIt) {
     fs::create_directory_symlink(fs::canonical(share / part), folder / part);
   const std::string dev = fs::canonical(share / "worlds").parent_path().parent_path() / "tools/dev";
   const std::string built = said();
-  EXPECT_TRUE(built.starts_with("kaz run: the page of --view is not built; to have it: " + dev +
+  EXPECT_TRUE(built.starts_with("kaz run: the page of --view is not built; build it with: " + dev +
                                 " build kaz_page\n"))
       << built;
   // An installed program has no tree.
@@ -430,9 +435,8 @@ TEST(Cli, WrongNamesGetTheNearest) {
   EXPECT_TRUE(says({"dmo"}, "there is no verb `dmo`; did you mean demo?"));
   EXPECT_TRUE(says({"mcu", "rnu", "--help"}, "there is no verb `rnu`; did you mean run?"));
   EXPECT_TRUE(says({"help", "walk"}, "there is no verb `walk`"));
-  EXPECT_TRUE(says({"help", "status", "board"}, "`help` takes a verb alone, not `board` as well"));
-  EXPECT_TRUE(
-      says({"help", "bench", "list", "motor"}, "`help` takes a verb alone, not `motor` as well"));
+  EXPECT_TRUE(says({"help", "status", "board"}, "`help` takes only a verb, not `board`"));
+  EXPECT_TRUE(says({"help", "bench", "list", "motor"}, "`help` takes only a verb, not `motor`"));
   EXPECT_TRUE(says({"mcu"}, "the verb is missing: give run or compare"));
   EXPECT_TRUE(says({"evaluate", "mrge", "a", "b", "--out", "y"},
                    "not expected: `a b`; did you mean merge?"));
@@ -615,7 +619,7 @@ TEST(Cli, PortThatIsNoKazBoard) {
   const Finished finished = run(kaz({"run", "track-ball", "--robot", "serial:" + port.path(),
                                      "--camera", folder / "eyes", "--out", folder / "out"}));
   // 6c 6f 67: what came, in hex.
-  EXPECT_TRUE(one_sentence(finished, 3, {port.path(), "no Kaz board", "6c 6f 67"}));
+  EXPECT_TRUE(one_sentence(finished, 3, {port.path(), "not a Kaz board", "6c 6f 67"}));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
@@ -640,7 +644,7 @@ TEST(Cli, RobotWithoutEyes) {
   EXPECT_EQ(stands.exit_code, 0) << stands.err;
   EXPECT_NE(stands.out.find("the robot stands"), std::string::npos) << stands.out;
   // By the joint's own name, and no posture of Kaz.
-  EXPECT_NE(stands.out.find(" is farthest"), std::string::npos) << stands.out;
+  EXPECT_NE(stands.out.find(" has the largest error"), std::string::npos) << stands.out;
   EXPECT_EQ(stands.out.find("neck"), std::string::npos) << stands.out;
   EXPECT_TRUE(one_sentence(with_arm("track-ball"), 2, {"no eyes", "left_eye", "right_eye"}));
   EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--set", "posture=home", "--robot-file",

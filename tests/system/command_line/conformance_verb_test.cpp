@@ -187,7 +187,7 @@ TEST(ConformanceVerb, WrongUsageIsTwoAndNoPortIsThree) {
   for (const char* filter : {"no such case", "^timing.after-power-on$"}) {
     const Finished none = run(kaz({"conformance", "--port", "/no/such/port", "--filter", filter}));
     EXPECT_EQ(none.exit_code, 2) << none.err;
-    EXPECT_NE(none.err.find("takes no case"), std::string::npos) << none.err;
+    EXPECT_NE(none.err.find("matches no case"), std::string::npos) << none.err;
   }
 }
 

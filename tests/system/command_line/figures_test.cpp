@@ -107,7 +107,7 @@ TEST(Figures, ASceneHasBallDepthAndFlowAndIsDrawnAgainOfItsRecording) {
       run(kaz({"figures", "--recording", folder / "out/track-ball/recording.mcap", "--only", "6",
                "--out", folder / "other"}));
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_NE(other.err.find("a run of track-ball does not show figure 6"), std::string::npos)
+  EXPECT_NE(other.err.find("a run of track-ball does not contain figure 6"), std::string::npos)
       << other.err;
   EXPECT_FALSE(fs::exists(folder / "other"));
 }
@@ -194,7 +194,7 @@ TEST(Figures, WrongOptionsAreRefusedBeforeAnythingRuns) {
   refused({"--only", "3,x", "--out", out}, "--only x: give 3, 5, 6, 7 or 8");
   refused({"--out", "/proc/x"}, "'/proc/x'");
   refused({"--world", "moon", "--out", out}, "moon");
-  refused({"--only", "7", "--yard", "empty", "--out", out}, "has no box");
+  refused({"--only", "7", "--yard", "empty", "--out", out}, "has no stationary box");
   refused({"--only", "6", "--goal", "there", "--out", out}, "X,Y or X,Y,HEADING or ball");
   refused({"--recording", folder / "none.mcap", "--out", out}, "--mcu");
   const Finished none = run(kaz({"figures", "--recording", folder / "none.mcap", "--out", out}));

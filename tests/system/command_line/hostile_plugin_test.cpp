@@ -39,14 +39,14 @@ void PrintTo(const Misdeed& misdeed, std::ostream* out) {
 const Misdeed kMisdeeds[] = {
     {"throw", 1, {" threw std::runtime_error: no more"}},
     {"throw-int", 1, {" threw int"}},
-    {"exit", 1, {" called exit(3) in `", "leave(int)", "it returns"}},
+    {"exit", 1, {" called exit(3) in `", "leave(int)", "must return"}},
     {"_exit", 1, {" called _exit(0) in `", "end_somehow"}},
     {"_Exit", 1, {" called _Exit(0) in `", "end_somehow"}},
     {"pthread-exit", 1, {" called pthread_exit(0)"}},
     {"abort", 128 + SIGABRT, {" crashed in `", "end_somehow", "SIGABRT (Aborted)"}},
     {"crash", 128 + SIGSEGV, {" crashed in `", "write_to_null()", "SIGSEGV (Segmentation fault)"}},
     {"thread", 128 + SIGSEGV, {" crashed in `", "write_to_null()", "SIGSEGV"}},
-    {"thread-throw", 1, {" threw std::runtime_error: no more, which nothing catches"}},
+    {"thread-throw", 1, {" threw std::runtime_error: no more (not caught)"}},
     {"overflow", 128 + SIGSEGV, {" crashed in `", "overflow_stack(int)", "SIGSEGV"}},
     {"no-option", 1, {" threw std::out_of_range", "no option `times` that is a number"}},
     {"wrong-kind", 1, {" threw std::out_of_range", "no option `does` that is a number"}},
@@ -141,7 +141,7 @@ TEST(HostilePlugin, ReturnsNonsense) {
     std::string words;
   } cases[] = {
       {"empty", 1, "returned an outcome without a sentence"},
-      {"no-sentence", 1, "returned an error without a sentence"},
+      {"no-sentence", 1, "returned an error without a message"},
       {"interrupted", 1, "interrupted"},
       {"no-text", 1, "failed: "},
       {"nan", 1, "neck_pan was not moved: its target of nan degrees"},
@@ -185,11 +185,11 @@ TEST(HostilePlugin, IsRefusedWhileItIsLoaded) {
   } cases[] = {
       {"load_throw",
        2,
-       {" threw std::runtime_error: no more, which nothing catches, while it was loaded in `"}},
+       {" threw std::runtime_error: no more (not caught), while it was loaded in `"}},
       {"load_exit", 2, {" called exit(3) while it was loaded in `", "leave(int)"}},
       {"load_crash", 128 + SIGSEGV, {" crashed while it was loaded in `", "write_to_null()"}},
       {"registration", 2, {" threw std::logic_error: not today while it was loaded"}},
-      {"kaz_name", 2, {" has a behaviour of the name `stand`, which is one of Kaz's own"}},
+      {"kaz_name", 2, {" has a behavior named `stand`, the name of one of Kaz's own"}},
       {"wrong_default", 2, {" has an option with a wrong default: `11` is no value"}},
   };
   for (const auto& [name, status, words] : cases) {
@@ -215,7 +215,7 @@ TEST(HostilePlugin, AnotherMachinesFileIsNamed) {
   write_file(folder / "other.so", other);
   const Finished end = run(run_plugin(folder / "other.so", {}));
   EXPECT_EQ(end.exit_code, 2);
-  EXPECT_NE(end.err.find("is for another kind of machine (64-bit "), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find("is for another machine type (64-bit "), std::string::npos) << end.err;
 }
 
 // At a port: the motors go off, whatever the plug-in does.

@@ -207,8 +207,8 @@ const std::vector<Row>& table() {
        {},
        {},
        false,
-       "kaz recover: interrupted while it searched for the board on PORT, of which nothing was "
-       "changed; give the same command again\n"},
+       "kaz recover: interrupted during the search for the board on PORT; nothing was changed: "
+       "give the same command again\n"},
       {"monitor", {"monitor", "--port", "PORT"}, "", SIGINT, 0},
       {"vision",
        {"vision", "run", "--in", "DIR/pictures", "--view", "60", "--out", "DIR/seen"},
@@ -406,7 +406,7 @@ TEST(Interrupts, ARecordingEndsThereAndReplays) {
   for (const char* mode : {"--host", "--whole"}) {
     const Finished again = run(kaz({"replay", folder / "out/recording.mcap", mode}));
     EXPECT_EQ(again.exit_code, 0) << again.out << again.err;
-    EXPECT_NE(again.out.find("the recording ends here, its run was interrupted by SIGINT"),
+    EXPECT_NE(again.out.find("the recording ends early, its run was interrupted by SIGINT"),
               std::string::npos)
         << again.out;
     EXPECT_NE(again.out.find("identical"), std::string::npos) << again.out;

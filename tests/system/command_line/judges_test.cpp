@@ -119,12 +119,12 @@ TEST(Judges, AreRefusedInOneSentence) {
     EXPECT_EQ(end.exit_code, 2) << end.err;
     EXPECT_NE(end.err.find(text), std::string::npos) << end.err;
   };
-  refused({"stand", "--judge", "catch-ball"}, "--judge is of plug-ins");
-  refused({kLiar, "--judge", "dance"}, "'dance' is none of Kaz's behaviours");
-  refused({"play"}, "play has no measure");
-  refused({"catch-ball", "--floors", "ice"}, "'ice' is no floor");
-  refused({"catch-ball", "--calibrated"}, "give --sensors as-built");
-  refused({"navigate", "--props", "3", "10"}, "give --obstacles");
+  refused({"stand", "--judge", "catch-ball"}, "--judge is only valid with plug-ins");
+  refused({kLiar, "--judge", "dance"}, "'dance' has no success criterion");
+  refused({"play"}, "play has no success criterion");
+  refused({"catch-ball", "--floors", "ice"}, "--floors ice: give wood");
+  refused({"catch-ball", "--calibrated"}, "--sensors as-built: give both");
+  refused({"navigate", "--props", "3", "10"}, "use --obstacles");
   refused({"catch-ball", "--props", "3.5", "4"}, "whole");
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
@@ -166,7 +166,7 @@ TEST(RealTime, NineOfTenAreCaught) {
   ASSERT_TRUE(result.is_object()) << end.err;
   const auto lost = result["environment"].size();
   if (lost > 0)
-    GTEST_SKIP() << lost << " of 10 episodes were lost to the machine, so nothing is decided: "
+    GTEST_SKIP() << lost << " of 10 episodes were lost to machine errors, so nothing is decided: "
                  << result["environment"][0]["sentence"] << "; end other programs and run it again";
   EXPECT_GE(result["successes"].get<int>(), 9) << end.out << end.err;
 }

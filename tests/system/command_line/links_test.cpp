@@ -208,7 +208,7 @@ TEST_F(Links, ALostPeerIsFoundAgainWithoutARestart) {
   server.reset();
   // At once, while it is sought: whoever holds the plug is to know.
   EXPECT_TRUE(
-      behaviour.wait_for_output("the link was lost; it is sought for up to 10 s: ", seconds(2)));
+      behaviour.wait_for_output("the link was lost; retrying for up to 10 s: ", seconds(2)));
   // Longer than a camera may be silent: nobody takes its pictures meanwhile.
   std::this_thread::sleep_for(milliseconds(2300));
   server.emplace(socat);
@@ -259,7 +259,7 @@ TEST_F(Links, TwoBoardsDriveOneRobot) {
 TEST(LinkMistakes, EachHasItsSentence) {
   const std::pair<const char*, const char*> kMistakes[] = {
       {"can:kaz-none", "no such CAN interface: kaz-none ("},
-      {"can:lo", "lo is a network interface, but none of CAN ("},
+      {"can:lo", "lo is a network interface, but not a CAN interface ("},
       {"tcp:127.0.0.1", "the port number is missing"},
       {"/dev/kaz-none", "no such port: /dev/kaz-none ("}};
   for (const auto& [port, sentence] : kMistakes) {
@@ -269,7 +269,7 @@ TEST(LinkMistakes, EachHasItsSentence) {
   }
   const Finished bridge = run(kaz({"can-bridge", "--port", "can:can0", "--can", "can0"}));
   EXPECT_EQ(bridge.exit_code, 2);
-  EXPECT_NE(bridge.err.find("that is a CAN bus already"), std::string::npos) << bridge.err;
+  EXPECT_NE(bridge.err.find("is already a CAN bus"), std::string::npos) << bridge.err;
 }
 
 }  // namespace

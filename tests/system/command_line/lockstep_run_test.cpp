@@ -64,7 +64,7 @@ TEST(Demo, ProfileNamesTheParts) {
   std::map<std::string, double> cpu_s;
   double sum_s = 0;
   for (const auto& part : profile["parts"]) sum_s += cpu_s[part["name"]] = part["cpu_s"];
-  for (const char* part : {"chip", "body", "drawing", "vision color", "behaviour and link"})
+  for (const char* part : {"chip", "body", "drawing", "vision color", "behavior and link"})
     EXPECT_GT(cpu_s[part], 0) << part << profile;
   EXPECT_NEAR(sum_s, profile["cpu_s"].get<double>(), 0.01 * sum_s) << profile;
   // The promise is 3 times real time on two idle cores (docs/limits.md). By CPU time it is harder, and
@@ -107,10 +107,10 @@ TEST(MotorsOff, AreAFailureOfTheRobot) {
     EXPECT_EQ(result["cause"], "error");
     // A schedule whose faults lie beyond the run has tried nothing.
     EXPECT_EQ(result.contains("faults_not_begun"), name == "pot") << result;
-    EXPECT_EQ(
-        end.err.find("1 fault never began, as the run ended before it: at 900 s power_reset") !=
-            std::string::npos,
-        name == "pot")
+    EXPECT_EQ(end.err.find(
+                  "1 fault never began, because the run ended before it: at 900 s power_reset") !=
+                  std::string::npos,
+              name == "pot")
         << end.err;
     EXPECT_NE(result["sentence"].get<std::string>().find(words), std::string::npos) << result;
     EXPECT_EQ(result["recording_sha256"].get<std::string>().size(), 64u);

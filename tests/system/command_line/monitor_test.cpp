@@ -204,9 +204,9 @@ TEST(Monitor, NamesNotesOfAnEarlierRun) {
   for (const std::string& word : kaz({"monitor", "--port", folder / "board"}))
     command += word + " ";
   Screen screen(command);
-  screen.wait("an earlier run was cut off and left notes: q prints what to do");
+  screen.wait("an interrupted run left notes: q prints what to do");
   screen.press({"q"});
-  screen.wait("kaz monitor: notes of a run[^]*left with 0");
+  screen.wait("kaz monitor: the notes of a run[^]*left with 0");
 }
 
 TEST(Monitor, NeedsATerminalAndABoard) {

@@ -61,7 +61,8 @@ TEST(Navigate, SaysThatItHardlySeesTheFloor) {
   const Finished finished = run(kaz({"run", "navigate", "--world", folder / "plain.sdf", "--goal",
                                      "0.5,0.12", "--eyes", "real", "--mcu", "native"}));
   EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
-  EXPECT_NE(finished.out.find(" m2 of floor were seen: is it plain"), std::string::npos)
+  EXPECT_NE(finished.out.find(" m2 of floor was seen: add light, or texture to a plain"),
+            std::string::npos)
       << finished.out;
 }
 
@@ -115,8 +116,8 @@ TEST(Navigate, StopsBeforeTheEdgeOfATable) {
   replace("<pose>0.55 0.35 0.05 0 0 0.3</pose>", "<pose>0.25 0.28 0.05 0 0 0.3</pose>");
   write_file(folder / "table.sdf", world);
   const Finished finished =
-      run(kaz({"run", "navigate", "--goal", "1.3,0", "--world", folder / "table.sdf", "--eyes", "real",
-               "--imu", "--mcu", "native", "--out", folder / "edge", "--json"}),
+      run(kaz({"run", "navigate", "--goal", "1.3,0", "--world", folder / "table.sdf", "--eyes",
+               "real", "--imu", "--mcu", "native", "--out", folder / "edge", "--json"}),
           std::chrono::seconds(280));
   EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
   const json result = parse_json(finished.out);
@@ -189,11 +190,11 @@ TEST(Navigate, RefusesWorldsThatAreNone) {
     std::vector<std::string> words;
     const char* sentence;
   } cases[] = {
-      {{"navigate", "--worlds", "clutter,maze"}, "'maze' is no kind of world: there are all, "},
-      {{"navigate", "--worlds", "all,dark"}, "--worlds: a value stands in the list twice"},
+      {{"navigate", "--worlds", "clutter,maze"}, "'maze' is not a kind of world: use one of all, "},
+      {{"navigate", "--worlds", "all,dark"}, "--worlds: a value is in the list twice"},
       {{"navigate", "--density", "0.5", "1.5"}, "--density"},
-      {{"navigate", "--worlds", "corridor", "--obstacles", "4"}, "--obstacles is of worlds with"},
-      {{"stand", "--worlds", "clutter"}, "--worlds is of navigate alone"}};
+      {{"navigate", "--worlds", "corridor", "--obstacles", "4"}, "--obstacles is only valid in"},
+      {{"stand", "--worlds", "clutter"}, "--worlds is only valid with navigate"}};
   for (const auto& [words, sentence] : cases) {
     std::vector<std::string> all{"evaluate"};
     all.insert(all.end(), words.begin(), words.end());

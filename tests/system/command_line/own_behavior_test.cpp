@@ -58,7 +58,7 @@ TEST(OwnBehavior, NamesTheJointsThatAnotherRobotLacks) {
       run_plugin(kModules + "/wave.so", {"--robot-file", "sim/robots/arm/arm.urdf"});
   EXPECT_EQ(refused.exit_code, 2) << refused.out << refused.err;
   for (const char* text : {"wave moves r_sh_pitch, r_sh_roll, r_elbow", "has only turn, shoulder",
-                           "written for these, or `stand`"})
+                           "written for these joints, or `stand`"})
     EXPECT_NE(refused.err.find(text), std::string::npos) << text << "\n" << refused.err;
 }
 
@@ -89,19 +89,19 @@ TEST(OwnBehavior, RefusesWhatIsNoPlugin) {
     std::string path;
     std::vector<std::string> words;
   } cases[] = {
-      {folder / "none.so", {"is not there: build it"}},
-      {"none.so", {"none.so is not there"}},
-      {folder / "folder.so", {"is no file"}},
-      {folder / "text.so", {"is no shared object that can be loaded here (", "invalid ELF header"}},
-      {kModules + "/no_factory.so", {"exports no `kaz_behavior_plugin_v1`", "KAZ_BEHAVIOR_PLUGIN"}},
+      {folder / "none.so", {"does not exist: build it"}},
+      {"none.so", {"none.so does not exist"}},
+      {folder / "folder.so", {"is not a file"}},
+      {folder / "text.so", {"cannot be loaded as a shared object (", "invalid ELF header"}},
+      {kModules + "/no_factory.so",
+       {"does not export `kaz_behavior_plugin_v1`", "KAZ_BEHAVIOR_PLUGIN"}},
       {kModules + "/other_version.so",
        {"was built against another Kaz", "(headers of yesterday; this program: headers ",
-        "build it again"}},
-      {kModules + "/other_options.so",
-       {"Eigen alignment 32", "Eigen alignment 16", "build it again"}},
+        "rebuild it"}},
+      {kModules + "/other_options.so", {"Eigen alignment 32", "Eigen alignment 16", "rebuild it"}},
       {kModules + "/missing_symbol.so",
-       {"needs `kaz::host::gone_since(int)`, which this program does not have", "build it again"}},
-      {kModules + "/no_function.so", {"has a behaviour without name or function"}},
+       {"needs `kaz::host::gone_since(int)`, which this program does not have", "rebuild it"}},
+      {kModules + "/no_function.so", {"has a behavior without a name or function"}},
   };
   for (const auto& [path, words] : cases) {
     const Finished refused = run_plugin(path);

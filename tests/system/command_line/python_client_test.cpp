@@ -228,7 +228,7 @@ TEST(PythonCapture, OfNoFrameIsAnErrorAndOtherFilesStay) {
   EXPECT_EQ(read_file(folder / "line.pcap").size(), bytes.size());
   const Finished refused = capture("two.bin", "notes.txt");
   EXPECT_EQ(refused.exit_code, 2) << refused.out;
-  EXPECT_NE(refused.err.find("is no capture and would be replaced"), std::string::npos)
+  EXPECT_NE(refused.err.find("is not a capture and would be replaced"), std::string::npos)
       << refused.err;
   EXPECT_EQ(read_file(folder / "notes.txt"), "mine");
   const Finished help = run(example("kaz_pcap.py", {"--help"}));

@@ -143,14 +143,14 @@ TEST_F(RecoverVerb, NotesOfAnotherPortOrOfARunUnderWayAreRefused) {
   ASSERT_TRUE(other.wait_for_output("ready", seconds(30)));
   const Finished early = run(kaz({"recover", folder_ / "other", "--from", path}));
   EXPECT_EQ(early.exit_code, 2) << early.out;
-  EXPECT_NE(early.err.find("still under way"), std::string::npos) << early.err;
+  EXPECT_NE(early.err.find("is still running"), std::string::npos) << early.err;
   // Nor are they free under another name.
   const std::string copy = folder_ / "copy.json";
   std::filesystem::copy_file(path, copy);
   const Finished copied =
       run(kaz({"recover", folder_ / "other", "--from", copy, "--port-changed"}));
   EXPECT_EQ(copied.exit_code, 2) << copied.out;
-  EXPECT_NE(copied.err.find("still under way"), std::string::npos) << copied.err;
+  EXPECT_NE(copied.err.find("is still running"), std::string::npos) << copied.err;
 
   suite.signal(SIGKILL);
   suite.wait(seconds(20));
@@ -279,7 +279,7 @@ TEST_F(RecoverVerb, MonitorAndVisionNameNotes) {
     words.insert(words.end(), more.begin(), more.end());
     return run(kaz(words));
   };
-  const std::string notes = notes_file(seeing), said = "kaz vision: notes of a run";
+  const std::string notes = notes_file(seeing), said = "kaz vision: the notes of a run";
   EXPECT_EQ(vision({}).err.find(said), std::string::npos);
   write_file(notes, "{");
   const Finished seen = vision({});
@@ -298,7 +298,8 @@ TEST_F(RecoverVerb, WithoutAPlaceForNotesNothingIsRun) {
   write_file(folder_ / "kaz", "a file where the folder has to be");
   const Finished suite = run(conformance("^identity.identify$"));
   EXPECT_EQ(suite.exit_code, 3) << suite.out;
-  EXPECT_NE(suite.err.find("set XDG_STATE_HOME to a folder"), std::string::npos) << suite.err;
+  EXPECT_NE(suite.err.find("set XDG_STATE_HOME to a writable folder"), std::string::npos)
+      << suite.err;
   EXPECT_EQ(suite.out.find("passed"), std::string::npos) << suite.out;
   EXPECT_EQ(state(1), before);
 }

@@ -126,7 +126,8 @@ TEST(Replay, TheHostAloneOnWhatItSaw) {
   const Finished seen =
       run(kaz({"vision", "run", "--in", cut, "--out", folder / "found"}), std::chrono::seconds(60));
   EXPECT_EQ(seen.exit_code, 0) << seen.err;
-  EXPECT_NE(seen.err.find("was cut off; run to its last whole step at "), std::string::npos)
+  EXPECT_NE(seen.err.find("was cut off; processed up to its last complete step at "),
+            std::string::npos)
       << seen.err;
   // At whatever byte it ends it is replayed, or there is nothing that could be.
   for (std::size_t part = 0; part < 8; ++part) {

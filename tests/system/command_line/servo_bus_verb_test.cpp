@@ -35,7 +35,7 @@ TEST(ServoBusVerb, ServesTheExampleInPython) {
   sim.signal(SIGINT);
   const Finished ended = sim.wait(seconds(10));
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
-  EXPECT_NE(ended.out.find("host talks at 1000000 baud"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("host sends at 1000000 baud"), std::string::npos) << ended.out;
   EXPECT_NE(ended.out.find("lost 0;"), std::string::npos) << ended.out;
   EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(port)));
   EXPECT_FALSE(std::filesystem::exists(port + ".ctl"));
@@ -269,7 +269,7 @@ TEST(ServoBusVerb, RefusesWhatABusDoesNotHave) {
        "--view: not supported with --bus yet; leave --view or --bus out"},
       // The arm's joints are not a board's, in the verbs that simulate one.
       {{"run", "stand", "--robot-file", kArm},
-       "is a robot of bus servos (bus.json): start `kaz sim --bus feetech --robot-file "},
+       "is a robot with bus servos (bus.json): start `kaz sim --bus feetech --robot-file "},
       {{"sim", "--bus", "feetech", "--robot-file", "sim/robots/arm/arm.urdf", "--serial", port},
        "sim/robots/arm/bus.json"},
       {{"sim", "--bus", "dynamixel", "--robot-file", kArm, "--serial", port},

@@ -158,7 +158,7 @@ TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
     EXPECT_TRUE(robot->disable_all());
   }
   // Read from the emulated firmware's state.
-  EXPECT_TRUE(sim.wait_for_output("s: by a request of the host, or a reset", seconds(10)))
+  EXPECT_TRUE(sim.wait_for_output("s: by a host request, or a reset", seconds(10)))
       << sim.wait(seconds(0)).err;
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
@@ -180,8 +180,9 @@ TEST(TwoProcesses, ABrokenPotentiometerIsAFailureOfTheRobot) {
   EXPECT_TRUE(result.contains("link")) << "a whole result";
   sim.signal(SIGINT);
   const Finished ended = sim.wait(seconds(10));
-  EXPECT_NE(ended.out.find("1 fault never began, as the run ended before it: at 900 s power_reset"),
-            std::string::npos)
+  EXPECT_NE(
+      ended.out.find("1 fault never began, because the run ended before it: at 900 s power_reset"),
+      std::string::npos)
       << ended.out;
 }
 

@@ -180,7 +180,7 @@ TEST(VisionVerb, FindsTheFloorInARecording) {
   const std::string kept = read_file(folder / "first/result.json");
   for (const char* useless : {"0.48", "14", "0.02"})
     expect_refusal(first_two({"--export", "depth", "--nearest", useless}), 2,
-                   {std::string("--nearest ") + useless, "0.024 to 0.476 m", "14 cm are 0.14"});
+                   {std::string("--nearest ") + useless, "0.024 to 0.476 m", "14 cm is 0.14"});
   expect_refusal(first_two({"--nearest", "0.3"}), 2, {"--nearest", "--modules color", "add depth"});
   EXPECT_EQ(read_file(folder / "first/result.json"), kept);
 }
@@ -231,12 +231,12 @@ TEST(VisionVerb, LooksThroughALiveCamera) {
     all.insert(all.end(), more.begin(), more.end());
     return run(kaz(all));
   };
-  expect_refusal(look({"--view", "60"}), 2, {"--view", "brings its own camera"});
+  expect_refusal(look({"--view", "60"}), 2, {"--view", "has its own camera model"});
   expect_refusal(look({"--modules", "depth", "--nearest", "0.8"}), 2, {"0.476 m"});
   // Pairs that come later are none of those asked for.
   const Finished few = look({"--frames", "3"});
   EXPECT_EQ(few.exit_code, 0) << few.err;
-  EXPECT_NE(few.out.find("3 of 3 pairs looked at"), std::string::npos) << few.out;
+  EXPECT_NE(few.out.find("3 of 3 pairs processed"), std::string::npos) << few.out;
   for (const char* more : {"4 pairs", "5 pairs", "6 pairs"})
     EXPECT_EQ(few.err.find(more), std::string::npos) << few.err;
   // Its camera ends, and what was seen until then is kept.
@@ -285,7 +285,7 @@ TEST(VisionVerb, CtrlCDoesNotWaitForOverlays) {
   }
   const auto not_written = result.value("files_not_written", std::size_t{0});
   EXPECT_EQ(written + not_written, expected);
-  const std::string words = "not written any more: " + std::to_string(not_written) + " file";
+  const std::string words = "not written: " + std::to_string(not_written) + " file";
   EXPECT_EQ(ended.err.find(words) != std::string::npos, not_written > 0) << ended.err;
 }
 
@@ -305,7 +305,7 @@ TEST(VisionVerb, RefusesInOneSentence) {
   expect_refusal(look({"--in", "v4l2:/dev/a", "--calibration", "x"}), 2, {"two devices", "as in"});
   expect_refusal(look({"--in", "v4l2:/dev/a,/dev/b", "--calibration", folder / "grey.ppm"}), 2,
                  {"grey.ppm", "image_width"});
-  expect_refusal(look({"--in", folder / "empty", "--view", "60"}), 2, {"holds no picture"});
+  expect_refusal(look({"--in", folder / "empty", "--view", "60"}), 2, {"contains no picture"});
   write_file(folder / "nothing.png", "");
   expect_refusal(look({"--in", folder / "nothing.png", "--view", "60"}), 2,
                  {"nothing.png", "the file is empty"});
@@ -326,7 +326,7 @@ TEST(VisionVerb, RefusesInOneSentence) {
                  {"--calibration"});
   expect_refusal(
       look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--modules", "flow"}), 2,
-      {"--modules flow", "pairs of files have no time"});
+      {"--modules flow", "pairs of files do not have"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--robot",
                        "serial:board"}),
                  2, {"--robot", "live camera"});

@@ -185,7 +185,7 @@ TEST(Flash, AnImageForAnotherBoardChangesNothing) {
   const auto report = flasher.write(other);
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().fault, Fault::failed);
-  for (const char* part : {"another board", "expected:", "came:", "1. ", "next:", "2128"})
+  for (const char* part : {"another board", "expected:", "found:", "1. ", "next:", "2128"})
     EXPECT_NE(report.error().message.find(part), std::string::npos) << report.error().message;
   EXPECT_TRUE(holds(bench, firmware()));
   FlasherOptions force;
@@ -237,7 +237,7 @@ TEST(Flash, AnImageCutOffWithinTheLoaderIsRefused) {
     const auto checked = flasher.check(raw_up_to(end), false);
     ASSERT_FALSE(checked) << end;
     EXPECT_EQ(checked.error().fault, Fault::usage);
-    for (const char* part : {"loader", "cut off", "came:"})
+    for (const char* part : {"loader", "cut off", "found:"})
       EXPECT_NE(checked.error().message.find(part), std::string::npos) << checked.error().message;
   }
   // A byte of the loader, and a vector.
@@ -303,7 +303,7 @@ TEST(Flash, NobodyThereSaysWhatToLookAt) {
   const auto entered = flasher.enter_boot(bench);
   ASSERT_FALSE(entered);
   EXPECT_NE(entered.error().message.find("not in boot mode"), std::string::npos);
-  EXPECT_NE(entered.error().message.find("came:     nothing"), std::string::npos);
+  EXPECT_NE(entered.error().message.find("found:    nothing"), std::string::npos);
 }
 
 TEST(Flash, WornBlockIsNamed) {

@@ -83,7 +83,7 @@ def run_losses(options, loss, times, reaction):
     messages = folder / "run.txt"
     lost, back = "the robot stands still until it is back", "the cameras are back, after "
     if loss.board:
-        lost, back = "the link was lost; it is sought for up to 20 s: ", "the link is back after "
+        lost, back = "the link was lost; retrying for up to 20 s: ", "the link is back after "
 
     def reports(words):
         return messages.read_text().count(words) if messages.exists() else 0

@@ -68,7 +68,7 @@ def run(folder):
         time.sleep(0.02)
     begun.send_signal(signal.SIGINT)
     _, said = begun.communicate(timeout=HANG_S)
-    check(begun.returncode == 130 and "goes on" in said, f"interrupted: {begun.returncode}, {said}")
+    check(begun.returncode == 130 and "continues" in said, f"interrupted: {begun.returncode}, {said}")
     kept = {path: path.stat().st_mtime_ns for path in many.glob("parts/[0-9]/result.json")}
     whole = kaz(environment, *words)
     check(whole.returncode == 0, f"on hosts: {whole.returncode}: {whole.stdout} {whole.stderr}")

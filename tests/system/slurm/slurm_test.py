@@ -64,7 +64,7 @@ def run(slurm, folder):
     check("job " in first, f"the job has no number: {first} {waiting.stderr.read() if not first else str()}")
     waiting.send_signal(signal.SIGINT)
     _, said = waiting.communicate(timeout=HANG_S)
-    check(waiting.returncode == 130 and "goes on" in said, f"interrupted: {waiting.returncode}, {said}")
+    check(waiting.returncode == 130 and "continues" in said, f"interrupted: {waiting.returncode}, {said}")
 
     waiting = begun(slurm, words)
     first = waiting.stdout.readline()

@@ -65,7 +65,7 @@ def interrupted(folder, out):
     wait_for("sbatch", lambda: submissions(folder) == ["begun"])
     os.killpg(first.pid, signal.SIGINT)
     _, said = first.communicate(timeout=HANG_S)
-    check(first.returncode == 130 and "job 42 goes on" in said, f"interrupted: {first.returncode}, {said}")
+    check(first.returncode == 130 and "job 42 continues" in said, f"interrupted: {first.returncode}, {said}")
     pattern = [line for line in (folder / "arguments").read_text().splitlines() if "--output=" in line]
     check(pattern == [f"--output={str(out).replace('%', '%%')}/slurm/%A_%a.out"], f"output is {pattern}")
 
@@ -97,7 +97,8 @@ def killed(folder, out):
 def refused(folder, out):
     first = begun(folder, out)
     _, said = first.communicate(timeout=HANG_S)
-    check(first.returncode == 2 and "has a backslash" in said, f"a backslash: {first.returncode}, {said}")
+    check(first.returncode == 2 and "contains a backslash" in said,
+          f"a backslash: {first.returncode}, {said}")
     check(not out.exists(), f"{out} was made")
 
 

@@ -244,7 +244,7 @@ TEST_F(Cameras, AFatalErrorOfTheDriverStops) {
   ASSERT_EQ(watch(*camera, 1, 20s).pairs.size(), 1u);
   Vivid(kRight).set("Inject Fatal Streaming Error", 1);
   EXPECT_EQ(watch(*camera, 1000, 10s).error,
-            "camera /dev/video1 stopped: its driver gave up (Input/output error); plug it in and "
+            "camera /dev/video1 stopped: its driver failed (Input/output error); plug it in and "
             "start again");
 }
 
@@ -278,8 +278,9 @@ TEST_F(Cameras, ReportsWhyACameraCannotBeOpened) {
   };
   expect_in(refusal({kLeft, "/dev/video9", 10, {}}),
             "no camera at /dev/video9: there is no such device; plug the camera in");
-  expect_in(refusal({kLeft, "/dev/video2", 10, {}}), "gives pictures in several planes only");
-  expect_in(refusal({"/dev/video3", kRight, 10, {}}), "/dev/video3: this node of vivid gives no");
+  expect_in(refusal({kLeft, "/dev/video2", 10, {}}), "delivers only multi-planar pictures");
+  expect_in(refusal({"/dev/video3", kRight, 10, {}}),
+            "/dev/video3: this node of vivid delivers no");
   expect_in(refusal({kLeft, kRight, 10, {}}, 333, 222),
             "it has no 333 x 222, the calibration's size; it offers 320 x 180, 640 x 360, 640 x "
             "480,");
@@ -288,7 +289,7 @@ TEST_F(Cameras, ReportsWhyACameraCannotBeOpened) {
     Vivid other(kRight);
     other.reserve_buffers();
     expect_in(refusal({kLeft, kRight, 10, {}}),
-              "no camera at /dev/video1: another program is using it; end that one");
+              "no camera at /dev/video1: another program is using it; end that program");
   }
   ASSERT_EQ(seteuid(1000), 0);
   const std::string refused = refusal({kLeft, kRight, 10, {}});

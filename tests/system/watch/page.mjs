@@ -107,7 +107,7 @@ try {
   // Who opens the page meanwhile is shown the robot where it stands, and that the run pauses.
   const late = await open(url);
   await late.page.waitForFunction(() => window.kaz.pose("trunk")?.[2] > 0.1 && window.kaz.pose("ball/ball")?.[0] !== 0
-    && document.getElementById("pause").textContent === "go on" && document.getElementById("pace").value === "1",);
+    && document.getElementById("pause").textContent === "resume" && document.getElementById("pace").value === "1",);
   await late.page.close();
   await page.mouse.move(canvas.x + canvas.width / 2, canvas.y + canvas.height / 2);
   let at;

@@ -55,7 +55,7 @@ try {
   await stranger.close();
 
   // Without pictures the page says so, and how to record some.
-  await page.waitForFunction(() => document.getElementById("no-eyes").textContent.includes("holds no pictures"));
+  await page.waitForFunction(() => document.getElementById("no-eyes").textContent.includes("contains no pictures"));
   assert.match(await page.textContent("#no-eyes"), /kaz run search-ball --world ball --eyes ideal --seed 1 --out DIR --record-pictures$/);
 
   // The floor has the renderer's pattern: without it the deviation was 0.0, with it 4.7 and 3.8.

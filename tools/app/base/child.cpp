@@ -43,7 +43,7 @@ Result<Child> Child::begin(const std::string& program, const std::vector<std::st
     ::_exit(127);
   }
   ::close(out);
-  if (pid < 0) return wrong("no process for " + (own ? "kaz " + arguments.front() : program));
+  if (pid < 0) return wrong("cannot start " + (own ? "kaz " + arguments.front() : program));
   return Child(pid, lifetime);
 }
 

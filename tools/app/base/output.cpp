@@ -209,7 +209,7 @@ Result<void> put_in_place(const std::string& part, const std::string& path) {
   const int error = errno;
   if (fd >= 0) ::close(fd);
   if (done) return {};
-  return write_failure(path, "put the file in its place", error);
+  return write_failure(path, "move the file into place", error);
 }
 
 FileRemover::~FileRemover() {

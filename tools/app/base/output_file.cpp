@@ -66,8 +66,8 @@ tl::unexpected<Error> refuse_to_replace(const std::string& option, const std::st
                                         const std::string& there, const FileKind& kind) {
   const bool recognised = !kind.marks[0].empty() || kind.size != 0;
   return refused(option, path,
-                 recognised ? there + " is there and is no " + kind.name + " of kaz"
-                            : there + " is there already");
+                 recognised ? there + " exists and is not a " + kind.name + " of kaz"
+                            : there + " exists already");
 }
 
 bool is_standard_output(const std::string& path) {
@@ -107,11 +107,11 @@ Result<void> OutputFile::open_stream(const std::string& option) {
   part_ = path_;
   struct stat about = {};
   if (::stat(path_.c_str(), &about) == 0 && S_ISBLK(about.st_mode))
-    return refused(option, path_, "a disk is no place for a file");
+    return refused(option, path_, "it is a block device");
   fd_ = ::open(path_.c_str(), O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd_ < 0)
     return refused(option, path_,
-                   errno == ENXIO && S_ISFIFO(about.st_mode) ? "nobody reads this pipe"
+                   errno == ENXIO && S_ISFIFO(about.st_mode) ? "no program reads this pipe"
                                                              : std::strerror(errno));
   ::fcntl(fd_, F_SETFL, ::fcntl(fd_, F_GETFL) & ~O_NONBLOCK);
   return {};
@@ -140,7 +140,7 @@ Result<bool> OutputFile::lock_part(const std::string& option, const FileKind& ki
     return fail(Fault::environment,
                 option + ": another run" +
                     (process > 0 ? " (process " + std::to_string(process) + ")" : std::string()) +
-                    " writes '" + path_ + "': wait for its end, or give another path");
+                    " is writing '" + path_ + "': wait until it ends, or give another path");
   }
   const bool in_place = ::lstat(part_.c_str(), &there) == 0 && here.st_ino == there.st_ino;
   if (fresh && in_place) return true;
@@ -164,9 +164,9 @@ Result<OutputFile> OutputFile::open(const std::string& path, const std::string& 
   std::error_code error;
   const auto status = fs::status(path, error);
   const bool link = fs::is_symlink(fs::symlink_status(path, error));
-  if (path.empty()) return refused(option, path, "it has no name");
-  if (fs::is_directory(status)) return refused(option, path, "a folder of that name is there");
-  if (link && !fs::exists(status)) return refused(option, path, "a link to nothing is there");
+  if (path.empty()) return refused(option, path, "the path is empty");
+  if (fs::is_directory(status)) return refused(option, path, "it is a folder");
+  if (link && !fs::exists(status)) return refused(option, path, "it is a link to a missing file");
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     KAZ_TRY(file.open_stream(option));
     return file;
@@ -174,17 +174,18 @@ Result<OutputFile> OutputFile::open(const std::string& path, const std::string& 
   file.target_ = link ? fs::canonical(path, error).string() : path;
   file.part_ = file.target_ + ".part";
   if (fs::exists(status)) {
-    if (is_standard_output(path)) return refused(option, path, "this program prints into it");
+    if (is_standard_output(path))
+      return refused(option, path, "it is the standard output of this program");
     if (!may_replace(path, kind)) return refuse_to_replace(option, path, "the file", kind);
   }
   const fs::path folder = fs::absolute(file.target_, error).parent_path();
   if (fs::exists(fs::symlink_status(folder / kOutputListName, error)))
-    return refused(option, path, "the results of a run are in that folder");
+    return refused(option, path, "its folder contains the results of a run");
   for (int attempt = 0;; ++attempt) {
     const auto locked = KAZ_TRY(file.lock_part(option, kind));
     if (locked) break;
     if (attempt == 100)
-      return refused(option, path, "others remove " + file.part_ + " all the time");
+      return refused(option, path, "other programs remove " + file.part_ + " repeatedly");
   }
   file.at_last_ = remove_file_at_last(file.part_);
   // That so many bytes fit shows that the disk is not full.
@@ -214,7 +215,7 @@ Result<void> OutputFile::commit() {
   if (!sync_file(fd_))
     return tl::unexpected(explained(write_failure(path_, "write", errno).value()));
   if (!move_into_place(part_, target_))
-    return write_failure(path_, "put the file in its place", errno);
+    return write_failure(path_, "move the file into place", errno);
   g_saved.push_back(path_);
   release();
   return {};

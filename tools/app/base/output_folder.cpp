@@ -51,8 +51,8 @@ std::vector<std::string> names_in(const std::string& folder) {
 
 tl::unexpected<Error> cannot_write(const std::string& path, int error) {
   if (lacks_space(error)) return write_failure(path, "", error);
-  return fail(Fault::usage, "cannot put results into '" + path + "' (" + std::strerror(error) +
-                                "): it is no folder that can be written to" + kOtherFolder);
+  return fail(Fault::usage, "cannot write results to '" + path + "' (" + std::strerror(error) +
+                                "): it is not a writable folder" + kOtherFolder);
 }
 
 // Creates the folder and those above it; `created` gets those that were not there.
@@ -67,13 +67,13 @@ Result<void> make_folders(const std::string& path, std::vector<std::string>& cre
       created.push_back(at->string());
     } else if (errno != EEXIST) {
       if (lacks_space(errno)) return write_failure(path, "", errno);
-      return fail(Fault::usage, "cannot make the folder '" + path +
+      return fail(Fault::usage, "cannot create the folder '" + path +
                                     "' for results: " + std::strerror(errno) + kOtherFolder);
     }
   }
   if (fs::is_directory(path, error)) return {};
-  return fail(Fault::usage, "cannot make the folder '" + path +
-                                "' for results: a file of that name is in the way" + kOtherFolder);
+  return fail(Fault::usage, "cannot create the folder '" + path +
+                                "' for results: a file with this name exists" + kOtherFolder);
 }
 
 Result<void> append(int fd, const std::string& path, std::string_view bytes) {
@@ -168,8 +168,8 @@ Result<bool> OutputFolder::State::lock() {
     return fail(Fault::environment,
                 "another run" +
                     (process > 0 ? " (process " + std::to_string(process) + ")" : std::string()) +
-                    " writes its results into '" + path +
-                    "': wait for its end, or choose another with --out");
+                    " is writing results to '" + path +
+                    "': wait until it ends, or choose another with --out");
   }
   // Other failures of flock(): a file system without locks, on which none can be had.
   if (::stat(name.c_str(), &there) == 0 && here.st_ino == there.st_ino) return true;
@@ -195,13 +195,14 @@ Result<void> OutputFolder::State::refuse_others() const {
     const std::string base(without_part(name));
     if (is_result(name)) {
       if (other_kind)
-        return fail(Fault::usage, "'" + path + "' holds results of " + verbs_of(list.kind) + " (" +
-                                      name + "), which " + verbs_of(kind.name) +
-                                      " does not mix with its own: choose another with --out, or "
-                                      "remove them");
+        return fail(
+            Fault::usage,
+            "'" + path + "' contains results of " + verbs_of(list.kind) + " (" + name + "), and " +
+                verbs_of(kind.name) +
+                " does not mix them with its own: choose another with --out, or remove them");
     } else if (is_written_by(kind, base)) {
       return fail(Fault::usage,
-                  "'" + path + "' holds '" + name + "', which is not in its list of results (" +
+                  "'" + path + "' contains '" + name + "', which is not in its list of results (" +
                       std::string(kOutputListName) +
                       ") and would be replaced: choose another with --out, or remove it");
     }
@@ -282,9 +283,10 @@ Result<std::string> OutputFolder::add(const std::string& name) const {
   auto& names = state_->list.names;
   if (names.contains(name)) return path(name);
   if (!is_output_name(name) || names.size() >= kMaxOutputNames)
-    return fail(Fault::usage, "cannot put a result '" + name + "' into '" + folder() +
-                                  "': its name is too long, has control characters, or is one too "
-                                  "many");
+    return fail(
+        Fault::usage,
+        "cannot write the result '" + name + "' to '" + folder() +
+            "': its name is too long or has control characters, or there are too many results");
   if (fs::exists(fs::symlink_status(path(name))))
     return fail(Fault::usage, "'" + path(name) +
                                   "' is not in the list of results and would be replaced: choose "

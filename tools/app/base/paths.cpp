@@ -54,9 +54,10 @@ Result<std::string> world_file(const std::string& name) {
   }
   if (fs::is_regular_file(name, error)) return name;
   if (!plain_name)
-    return fail(Fault::usage,
-                (fs::is_directory(name, error) ? "a folder is no world: '" : "there is no file '") +
-                    name + "': give the path of an SDF file, or one of: " + known_worlds());
+    return fail(Fault::usage, (fs::is_directory(name, error) ? "a world is a file, not a folder: '"
+                                                             : "there is no file '") +
+                                  name +
+                                  "': give the path of an SDF file, or one of: " + known_worlds());
   return fail(Fault::usage, "no world `" + name +
                                 "`: give the path of an SDF file, or one of: " + known_worlds());
 }
@@ -69,8 +70,8 @@ Result<std::string> view_page() {
   const fs::path worlds = fs::canonical(data_folder() / "worlds", error);
   const fs::path dev = worlds.parent_path().parent_path() / "tools/dev";
   if (!error && fs::exists(dev, error))
-    return fail(Fault::environment,
-                "the page of --view is not built; to have it: " + dev.string() + " build kaz_page");
+    return fail(Fault::environment, "the page of --view is not built; build it with: " +
+                                        dev.string() + " build kaz_page");
   return fail(Fault::environment, "the page of --view is not in " + folder.string() +
                                       ": Kaz was built without npm; build it with npm, or "
                                       "install its packages");

@@ -97,8 +97,7 @@ Result<void> free_stand(const BenchOptions& arguments, const std::string& verb, 
   return fail(Fault::environment,
               "the stand " + arguments.target.stand + " may still hold a shaft (" +
                   back.error().message +
-                  "): `stand free` at its control socket releases it, and so does the next "
-                  "`kaz bench` with it");
+                  "): send `stand free` to its control socket, or run `kaz bench` with it again");
 }
 
 Result<hil::Limits> limits_of(const std::string& path) {
@@ -163,9 +162,11 @@ Result<BenchOptions> with_filter(BenchOptions arguments) {
   }
   arguments.motor = chosen(arguments, hil::BenchGroup::motor);
   if (!arguments.motor && !arguments.of_motors.empty() && (arguments.link || arguments.tick))
-    return fail(Fault::usage, arguments.of_motors + " is of motors, and --filter " +
-                                  arguments.filter + " takes none of their measurements; leave " +
-                                  arguments.of_motors + " out");
+    return fail(Fault::usage, arguments.of_motors +
+                                  " is only valid with motor measurements, and "
+                                  "--filter " +
+                                  arguments.filter + " selects none; leave out " +
+                                  arguments.of_motors);
   if (!arguments.link && !arguments.tick) KAZ_TRY(hil::check_motor_filter(arguments.filter));
   return arguments;
 }
@@ -256,7 +257,7 @@ Result<std::string> describe(BenchTarget& target, std::uint8_t address) {
   const auto who = host::identify_board(requester);
   if (who && (who->status & (KZ_STATUS_ENABLED | KZ_STATUS_HOLDING)) != 0)
     return fail(Fault::environment, "motors of the board on " + target.link().name() +
-                                        " are on: switch them off before anything is measured");
+                                        " are on: switch them off first");
   if (who) return host::board_text(*who);
   if (!requester.timed_out()) return tl::unexpected(who.error());
   return tl::unexpected(
@@ -271,13 +272,13 @@ Result<void> check_motion(const BenchOptions& arguments) {
     return {};
   return fail(Fault::usage,
               "this drives " + arguments.joints +
-                  " at full speed through its range: give --stand if the motor is on a bench, or "
-                  "--allow-motion if the joint may move so and you stand by");
+                  " at full speed through its range: give --stand if the motor is on a stand, or "
+                  "--allow-motion if the joint is free to move and you stand by");
 }
 
 Result<lockstep::MotorFitOptions> fit_options(const BenchFitOptions& arguments) {
   if (!arguments.model.image.empty() && arguments.model.mcu != sim::McuKind::h8)
-    return fail(Fault::usage, "--image is for --mcu h8 alone: native has no firmware image");
+    return fail(Fault::usage, "--image is only valid with --mcu h8: native has no firmware image");
   lockstep::MotorFitOptions options;
   options.joint = arguments.joint;
   const auto standard = KAZ_TRY(data_file("robot/kaz/motor.xml"));
@@ -314,9 +315,9 @@ Result<std::vector<int>> joints_of(const std::string& text) {
     name.erase(name.find_last_not_of(' ') + 1);
     const auto joint = host::joint_index(name);
     if (!joint)
-      return fail(Fault::usage, "--joint " + text + ": there is no joint `" + name +
-                                    "`; give `all` alone, or of these, with commas between: " +
-                                    all_joint_names());
+      return fail(Fault::usage,
+                  "--joint " + text + ": there is no joint `" + name +
+                      "`; give `all`, or some of these, separated by commas: " + all_joint_names());
     if (std::ranges::find(joints, *joint) != joints.end())
       return fail(Fault::usage, "--joint " + text + " names `" + name + "` twice");
     joints.push_back(*joint);
@@ -377,8 +378,8 @@ Result<Outcome> run_bench(const BenchOptions& given) {
     const Error error = together(ran, left).error();
     const std::string results =
         report.measurements.empty()
-            ? "; nothing was measured until then"
-            : "; what was measured until then is in " + folder.reports.path("report.html");
+            ? "; no measurement was completed"
+            : "; completed measurements are in " + folder.reports.path("report.html");
     return tl::unexpected(Error{error.fault, error.message + results});
   }
   const int failed = report.count(hil::Verdict::failed);
@@ -395,24 +396,24 @@ Result<Outcome> run_bench(const BenchOptions& given) {
       std::fprintf(
           stderr,
           "%s: a motor was too warm to judge all measurements: let it cool for 20 minutes, "
-          "and run it again\n",
+          "then run the bench again\n",
           verb.c_str());
     if (report.doubts(Doubt::line))
       std::fprintf(stderr,
                    "%s: the line was too disturbed to judge all measurements: check cable and "
-                   "adapter, which kaz bench link measures; run it again\n",
+                   "adapter with `kaz bench link`, then run it again\n",
                    verb.c_str());
     if (report.doubts(Doubt::machine))
       std::fprintf(stderr,
-                   "%s: this machine was too late to judge all measurements: end other programs; "
-                   "run it again\n",
+                   "%s: this machine was too late to judge all measurements: end other programs, "
+                   "then run it again\n",
                    verb.c_str());
     return Outcome::with_status(static_cast<int>(Fault::environment));
   }
   if (!arguments.json && std::ranges::none_of(report.plots, has_points))
-    std::printf("no plots: nothing that was measured has a curve\n");
+    std::printf("no plots: no completed measurement has a curve\n");
   if (failed == 0 && report.count(hil::Verdict::passed) == 0)
-    std::fprintf(stderr, "%s: nothing was measured, so nothing has passed\n", verb.c_str());
+    std::fprintf(stderr, "%s: no measurement was made, so none passed\n", verb.c_str());
   return Outcome(failed == 0 && report.count(hil::Verdict::passed) > 0);
 }
 
@@ -424,9 +425,10 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
   const auto text = KAZ_TRY(read_file(path));
   const auto report = KAZ_TRY(hil::parse_bench_json(text, path));
   if (std::filesystem::equivalent(arguments.model.motor_file, arguments.out + "/motor.xml", none))
-    return fail(Fault::usage, "--out: '" + arguments.out +
-                                  "' holds the file of --motor-file, which the fit would replace; "
-                                  "give another folder");
+    return fail(Fault::usage,
+                "--out: '" + arguments.out +
+                    "' contains the file of --motor-file, which the fit would overwrite; "
+                    "give another folder");
   auto options = KAZ_TRY(fit_options(arguments));
   Progress progress("kaz bench fit", arguments.json);
   options.progress = [&](double share, const std::string& what) { progress.update(share, what); };
@@ -439,7 +441,7 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
   if (arguments.json) {
     print_json(result);
   } else {
-    std::printf("%s\nthe motor is %s, the curves are in %s\n", fit_text(*fitted).c_str(),
+    std::printf("%s\nthe motor file is %s, the curves are in %s\n", fit_text(*fitted).c_str(),
                 folder.reports.path("motor.xml").c_str(),
                 folder.reports.path("report.html").c_str());
   }

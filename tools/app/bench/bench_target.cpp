@@ -96,7 +96,8 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
 Result<std::unique_ptr<BenchTarget>> open_virtual(const BenchTargetOptions& options,
                                                   const host::Interrupt& interrupt) {
   if (!options.stand.empty())
-    return fail(Fault::usage, "--stand goes with --robot; the virtual board has its own");
+    return fail(Fault::usage,
+                "--stand is only valid with --robot; the virtual board has its own stand");
   BackendOptions backend = options.backend;
   backend.stand = true;
   auto simulation = KAZ_TRY(make_simulation(backend, sim::FramePolicy::wait));

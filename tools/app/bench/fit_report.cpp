@@ -71,7 +71,7 @@ std::string fit_text(const MotorFit& fit) {
     std::snprintf(line, sizeof line, "%-24s %-9s %11s %11s  %s\n", one.name.c_str(),
                   one.unit.c_str(), short_number(one.before).c_str(),
                   short_number(one.after).c_str(),
-                  one.measured ? change(one.before, one.after).c_str() : "not measured, stays");
+                  one.measured ? change(one.before, one.after).c_str() : "not measured, unchanged");
     text += line;
   }
   std::snprintf(line, sizeof line, "\n%-24s %-9s %11s %11s %11s\n", "gap", "unit", "measured",
@@ -89,18 +89,20 @@ std::string fit_text(const MotorFit& fit) {
 std::string fit_html(const MotorFit& fit, const std::string& report, const hil::Provenance& from) {
   std::string text = hil::page_head("Kaz bench fit: " + fit.motor.name, kStyle);
   text += "<h1>Motor model fitted</h1>\n<p class=\"facts\">" + xml_text(fit.motor.name) +
-          "<br>to " + xml_text(report) + "<br>fitted by kaz " + xml_text(from.kaz) + ", in " +
+          "<br>fitted to " + xml_text(report) + "<br>by kaz " + xml_text(from.kaz) + ", in " +
           std::to_string(fit.rounds) + " rounds of the bench on the model" +
           hil::provenance_html(from) +
           "</p>\n<h2>Parameters</h2>\n<table><tr><th>parameter</th>"
           "<th>unit</th><th>before</th><th>after</th><th>change</th></tr>\n";
   for (const FittedParam& one : fit.params) {
-    text += hil::table_row({one.name, one.unit, short_number(one.before), short_number(one.after),
-                            one.measured ? change(one.before, one.after) : "not measured, stays"});
+    text +=
+        hil::table_row({one.name, one.unit, short_number(one.before), short_number(one.after),
+                        one.measured ? change(one.before, one.after) : "not measured, unchanged"});
   }
   text +=
-      "</table>\n<h2>Gap between motor and model</h2>\n<p>The same bench, run on the model. Of a "
-      "curve: root mean square of the difference.</p>\n<table><tr><th>measurement</th><th>unit</th>"
+      "</table>\n<h2>Gap between motor and model</h2>\n<p>The model runs the same bench. For a "
+      "curve, the gap is the root mean square of the "
+      "difference.</p>\n<table><tr><th>measurement</th><th>unit</th>"
       "<th>measured</th><th>model before</th><th>model after</th></tr>\n";
   for (const Gap& one : fit.gaps) {
     text += hil::table_row({one.name, one.unit, short_number(one.measured),

@@ -15,7 +15,7 @@ TEST(FitReport, PageHasItsProvenance) {
                                 "kaz bench fit motor"};
   const std::string page = fit_html(fit, "motor/result.json", from);
   for (const char* part :
-       {"m &lt;1&gt;", "to motor/result.json", "fitted by kaz 0.1.0, in 6 rounds",
+       {"m &lt;1&gt;", "fitted to motor/result.json", "by kaz 0.1.0, in 6 rounds",
         "2026-01-02T03:04:05Z, a &lt;cpu&gt;, 2 cores, an OS", "<code>kaz bench fit motor</code>"})
     EXPECT_NE(page.find(part), std::string::npos) << part << "\n" << page;
 }

@@ -63,16 +63,17 @@ Result<bool> record_pendulum_logs(PendulumArguments arguments) {
         arguments.amplitude_deg);
     const auto reply = KAZ_TRY(prompt_user(
         text, interrupt,
-        "a weight that swings needs somebody at the keyboard, or --yes for a script; nothing was "
+        "a swinging weight needs somebody at the keyboard, or --yes for a script; nothing was "
         "moved"));
     if (!reply.empty() && reply != "y" && reply != "yes")
-      return fail(Fault::failed, "stopped before anything was moved");
+      return fail(Fault::failed, "stopped; nothing was moved");
   }
   Progress progress("kaz bench pendulum", arguments.json);
   recorder.amplitude_rad = arguments.amplitude_deg * std::numbers::pi / 180;
   recorder.interrupt = &interrupt;
   recorder.progress = [&](double share, const std::string& what) { progress.update(share, what); };
-  leaves_behind("the servo on " + port.name() + " may hold: switch its supply off");
+  leaves_behind("the servo on " + port.name() +
+                " may still hold the weight: switch off its supply");
   const auto recorded = hil::record_pendulum(*link, clock, recorder);
   leaves_behind("");
   progress.done();

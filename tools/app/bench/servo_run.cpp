@@ -155,15 +155,17 @@ std::string html(const Report& report, const ServoFit& best,
                      "figure { margin: 1em 0 } svg { max-width: 100%; height: auto }") +
       "<h1>A servo's motor and friction</h1>\n<p class=\"facts\">" +
       hil::provenance_html(provenance()) +
-      "</p>\n<h2>Models</h2>\n<p>Mean errors of the predicted position, degrees, and of the "
-      "current, % of the current read; of the logs that were fitted, and of those held out."
+      "</p>\n<h2>Models</h2>\n<p>Mean errors of the predicted position (degrees) and of the "
+      "predicted current (% of the measured current), for the fitted logs and for the held-out "
+      "logs."
       "</p>\n<table><tr><th>model</th><th>position</th><th>held out</th><th>current</th>"
       "<th>held out</th></tr>\n";
   for (const auto& row : report.models) text += hil::table_row(row);
   text += "</table>\n<h2>Parameters of M" + std::to_string(best.model) +
-          "</h2>\n<p>Where a parameter is that far away and all others follow it, the error grows "
-          "by 3 %. Not determined: by half of the value or more.</p>\n<table><tr><th>parameter</th>"
-          "<th>unit</th><th>value</th><th></th></tr>\n";
+          "</h2>\n<p>Tolerance: the error grows by 3 % if the parameter changes by this amount and "
+          "all others are fitted again. Not determined: half of the value or "
+          "more.</p>\n<table><tr><th>parameter</th>"
+          "<th>unit</th><th>value</th><th>tolerance</th></tr>\n";
   for (const auto& row : report.params) text += hil::table_row(row);
   text += "</table>\n";
   for (const plot::PlotPage& page : plots)

@@ -143,7 +143,7 @@ void say(const hil::CaseResult& one) {
                  .c_str(),
              stdout);
   if (one.runs > 1 && one.verdict != hil::Verdict::undecided)
-    std::printf("          run %d times: this machine was late before\n", one.runs);
+    std::printf("          run %d times: this machine was late in the runs before\n", one.runs);
   if (one.verdict == hil::Verdict::failed) {
     for (const std::string& id : one.of->statements) {
       for (const hil::Statement& statement : hil::statements()) {
@@ -188,13 +188,12 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
                                             .reset = true,
                                             .alone = true}));
   if (kept->before().shared_line)
-    return fail(
-        Fault::environment,
-        "the board on " + port.name() +
-            " is set to share its line, where it refuses telemetry: the suite is for a board "
-            "alone on its line, which `kaz recover " +
-            host::robot_option(port.name()) + " --address " + std::to_string(arguments.address) +
-            " --shared-line off` makes it");
+    return fail(Fault::environment,
+                "the board on " + port.name() +
+                    " is set to share its line, so it refuses telemetry, which the suite needs: if "
+                    "the board is alone on its line, give `kaz recover " +
+                    host::robot_option(port.name()) + " --address " +
+                    std::to_string(arguments.address) + " --shared-line off`");
   auto report = hil::run_suite(meter, meter, nullptr, kPortSlack, arguments.run);
   auto left = kept->end();
   if (report && report->interrupted && !left) {
@@ -234,8 +233,8 @@ Result<hil::RunReport> run_bus(ConformanceOptions& arguments, hil::ReportFacts& 
   run.lateness = &meter;
   run.progress = arguments.run.progress;
   // A second Ctrl-C ends the program at once.
-  leaves_behind("servo " + std::to_string(arguments.id) + " on " + port.name() +
-                " may have registers of a case: switch its supply off and on" +
+  leaves_behind("registers of servo " + std::to_string(arguments.id) + " on " + port.name() +
+                " may still have values from a case: switch its supply off and on" +
                 (arguments.allow_eeprom ? ", and compare its EEPROM" : ""));
   auto report = hil::run_bus_suite(meter, meter, run);
   leaves_behind("");
@@ -258,8 +257,8 @@ Result<std::vector<const hil::Case*>> taken_by(const ConformanceOptions& argumen
   if (!some_can_run && !arguments.list)
     return fail(Fault::usage,
                 "--filter " + arguments.run.filter +
-                    " takes no case that can run here: " + hil::missing_servo_text(missing) +
-                    "; `kaz conformance --bus PROTOCOL --list` names others");
+                    " matches no case that can run here: " + hil::missing_servo_text(missing) +
+                    "; `kaz conformance --bus PROTOCOL --list` lists others");
   return taken;
 }
 
@@ -271,9 +270,9 @@ Result<void> check_needs(const std::vector<const hil::Case*>& taken, unsigned al
     if ((one->needs & ~allowed) == 0) return {};
     missing |= one->needs & ~allowed;
   }
-  return fail(Fault::usage, "--filter " + filter + " takes no case that can run here: each " +
+  return fail(Fault::usage, "--filter " + filter + " matches no case that can run here: each " +
                                 hil::missing_text(missing) +
-                                "; `kaz conformance --list` names others");
+                                "; `kaz conformance --list` lists others");
 }
 
 // 3 where cases are undecided: neither the board nor its protocol is to blame.
@@ -302,10 +301,11 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
                 "--robot is missing: the servo's bus, as feetech:/dev/ttyACM0 (kaz bus scan finds "
                 "servos)");
   if (arguments.port.empty() != arguments.mcu.has_value()) {
-    return fail(Fault::usage, "say which board: either --robot KIND:PATH or --virtual h8|native");
+    return fail(Fault::usage,
+                "the board is missing; give either --robot KIND:PATH or --virtual h8|native");
   }
   if (!arguments.image.empty() && arguments.mcu != sim::McuKind::h8)
-    return fail(Fault::usage, "--image is for --virtual h8 alone");
+    return fail(Fault::usage, "--image is only valid with --virtual h8");
   for (const auto& [option, given] : {std::pair("--allow-motion", arguments.allow_motion),
                                       {"--allow-flash", arguments.allow_flash}}) {
     if (given && arguments.mcu)
@@ -364,7 +364,7 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   if (report->interrupted)
     return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
                                         " of " + counted(report->chosen(), "case") +
-                                        (reports.any() ? "; the reports are of these" : ""));
+                                        (reports.any() ? "; the reports cover these" : ""));
   return outcome_of(*report);
 }
 

@@ -253,7 +253,7 @@ TEST_F(KeptRuns, WithoutAPlaceForNotesNothingIsAltered) {
     const auto begun = KeptRun::begin(port, port, interrupt, where);
     ASSERT_FALSE(begun);
     EXPECT_EQ(begun.error().fault, Fault::environment);
-    EXPECT_NE(begun.error().message.find("set XDG_STATE_HOME to a folder that can be written"),
+    EXPECT_NE(begun.error().message.find("set XDG_STATE_HOME to a writable folder"),
               std::string::npos)
         << begun.error().message;
     EXPECT_EQ(sure(host::read_board(board, board, 1)), before) << "not even a reset";
@@ -331,8 +331,7 @@ TEST_F(KeptRuns, MotorsThatAreStillOnAreNotCalledOff) {
   EXPECT_NE(end_of_run(false).find("motors off ("), std::string::npos);
   const std::string stuck = end_of_run(true);
   EXPECT_EQ(stuck.find("motors off ("), std::string::npos) << stuck;
-  EXPECT_NE(stuck.find("not put back: motors, which are still on: its motors may be on"),
-            std::string::npos)
+  EXPECT_NE(stuck.find("not put back: motors (still on): its motors may be on"), std::string::npos)
       << stuck;
   EXPECT_EQ(end_of_run(true, [] { return "pan (id 1) still has torque: cut the power"; }),
             "test-port: pan (id 1) still has torque: cut the power");
@@ -356,7 +355,7 @@ TEST_F(KeptRuns, AKilledFlashWriteIsNamed) {
   sure(write_whole_file(path, text));
   const auto left = earlier_notes("test-port", folder_);
   ASSERT_EQ(left.size(), 1u);
-  EXPECT_NE(left[0].find("completes it, and removing " + path), std::string::npos) << left[0];
+  EXPECT_NE(left[0].find(", or remove " + path), std::string::npos) << left[0];
   EXPECT_TRUE(interrupted_writes("other-port", folder_).empty());
   EXPECT_FALSE(read_kept(path)) << "kaz recover has nothing to put back";
   for (const std::size_t size : {std::size_t{0}, text.size() / 2}) {
@@ -395,8 +394,9 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   EXPECT_TRUE(earlier_notes("test-port", folder_ + "/none").empty());
   auto sentences = earlier_notes("test-port", folder_);
   ASSERT_EQ(sentences.size(), 1u);
-  EXPECT_NE(sentences[0].find("`kaz recover --robot serial:test-port --from " + path + "` does it"),
-            std::string::npos)
+  EXPECT_NE(
+      sentences[0].find("`kaz recover --robot serial:test-port --from " + path + "` puts it back"),
+      std::string::npos)
       << sentences[0];
   // The newest first, whatever its number.
   const std::string older = path.substr(0, path.rfind('-')) + "-1.json";

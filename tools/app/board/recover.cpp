@@ -40,12 +40,12 @@ Result<std::uint8_t> choose(std::vector<std::uint8_t> found, const std::string& 
                             const std::vector<std::uint8_t>& others) {
   if (found.empty())
     return fail(Fault::environment,
-                "nothing answers at any of the 14 addresses on " + port +
-                    ": check that the board is powered, the cable plugged in, and no other program "
-                    "has the port open; after an interrupted update the board waits in its loader "
-                    "(`kaz flash info " +
+                "no board answers at any of the 14 addresses on " + port +
+                    ": check that the board is powered, the cable is plugged in, and no other "
+                    "program has the port open; after an interrupted update, the board waits in "
+                    "its loader (check with `kaz flash info " +
                     host::robot_option(port) +
-                    "` says so), or in boot mode, where it needs `kaz flash write` with --reset");
+                    "`) or in boot mode, where it needs `kaz flash write` with --reset");
   if (options.found_at) {
     if (std::ranges::find(found, *options.found_at) != found.end()) return *options.found_at;
     return fail(Fault::usage, "no board answers at address " + std::to_string(*options.found_at) +
@@ -84,8 +84,8 @@ void print(const Recovered& result, const std::string& port) {
                 shutdown(result.status).c_str());
   if (result.left.empty() && result.shared_line)
     std::printf(
-        "its line is set to be shared, so that it refuses telemetry; where it is alone, "
-        "--shared-line off changes that\n");
+        "the board is set to share its line, so it refuses telemetry; if it is alone on the line, "
+        "give --shared-line off\n");
 }
 
 nlohmann::ordered_json as_json(const Recovered& result, const std::string& port, bool ok) {
@@ -107,15 +107,16 @@ Result<std::optional<KeptFile>> read_notes(const RecoverOptions& options, const 
   if (options.from.empty()) return std::nullopt;
   KeptFile kept = KAZ_TRY(read_kept(options.from));
   if (notes_in_use(kept))
-    return fail(Fault::usage, options.from + ": " + kept.verb + " on " + kept.port +
-                                  " is still under way and puts its board back itself: end it, or "
-                                  "leave --from out");
+    return fail(
+        Fault::usage,
+        options.from + ": " + kept.verb + " on " + kept.port +
+            " is still running and puts its board back itself: end it, or leave --from out");
   if (!same_port(kept, port) && !options.port_changed)
-    return fail(Fault::usage,
-                options.from + ": notes of the board on " + kept.port + ", not on " + port +
-                    ": another board would get its address and calibration; if the same board is "
-                    "on " +
-                    port + " now, add --port-changed");
+    return fail(
+        Fault::usage,
+        options.from + ": notes of the board on " + kept.port + ", not on " + port +
+            ": another board would get this address and calibration; if the same board is on " +
+            port + " now, add --port-changed");
   return kept;
 }
 
@@ -127,8 +128,10 @@ void remove_notes(const std::string& path) {
                                    error))
     return;
   if (!std::filesystem::remove(path, error) && error)
-    std::fprintf(stderr, "kaz recover: the notes have served, but cannot be removed (%s): %s\n",
-                 error.message().c_str(), path.c_str());
+    std::fprintf(
+        stderr,
+        "kaz recover: the notes are no longer needed, but cannot be removed (%s): remove %s\n",
+        error.message().c_str(), path.c_str());
 }
 
 }  // namespace
@@ -167,9 +170,9 @@ Result<bool> recover(const RecoverOptions& options) {
   const auto recovered = recover_board(*link, clock, options, kept);
   // Also a failure because of the signal.
   if (!recovered && interrupt.requested() && recovered.error().fault != Fault::usage)
-    return fail(Fault::interrupted,
-                "interrupted while it searched for the board on " + port.name() +
-                    ", of which nothing was changed; give the same command again");
+    return fail(Fault::interrupted, "interrupted during the search for the board on " +
+                                        port.name() +
+                                        "; nothing was changed: give the same command again");
   const auto result = KAZ_TRY(recovered);
   const bool ok = result.left.empty() && shutdown(result.status).empty();
   const bool cut_short = interrupt.requested() && !result.left.empty();
@@ -185,9 +188,8 @@ Result<bool> recover(const RecoverOptions& options) {
     std::string done;
     for (const std::string& one : result.done) done += (done.empty() ? "" : ", ") + one;
     return fail(Fault::interrupted,
-                "interrupted before the board on " + port.name() +
-                    " was as it should be; put back: " + (done.empty() ? "nothing" : done) +
-                    "; give the same command again");
+                "interrupted before the board on " + port.name() + " was recovered; put back: " +
+                    (done.empty() ? "nothing" : done) + "; give the same command again");
   }
   if (result.left.empty()) remove_notes(options.from);
   for (const std::string& sentence : earlier_notes(port.name()))

@@ -15,8 +15,8 @@ namespace kaz::tools {
 Result<bool> bridge_can(const CanBridgeOptions& options) {
   const auto port = KAZ_TRY(parse_port(options.port));
   if (port.kind == host::PortKind::can)
-    return fail(Fault::usage, "--robot " + options.port +
-                                  ": that is a CAN bus already; give the board's serial line");
+    return fail(Fault::usage,
+                "--robot " + options.port + ": is already a CAN bus; give the board's serial line");
   // "can:can0" too, as for --robot.
   const auto bus = KAZ_TRY(host::parse_port_address(
       "--can",

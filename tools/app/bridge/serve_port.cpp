@@ -16,7 +16,7 @@ Result<bool> serve_port(const ServePortOptions& options) {
   const auto place = host::parse_port_address("--listen", "tcp:" + options.listen);
   if (!place)
     return fail(Fault::usage, "--listen " + options.listen +
-                                  ": give HOST:PORT, as in 127.0.0.1:7217 or 0.0.0.0:7217");
+                                  ": give HOST:PORT, for example 127.0.0.1:7217 or 0.0.0.0:7217");
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto say = [](const std::string& sentence) {

@@ -30,7 +30,7 @@ using host::BusJoint;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kVerb = "kaz bus record";
-constexpr FileKind kPoses{"file of poses", {"\"kaz-poses-1\"", "\"poses\""}};
+constexpr FileKind kPoses{"pose file", {"\"kaz-poses-1\"", "\"poses\""}};
 constexpr Time kPeriod = std::chrono::milliseconds(20), kLost = std::chrono::seconds(2);
 constexpr double kMoved = 2 * kDegree;   // by which a motion begins and ends
 constexpr double kBeyond = 3 * kDegree;  // of its limits, where a stop gives way
@@ -76,7 +76,7 @@ class Recording {
  private:
   Result<void> read() {
     if (!options_.json)
-      std::fprintf(stderr, "%s: nothing is driven; move the robot by hand, for %.0f s\n", kVerb,
+      std::fprintf(stderr, "%s: the motors are off; move the robot by hand for %.0f s\n", kVerb,
                    options_.seconds);
     Progress progress(kVerb, options_.json);
     const auto servos = servos_of(joints_);
@@ -105,7 +105,7 @@ class Recording {
 
   // From where something moves to where nothing does any more. Returns what is wrong with it.
   std::string trim() {
-    if (samples_.empty()) return "no reading of all joints came";
+    if (samples_.empty()) return "no complete reading of all joints was received";
     const auto differs = [](const Sample& a, const Sample& b) {
       for (std::size_t j = 0; j < a.angles.size(); ++j)
         if (std::abs(a.angles[j] - b.angles[j]) > kMoved) return true;
@@ -114,7 +114,7 @@ class Recording {
     std::size_t first = 0, last = samples_.size() - 1;
     while (first < last && !differs(samples_[first], samples_.front())) ++first;
     while (last > first && !differs(samples_[last], samples_.back())) --last;
-    if (first >= last) return "nothing was moved";
+    if (first >= last) return "no joint was moved";
     constexpr std::size_t kAround = 10;  // samples of rest at both ends
     first -= std::min(first, kAround);
     last = std::min(last + kAround, samples_.size() - 1);
@@ -126,11 +126,12 @@ class Recording {
         double& angle = sample.angles[j];
         if (angle < joint.lower_rad - kBeyond || angle > joint.upper_rad + kBeyond) {
           char text[240];
-          std::snprintf(text, sizeof text,
-                        "%s was at %.0f degrees, and its limits are %.0f to %.0f: `kaz calibrate "
-                        "joints` places its zero",
-                        joint.servo.joint.c_str(), angle / kDegree, joint.lower_rad / kDegree,
-                        joint.upper_rad / kDegree);
+          std::snprintf(
+              text, sizeof text,
+              "%s was at %.0f degrees, but its limits are %.0f to %.0f: set its zero with "
+              "`kaz calibrate joints`",
+              joint.servo.joint.c_str(), angle / kDegree, joint.lower_rad / kDegree,
+              joint.upper_rad / kDegree);
           return text;
         }
         angle = std::clamp(angle, joint.lower_rad, joint.upper_rad);
@@ -205,7 +206,7 @@ class Recording {
     }
     std::printf("%s, %.1f s, in %s%s\n", counted(sequence.poses.size(), "pose").c_str(), length,
                 options_.out.c_str(),
-                stretched > 1 ? "; slower than the hand was, as the servos need it" : "");
+                stretched > 1 ? "; slowed down to the speed limit of the servos" : "");
     print_lines("play it: kaz run play --poses %s --robot %s --robot-file %s\n",
                 options_.out.c_str(), options_.backend.robot.c_str(),
                 options_.backend.robot_file.c_str());

@@ -106,7 +106,7 @@ std::vector<host::ScanRemark> of_bus(const std::vector<Found>& all) {
   }
   if (const double median = median_ms(trips); median > 5) {
     std::snprintf(text, sizeof text,
-                  "answers take %.1f ms: the adapter keeps them back; `kaz doctor` has the command "
+                  "answers take %.1f ms: the adapter delays them; `kaz doctor` prints the command "
                   "that sets its latency to 1 ms",
                   median);
     remarks.push_back({false, text});
@@ -114,13 +114,14 @@ std::vector<host::ScanRemark> of_bus(const std::vector<Found>& all) {
   if (highest - lowest >= 0.5) {
     std::snprintf(
         text, sizeof text,
-        "voltages from %.1f to %.1f V: the supply or thin wires sag along the chain; feed "
-        "it from both ends",
+        "voltages from %.1f to %.1f V: the voltage drops along the chain; use thicker wires, or "
+        "feed it from both ends",
         lowest, highest);
     remarks.push_back({false, text});
   }
   if (std::ranges::any_of(all, [&all](const Found& one) { return one.baud != all[0].baud; }))
-    remarks.push_back({true, "servos at different rates: a program speaks to those of one"});
+    remarks.push_back(
+        {true, "servos at different rates: a program uses one rate; set all servos to the same"});
   return remarks;
 }
 
@@ -147,10 +148,10 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
   auto address = bus.port;
   if (bus.protocol && !options.protocol.empty())
     return fail(Fault::usage, "--protocol " + options.protocol + ": --robot " + options.robot +
-                                  " has a protocol already; leave --protocol out");
+                                  " already gives a protocol; leave out --protocol");
   if (address.baud != 0 && !options.bauds.empty())
-    return fail(Fault::usage,
-                "--baud: --robot " + options.robot + " has a rate already; leave one of them out");
+    return fail(Fault::usage, "--baud: --robot " + options.robot +
+                                  " already gives a rate; leave out one of them");
   const std::vector<long> bauds =
       address.baud != 0 ? std::vector<long>{address.baud} : options.bauds;
   host::Interrupt interrupt;
@@ -199,7 +200,7 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
     if (!found && interrupt.requested()) {
       progress.done();
       if (!options.json) print(all);
-      return fail(Fault::interrupted, "interrupted; the ids and rates behind were not tried");
+      return fail(Fault::interrupted, "interrupted; the remaining ids and rates were not tried");
     }
     for (const ScannedServo& servo : KAZ_TRY(found))
       all.push_back({protocol, baud, servo, host::remarks_on(servo, protocol)});
@@ -208,8 +209,8 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
   auto remarks = of_bus(all);
   for (const Found& one : all) undecided.erase(one.servo.id);
   if (!undecided.empty())
-    remarks.push_back({false, "whether a servo has id " + ids_text(undecided) +
-                                  " is not decided: " + excuse + "; " + kScanAgain});
+    remarks.push_back({false, "undecided whether a servo has id " + ids_text(undecided) + ": " +
+                                  excuse + "; " + kScanAgain});
   const bool late = !undecided.empty() ||
                     std::ranges::any_of(all, [](const Found& one) { return one.servo.late > 0; });
   bool good = !all.empty();
@@ -235,8 +236,8 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
                                         kScanAgain);
   if (all.empty()) {
     std::printf(
-        "no servo answers on %s: check its supply, the plug next to the adapter, and that no other "
-        "program has the port\n",
+        "no servo answers on %s: check its supply and the plug next to the adapter, and end other "
+        "programs that use the port\n",
         address.name().c_str());
     return false;
   }

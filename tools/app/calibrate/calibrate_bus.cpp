@@ -49,8 +49,8 @@ constexpr int kCountsTurns = 16;  // bit of `phase`
 constexpr double kSags = 40;
 constexpr FileKind kBusFile{"bus.json", {"\"protocol\"", "\"servos\""}};
 constexpr const char* kNobody =
-    "what is written to the servos needs somebody at the keyboard, or --yes for a script; nothing "
-    "was written";
+    "writing to the servos needs somebody at the keyboard, or --yes for a script; nothing was "
+    "written";
 
 const OutputKind& joints_output() {
   static const OutputKind kind{"calibrate joints", {"result.json", "joints.svg"}};
@@ -149,14 +149,14 @@ class BusCalibration {
     for (const BusJoint& joint : joints_) {
       const BusServo& servo = joint.servo;
       if (const int number = KAZ_TRY(read(servo, model)); number != servo.model->number)
-        return fail(Fault::usage, named(servo) + " on " + port_->name() + " is of model number " +
-                                      std::to_string(number) + ", and bus.json says " +
+        return fail(Fault::usage, named(servo) + " on " + port_->name() + " has model number " +
+                                      std::to_string(number) + ", but bus.json gives " +
                                       std::string(servo.model->name));
       if (servo.model->find(mode) != nullptr) {
         if (const int now = KAZ_TRY(read(servo, mode)); now != driver_->position_mode())
           return fail(Fault::usage, named(servo) + " on " + port_->name() + " is in mode " +
-                                        std::to_string(now) + ", and only the position mode, " +
-                                        std::to_string(driver_->position_mode()) + ", has a range");
+                                        std::to_string(now) + ": set it to the position mode, " +
+                                        std::to_string(driver_->position_mode()));
       }
     }
     KAZ_TRY(require_limp(*driver_, joints_, port_->name(), options_.release));
@@ -179,15 +179,15 @@ class BusCalibration {
                     joints_[j].servo.joint.c_str(), 100 * share(j));
       text += one;
     }
-    return text.empty() ? "all joints were at both stops" : text;
+    return text.empty() ? "all joints reached both stops" : text;
   }
 
   // Until each joint was at both stops and none goes further, or the time is over.
   Result<void> sweep() {
     if (!options_.json)
       std::fprintf(stderr,
-                   "%s: nothing is driven. Turn each joint by hand from one stop to the other, "
-                   "slowly, in any order; it ends by itself\n",
+                   "%s: the motors are off. Turn each joint slowly by hand from one stop to the "
+                   "other, in any order; the measurement ends by itself\n",
                    kVerb);
     Progress progress(kVerb, options_.json);
     const auto all = servos();
@@ -255,8 +255,7 @@ class BusCalibration {
   // What will be written, and whether it may.
   Result<void> confirm() {
     FILE* to = options_.json ? stderr : stdout;
-    std::fprintf(to, writes_eeprom() ? "to be written to EEPROM:\n"
-                                     : "nothing has to be written to EEPROM\n");
+    std::fprintf(to, writes_eeprom() ? "to be written to EEPROM:\n" : "no changes in EEPROM\n");
     for (std::size_t j = 0; j < joints_.size(); ++j)
       for (const Change& one : changes_of(names_of(protocol_), before_[j], plans_[j].registers))
         std::fprintf(to, "  %-32s %-18s %6d -> %d\n", named(joints_[j].servo).c_str(), one.name,
@@ -266,7 +265,7 @@ class BusCalibration {
     if (options_.yes) return {};
     const auto reply = KAZ_TRY(prompt_user("Enter to write, n to stop", interrupt_, kNobody));
     if (reply.empty() || reply == "y" || reply == "yes") return {};
-    return fail(Fault::failed, "stopped before that, nothing is written");
+    return fail(Fault::failed, "stopped; nothing is written");
   }
 
   // Read back; a write that was not acknowledged may have been done.
@@ -276,7 +275,7 @@ class BusCalibration {
       const auto now = KAZ_TRY(driver_->read(servo, name));
       if (now == value) return {};
     }
-    return fail(Fault::environment, named(servo) + " on " + port_->name() + " does not take " +
+    return fail(Fault::environment, named(servo) + " on " + port_->name() + " does not accept " +
                                         std::to_string(value) + " for its register " + name);
   }
 
@@ -314,9 +313,9 @@ class BusCalibration {
     off -= servo.model->steps * std::round(off / servo.model->steps);
     if (by != 0 && std::abs(off) > kSags)
       return fail(Fault::environment, named(servo) + " on " + port_->name() +
-                                          " shifts its position otherwise than published: by " +
+                                          " does not shift its position as documented: it is " +
                                           std::to_string(std::lround(off)) +
-                                          " steps (docs/reference/servo-bus.md)");
+                                          " steps off (docs/reference/servo-bus.md)");
     return {};
   }
 
@@ -343,13 +342,13 @@ class BusCalibration {
       if (!back)
         return fail(Fault::environment,
                     done.error().message +
-                        "; and what was written could not be taken back: " + back.error().message);
+                        "; and the changes could not be undone: " + back.error().message);
       return fail(done.error().fault,
-                  done.error().message + "; all is as it was, nothing is written");
+                  done.error().message + "; all changes are undone, nothing is written");
     }
     leaves_behind("");
     stored_ = true;
-    if (!options_.json) std::printf("written and read back; %s has the zeros\n", path_.c_str());
+    if (!options_.json) std::printf("written and verified; the zeros are in %s\n", path_.c_str());
     return {};
   }
 

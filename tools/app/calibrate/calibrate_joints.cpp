@@ -28,7 +28,7 @@ using Lines = std::array<host::JointCalibration, KZ_JOINTS>;
 
 constexpr const char* kVerb = "kaz calibrate joints";
 constexpr std::uint32_t kLegs = 0x3fc00;  // joints 10 to 17
-constexpr FileKind kMemory{"memory of a board", {}, sim::Mcu::memory_size};
+constexpr FileKind kMemory{"board memory", {}, sim::Mcu::memory_size};
 constexpr const char* kNobody =
     "moving a robot at a port needs somebody at the keyboard, or --yes for a script; nothing was "
     "moved";
@@ -56,8 +56,8 @@ Result<double> gauge_angle(const std::string& text, int joint) {
     char range[64];
     std::snprintf(range, sizeof range, "%.0f to %.0f", info.lower_rad / kDegree,
                   info.upper_rad / kDegree);
-    return fail(Fault::usage, std::string("give the angle of ") + name_of(joint) + " in degrees, " +
-                                  range + ", not `" + text + "`");
+    return fail(Fault::usage, std::string("angle of ") + name_of(joint) + " `" + text +
+                                  "`: must be " + range + " degrees");
   }
   return *angle * kDegree;
 }
@@ -71,8 +71,8 @@ Result<std::vector<Gauge>> parse_gauges(const std::vector<std::string>& texts) {
     if (equals == std::string::npos || (!joint && name != "all"))
       return fail(Fault::usage,
                   "--gauge " + text +
-                      ": give NAME=DEGREES with the name of a joint, or all=DEGREES, as "
-                      "in --gauge l_knee=0");
+                      ": give NAME=DEGREES with the name of a joint, or all=DEGREES, for "
+                      "example --gauge l_knee=0");
     for (int j = 0; j < KZ_JOINTS; ++j) {
       if (joint && *joint != j) continue;
       const auto angle = gauge_angle(text.substr(equals + 1), j);
@@ -106,7 +106,7 @@ void print_plan(bool stops, bool floor) {
   if (floor) {
     std::printf(
         "The robot stands on both soles on a level floor.\nstanding: it crouches, leans and "
-        "puts its weight to each side\n");
+        "shifts its weight to each side\n");
     for (const auto& stance : calibration::floor_stances())
       std::printf("  hips %.0f mm high, trunk %+.0f degrees forward, %+.0f to the right\n",
                   1e3 * stance.z, stance.pitch / kDegree, stance.roll / kDegree);
@@ -123,26 +123,29 @@ class Calibration {
     report_.gauge = options_.only == "gauge" || !gauges_.empty();
     if (report_.gauge && !options_.only.empty() && options_.only != "gauge")
       return fail(Fault::usage,
-                  "--gauge goes with --only gauge; leave --only " + options_.only + " out");
+                  "--gauge is only valid with --only gauge; leave out --only " + options_.only);
     report_.stops = !report_.gauge && options_.only != "floor";
     report_.floor = !report_.gauge && options_.only != "stops";
     report_.joints = report_.stops ? host::kAllJoints : report_.floor ? kLegs : 0;
     if (options_.dry_run) {
       print_plan(report_.stops, report_.floor);
-      if (report_.gauge) std::printf("By a gauge: nothing is moved.\n");
+      if (report_.gauge) std::printf("With a gauge, the motors stay off.\n");
       return Outcome();
     }
     if (!options_.memory.empty() && port())
-      return fail(Fault::usage,
-                  "--memory is for the virtual robot; a board at a port keeps its own");
+      return fail(
+          Fault::usage,
+          "--memory is only valid for the virtual robot; a board at a port has its own memory");
     if (options_.backend.robot.starts_with("boards:"))
-      return fail(Fault::usage,
-                  "--robot " + options_.backend.robot +
-                      ": boards are calibrated one by one: give its port and --address");
+      return fail(
+          Fault::usage,
+          "--robot " + options_.backend.robot +
+              ": boards are calibrated one by one; give the port and --address of one board");
     if (options_.backend.robot == "sim" && options_.backend.address != KZ_ADDRESS_DEFAULT)
       return fail(
           Fault::usage,
-          "--address is for a port, as --robot serial:PATH; the virtual board has address 1");
+          "--address is only valid with a port, such as --robot serial:PATH; the virtual board has "
+          "address 1");
     const InterruptSignals signals(interrupt_);
     if (!options_.out.empty()) folder_ = KAZ_TRY(OutputFolder::open(options_.out, joints_output()));
     if (!options_.memory.empty()) {
@@ -192,7 +195,7 @@ class Calibration {
     const auto posture = KAZ_TRY(robot_->state());
     if ((posture.status & (KZ_STATUS_ENABLED | KZ_STATUS_HOLDING)) != 0)
       return fail(Fault::environment, "motors of the board on " + report_.port +
-                                          " are on: end the program that moves them first");
+                                          " are on: first end the program that moves them");
     const auto calibration = KAZ_TRY(robot_->calibration());
     report_.before = calibration.joints;
     has_stored_ = calibration.sequence != 0;
@@ -205,7 +208,7 @@ class Calibration {
     if (!port() || options_.yes) return {};
     const auto reply = KAZ_TRY(prompt_user("Enter to go on, n to stop", interrupt_, kNobody));
     if (reply.empty() || reply == "y" || reply == "yes") return {};
-    return fail(Fault::failed, "stopped before that, nothing is stored");
+    return fail(Fault::failed, "stopped; nothing is stored");
   }
 
   Result<void> measure() {
@@ -224,8 +227,8 @@ class Calibration {
     if (!report_.stops && !has_stored_)
       return fail(
           Fault::failed,
-          "the board has no calibration, and the floor alone cannot make one: first run it with "
-          "the robot suspended (--only stops)");
+          "the board has no calibration, and floor readings alone are not enough: first calibrate "
+          "with the robot suspended (--only stops)");
     if (report_.stops && !port()) KAZ_TRY(open(false));
     return measure_floor();
   }
@@ -236,8 +239,8 @@ class Calibration {
     const auto groups = calibration::stop_groups();
     for (const auto& group : groups) {
       progress_->done();
-      KAZ_TRY(confirm(std::string(first ? "hang the robot up by its trunk, arms and legs free of "
-                                          "everything, and stand clear. "
+      KAZ_TRY(confirm(std::string(first ? "hang the robot by its trunk, with arms and legs free, "
+                                          "and stand clear. "
                                         : "") +
                       "Next, " + group.name + ": " + group.text));
       if (first) KAZ_TRY(calibration::prepare_for_stops(*robot_));
@@ -257,7 +260,7 @@ class Calibration {
     progress_->done();
     KAZ_TRY(confirm(
         "set the robot on a level floor, legs straight, and hold it until it stands by itself. "
-        "Next, standing: it crouches, leans and puts its weight to each side"));
+        "Next, standing: it crouches, leans and shifts its weight to each side"));
     KAZ_TRY(calibration::use_lines(*robot_, lines));
     const auto on = [&](double share, const std::string& what) {
       progress_->update(report_.stops ? (3 + 1.5 * share) / 4.5 : share, what);
@@ -271,10 +274,11 @@ class Calibration {
       for (const Gauge& gauge : gauges_) add_gauge(gauge, here);
       return {};
     }
-    std::fprintf(stderr,
-                 "%s: nothing is moved; turn each joint by hand, hold it, and type the angle that "
-                 "the gauge shows\n",
-                 kVerb);
+    std::fprintf(
+        stderr,
+        "%s: the motors are off; turn each joint by hand, hold it, and type the angle shown "
+        "by the gauge\n",
+        kVerb);
     for (int j = 0; j < KZ_JOINTS; ++j) {
       while (true) {
         const auto text = KAZ_TRY(
@@ -291,7 +295,7 @@ class Calibration {
         add_gauge({j, *angle}, here);
       }
     }
-    if (report_.joints == 0) return fail(Fault::failed, "no angle was given, nothing is stored");
+    if (report_.joints == 0) return fail(Fault::failed, "no angle was given; nothing is stored");
     return {};
   }
 
@@ -366,7 +370,7 @@ class Calibration {
       Error error = ended.error();
       if (!report_.stored) error.message += "; nothing is stored";
       if (folder_ && !measured)
-        error.message += "; what was read until then is in " + folder_->path("result.json");
+        error.message += "; completed readings are in " + folder_->path("result.json");
       return tl::unexpected(std::move(error));
     }
     if (!options_.json) std::printf("%s", joint_table_text(report_).c_str());
@@ -382,14 +386,15 @@ class Calibration {
     }
     if (options_.json) return Outcome();
     if (!report_.stored)
-      std::printf("not stored, as --no-store says\n");
+      std::printf("not stored because of --no-store\n");
     else if (memory_file_)
       std::printf("stored in %s\n", options_.memory.c_str());
     else if (port())
       std::printf("stored in the board on %s, copy %d\n", report_.port.c_str(),
                   static_cast<int>(report_.stored->sequence));
     else
-      std::printf("the virtual board is gone with this run; --memory FILE keeps its calibration\n");
+      std::printf(
+          "the virtual board ends with this run; keep its calibration with --memory FILE\n");
     return Outcome();
   }
 

@@ -72,20 +72,20 @@ std::string fault_of(const JointReport& report, int joint) {
     if (!report.stops) break;
     const std::string which = stop == Stop::lower ? "lower stop: " : "upper stop: ";
     const auto* reading = stop_of(report, joint, stop);
-    if (reading == nullptr) return which + "it was not read";
+    if (reading == nullptr) return which + "no reading";
     if (!reading->fault.empty()) return which + reading->fault;
   }
-  if (!report.solution) return report.error ? "it was not computed" : "nothing was computed";
+  if (!report.solution) return "no result was computed";
   for (const GaugeReading& gauge : report.gauge_readings) {
     if (gauge.joint != joint) continue;
     const double away = report.solution->angle(joint, gauge.code) - gauge.angle_rad;
     if (std::abs(away) > kMaxGaugeResidual * report.gauge_error_rad)
-      return "by the gauge it is at " + format("%.1f", gauge.angle_rad / kDegree) +
-             " deg, and by its potentiometer " + format("%.1f", std::abs(away) / kDegree) +
-             " deg away from there: look whether it is, and at the sign";
+      return "gauge and potentiometer differ by " + format("%.1f", std::abs(away) / kDegree) +
+             " deg at " + format("%.1f", gauge.angle_rad / kDegree) +
+             " deg by the gauge: check the reading and its sign";
   }
   if (contradicts(report, joint))
-    return "what was read on the floor contradicts itself" +
+    return "floor readings contradict each other" +
            std::string(report.stops ? " or the stops" : "") + " (" +
            format("%.1f", report.solution->worst_residual) +
            " standard deviations): both soles must be flat on a level floor and must not slip";
@@ -93,9 +93,9 @@ std::string fault_of(const JointReport& report, int joint) {
       2 * report.solution->joints[static_cast<std::size_t>(joint)].expected_error_rad;
   const double good = report.gauge ? kGoodByGauge : kGoodError;
   if (expected > good)
-    return "an error of " + format("%.2f", expected / kDegree) + " deg is expected, and " +
-           format("%.1f", good / kDegree) + " is allowed" +
-           (report.gauge ? ": measure it at more angles, or give a better --gauge-error" : "");
+    return "expected error " + format("%.2f", expected / kDegree) + " deg: must be at most " +
+           format("%.1f", good / kDegree) + " deg" +
+           (report.gauge ? "; measure at more angles, or use a better gauge (--gauge-error)" : "");
   return "";
 }
 
@@ -108,7 +108,7 @@ std::vector<int> faulty(const JointReport& report) {
 
 std::string joint_table_text(const JointReport& report) {
   std::string text =
-      "joint          stops, codes    moves, deg  gain, %  error expected, deg: 95 %, worst\n";
+      "joint          stops, codes    moves, deg  gain, %  expected error, deg: 95 %, worst\n";
   for (int j = 0; j < KZ_JOINTS; ++j) {
     if (!included(report, j)) continue;
     const std::string fault = fault_of(report, j);
@@ -224,9 +224,8 @@ std::string joint_report_svg(const JointReport& report) {
     svg += line;
   }
   svg +=
-      "<text x=\"12\" y=\"18\">Expected error: 95 % of a joint's angles (dark), and its worst "
-      "angle "
-      "(light)</text>\n";
+      "<text x=\"12\" y=\"18\">Expected error: at 95 % of a joint's angles (dark), at its worst "
+      "angle (light)</text>\n";
   for (int j = 0; j < KZ_JOINTS; ++j) {
     const double y = kTop + kRow * j;
     std::snprintf(line, sizeof line, "<text x=\"12\" y=\"%.0f\">%s</text>\n", y + 14, name_of(j));

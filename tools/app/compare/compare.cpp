@@ -41,7 +41,7 @@ Result<bool> compare_recordings(const CompareOptions& options) {
   if (!options.out.empty()) folder = KAZ_TRY(OutputFolder::begin(options.out, compare_output()));
   std::error_code none;
   if (std::filesystem::equivalent(options.a, options.b, none))
-    std::fprintf(stderr, "kaz compare: both names are of one recording\n");
+    std::fprintf(stderr, "kaz compare: A and B are the same recording\n");
   const RunTrace a = KAZ_TRY(RunTrace::load(options.a));
   const RunTrace b = KAZ_TRY(RunTrace::load(options.b));
   const Comparison comparison = compare(a, b);

@@ -184,10 +184,9 @@ TEST(Compare, SaysThatOtherMotionsAreNotComparable) {
   b.behavior = "other";
   const Comparison comparison = compare(make({}), b);
   ASSERT_FALSE(comparison.notes.empty());
-  EXPECT_EQ(
-      comparison.notes[0],
-      "not the same behaviour: A ran made, B ran other; measures of different motions are not "
-      "comparable");
+  EXPECT_EQ(comparison.notes[0],
+            "different behaviors: A ran made, B ran other; measures of different motions are not "
+            "comparable");
 }
 
 TEST(Compare, SaysThatRunsBeganInOtherPostures) {

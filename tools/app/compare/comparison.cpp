@@ -267,19 +267,19 @@ class Measurer {
     // half of the gears' play of 0.4 degrees, within which an unloaded joint stays for a run where it came to
     // rest; half a code of the potentiometer (190 degrees in 1,024 codes).
     const double in_play_s = std::max(a.lag_in_play_s(), b.lag_in_play_s());
-    add_of("lag", "ms", "by how much the joint is later than its command",
-           std::max(2.0, 1e3 * in_play_s), 1e3, &Following::lag);
+    add_of("lag", "ms", "delay of the joint behind its command", std::max(2.0, 1e3 * in_play_s),
+           1e3, &Following::lag);
     if (a.known() && b.known() && in_play_s > kMaxLagInPlay_s) {
       Measure& lag = measures_.back();
       lag.a = lag.b = {};
       lag.left_out =
-          "it moved so slowly, or so little, that half of its gear's play may shift the lag by " +
+          "it moved too slowly or too little: half of its gear's play may shift the lag by " +
           (in_play_s < 1 ? std::to_string(std::lround(1e3 * in_play_s)) + " ms"
                          : "a second or more");
     }
-    add_of("offset", "deg", "mean of angle less command", 0.2, 1 / kDegree, &Following::offset);
-    add_of("scatter", "deg", "what lag and offset leave of it, root mean square", 0.1, 1 / kDegree,
-           &Following::rest);
+    add_of("offset", "deg", "mean of angle minus command", 0.2, 1 / kDegree, &Following::offset);
+    add_of("scatter", "deg", "remaining error without lag and offset, root mean square", 0.1,
+           1 / kDegree, &Following::rest);
   }
 
   void supply() {
@@ -293,8 +293,8 @@ class Measurer {
     };
     // 15 mV a code.
     add("supply.mean", "V", "motors' supply at the board", 0.015, volts(Statistic::mean));
-    add("supply.lowest", "V", "the lowest that a reply had: currents of the motors pull it down",
-        0.1, volts(Statistic::least));
+    add("supply.lowest", "V", "lowest value in a reply; motor currents lower it", 0.1,
+        volts(Statistic::least));
   }
 
   void link() {
@@ -308,7 +308,7 @@ class Measurer {
     };
     add("link.round_trip", "ms", "from a request to its reply, median", 0.2,
         trips(Statistic::median));
-    add("link.round_trip_p95", "ms", "95 % are shorter", 0.5, trips(Statistic::p95));
+    add("link.round_trip_p95", "ms", "95th percentile", 0.5, trips(Statistic::p95));
     add("link.rate", "1/s", "requests with replies", 1, [](const RunTrace& trace) {
       std::vector<double> blocks(kBlocks);
       for (const auto& exchange : trace.exchanges) {
@@ -343,9 +343,9 @@ class Measurer {
       };
     };
     const auto delay_ms = [](const RunTrace::Picture& picture) { return picture.delay_s * 1e3; };
-    add("pictures.delay", "ms", "from exposure to what vision makes of it, median", 1,
+    add("pictures.delay", "ms", "from exposure to the vision result, median", 1,
         of(Statistic::median, delay_ms));
-    add("pictures.delay_p95", "ms", "95 % are shorter", 2, of(Statistic::p95, delay_ms));
+    add("pictures.delay_p95", "ms", "95th percentile", 2, of(Statistic::p95, delay_ms));
     add("pictures.period", "ms", "between two pictures, mean", 0.5, [](const RunTrace& trace) {
       std::vector<Point> points;
       for (std::size_t i = 1; i < trace.pictures.size(); ++i)
@@ -393,7 +393,7 @@ std::string seconds_text(double value) {
 }
 
 std::string named(const std::string& behavior) {
-  return behavior.empty() ? "one that is not named" : behavior;
+  return behavior.empty() ? "an unnamed one" : behavior;
 }
 
 std::string degrees_text(double rad) {
@@ -440,19 +440,17 @@ std::string other_begin(const RunTrace& a, const RunTrace& b) {
 std::vector<std::string> notes_of(const RunTrace& a, const RunTrace& b, double same_s) {
   std::vector<std::string> notes;
   if (a.behavior != b.behavior)
-    notes.push_back("not the same behaviour: A ran " + named(a.behavior) + ", B ran " +
+    notes.push_back("different behaviors: A ran " + named(a.behavior) + ", B ran " +
                     named(b.behavior) + "; measures of different motions are not comparable");
   else if (a.settings != b.settings)
-    notes.push_back("not the same options of " + a.behavior + ": A " + a.settings + ", B " +
+    notes.push_back("different options of " + a.behavior + ": A " + a.settings + ", B " +
                     b.settings);
   const double shorter = std::min(a.duration_s, b.duration_s);
   const std::string begin = other_begin(a, b);
   const bool at_once = same_s < 0.05;  // what would be printed as 0.0 s
-  if (!begin.empty())
-    notes.push_back(begin +
-                    ", from which the first targets lead; angles may differ for this reason");
+  if (!begin.empty()) notes.push_back(begin + "; angles may differ for this reason");
   if (same_s < shorter && (begin.empty() || !at_once))
-    notes.push_back((at_once ? std::string("from the beginning the host sent other targets")
+    notes.push_back((at_once ? std::string("the host sent different targets from the beginning")
                              : "the host sent the same targets, within 1 degree, until " +
                                    seconds_text(same_s)) +
                     "; angles may differ for this reason, too");

@@ -55,14 +55,14 @@ bool is_usable(const MachineFiles& files, const std::string& part, const std::st
                const std::string& group, Findings& findings) {
   if (!files.exists(device)) {
     findings.push_back({Level::wrong, part, device,
-                        "the kernel has the device, but there is no such file",
+                        "the kernel has the device, but the file is missing",
                         "sudo udevadm trigger"});
     return false;
   }
   if (!files.may_use(device)) {
     const std::string with_access = host::group_with_access(files.root + device);
     findings.push_back(
-        {Level::wrong, part, device, "you may not read and write it",
+        {Level::wrong, part, device, "you have no permission to read and write it",
          with_access.empty()
              ? "sudo chgrp " + group + " " + device + " && sudo chmod 660 " + device
              : "sudo adduser $USER " + with_access + " && echo 'log out and in again'"});
@@ -99,13 +99,12 @@ void examine_port(const MachineFiles& files, const std::string& name, Findings& 
   const std::string what = "USB adapter " + id_of(files, usb);
   if (stable.empty()) {
     findings.push_back(
-        {Level::note, "serial", device,
-         what + " has no name that stays when it is plugged in again",
+        {Level::note, "serial", device, what + " has no persistent name",
          "sudo cp tools/udev/70-kaz.rules /etc/udev/rules.d/ && sudo udevadm control --reload && "
          "sudo udevadm trigger"});
   } else {
     findings.push_back(
-        {Level::good, "serial", device, what + ", free; its lasting name is " + stable, ""});
+        {Level::good, "serial", device, what + ", free; its persistent name is " + stable, ""});
   }
   const std::string timer = "/sys/bus/usb-serial/devices/" + name + "/latency_timer";
   const auto latency = files.line(timer);
@@ -113,8 +112,8 @@ void examine_port(const MachineFiles& files, const std::string& name, Findings& 
   if (latency_ms && *latency_ms > 1)
     findings.push_back(
         {Level::note, "serial", device,
-         "it keeps received bytes for up to " + std::to_string(*latency_ms) +
-             " ms; kaz sets that to 1 ms while it has the port, other programs may not",
+         "it delays received bytes by up to " + std::to_string(*latency_ms) +
+             " ms; kaz sets this to 1 ms while it uses the port, but other programs may not",
          "echo 1 | sudo tee " + timer});
 }
 
@@ -129,7 +128,7 @@ void examine_ports(const MachineFiles& files, Findings& findings) {
   }
   if (findings.size() == before)
     findings.push_back(
-        {Level::note, "serial", "", "there is no serial port: plug the adapter in", ""});
+        {Level::note, "serial", "", "no serial port found: plug in the adapter", ""});
 }
 
 // Adapters and cameras on the USB whose driver has not made a device.
@@ -161,12 +160,11 @@ void examine_isotp(const MachineFiles& files, Findings& findings) {
   for (const std::string& name : files.names(folder)) {
     if (!name.starts_with("can-isotp.ko")) continue;
     findings.push_back({Level::note, "kernel", "can-isotp",
-                        "the module of CAN's transport is not loaded yet",
-                        "sudo modprobe can-isotp"});
+                        "the kernel module for ISO-TP is not loaded", "sudo modprobe can-isotp"});
     return;
   }
   findings.push_back({Level::wrong, "kernel", "can-isotp",
-                      "kernel " + files.kernel + " has no module for CAN's transport (ISO 15765-2)",
+                      "kernel " + files.kernel + " has no module for ISO-TP (ISO 15765-2)",
                       "sudo apt-get install linux-image-amd64 && sudo reboot"});
 }
 
@@ -195,11 +193,10 @@ void examine_can(const MachineFiles& files, Findings& findings) {
       findings.push_back({Level::wrong, "can", name, "the interface is down",
                           is_virtual ? "sudo ip link set " + name + " up" : with_rate});
     } else if (state == "BUS-OFF") {
-      findings.push_back(
-          {Level::wrong, "can", name,
-           "the controller has left the bus after too many errors: check wiring, both "
-           "terminators of 120 ohm and the bit rate",
-           "sudo ip link set " + name + " type can restart"});
+      findings.push_back({Level::wrong, "can", name,
+                          "the controller is bus-off after too many errors: check the wiring, both "
+                          "terminators of 120 ohm and the bit rate",
+                          "sudo ip link set " + name + " type can restart"});
     } else if (is_virtual) {
       findings.push_back({Level::good, "can", name, "a virtual bus, up", ""});
     } else {
@@ -232,25 +229,24 @@ void examine_cameras(const MachineFiles& files, Findings& findings) {
       findings.push_back(
           {readable ? Level::good : Level::wrong, "camera", device,
            card + ", formats " + joined(video.formats) +
-               (readable ? ""
-                         : ": none that kaz reads (YUYV, RGB3, MJPG, GREY); take another camera"),
+               (readable ? "" : ": kaz reads only YUYV, RGB3, MJPG and GREY; use another camera"),
            ""});
     }
   }
   if (findings.size() == before)
-    findings.push_back({Level::note, "camera", "", "there is no camera: plug it in", ""});
+    findings.push_back({Level::note, "camera", "", "no camera found: plug one in", ""});
 }
 
 void examine_toolchain(const MachineFiles& files, Findings& findings) {
   constexpr const char* kCompiler = "h8300-hitachi-coff-gcc";
   if (files.has_program(kCompiler)) {
-    findings.push_back(
-        {Level::good, "toolchain", kCompiler, "the compiler of the board's firmware is there", ""});
+    findings.push_back({Level::good, "toolchain", kCompiler,
+                        "the compiler for the board's firmware is installed", ""});
   } else {
-    findings.push_back(
-        {Level::note, "toolchain", kCompiler,
-         "the compiler of the board's firmware is missing; only building it needs it",
-         "sudo apt-get install gcc-h8300-hms binutils-h8300-hms"});
+    findings.push_back({Level::note, "toolchain", kCompiler,
+                        "the compiler for the board's firmware is missing; it is needed only to "
+                        "build the firmware",
+                        "sudo apt-get install gcc-h8300-hms binutils-h8300-hms"});
   }
 }
 
@@ -264,9 +260,8 @@ void examine_cores(const MachineFiles& files, Findings& findings) {
     findings.push_back({Level::good, "cores", "", sentence, ""});
   } else {
     findings.push_back({Level::note, "cores", "",
-                        std::string(sentence) +
-                            ": less than half of one is free, and a host that is late trips the "
-                            "board's watchdog; end what runs",
+                        std::string(sentence) + ": less than half a core is free, and a late host "
+                                                "trips the board's watchdog; end other programs",
                         "top -o %CPU"});
   }
 }

@@ -91,7 +91,7 @@ TEST_F(Doctor, FindsNothingWrongWhereNothingIs) {
     EXPECT_EQ(one.level, Level::good) << one.part << " " << one.subject << ": " << one.text;
   EXPECT_EQ(
       about("/dev/ttyUSB0"),
-      "USB adapter 0403:6001, free; its lasting name is /dev/serial/by-id/usb-FTDI_A50285BI\n");
+      "USB adapter 0403:6001, free; its persistent name is /dev/serial/by-id/usb-FTDI_A50285BI\n");
   EXPECT_EQ(about("/dev/ttyS0"), "a UART of this machine, free\n");
   EXPECT_EQ(about("/dev/ttyS9"), "");
   EXPECT_EQ(about("can0"), "up, 500000 bit/s, ERROR-ACTIVE\n");
@@ -100,10 +100,10 @@ TEST_F(Doctor, FindsNothingWrongWhereNothingIs) {
 
 TEST_F(Doctor, FindsPortsThatCannotBeUsed) {
   device("/dev/ttyUSB0", 0600);
-  EXPECT_EQ(
-      about("/dev/ttyUSB0"),
-      "wrong you may not read and write it | sudo chgrp dialout /dev/ttyUSB0 && sudo chmod 660 "
-      "/dev/ttyUSB0\n");
+  EXPECT_EQ(about("/dev/ttyUSB0"),
+            "wrong you have no permission to read and write it | sudo chgrp dialout /dev/ttyUSB0 "
+            "&& sudo chmod 660 "
+            "/dev/ttyUSB0\n");
   files_.user = 0;
   EXPECT_EQ(about("/dev/ttyUSB0").substr(0, 11), "USB adapter");
   put("/proc/77/comm", "minicom");
@@ -111,7 +111,7 @@ TEST_F(Doctor, FindsPortsThatCannotBeUsed) {
   EXPECT_EQ(about("/dev/ttyUSB0"), "wrong in use by process 77 (minicom) | kill 77\n");
   fs::remove(files_.root + "/dev/ttyS0");
   EXPECT_EQ(about("/dev/ttyS0"),
-            "wrong the kernel has the device, but there is no such file | sudo udevadm trigger\n");
+            "wrong the kernel has the device, but the file is missing | sudo udevadm trigger\n");
 }
 
 TEST_F(Doctor, AGroupsMemberMayUseItsDevices) {
@@ -125,19 +125,19 @@ TEST_F(Doctor, AGroupsMemberMayUseItsDevices) {
 
 TEST_F(Doctor, FindsSlowAdaptersAndThoseWithoutALastingName) {
   put("/sys/devices/usb1/1-1/1-1:1.0/ttyUSB0/latency_timer", "16");
-  EXPECT_NE(about("/dev/ttyUSB0").find("note it keeps received bytes for up to 16 ms"),
+  EXPECT_NE(about("/dev/ttyUSB0").find("note it delays received bytes by up to 16 ms"),
             std::string::npos);
   EXPECT_NE(about("/dev/ttyUSB0")
                 .find("| echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer"),
             std::string::npos);
   fs::remove_all(files_.root + "/dev/serial");
-  EXPECT_NE(about("/dev/ttyUSB0").find("note USB adapter 0403:6001 has no name that stays"),
+  EXPECT_NE(about("/dev/ttyUSB0").find("note USB adapter 0403:6001 has no persistent name"),
             std::string::npos);
 }
 
 TEST_F(Doctor, FindsWhatIsWrongWithCan) {
   can_ = R"([{"linkinfo": {"info_kind": "can", "info_data": {"state": "BUS-OFF"}}}])";
-  EXPECT_NE(about("can0").find("wrong the controller has left the bus"), std::string::npos);
+  EXPECT_NE(about("can0").find("wrong the controller is bus-off"), std::string::npos);
   EXPECT_NE(about("can0").find("| sudo ip link set can0 type can restart"), std::string::npos);
   put("/sys/class/net/can0/flags", "0x40080");
   EXPECT_EQ(about("can0"),
@@ -149,12 +149,12 @@ TEST_F(Doctor, FindsWhatIsWrongWithCan) {
   EXPECT_EQ(about("can-isotp").substr(0, 5), "wrong");
   put("/lib/modules/6.1.0/kernel/net/can/can-isotp.ko");
   EXPECT_EQ(about("can-isotp"),
-            "note the module of CAN's transport is not loaded yet | sudo modprobe can-isotp\n");
+            "note the kernel module for ISO-TP is not loaded | sudo modprobe can-isotp\n");
 }
 
 TEST_F(Doctor, FindsWhatIsWrongWithCameras) {
   video_.formats = {"H264"};
-  EXPECT_EQ(about("/dev/video0").substr(0, 36), "wrong Left eye, formats H264: none t");
+  EXPECT_EQ(about("/dev/video0").substr(0, 36), "wrong Left eye, formats H264: kaz re");
   video_ = {false, {}, ""};
   EXPECT_EQ(about("/dev/video0"), "");
   video_.error = "Input/output error";

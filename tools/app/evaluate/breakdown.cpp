@@ -143,10 +143,10 @@ std::string map_text(const Json& map) {
     return hil::fixed(100 * map[name].get<double>(), digits) + " %";
   };
   std::string text =
-      "maps within 1 m: " + percent_of("outline_found", 1) + " of outlines seen so far found, ";
+      "maps within 1 m: " + percent_of("outline_found", 1) + " of outlines seen so far found";
   if (map.contains("outline_found_in_view"))
-    text += percent_of("outline_found_in_view", 1) + " of those in view in the last 2 s, ";
-  return text + percent_of("floor_wrong", 2) + " of floor taken for obstacles";
+    text += ", " + percent_of("outline_found_in_view", 1) + " of those in view in the last 2 s";
+  return text + "; " + percent_of("floor_wrong", 2) + " of the floor marked as obstacles";
 }
 
 std::string causes(const Json& failures) {
@@ -243,10 +243,11 @@ std::string breakdown_text(const Json& breakdown) {
     }
   }
   text +=
-      "  off goal: by truth, time/least: walking time over the least possible; both median, "
-      "largest of those that reached it\n";
+      "  off goal: distance to the goal by ground truth; time/least: walking time over the "
+      "shortest possible;\n  both: median, maximum of the episodes that reached the goal\n";
   if (const auto moving = breakdown.find("moving"); moving != breakdown.end()) {
-    std::snprintf(line, sizeof line, "  in the way %s, noticed %s, touched %s\n",
+    std::snprintf(line, sizeof line,
+                  "  moving box in the way: %s, noticed: %s, obstacles touched: %s\n",
                   (*moving)["in_the_way"].dump().c_str(), (*moving)["noticed"].dump().c_str(),
                   (*moving)["touched"].dump().c_str());
     text += line;
@@ -275,8 +276,8 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
   for (const char* name : kGroups) {
     if (!breakdown.contains(name)) continue;
     page += "<h2>By " + std::string(name) + "</h2>\n<table>" +
-            hil::table_row({name, "reached", "95 % interval", "off the goal, median, max, mm",
-                            "walking time over the least, median, max", "failures"},
+            hil::table_row({name, "reached", "95 % interval", "off goal, mm: median, max",
+                            "walking time over the shortest possible: median, max", "failures"},
                            "th");
     for (const auto& [its, group] : breakdown[name].items())
       page +=
@@ -286,9 +287,9 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
   }
   if (breakdown.contains("moving")) {
     const Json& moving = breakdown["moving"];
-    page += "<p>Something slid into the way in " + moving["in_the_way"].dump() +
-            " episodes: noticed in " + moving["noticed"].dump() + ", something touched in " +
-            moving["touched"].dump() + ".</p>\n";
+    page += "<p>A box slid into the way in " + moving["in_the_way"].dump() +
+            " episodes. The robot noticed it in " + moving["noticed"].dump() +
+            " and touched an obstacle in " + moving["touched"].dump() + ".</p>\n";
   }
   if (breakdown.contains("map")) {
     const Json& map = breakdown["map"];
@@ -297,7 +298,7 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
   if (result["failures"].empty()) return page + hil::kPageEnd;
   page += "<h2>Failures</h2>\n<table>" +
           hil::table_row(
-              {"episode", "world", "density", "cause", "claim", "what the behaviour says"}, "th");
+              {"episode", "world", "density", "cause", "claim", "message of the behavior"}, "th");
   for (const auto& [number, episode] : episodes)
     if (!episode["success"].get<bool>()) page += failure_row(episode);
   return page + "</table>\n" + hil::kPageEnd;

@@ -72,8 +72,9 @@ Result<Episodes> read_episodes(const std::string& folder) {
     auto one = KAZ_TRY(read_json(at->path().string(), parse_episode));
     const auto number = one["episode"].get<std::uint64_t>();
     if (at->path().filename() != fs::path(episode_file(number)).filename())
-      return fail(Fault::usage, at->path().string() + ": holds episode " + std::to_string(number) +
-                                    ", which is not that of its name; remove it");
+      return fail(Fault::usage, at->path().string() + ": contains episode " +
+                                    std::to_string(number) +
+                                    ", which does not match its name; remove it");
     all[number] = std::move(one);
   }
   return all;
@@ -120,7 +121,7 @@ Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
   const pid_t parent = ::getpid();
   const pid_t pid = ::pipe2(why, O_CLOEXEC) == 0 ? ::fork() : -1;
   if (pid < 0)
-    return fail(Fault::environment, std::string("no process for an episode: ") +
+    return fail(Fault::environment, std::string("cannot start a process for an episode: ") +
                                         std::strerror(errno) + "; give fewer --jobs");
   if (pid > 0) {
     ::close(why[1]);
@@ -179,8 +180,8 @@ class Runner {
     for (auto next = numbers.begin();
          (next != numbers.end() && lost_in_a_row_ < kMaxLostInARow) || !children_.empty();) {
       if (interrupt.requested())
-        return fail(Fault::interrupted, "interrupted; what has ended is kept in " +
-                                            folder_.folder() + ", and the same command goes on");
+        return fail(Fault::interrupted, "interrupted; completed episodes are in " +
+                                            folder_.folder() + ", and the same command continues");
       if (next != numbers.end() && lost_in_a_row_ < kMaxLostInARow &&
           children_.size() < static_cast<std::size_t>(options_.jobs)) {
         auto child = KAZ_TRY(begin(options_, folder_, work_->path(), *next++));
@@ -224,7 +225,7 @@ class Runner {
     ++lost_in_a_row_;
     lost_[number] = why;
     progress_.done();
-    std::fprintf(stderr, "kaz evaluate: episode %llu is lost to the machine: %s\n",
+    std::fprintf(stderr, "kaz evaluate: episode %llu is lost to a machine error: %s\n",
                  static_cast<unsigned long long>(number), why.c_str());
   }
 
@@ -280,9 +281,9 @@ Error lost_error(const LostEpisodes& lost, std::size_t wanted) {
   std::vector<std::uint64_t> numbers;
   for (const auto& [number, why] : lost) numbers.push_back(number);
   return {Fault::environment, std::to_string(lost.size()) + " of " + std::to_string(wanted) +
-                                  " episodes were lost to the machine (" + numbers_text(numbers) +
-                                  "; the first: " + lost.begin()->second +
-                                  "); they are in no rate, and the same command runs them again"};
+                                  " episodes were lost to machine errors (" +
+                                  numbers_text(numbers) + "; the first: " + lost.begin()->second +
+                                  "); they count in no rate, and the same command runs them again"};
 }
 
 Result<Part> read_part(const std::string& folder, const Episodes& episodes) {
@@ -295,7 +296,7 @@ Result<Part> read_part(const std::string& folder, const Episodes& episodes) {
 Result<void> make_folder(const std::string& path) {
   std::error_code wrong;
   fs::create_directories(path, wrong);
-  if (wrong) return fail(Fault::environment, "cannot make '" + path + "': " + wrong.message());
+  if (wrong) return fail(Fault::environment, "cannot create '" + path + "': " + wrong.message());
   return {};
 }
 
@@ -332,12 +333,13 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   if (there == campaign) return {};
   for (const auto& [key, value] : campaign.items()) {
     if (there.contains(key) && there[key] == value) continue;
-    return fail(Fault::usage, "'" + folder.folder() + "' holds another evaluation (its " + key +
-                                  " is " + (there.contains(key) ? json_sample(there[key]) : "missing") +
+    return fail(Fault::usage, "'" + folder.folder() + "' contains another evaluation (its " + key +
+                                  " is " +
+                                  (there.contains(key) ? json_sample(there[key]) : "missing") +
                                   ", here " + json_sample(value) + "): choose another --out");
   }
   return fail(Fault::usage,
-              "'" + folder.folder() + "' holds another evaluation: choose another --out");
+              "'" + folder.folder() + "' contains another evaluation: choose another --out");
 }
 
 // The summary will be a new one.
@@ -358,8 +360,7 @@ Result<void> refuse_more(const CampaignOptions& options, const OutputFolder& fol
   const std::string part = options.shards == 1 ? ""
                                                : " --shard " + std::to_string(options.shard) + "/" +
                                                      std::to_string(options.shards);
-  return fail(Fault::usage, "'" + folder.folder() +
-                                "' holds episodes besides those of --episodes " +
+  return fail(Fault::usage, "'" + folder.folder() + "' contains episodes outside --episodes " +
                                 std::to_string(options.episodes) + part + " (numbers " +
                                 numbers_text(others) + "): run these too, or choose another --out");
 }
@@ -372,8 +373,8 @@ Result<void> refuse_others(const OutputFolder& folder, const Episodes& all) {
     if (!all.contains(number)) others.push_back(number);
   }
   if (others.empty()) return {};
-  return fail(Fault::usage, "'" + folder.folder() + "' holds episodes (" + numbers_text(others) +
-                                ") that none of the parts does: name their folder too, or choose "
+  return fail(Fault::usage, "'" + folder.folder() + "' contains episodes (" + numbers_text(others) +
+                                ") that are in none of the parts: give their folder too, or choose "
                                 "another --out");
 }
 
@@ -382,17 +383,16 @@ Result<void> check_judge(const CampaignOptions& options) {
   const bool plugin = behavior::names_plugin(options.behavior);
   if (options.judged_as.empty() && !plugin && behavior::find_behavior(options.behavior) &&
       !is_judged(options.behavior))
-    return fail(Fault::usage, options.behavior +
-                                  " has no measure by which truth decides whether it succeeded; "
-                                  "evaluate another behaviour");
+    return fail(Fault::usage,
+                options.behavior + " has no success criterion; evaluate another behavior");
   if (options.judged_as.empty()) return {};
   if (!plugin)
-    return fail(Fault::usage,
-                "--judge is of plug-ins: " + options.behavior + " is judged as what it is");
+    return fail(Fault::usage, "--judge is only valid with plug-ins: " + options.behavior +
+                                  " has its own criterion");
   if (is_judged(options.judged_as)) return {};
   return fail(Fault::usage,
               "--judge: '" + options.judged_as +
-                  "' is none of Kaz's behaviours; give one of those of kaz run --help");
+                  "' has no success criterion; give a behavior from docs/howto/evaluate.md");
 }
 
 }  // namespace
@@ -448,7 +448,7 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   KAZ_TRY(check_judge(options));
   if (options.shard > options.episodes)
     return fail(Fault::usage, "--shard " + std::to_string(options.shard) + "/" +
-                                  std::to_string(options.shards) + " has none of the " +
+                                  std::to_string(options.shards) + " contains none of the " +
                                   std::to_string(options.episodes) +
                                   " episodes; give more --episodes or fewer parts");
   const auto folder = KAZ_TRY(open_campaign(options.out));
@@ -462,7 +462,7 @@ Result<bool> run_campaign(const CampaignOptions& options) {
     if (!episodes.contains(n)) missing.push_back(n);
   }
   if (!episodes.empty() && !options.json)
-    std::fprintf(stderr, "kaz evaluate: %zu episodes are there already, %zu to go\n",
+    std::fprintf(stderr, "kaz evaluate: %zu episodes are already done, %zu remain\n",
                  episodes.size(), missing.size());
   Extent extent{.planned = {options.episodes, options.shard, options.shards}};
   host::Interrupt interrupt;
@@ -497,15 +497,16 @@ Result<Merge> read_parts(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
     std::error_code none;
     if (!read.insert(fs::weakly_canonical(folder, none)).second)
-      return fail(Fault::usage, "'" + folder + "' is given twice: each part once");
+      return fail(Fault::usage, "'" + folder + "' is given twice: give each part once");
     if (!fs::exists(folder + "/campaign.json"))
       return fail(Fault::usage,
-                  "'" + folder + "' is no folder of kaz evaluate: it has no campaign.json");
+                  "'" + folder + "' is not a folder of kaz evaluate: it has no campaign.json");
     const auto other = KAZ_TRY(read_json(folder + "/campaign.json", parse_campaign));
     if (merge.campaign.is_null()) merge.campaign = other;
     if (merge.campaign != other)
-      return fail(Fault::usage, "'" + folder + "' and '" + folders.front() +
-                                    "' are of different campaigns: parts differ by --shard alone");
+      return fail(Fault::usage,
+                  "'" + folder + "' and '" + folders.front() +
+                      "' are from different evaluations: parts may only differ in --shard");
     auto episodes = KAZ_TRY(read_episodes(folder));
     merge.parts.push_back(KAZ_TRY(read_part(folder, episodes)));
     for (auto& [number, episode] : episodes) {
@@ -514,12 +515,12 @@ Result<Merge> read_parts(const std::vector<std::string>& folders) {
       one.erase("rtf");
       two.erase("rtf");
       if (!added && one != two)
-        return fail(Fault::failed, "episode " + std::to_string(number) + " ended differently in '" +
-                                       folder +
-                                       "' than in a folder before it: were the programs the same?");
+        return fail(Fault::failed,
+                    "episode " + std::to_string(number) + " has different results in '" + folder +
+                        "' and in an earlier folder: run all parts with the same program");
     }
   }
-  if (merge.episodes.empty()) return fail(Fault::usage, "the folders hold no episode");
+  if (merge.episodes.empty()) return fail(Fault::usage, "the folders contain no episodes");
   KAZ_TRY(check_one_plan(merge.parts));
   return merge;
 }

@@ -151,7 +151,7 @@ TEST(Shortage, NamesAPartThatIsNotThereUpToItsLastEpisode) {
   EXPECT_TRUE(found.extent.interrupted);
   EXPECT_EQ(found.extent.signal, "");
   EXPECT_TRUE(mentions(found, "3 of 6 episodes are missing")) << found.sentence;
-  EXPECT_TRUE(mentions(found, "part 2/2, episodes 1, 3, 5, is in no folder")) << found.sentence;
+  EXPECT_TRUE(mentions(found, "no folder contains part 2/2 (episodes 1, 3, 5)")) << found.sentence;
   EXPECT_TRUE(mentions(found, "--shard 2/2")) << found.sentence;
 }
 
@@ -160,9 +160,11 @@ TEST(Shortage, NamesAPartThatWasInterrupted) {
   const Shortage found = find_shortage({part(1, {0, 2, 4}), part(2, {1}, interrupted)});
   EXPECT_EQ(found.extent.missing, (Numbers{3, 5}));
   EXPECT_EQ(found.extent.signal, "SIGTERM");
-  EXPECT_TRUE(mentions(found, "'part2' was interrupted by SIGTERM, episodes 3, 5: run its command"))
+  EXPECT_TRUE(mentions(found,
+                       "'part2' was interrupted by SIGTERM and lacks episodes 3, 5: run its "
+                       "command"))
       << found.sentence;
-  EXPECT_FALSE(mentions(found, "in no folder")) << found.sentence;
+  EXPECT_FALSE(mentions(found, "no folder contains")) << found.sentence;
 }
 
 TEST(Shortage, NamesAPartThatWasKilled) {
@@ -170,13 +172,13 @@ TEST(Shortage, NamesAPartThatWasKilled) {
   const Shortage found = find_shortage({part(1, {0, 2, 4}), killed});
   EXPECT_EQ(found.extent.missing, (Numbers{3, 5}));
   EXPECT_TRUE(mentions(found, "'part2' has no result.json")) << found.sentence;
-  EXPECT_FALSE(mentions(found, "in no folder")) << found.sentence;
+  EXPECT_FALSE(mentions(found, "no folder contains")) << found.sentence;
 }
 
 TEST(Shortage, OfAnEarlierVersionsPartIsItsInterruptionAndItsGaps) {
   const Episodes episodes{{0, episode(0, true, 1)}, {2, episode(2, true, 1)}};
   const Shortage gap = find_shortage({part_of("old", episodes, Json::object())});
-  EXPECT_TRUE(mentions(gap, "episode 1 in no folder")) << gap.sentence;
+  EXPECT_TRUE(mentions(gap, "no folder contains episode 1")) << gap.sentence;
   const Episodes one{{0, episode(0, true, 1)}};
   const Shortage unknown =
       find_shortage({part_of("old", one, {{"interrupted", true}, {"signal", "SIGINT"}})});
@@ -192,10 +194,11 @@ TEST(Shortage, PartsOfDifferentEpisodesAreRefused) {
   const auto refused = check_one_plan({longer, part(1, {0, 2, 4})});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().fault, Fault::usage);
-  EXPECT_EQ(refused.error().message,
-            "'part1' was made with --episodes 6 and 'part2' with --episodes 8: parts differ by "
-            "--shard alone; give the command of 'part1' again with --episodes 8, which runs only "
-            "what it lacks");
+  EXPECT_EQ(
+      refused.error().message,
+      "'part1' was made with --episodes 6 and 'part2' with --episodes 8: parts may only "
+      "differ in --shard; run the command of 'part1' again with --episodes 8, which runs only "
+      "missing episodes");
   // A part that was killed states nothing, and one of an earlier version.
   EXPECT_TRUE(check_one_plan({longer, part_of("old", {{0, episode(0, true, 1)}}, nullptr)}));
 }
@@ -206,7 +209,7 @@ TEST(Shortage, KeepsWhatTheMachineLost) {
   EXPECT_EQ(found.lost, (LostEpisodes{{3, "disk full"}}));
   EXPECT_TRUE(found.extent.missing.empty());
   EXPECT_FALSE(found.extent.interrupted);
-  EXPECT_TRUE(mentions(found, "episode 3 lost to the machine")) << found.sentence;
+  EXPECT_TRUE(mentions(found, "episode 3 lost to machine errors")) << found.sentence;
 }
 
 TEST(ResultFile, IsRefusedWhereItsPlanIsNone) {
@@ -345,7 +348,7 @@ TEST_F(Summary, BreaksWalksDownByWorldDensityAndFloor) {
   EXPECT_EQ(by["moving"], Json({{"in_the_way", 1}, {"noticed", 1}, {"touched", 1}}));
   const std::string page = read("report.html");
   for (const char* words : {"<td>slalom</td><td>1 of 2</td>", "<td>1 no path</td>",
-                            "href=\"failures/000001\"", "noticed in 1"})
+                            "href=\"failures/000001\"", "noticed it in 1"})
     EXPECT_NE(page.find(words), std::string::npos) << words;
 
   ASSERT_TRUE(summarize({{"behavior", "stand"}}, {{0, episode(0, true, 10)}}, {}, folder_, true));

@@ -43,21 +43,20 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
   const bool all_at_ball = std::ranges::all_of(kinds, has_ball_at_distance) &&
                            (!drawn || std::ranges::count(kinds, WorldKind::clutter) == 0);
   if (option == "--obstacles" && !any(kinds, has_clutter))
-    return "is of worlds with clutter: add one of " + names(has_clutter) +
+    return "is only valid in worlds with clutter: add one of " + names(has_clutter) +
            " to --worlds, or leave it out";
   if (option == "--goal-distance" && !drawn && !ball)
-    return "draws a goal, and --set goal=" + goal->second + " sets it: leave one of them out";
+    return "draws the goal, but --set goal=" + goal->second + " fixes it: leave out one of them";
   if (option == "--goal-distance" && ball && all_at_ball)
-    return "draws a goal, which is the ball here: its distance is --ball-distance: leave the "
-           "option out";
+    return "has no effect, because the goal is the ball: use --ball-distance";
   if (option == "--ball-distance" && !(ball && any(kinds, has_ball_at_distance)))
-    return "is of a ball that is the goal: give --set goal=ball with worlds of " +
+    return "is only valid if the ball is the goal: give --set goal=ball with worlds " +
            names(has_ball_at_distance) + ", or leave it out";
   if ((option == "--radii" || option == "--colors") && !ball)
-    return "is of a ball, and none is in these worlds: give --set goal=ball, or --worlds "
-           "two-balls, or leave it out";
+    return "is only valid in worlds with a ball: give --set goal=ball or --worlds two-balls, or "
+           "leave it out";
   if ((option == "--lamp" || option == "--shade") && !any(kinds, is_lit))
-    return "has no effect in worlds of dark, which have a light of their own: leave it out";
+    return "has no effect in world dark, which has its own light: leave it out";
   return "";
 }
 
@@ -66,23 +65,21 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
 Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given) {
   const Interval& props = options.variation.props;
   if (props.min != std::floor(props.min) || props.max != std::floor(props.max))
-    return fail(Fault::usage, "--props counts things: give whole numbers, as in --props 3 10");
+    return fail(Fault::usage, "--props must be whole numbers, for example --props 3 10");
   for (const std::string& option : given) {
     if (option == "--props" && (options.task() == "navigate" || options.task() == "get-up"))
       return fail(Fault::usage,
-                  "--props is of behaviours that walk to a ball or stay: leave it out" +
-                      std::string(options.task() == "navigate" ? ", or give --obstacles" : ""));
+                  "--props is not valid with " + options.task() + ": leave it out" +
+                      std::string(options.task() == "navigate" ? ", or use --obstacles" : ""));
     if (option == "--calibrated" && options.backend.sensors != sim::SensorSet::as_built)
       return fail(Fault::usage,
-                  "--calibrated is of robots whose joints are not as nominal: give --sensors "
-                  "as-built, or leave it out");
+                  "--calibrated is only valid with --sensors as-built: give both, or leave it out");
     if (options.task() == "navigate") {
       if (const std::string why = why_unused(option, options); !why.empty())
         return fail(Fault::usage, option + " " + why);
     } else if (std::ranges::count(kOfNavigate, option) > 0) {
-      return fail(Fault::usage, option +
-                                    " is of navigate alone, which walks around things: leave it "
-                                    "out, or evaluate navigate");
+      return fail(Fault::usage,
+                  option + " is only valid with navigate: leave it out, or evaluate navigate");
     }
   }
   return {};

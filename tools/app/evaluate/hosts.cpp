@@ -82,7 +82,7 @@ Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& ho
         progress.done();
         end(parallel);
         return fail(Fault::interrupted,
-                    "interrupted; the same command goes on with the tasks that have not ended");
+                    "interrupted; the same command continues with the remaining tasks");
       }
       const auto done = static_cast<std::size_t>(tasks) - without_part(out, tasks).size();
       progress.update(static_cast<double>(done) / tasks,

@@ -331,7 +331,7 @@ Result<Task> task_of(const std::string& name, const behavior::OptionValues& opti
       return fail(Fault::usage, "goal '" + options.choice("goal") +
                                     "' cannot be judged: give X,Y or X,Y,DEGREES or ball");
   } catch (const std::out_of_range& lacking) {
-    return fail(Fault::usage, "it cannot be judged as " + name + ": " + lacking.what());
+    return fail(Fault::usage, "the behavior cannot be judged as " + name + ": " + lacking.what());
   }
   return task;
 }

@@ -23,24 +23,27 @@ constexpr double kStartFree = 0.28, kGoalFree = 0.24;  // m, around them
 constexpr double kWall = 0.04;                         // m, thick
 
 constexpr WorldKindInfo kKinds[] = {
-    {WorldKind::clutter, "clutter", "boxes and cans anywhere; density: how many", 0},
-    {WorldKind::corridor, "corridor", "two walls and one behind the goal; density: narrower", 1.0},
-    {WorldKind::slalom, "slalom", "walls across the way from both sides in turn; density: closer",
-     1.1},
-    {WorldKind::u_trap, "u-trap", "a U, open to the robot, before the goal; density: deeper", 1.1},
-    {WorldKind::low_step, "low-step", "plates 2 cm high across the way; density: more and wider",
+    {WorldKind::clutter, "clutter", "boxes and cans at random places; density: their number", 0},
+    {WorldKind::corridor, "corridor", "two walls, and a third behind the goal; density: narrower",
+     1.0},
+    {WorldKind::slalom, "slalom",
+     "walls across the path, from alternating sides; density: closer together", 1.1},
+    {WorldKind::u_trap, "u-trap",
+     "a U-shaped wall in front of the goal, open to the robot; density: deeper", 1.1},
+    {WorldKind::low_step, "low-step", "plates 2 cm high across the path; density: more and wider",
      0.8},
-    {WorldKind::thin_poles, "thin-poles", "upright rods of 5 mm; density: how many", 0.7},
+    {WorldKind::thin_poles, "thin-poles", "upright rods, 5 mm thick; density: their number", 0.7},
     {WorldKind::table_edge, "table-edge", "an L-shaped table top; density: narrower", 0.9},
     {WorldKind::patterned_floor, "patterned-floor",
-     "clutter on a checkered floor of any colour; density: how many", 0},
+     "clutter on a checkered floor of random color; density: number of obstacles", 0},
     {WorldKind::plain_floor, "plain-floor",
-     "clutter on a floor of one colour without a pattern; density: how many", 0},
+     "clutter on a floor of one color, without a pattern; density: number of obstacles", 0},
     {WorldKind::moving_box, "moving-box",
-     "a box that slides into the way while the robot walks; density: what else stands about", 1.1},
-    {WorldKind::dark, "dark", "clutter in little light; density: how many", 0},
+     "a box that slides into the way while the robot walks; density: number of other obstacles",
+     1.1},
+    {WorldKind::dark, "dark", "clutter in dim light; density: number of obstacles", 0},
     {WorldKind::two_balls, "two-balls",
-     "the ball to catch, another of another colour, and clutter; density: how many", 0},
+     "the ball to catch, a ball of another color, and clutter; density: number of obstacles", 0},
 };
 
 // None of a ball's colour: red and green balls are looked for.
@@ -268,7 +271,7 @@ Result<std::vector<WorldKind>> parse_world_kinds(const std::vector<std::string>&
     for (const WorldKindInfo& info : kKinds)
       if (name == "all" || name == info.name) kinds.push_back(info.kind);
     if (kinds.size() == before)
-      return fail(Fault::usage, "'" + name + "' is no kind of world: there are all" + all);
+      return fail(Fault::usage, "'" + name + "' is not a kind of world: use one of all" + all);
   }
   return kinds;
 }

@@ -39,8 +39,9 @@ bool should_hold(const Part& part, std::uint64_t number, std::uint64_t shards) {
 }
 
 std::string why_it_lacks(const Part& part) {
-  if (!part.has_result) return "' has no result.json (its evaluation was cut off, or still runs)";
-  if (!part.interrupted) return "' does not hold all that it should";
+  if (!part.has_result)
+    return "' has no result.json (its evaluation was aborted or is still running)";
+  if (!part.interrupted) return "' is incomplete";
   return "' was interrupted" + (part.signal.empty() ? std::string() : " by " + part.signal);
 }
 
@@ -49,21 +50,21 @@ std::string folder_reason(const Part& part, const Numbers& lacks) {
   const bool unknown = part.interrupted && !part.planned;
   if (lacks.empty() && !unknown) return {};
   return "'" + part.folder + why_it_lacks(part) +
-         (lacks.empty() ? ", and does not state of how many episodes it was"
-                        : ", " + episodes_text(lacks)) +
+         (lacks.empty() ? " and does not state its number of episodes"
+                        : " and lacks " + episodes_text(lacks)) +
          ": run its command again";
 }
 
 // Episodes of no folder at all, by the part that would have them.
 std::string absent_reasons(const Numbers& numbers, std::uint64_t shards) {
-  if (shards < 2) return episodes_text(numbers) + " in no folder: run them";
+  if (shards < 2) return "no folder contains " + episodes_text(numbers) + ": run them";
   std::map<std::uint64_t, Numbers> by_part;
   for (const std::uint64_t number : numbers) by_part[number % shards + 1].push_back(number);
   std::string text;
   for (const auto& [part, its] : by_part) {
     const std::string name = std::to_string(part) + "/" + std::to_string(shards);
-    text += (text.empty() ? "part " : "; part ") + name + ", " + episodes_text(its) +
-            ", is in no folder: name its folder too, or run it with --shard " + name;
+    text += (text.empty() ? "" : "; ") + std::string("no folder contains part ") + name + " (" +
+            episodes_text(its) + "): give its folder too, or run it with --shard " + name;
   }
   return text;
 }
@@ -118,8 +119,8 @@ Result<void> check_one_plan(const std::vector<Part>& parts) {
   return fail(Fault::usage,
               "'" + few->folder + "' was made with --episodes " +
                   std::to_string(few->planned->episodes) + " and '" + many->folder + "' with " +
-                  episodes + ": parts differ by --shard alone; give the command of '" +
-                  few->folder + "' again with " + episodes + ", which runs only what it lacks");
+                  episodes + ": parts may only differ in --shard; run the command of '" +
+                  few->folder + "' again with " + episodes + ", which runs only missing episodes");
 }
 
 Shortage find_shortage(const std::vector<Part>& parts) {
@@ -158,12 +159,12 @@ Shortage find_shortage(const std::vector<Part>& parts) {
   if (!found.lost.empty()) {
     Numbers numbers;
     for (const auto& [number, why] : found.lost) numbers.push_back(number);
-    add(episodes_text(numbers) + " lost to the machine: run the command of the part again");
+    add(episodes_text(numbers) + " lost to machine errors: run the command of the part again");
   }
   if (reasons.empty()) return found;
   const std::size_t count = missing.size() + found.lost.size();
   found.sentence = (count > 0 ? std::to_string(count) + " of " + std::to_string(total) + " " : "") +
-                   "episodes are missing and in no rate: " + reasons + "; then merge again";
+                   "episodes are missing and count in no rate: " + reasons + "; then merge again";
   return found;
 }
 

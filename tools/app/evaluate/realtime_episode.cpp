@@ -43,7 +43,7 @@ std::string text_of(const std::string& path) {
 
 std::string last_line(const std::string& text) {
   const auto end = text.find_last_not_of("\n");
-  if (end == std::string::npos) return "it said nothing";
+  if (end == std::string::npos) return "it printed nothing";
   const auto begin = text.find_last_of('\n', end);
   return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
 }
@@ -278,11 +278,11 @@ std::string lateness(const Json& last, const Json& result, double worst_gap_s) {
   if (lag_s > kMax_s)
     return "the machine was too slow: kaz sim lagged " + std::to_string(lag_s) + " s behind";
   if (worst_s > kMax_s || (host_s > kMax_s && host_s > kMaxShare * number_of(result, "duration_s")))
-    return "the machine was too slow: kaz run was kept waiting for " +
-           std::to_string(std::max(worst_s, host_s)) + " s";
+    return "the machine was too slow: kaz run waited " + std::to_string(std::max(worst_s, host_s)) +
+           " s";
   if (worst_gap_s > kMax_s)
-    return "the machine was too slow: nothing was seen of the robot for " +
-           std::to_string(worst_gap_s) + " s";
+    return "the machine was too slow: no state of the robot for " + std::to_string(worst_gap_s) +
+           " s";
   return {};
 }
 
@@ -292,8 +292,8 @@ std::string machine_trouble(const Ends& ends, const Json& last, const Json& resu
   constexpr int kLost = static_cast<int>(Fault::environment);
   if (ends.ended_early)
     return "kaz sim ended with " + std::to_string(ends.simulator) + " during the run";
-  if (ends.simulator == kLost) return "kaz sim could not keep its recording";
-  if (ends.behaviour == static_cast<int>(Fault::usage)) return "kaz run could not begin";
+  if (ends.simulator == kLost) return "kaz sim could not write its recording";
+  if (ends.behaviour == static_cast<int>(Fault::usage)) return "kaz run could not start";
   if (ends.behaviour == kLost && result.value("outcome", "") == "environment")
     return result.value("sentence", std::string());
   if (ends.behaviour == kLost) return "kaz run lost port, camera or files";
@@ -321,7 +321,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   std::error_code wrong;
   remove_files(kept);
   fs::create_directories(kept, wrong);
-  if (wrong) return fail(Fault::environment, kept + ": cannot be made: " + wrong.message());
+  if (wrong) return fail(Fault::environment, "cannot create '" + kept + "': " + wrong.message());
   const auto both = KAZ_TRY(commands(options, drawn, files, kept));
   // Both programs end with this process's objects.
   host::Interrupt interrupt;
@@ -340,7 +340,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
     ::usleep(50'000);
   }
   if (text_of(sim_log).find("ready") == std::string::npos)
-    return fail(Fault::environment, "kaz sim did not begin: " + last_line(text_of(sim_log)));
+    return fail(Fault::environment, "kaz sim did not start: " + last_line(text_of(sim_log)));
   auto control = KAZ_TRY(Control::open(board_of(files) + ".ctl"));
   control.watch_touches();
   Judge judge({.ball_radius_m = scenario.ball_radius_m, .lies = scenario.lies.has_value()});

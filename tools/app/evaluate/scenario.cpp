@@ -45,7 +45,7 @@ Result<BallColor> ball_color(const std::string& name) {
     if (color.name == name) return color;
     names += (names.empty() ? "" : ", ") + std::string(color.name);
   }
-  return fail(Fault::usage, "'" + name + "' is no colour of a ball: there are " + names);
+  return fail(Fault::usage, "'" + name + "' is not a ball color: use one of " + names);
 }
 
 Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uint64_t episode) {
@@ -142,8 +142,8 @@ Result<void> Scenario::add_layout(const Variation& variation, bool ball_is_goal)
     paint_balls();
     return {};
   }
-  return fail(Fault::usage, std::string("a hundred draws of the world ") + to_string(kind) +
-                                " left no way to the goal: ask for fewer --obstacles or less "
+  return fail(Fault::usage, std::string("100 random layouts of world ") + to_string(kind) +
+                                " had no path to the goal: give fewer --obstacles or a lower "
                                 "--density");
 }
 
@@ -170,7 +170,7 @@ Result<void> Scenario::add_props(const Variation& variation) {
   for (int draw = 0; layout.obstacles.size() < count; ++draw) {
     if (draw == 10'000)
       return fail(Fault::usage, "there is no room for " + std::to_string(count) +
-                                    " props around robot and ball: ask for fewer --props");
+                                    " props around robot and ball: give fewer --props");
     const bool alike = layout.obstacles.size() % 3 == 0;
     const Obstacle o = draw_prop(dice, kNear, kFar, alike ? &color.rgb : nullptr);
     if (fits(o)) layout.obstacles.push_back(o);

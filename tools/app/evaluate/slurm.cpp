@@ -47,7 +47,7 @@ Result<Ran> run(const std::string& program, const std::vector<std::string>& argu
     if (waited >= kMostWait)
       return fail(Fault::environment, program + ": no answer for " +
                                           std::to_string(waited.count()) +
-                                          " s; check that Slurm is up");
+                                          " s; check that Slurm is running");
   }
   const auto output = KAZ_TRY(read_whole_file(log, 1 << 20));
   Ran ran{*status, output};
@@ -136,8 +136,8 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
   const std::string out = fs::absolute(options.out, wrong).lexically_normal().string();
   if (out.find('\\') != std::string::npos)
     return fail(Fault::usage, "--out: '" + out +
-                                  "' has a backslash, with which Slurm names no output file: "
-                                  "choose another folder");
+                                  "' contains a backslash, which Slurm does not allow in names of "
+                                  "output files: choose another folder");
   const std::string program = fs::read_symlink("/proc/self/exe", wrong).string();
   const auto folder = KAZ_TRY(open_campaign(out));
   const std::string script =
@@ -167,8 +167,8 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
     if (!waiting.sleep_until(waiting.now() + kLook)) {
       progress.done();
       return fail(Fault::interrupted, "interrupted; job " + job +
-                                          " goes on: the same command waits for it, `scancel " +
-                                          job + "` ends it");
+                                          " continues: the same command waits for it, `scancel " +
+                                          job + "` cancels it");
     }
     const auto under_way = is_under_way(out, job, interrupt);
     missing = without_part(out, slurm.tasks);
@@ -181,7 +181,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
       gone = 0;
       remove_unfinished(out, slurm.tasks);
       job = KAZ_TRY(submit(out, slurm, missing));
-      progress.announce(0, "job " + job + ": " + task_list(missing) + " once more");
+      progress.announce(0, "job " + job + ": " + task_list(missing) + " again");
       continue;
     }
     progress.done();

@@ -105,7 +105,7 @@ std::string junit(const Json& result, const Episodes& episodes, const LostEpisod
     const std::string sentence = e["sentence"].get<std::string>();
     if (!success) one.message = e["cause"].get<std::string>() + ": " + sentence;
     if (e.contains("claim"))
-      one.output = std::string("the behaviour claims ") +
+      one.output = std::string("the behavior claims ") +
                    (e["claim"].get<bool>() ? "success: " : "failure: ") + sentence;
     suite.add(one);
   }
@@ -144,7 +144,8 @@ Json pushes_json(const Json& campaign, const Episodes& episodes) {
             since + ": give a smaller --push-from";
   if (without_step > 0)
     note += "; in " + std::to_string(without_step) +
-            " the robot took no step, from which pushes are timed: see what failed in episodes.csv";
+            " the robot took no first step, from which pushes are timed: see the causes in "
+            "episodes.csv";
   json["note"] = note;
   return json;
 }
@@ -160,14 +161,14 @@ void print(const Json& result, const OutputFolder& folder) {
         100 * result["interval"][0].get<double>(), 100 * result["interval"][1].get<double>());
   char seconds[80] = "", rtf[40] = "";
   if (result.contains("seconds"))
-    std::snprintf(
-        seconds, sizeof seconds, "; seconds of the robot, median %.1f, 95 %% of them under %.1f",
-        result["seconds"]["median"].get<double>(), result["seconds"]["p95"].get<double>());
+    std::snprintf(seconds, sizeof seconds, "; robot time: median %.1f s, 95th percentile %.1f s",
+                  result["seconds"]["median"].get<double>(),
+                  result["seconds"]["p95"].get<double>());
   if (result.contains("rtf_median"))
     std::snprintf(rtf, sizeof rtf, "; %.1f x real time", result["rtf_median"].get<double>());
   print_lines("\nfalls %llu%s%s\n", result["falls"].get<unsigned long long>(), seconds, rtf);
   if (const auto pushes = result.find("pushes"); pushes != result.end()) {
-    std::printf("pushes in an episode: median %.0f, least %.0f\n",
+    std::printf("pushes per episode: median %.0f, minimum %.0f\n",
                 (*pushes)["median"].get<double>(), (*pushes)["least"].get<double>());
     if (pushes->contains("note"))
       print_lines("note: %s\n", (*pushes)["note"].get<std::string>().c_str());
@@ -183,7 +184,7 @@ void print(const Json& result, const OutputFolder& folder) {
   if (const auto by = result.find("by"); by != result.end())
     std::printf("%s", breakdown_text(*by).c_str());
   for (const Json& one : result["environment"])
-    print_lines("  not decided, lost to the machine: episode %llu: %s\n",
+    print_lines("  undecided, lost to a machine error: episode %llu: %s\n",
                 one["episode"].get<unsigned long long>(),
                 one["sentence"].get<std::string>().c_str());
   if (!result["failures"].empty())

@@ -83,7 +83,7 @@ Result<DrawnFigure> draw_scene(const RunCollector& run) {
       {outside, text("(A) robot and view simulator, %.2f s; both eyes' pictures",
                      seconds(scene.ball.info.exposure))},
       {figure::enlarge(figure::mask_picture(mask, left), 2),
-       text("(B) colour extraction: the ball, %.2f m away by its size", scene.ball.distance_m)},
+       text("(B) color extraction: the ball, %.2f m away by its size", scene.ball.distance_m)},
       {figure::enlarge(figure::depth_picture(scene.depth), 2),
        "(C) depth: red 0.2 m, green 0.7 m, blue 3 m, black none"},
       {figure::flow_arrows(left, scene.flow, 2, kArrowEvery_px, kStretch),
@@ -126,7 +126,7 @@ Result<DrawnFigure> draw_map_and_path(const RunCollector& run) {
   constexpr double kRow_px = 5 * 244 + 4 * 14;  // five pictures of 4 : 3 and the gaps between them
   constexpr double kAhead = 1.2, kAside = 0.8, kGrid = 0.1;  // m
   if (run.look_around().empty())
-    return fail(Fault::failed, "figure 6: the run shows no picture of the looking-around");
+    return fail(Fault::failed, "figure 6: the run has no picture from looking around");
   if (!run.plan()) return fail(Fault::failed, "figure 6: the run has no planned path");
   const PlanView& plan = *run.plan();
   std::vector<figure::Panel> views, floors;
@@ -166,8 +166,8 @@ Result<DrawnFigure> draw_map_and_path(const RunCollector& run) {
   for (std::size_t i = 1; i < plan.path.size(); ++i)
     length += (plan.path[i] - plan.path[i - 1]).norm();
   const figure::Panel maps[] = {
-      {merged, "(C) merged map: floor white, brighter if sure, obstacles black, unseen grey"},
-      {path, text("(D) path (red), %.2f m, towards the goal (blue); grid of %.0f cm", length,
+      {merged, "(C) merged map: floor white, brighter if certain, obstacles black, unseen gray"},
+      {path, text("(D) path (red), %.2f m, toward the goal (blue); grid of %.0f cm", length,
                   100 * kGrid)}};
   Json corners = Json::array();
   for (const Vector2d& corner : plan.path) corners.push_back(point_json(corner));

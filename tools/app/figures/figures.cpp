@@ -67,9 +67,10 @@ std::set<int> shown_by(const std::string& behavior) {
 Result<std::set<int>> figures_of(const FiguresOptions& options, const std::string& behavior) {
   const std::set<int> shown = shown_by(behavior);
   if (shown.empty())
-    return fail(Fault::usage, options.recording + ": a run of " + behavior +
-                                  " shows none of the figures; give one of track-ball, navigate or "
-                                  "catch-ball");
+    return fail(Fault::usage,
+                options.recording + ": a run of " + behavior +
+                    " contains none of the figures; give a run of track-ball, navigate "
+                    "or catch-ball");
   if (options.only.empty()) {
     // The scene of a walk is there only if the ball was in view.
     std::set<int> all = shown;
@@ -79,12 +80,11 @@ Result<std::set<int>> figures_of(const FiguresOptions& options, const std::strin
   for (const int number : options.only) {
     if (number == kFrames)
       return fail(Fault::usage,
-                  "figure 7 is of a run of its own, of which there is no recording: leave "
-                  "--recording out, or 7");
+                  "figure 7 needs a run of its own, not a recording: leave out --recording, or 7");
     if (!shown.contains(number))
       return fail(Fault::usage, options.recording + ": a run of " + behavior +
-                                    " does not show figure " + std::to_string(number) + ", only " +
-                                    joined(shown));
+                                    " does not contain figure " + std::to_string(number) +
+                                    ", only " + joined(shown));
   }
   return options.only;
 }
@@ -106,7 +106,7 @@ class Figures {
     KAZ_TRY(folder_.explained(write_result(interrupted)));
     if (interrupted)
       return fail(Fault::interrupted,
-                  made.error().message + "; figures drawn until then: " +
+                  made.error().message + "; completed figures: " +
                       (result_["figures"].empty() ? std::string("none") : "in " + options_.out));
     return success_;
   }
@@ -185,8 +185,8 @@ class Figures {
     if (!identical)
       return fail(Fault::failed,
                   options_.recording +
-                      ": the run goes otherwise now than it was recorded, as it does with another "
-                      "version of Kaz (kaz replay says where); record it again");
+                      ": the run now differs from the recording, as with another version of Kaz "
+                      "(`kaz replay` prints where); record it again");
     return facts.value("outcome", std::string()) == "done";
   }
 
@@ -212,7 +212,8 @@ class Figures {
     if (sweep.mcu == sim::McuKind::h8)
       sweep.image_path = KAZ_TRY(firmware_image(options_.backend.image));
     else if (!options_.backend.image.empty())
-      return fail(Fault::usage, "--image is for --mcu h8 alone: native has no firmware image");
+      return fail(Fault::usage,
+                  "--image is only valid with --mcu h8: native has no firmware image");
     if (options_.backend.eye_width != 0) sweep.eye_width = options_.backend.eye_width;
     sweep.eyes = options_.backend.eyes;
     sweep.renderer = options_.backend.renderer;

@@ -20,32 +20,30 @@ struct PaperFigure {
 
 constexpr PaperFigure kPaperFigures[] = {
     {3, "Simulation environment for vision based behavior",
-     "A red ball falls before the robot: the simulator and its view, colour extraction, depth by "
-     "block matching, "
-     "optical flow.",
-     "The same four of one frame: of those in which ball, depth and flow were found, the one in "
-     "which the ball moved "
-     "most in the picture, downwards first. The onlooker's view is of the frame's exposure."},
+     "A red ball falls in front of the robot: the simulator and its view, color extraction, depth "
+     "by block matching, optical flow.",
+     "The same four for one frame with ball, depth and flow: the frame with the largest motion of "
+     "the ball in the picture, preferably downward. The outside view is from its exposure."},
     {5, "Experimental setup: task of the robot is to approach the ball and catch it",
      "The robot, obstacles, and the ball behind them.",
      "The world before the robot moves, from its right and from above."},
     {6, "Visual processing and local map representation of the experiment",
-     "(A) planes in pictures of the looking-around, red; (B) the floor of each in foot "
-     "coordinates; (C) the merged map, "
-     "brighter where floor is more certain; (D) the planned path.",
-     "The same of one walk. In (B) to (D) the robot is in the middle below and forward is up; "
-     "floor white, obstacles "
-     "black, unseen grey. The map is the one of which the path was planned."},
+     "(A) planes (red) in pictures from looking around; (B) the floor of each in foot "
+     "coordinates; (C) the merged map, brighter where the floor is more certain; (D) the planned "
+     "path.",
+     "The same for one walk. In (B) to (D) the robot is at the bottom center and forward is up. "
+     "Floor is white, obstacles are black, unseen cells are gray. The path was planned on this "
+     "map."},
     {7, "Frame information messaging in visual processing modules",
-     "How the posture at a picture's exposure goes along with it through the modules, since "
-     "results come when the head has "
-     "turned on.",
-     "What that is worth: the same results of a sweep, entered where the eyes were and where they "
-     "are when the result comes. "
-     "Black: the true edges of the boxes, which the robot does not know."},
+     "The modules pass on the posture at a picture's exposure, because the head has turned further "
+     "when results arrive.",
+     "The effect: results of one sweep, entered into the map from the eyes' pose at the exposure, "
+     "and from their pose when the result arrives. Black: the true edges of the boxes, unknown to "
+     "the robot."},
     {8, "Vision based behavior program in simulation world and real world",
      "Search-ball, track-ball and catch-ball, in the simulation and by the real robot.",
-     "The simulated catch, and below each view what the left eye saw. There was no real robot."},
+     "The simulated catch, and below each view the picture of the left eye. There was no real "
+     "robot."},
 };
 
 const char* const kStyle = R"(
@@ -79,7 +77,9 @@ std::string paper_caption(int number) {
 
 std::string figures_page(const nlohmann::ordered_json& result) {
   std::string text = hil::page_head("Figures of the paper", kStyle);
-  text += "<h1>Figures of the paper</h1>\n<p class=\"facts\">Each of one run of the virtual robot";
+  text +=
+      "<h1>Figures of the paper</h1>\n<p class=\"facts\">Each figure is from one run of the "
+      "virtual robot";
   text += ", seed " + result.at("seed").dump() + ", " +
           xml_text(result.at("provenance").value("date", std::string())) + ": " +
           xml_text(result.at("provenance").value("command", std::string())) + "</p>\n";

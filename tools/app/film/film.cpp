@@ -202,7 +202,7 @@ Result<Film> Film::of(const FilmOptions& options) {
   if (pictures > static_cast<double>(kMaxPictures))
     return fail(Fault::usage, options.recording + ": its film would have more than " +
                                   std::to_string(kMaxPictures) +
-                                  " pictures; give a larger --pace, or fewer by --video-fps");
+                                  " pictures; give a larger --pace or a smaller --video-fps");
   film.pictures_ = static_cast<std::size_t>(pictures);
   return film;
 }

@@ -73,14 +73,15 @@ Result<FilmFormat> film_format(const std::string& path) {
     endings += (endings.empty() ? "" : ", ") + std::string(format.ending);
   }
   return fail(Fault::usage, "--video '" + cut_text(path) +
-                                "': the ending names the format; give one of " + endings);
+                                "': the extension selects the format; use one of " + endings);
 }
 
 Result<FilmEncoder> FilmEncoder::begin(const FilmFormat& format, const FilmSize& size,
                                        const std::string& path, const host::Interrupt& interrupt) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-    return fail(Fault::environment, std::string("no pipe to ffmpeg: ") + std::strerror(errno));
+    return fail(Fault::environment,
+                std::string("cannot open a pipe to ffmpeg: ") + std::strerror(errno));
   const Descriptor output(ends[0]);
   Descriptor input(ends[1]);
   ::fcntl(input.get(), F_SETFL, O_NONBLOCK);

@@ -74,8 +74,8 @@ void Answer::written(const host::FlashReport& report, bool by_boot_mode) {
                           std::to_string(report.unchanged) + " unchanged") +
       ", " + counted(report.repeated, "request") + " repeated");
   if (by_boot_mode)
-    say("boot mode has erased the stored calibration, which `kaz calibrate joints` makes anew, and "
-        "the board's address, which is 1 now");
+    say("boot mode has erased the stored calibration and the board's address: the address is now "
+        "1, and `kaz calibrate joints` makes a new calibration");
   char times[96];
   std::snprintf(times, sizeof times,
                 "%.2f s, of which line and cells take %.2f: efficiency %.1f %%", report.seconds,

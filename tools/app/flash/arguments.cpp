@@ -14,10 +14,9 @@ namespace {
 Result<void> check_erase(const FlashArguments& arguments) {
   if (arguments.reset.empty()) {
     if (arguments.blocks.empty())
-      return fail(
-          Fault::usage,
-          "give --blocks N,N to erase those through the loader, or --reset HOW to erase the "
-          "whole flash, calibration and address too, through boot mode");
+      return fail(Fault::usage,
+                  "give --blocks N,N to erase these blocks through the loader, or --reset HOW to "
+                  "erase the whole flash, with calibration and address, through boot mode");
     const auto kept = [](int block) {
       return block == host::kVectorBlock || block == host::kLoaderBlock;
     };
@@ -28,8 +27,8 @@ Result<void> check_erase(const FlashArguments& arguments) {
     std::vector<int> sorted = arguments.blocks;
     std::ranges::sort(sorted);
     if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
-      return fail(Fault::usage, "--blocks has EB" + std::to_string(*twice) +
-                                    " twice: erasing it once is enough; give each block once");
+      return fail(Fault::usage,
+                  "--blocks contains EB" + std::to_string(*twice) + " twice; give each block once");
     return {};
   }
   if (arguments.blocks.empty()) return {};
@@ -50,13 +49,12 @@ Result<void> check(const FlashArguments& arguments) {
   if (arguments.port != port && arguments.port != "serial:" + port)
     return fail(Fault::usage,
                 "--robot " + arguments.port +
-                    ": the loader is at 115,200 baud, boot mode at --boot-baud; give " +
+                    ": the loader uses 115,200 baud, and boot mode --boot-baud; give " +
                     host::robot_option(port));
   if (!arguments.writer.empty() && arguments.reset.empty())
-    return fail(
-        Fault::usage,
-        "--writer is for boot mode: give --reset HOW, too; the resident loader has a writer of "
-        "its own");
+    return fail(Fault::usage,
+                "--writer is only valid with boot mode: give --reset HOW too; the resident loader "
+                "has its own writer");
   if (arguments.verb == "erase") return check_erase(arguments);
   return {};
 }

@@ -41,15 +41,14 @@ Result<void> check_running(FlashSession& session, Answer& answer,
     answer.runs(*board);
     return {};
   }
-  return fail(
-      Fault::failed,
-      host::text_of(
-          {"the firmware was written and verified, but does not run",
-           "its answer to `identify`, with image CRC " + host::hex_word(identity.crc),
-           board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
-           {"the mode switch still stands at boot mode", "reset is not wired as --reset says"},
-           "set the switch, press reset, then `kaz status " + host::robot_option(session.port()) +
-               "`"}));
+  return fail(Fault::failed,
+              host::text_of(
+                  {"the firmware was written and verified, but does not run",
+                   "its answer to `identify`, with image CRC " + host::hex_word(identity.crc),
+                   board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
+                   {"the mode switch is still at boot mode", "reset is not wired as --reset says"},
+                   "set the switch, press reset, then `kaz status " +
+                       host::robot_option(session.port()) + "`"}));
 }
 
 Result<void> write_image(FlashSession& session, const FlashArguments& arguments, Answer& answer,
@@ -70,7 +69,8 @@ Result<void> verify_image(FlashSession& session, Answer& answer, const host::Fla
   if (!report) return tl::unexpected(report.error());
   answer.put("bytes", report->bytes);
   answer.put("verified", true);
-  answer.say("verified: " + std::to_string(report->bytes) + " bytes stand in the flash");
+  answer.say("verified: " + std::to_string(report->bytes) +
+             " bytes in the flash are those of the image");
   return {};
 }
 
@@ -130,11 +130,11 @@ Result<void> erase(FlashSession& session, const FlashArguments& arguments, Answe
   const auto has = [&](int block) { return std::ranges::count(arguments.blocks, block) > 0; };
   if (has(1) || has(2))
     line += std::string("; with ") + (has(1) && has(2) ? "both copies" : "a copy") +
-            " of the calibration, which `kaz calibrate joints` makes anew";
-  if (has(3)) line += "; with the board's address, which is 1 now";
-  answer.say(line +
-             "; after 10 s, or by `kaz flash run`, the loader starts the application if it is "
-             "whole");
+            " of the calibration (`kaz calibrate joints` makes a new one)";
+  if (has(3)) line += "; with the board's address, which is now 1";
+  answer.say(
+      line +
+      "; the loader starts the application after 10 s, or by `kaz flash run`, if it is complete");
   return {};
 }
 
@@ -155,11 +155,11 @@ Result<void> run(FlashSession& session, Answer& answer) {
                     ": end other programs, then `kaz status " + host::robot_option(session.port()) +
                     "`");
   return fail(Fault::failed,
-              host::text_of({"the board was started, and no firmware of Kaz answers",
+              host::text_of({"the board was started, but no Kaz firmware answers",
                              "its answer to `identify`",
                              "no valid reply",
-                             {"there is no whole application: the loader waits for one",
-                              "what stands in the flash is another program"},
+                             {"the application is missing or incomplete: the loader waits for one",
+                              "the flash contains another program"},
                              "kaz flash info " + host::robot_option(session.port())}));
 }
 
@@ -178,7 +178,7 @@ Result<void> write_with_notes(FlashSession& session, const FlashArguments& argum
                               Answer& answer, const host::FlashImage& image) {
   const auto notes = WriteNotes::begin(session.port());
   if (!notes)
-    std::fprintf(stderr, "kaz flash: no notes of this write are kept: %s\n",
+    std::fprintf(stderr, "kaz flash: notes of this write cannot be saved: %s\n",
                  notes.error().message.c_str());
   auto done = session.enter(&image);
   if (done) done = write_image(session, arguments, answer, image);
@@ -226,11 +226,10 @@ Result<void> flash(const FlashArguments& arguments, Answer& answer) {
     auto loaded = KAZ_TRY(host::FlashImage::load(arguments.image, arguments.load));
     image = std::move(loaded);
     if (image->size() == 0)
-      return fail(
-          Fault::usage,
-          arguments.image +
-              ": every byte of it is ff, as of erased flash: there is nothing to write or to "
-              "compare; `kaz flash erase` erases");
+      return fail(Fault::usage,
+                  arguments.image +
+                      ": all its bytes are ff, as in erased flash, so there is nothing to write or "
+                      "to compare; to erase, give `kaz flash erase`");
   }
   if (auto valid = check(arguments); !valid) return valid;
   if (arguments.port.empty()) {

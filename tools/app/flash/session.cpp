@@ -119,8 +119,8 @@ tl::unexpected<Error> FlashSession::nobody() const {
               host::text_of({"no firmware and no loader answers on " + link_->name(),
                              "a Kaz board at 115200 baud",
                              "no valid reply",
-                             {"the board's flash is blank: that takes boot mode",
-                              "the port is another one", "the board has no power"},
+                             {"the board's flash is blank and needs boot mode",
+                              "this is the wrong port", "the board has no power"},
                              "kaz flash write IMAGE " + host::robot_option(link_->name()) +
                                  " --reset dtr-rts (or ctl:PATH, or manual)"}));
 }
@@ -140,8 +140,7 @@ Result<void> FlashSession::enter(const host::FlashImage* image) {
         link_->name()));
   }
   if (image != nullptr && !flasher_->board_id())
-    std::fprintf(stderr,
-                 "kaz flash: the board does not say its id; it is taken to be that of the image\n");
+    std::fprintf(stderr, "kaz flash: the board reports no id; the id of the image is assumed\n");
   return flasher_->enter_boot(*reset_);
 }
 

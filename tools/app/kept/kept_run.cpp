@@ -142,11 +142,11 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
     sentences.push_back(kept ? then + kept->verb + " on " + port +
                                    " was ended before it could put the board back: `kaz recover " +
                                    host::robot_option(port) + " --from " + path +
-                                   "` does it, and removing these notes forgets it"
-                             : then + "notes of a run that could not put the board on " + port +
-                                   " back: " + kept.error().message + ": `kaz recover " +
-                                   host::robot_option(port) +
-                                   "` does what is possible without them, then remove them");
+                                   "` puts it back; to keep the board as it is, remove these notes"
+                             : then + "the notes of a run that did not put the board on " + port +
+                                   " back are not valid: " + kept.error().message +
+                                   ": `kaz recover " + host::robot_option(port) +
+                                   "` recovers the board without them; then remove them");
   }
   for (std::string& sentence : interrupted_writes(port, folder))
     sentences.push_back(std::move(sentence));
@@ -180,7 +180,9 @@ Result<std::string> write_new_notes(const std::string& folder, const std::string
   if (folder.empty()) return fail(Fault::environment, "neither XDG_STATE_HOME nor HOME is set");
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return fail(Fault::environment, folder + ": cannot be made (" + error.message() + ")");
+  if (error)
+    return fail(Fault::environment,
+                folder + ": cannot create the folder (" + error.message() + ")");
   // Process numbers repeat: notes that a killed run has left stay.
   const std::string begin =
       folder + "/" + kind + file_name_of(port) + "-" + std::to_string(getpid());
@@ -217,9 +219,9 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
     if (o.alone && !others.empty())
       return fail(Fault::usage, "other boards are on " + o.port + ", at " +
                                     host::addresses_text(others) +
-                                    ", and this run disturbs every board on its line: connect the "
-                                    "one at address " +
-                                    std::to_string(o.address) + " alone");
+                                    ", and this run disturbs every board on its line: connect only "
+                                    "the board at address " +
+                                    std::to_string(o.address));
     run->kept_.others = std::move(others);
   }
   for (const std::string& sentence : earlier_notes(o.port, o.folder))
@@ -238,9 +240,8 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
 Result<void> KeptRun::write_notes() {
   const auto cannot = [](const std::string& why) {
     return fail(Fault::environment,
-                "what the board is like before the run cannot be written down, for which reason "
-                "nothing is run: " +
-                    why + "; set XDG_STATE_HOME to a folder that can be written");
+                "the board's settings cannot be saved, so the run does not start: " + why +
+                    "; set XDG_STATE_HOME to a writable folder");
   };
   if (!path_.empty()) {
     if (const auto written = write_whole_file(path_, kept_text(kept_)); !written)
@@ -275,7 +276,8 @@ void KeptRun::switch_motors_off() {
 Result<void> KeptRun::put_back() {
   if (interrupt_.requested() && options_.flash)
     std::fprintf(stderr,
-                 "%s: interrupted; putting back what the board's flash held, some seconds\n",
+                 "%s: interrupted; putting back the contents of the board's flash, which takes "
+                 "some seconds\n",
                  options_.verb.c_str());
   // put_back() ends by its patience; this only if it does not.
   const host::CleanUp clean_up(
@@ -314,7 +316,8 @@ Result<void> KeptRun::end() {
   if (!back) return back;
   std::error_code error;
   if (!path_.empty() && !fs::remove(path_, error) && error)
-    std::fprintf(stderr, "%s: the board is as it was, but its notes are left (%s): remove %s\n",
+    std::fprintf(stderr,
+                 "%s: the board is as it was, but its notes cannot be removed (%s): remove %s\n",
                  options_.verb.c_str(), error.message().c_str(), path_.c_str());
   return {};
 }
@@ -324,7 +327,7 @@ KeptRun::~KeptRun() {
     if (const auto ended = end(); !ended)
       std::fprintf(stderr, "%s: %s\n", options_.verb.c_str(), ended.error().message.c_str());
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: the board is not put back: %s\n", options_.verb.c_str(),
+    std::fprintf(stderr, "%s: the board was not put back: %s\n", options_.verb.c_str(),
                  error.what());
   }
 }

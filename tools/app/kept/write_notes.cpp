@@ -60,10 +60,10 @@ void WriteNotes::done() const {
 std::vector<std::string> interrupted_writes(const std::string& port, const std::string& folder) {
   std::vector<std::string> sentences;
   for (const auto& [path, write] : left_on(port, folder))
-    sentences.push_back("`" + one_line(write.command) + "` on " + port +
-                        " was ended before the flash was whole: the same command again, in " +
-                        one_line(write.folder) + ", completes it, and removing " + path +
-                        " forgets it");
+    sentences.push_back(
+        "`" + one_line(write.command) + "` on " + port +
+        " was ended before the flash was complete: give the same command again in " +
+        one_line(write.folder) + ", or remove " + path);
   return sentences;
 }
 

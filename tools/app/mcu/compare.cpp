@@ -101,7 +101,7 @@ void print(const Report& report, bool json) {
 template <class Report>
 Result<bool> ended(const Report& report, const std::string& after) {
   if (!report.stopped) return report.equal();
-  return fail(Fault::interrupted, "interrupted after " + after + ", of which the report is");
+  return fail(Fault::interrupted, "interrupted after " + after + "; the report covers these");
 }
 
 }  // namespace

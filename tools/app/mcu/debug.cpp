@@ -28,8 +28,9 @@ Result<std::uint32_t> address_of(const h8s::SymbolTable& symbols, const std::str
   if (text.starts_with("0x") && text.size() > 2 &&
       text.find_first_not_of("0123456789abcdefABCDEF", 2) == std::string::npos && text.size() < 9)
     return static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
-  return fail(Fault::usage, "--tick: the image has no symbol '" + text +
-                                "'; give a symbol of a COFF or ELF image or an address as 0x1234");
+  return fail(Fault::usage,
+              "--tick: the image has no symbol '" + text +
+                  "'; give a symbol of a COFF or ELF image or an address such as 0x1234");
 }
 
 // To standard error without a file.
@@ -95,8 +96,7 @@ Result<std::unique_ptr<McuDebug>> McuDebug::attach(h8s::Chip& chip, const h8s::S
     if (!options.tick.empty()) {
       const std::size_t comma = options.tick.find(',');
       if (comma == std::string::npos)
-        return fail(Fault::usage,
-                    "--tick wants two labels, BEGIN,END; it is '" + options.tick + "'");
+        return fail(Fault::usage, "--tick: give two labels, BEGIN,END, not '" + options.tick + "'");
       const auto begin = KAZ_TRY(address_of(symbols, options.tick.substr(0, comma)));
       const auto end = KAZ_TRY(address_of(symbols, options.tick.substr(comma + 1)));
       window = h8s::ProfileWindow{begin, end};

@@ -70,7 +70,7 @@ class FlatRun {
     auto ended =
         options_.semihost && !interrupted ? end_of_program(stop) : end_of_run(stop, interrupted);
     if (!interrupted) return ended;
-    return fail(Fault::interrupted, "interrupted; its output is of the run until then");
+    return fail(Fault::interrupted, "interrupted; the output covers the run until then");
   }
 
  private:

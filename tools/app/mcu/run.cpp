@@ -131,13 +131,13 @@ Result<std::optional<std::uint32_t>> entry_of(const McuRunOptions& options,
   if (options.entry.empty()) return std::nullopt;
   if (options.entry == "image") {
     if (!image.entry)
-      return fail(Fault::usage, options.image + ": the image names no entry; give --entry=ADDRESS");
+      return fail(Fault::usage, options.image + ": the image has no entry; give --entry=ADDRESS");
     return image.entry;
   }
   char* end = nullptr;
   const unsigned long address = std::strtoul(options.entry.c_str(), &end, 0);
   if (*end != 0 || address > 0xffffff)
-    return fail(Fault::usage, "--entry=" + options.entry + ": an address up to 0xffffff expected");
+    return fail(Fault::usage, "--entry=" + options.entry + ": give an address up to 0xffffff");
   return static_cast<std::uint32_t>(address);
 }
 
@@ -175,8 +175,8 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   if (options.entry.empty() && chip.peek32(0).value_or(0) == 0xffffffff)
     return fail(Fault::usage,
                 options.image +
-                    ": nothing stands at the reset vector (address 0): --entry starts at "
-                    "the image's entry address, --flat runs it without a chip");
+                    ": the reset vector (address 0) is empty: give --entry to start at the image's "
+                    "entry address, or --flat to run it without a chip");
   chip.on_transmit([](int sci, const h8s::TransmittedByte& byte) {
     if (sci == 0) std::fputc(byte.value, stdout);
   });
@@ -230,16 +230,16 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
       std::fprintf(stderr, "%s\n", stop.report.substr(0, stop.report.find('\n')).c_str());
     else if (!stop.report.empty())
       std::fprintf(stderr, "%s\n", stop.report.c_str());
-    std::fprintf(stderr, "%s after %lld states: %.3f s of the chip in %.3f s, %.3g times real\n",
-                 interrupted ? "interrupted" : name_of(stop.reason),
-                 static_cast<long long>(chip.now()), chip_s, wall_s,
-                 wall_s > 0 ? chip_s / wall_s : 0);
+    std::fprintf(
+        stderr, "%s after %lld states: %.3f s of the chip in %.3f s, %.3g times real time\n",
+        interrupted ? "interrupted" : name_of(stop.reason), static_cast<long long>(chip.now()),
+        chip_s, wall_s, wall_s > 0 ? chip_s / wall_s : 0);
   }
   if (options.count)
     std::fprintf(stderr, "insns=%lld\nstates=%lld\n", static_cast<long long>(chip.instructions()),
                  static_cast<long long>(chip.now()));
   if (interrupted)
-    return fail(Fault::interrupted, "interrupted; its outputs and files are of the run until then");
+    return fail(Fault::interrupted, "interrupted; outputs and files cover the run until then");
   return healthy(stop.reason);
 }
 

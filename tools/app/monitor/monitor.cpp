@@ -67,7 +67,7 @@ class Monitor {
       return tl::unexpected(with_earlier_notes(connected.error(), port_.name()));
     }
     if (!earlier_notes(port_.name()).empty())
-      said_ = "looks only; an earlier run was cut off and left notes: q prints what to do";
+      said_ = "only reads; an interrupted run left notes: q prints what to do";
     auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
       const Time begin = clock_.now();
@@ -123,10 +123,11 @@ class Monitor {
     for (const host::BusJoint& joint : servos_) {
       const auto torque = KAZ_TRY(driver->read(joint.servo, "torque_enable"));
       if (torque && *torque != 0)
-        return fail(Fault::environment,
-                    "the torque of " + joint.servo.joint + " on " + port_.name() +
-                        " is on, and this would let go of it: end the program that drives it; if "
-                        "none does, hold the robot and switch its power off and on");
+        return fail(
+            Fault::environment,
+            "the torque of " + joint.servo.joint + " on " + port_.name() +
+                " is on, and the monitor would switch it off: end the program that drives it; if "
+                "there is no such program, hold the robot and switch its power off and on");
     }
     looked_ = true;
     return {};
@@ -234,11 +235,11 @@ class Monitor {
         return shift(5 * kDegree);
       case Key::toggle:
         said_ = selected_name();
-        said_ += (on() & bit) != 0 ? " is off" : " is on and holds where it was";
+        said_ += (on() & bit) != 0 ? " is off" : " is on and holds its angle";
         return enable((on() & bit) != 0 ? wanted_.value_or(on()) & ~bit
                                         : wanted_.value_or(on()) | bit);
       case Key::all_on:
-        said_ = "all joints are on and hold where they were";
+        said_ = "all joints are on and hold their angles";
         return enable(there());
       case Key::stop:
         said_ = "stopped: all motors are off";
@@ -246,7 +247,7 @@ class Monitor {
         return robot_->stop();
       case Key::clear:
         said_ = on() != 0 ? "nothing was latched: motors are on"
-                          : "nothing is latched any more; motors stay off";
+                          : "nothing is latched now; motors stay off";
         return robot_->clear();
       default:
         return {};
@@ -269,8 +270,9 @@ class Monitor {
     // What it switched on, and the watchdog; a board that it only looked at is left as it was.
     if (!watched_ && (!link_ || link_->still_on().empty())) return {};
     if (!robot_)
-      return fail(Fault::environment, "motors were switched on, and nobody answers on " +
-                                          port_.name() + " any more: cut their power");
+      return fail(Fault::environment,
+                  "motors were switched on, and the board no longer answers on " + port_.name() +
+                      ": cut their power");
     const host::CleanUp clean_up(interrupt_);
     const auto off = robot_->disable_all();
     const kz_identify_reply& was = robot_->identity();
@@ -297,7 +299,7 @@ class Monitor {
   bool watched_ = false, looked_ = false;
   std::optional<std::uint32_t> wanted_;  // joints that are to be on; none: not read yet
   Time since_{}, next_try_{};
-  std::string said_ = "looks only, until e or E switches motors on; q switches those off again";
+  std::string said_ = "only reads, until e or E switches motors on; q switches them off again";
 };
 
 // Errors (usage): the port, the robot's files.

@@ -37,7 +37,7 @@ chtype attribute(Ink ink) {
 
 Result<void> Terminal::check() {
   if (isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0) return {};
-  return fail(Fault::usage, "the monitor needs a terminal; for scripts there is kaz status --json");
+  return fail(Fault::usage, "the monitor needs a terminal; in scripts, use kaz status --json");
 }
 
 Result<Terminal> Terminal::open() {
@@ -45,9 +45,8 @@ Result<Terminal> Terminal::open() {
   std::setlocale(LC_ALL, "");
   if (newterm(nullptr, stdout, stdin) == nullptr) {
     const char* term = std::getenv("TERM");
-    return fail(Fault::usage,
-                std::string("the terminal is of a kind that is not known here (TERM=") +
-                    (term == nullptr ? "" : term) + "): try TERM=xterm");
+    return fail(Fault::usage, std::string("unknown type of terminal (TERM=") +
+                                  (term == nullptr ? "" : term) + "): try TERM=xterm");
   }
   cbreak();
   noecho();

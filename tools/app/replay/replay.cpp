@@ -55,8 +55,8 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
     return fail(Fault::usage, options.file + ": the behavior of this run is the plug-in " +
                                   recorded.behavior + "; give it with --plugin FILE");
   if (!of_plugin && !options.plugin.empty())
-    return fail(Fault::usage, options.file + ": the run was of " + recorded.behavior +
-                                  ", which is no plug-in's: leave --plugin out");
+    return fail(Fault::usage, options.file + ": the behavior of this run is " + recorded.behavior +
+                                  ", not a plug-in: leave out --plugin");
   if (of_plugin) session.behavior = options.plugin;
   session.settings = std::move(recorded.settings);
   session.backend = std::move(recorded.backend);
@@ -117,14 +117,13 @@ void print(const ReplayOptions& options, const sim::McapRecording& recorded,
     print_json(result);
     return;
   }
-  std::printf("host and simulation run again from the seed, everything compared\n");
+  std::printf("host and simulation ran again from the seed, all messages compared\n");
   if (const auto by = recorded.interrupted_by(); !by.empty())
-    print_lines("the recording ends here, its run was interrupted by %s: compared up to %.6f s\n",
+    print_lines("the recording ends early, its run was interrupted by %s: compared up to %.6f s\n",
                 by.c_str(), end_s);
   else if (!recorded.whole)
-    print_lines("the recording ends here, it was cut off: compared up to its end at %.6f s\n",
-                end_s);
-  if (!changed.empty()) print_lines("files that have changed since: %s\n", changed.c_str());
+    print_lines("the recording was cut off: compared up to its end at %.6f s\n", end_s);
+  if (!changed.empty()) print_lines("files changed since the recording: %s\n", changed.c_str());
   if (!difference) {
     std::printf("identical: %zu messages\n", messages);
     return;
@@ -229,18 +228,16 @@ Result<bool> replay(const ReplayOptions& options) {
   if (recorded.damaged_chunks > 0)
     return fail(Fault::usage, options.file + ": a chunk is damaged; record the run again");
   if (recorded.ends_early() && recorded.messages.empty())
-    return fail(Fault::usage,
-                options.file +
-                    ": was cut off before anything of the run was written; record the "
-                    "run again");
+    return fail(
+        Fault::usage,
+        options.file + ": was cut off before the first message of its run; record the run again");
   if (recorded.messages.empty())
-    return fail(Fault::usage, options.file +
-                                  ": holds no message of a run, so there is nothing to compare; "
-                                  "record the run again");
+    return fail(Fault::usage,
+                options.file + ": contains no message of a run; record the run again");
   auto session = KAZ_TRY(session_of(recorded, options));
   if (options.mode == ReplayMode::host && options.seed)
     return fail(Fault::usage,
-                "--seed: the host alone has none; leave it out, or give --whole instead of --host");
+                "--seed is not valid with --host; leave it out, or give --whole instead of --host");
   bool whole = options.mode == ReplayMode::whole || options.seed.has_value();
   if (!whole && options.mode == ReplayMode::by_itself) {
     const auto alone = KAZ_TRY(host_can_run_alone(recorded, session.behavior));
@@ -248,7 +245,7 @@ Result<bool> replay(const ReplayOptions& options) {
     if (whole)
       std::fprintf(stderr,
                    "kaz replay: this recording has no pictures, so the simulation runs again too; "
-                   "record with\n--record-pictures and the host runs alone\n");
+                   "record with\n--record-pictures to run only the host again\n");
   }
   return whole ? replay_whole(options, recorded, std::move(session))
                : replay_host(options, recorded, std::move(session));

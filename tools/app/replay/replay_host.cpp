@@ -87,7 +87,7 @@ class ReplayBackend final : public SessionBackend {
 std::string early_end(const RecordedRun& run) {
   return run.interrupted_by.empty()
              ? "the recording was cut off"
-             : "the recording ends here, its run was interrupted by " + run.interrupted_by;
+             : "the recording ends early, its run was interrupted by " + run.interrupted_by;
 }
 
 nlohmann::ordered_json json_of(const HostDifference& difference) {
@@ -120,13 +120,14 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
     print_json(result);
     return;
   }
-  print_lines("the host alone runs again: bytes of the board and pictures are those recorded\n");
+  print_lines(
+      "the host alone ran again, with the recorded bytes of the board and the recorded pictures\n");
   if (run.cut_off)
-    print_lines("%s: compared up to its last whole step at %.6f s\n", early_end(run).c_str(),
+    print_lines("%s: compared up to its last complete step at %.6f s\n", early_end(run).c_str(),
                 seconds(sim::time_of(run.end)));
   if (identical) {
     print_lines(
-        "identical: %s sent at the same times, %s of the behaviour, on %s received and %s of "
+        "identical: %s sent at the same times and %s of the behavior, for %s received and %s of "
         "pictures\n",
         counted(run.to_board.size(), "byte").c_str(),
         counted(run.thoughts.size(), "record").c_str(), counted(run.to_host.size(), "byte").c_str(),
@@ -134,8 +135,8 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
     return;
   }
   if (board.other_thought())
-    print("first difference of the behaviour's record", *board.other_thought());
-  if (board.difference()) print("first difference of what is sent", *board.difference());
+    print("first difference in the behavior's records", *board.other_thought());
+  if (board.difference()) print("first difference in the sent bytes", *board.difference());
 }
 
 }  // namespace
@@ -150,15 +151,14 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
   const auto possible = KAZ_TRY(host_can_run_alone(recording, session.behavior));
   if (!possible)
     return fail(Fault::usage,
-                options.file + ": it has no pictures, and " + session.behavior +
+                options.file + ": it has no pictures, but " + session.behavior +
                     " needs them; record with --record-pictures, or give --whole to run the "
                     "simulation again too");
   auto run = KAZ_TRY(RecordedRun::of(recording, options.file));
   const bool cut_off = run.cut_off;
   if (run.to_board.empty() && run.thoughts.empty())
-    return fail(Fault::usage, options.file +
-                                  ": the host sent nothing in it, so there is nothing to compare; "
-                                  "record the run again");
+    return fail(Fault::usage,
+                options.file + ": contains nothing that the host sent; record the run again");
   if (options.on_camera) KAZ_TRY(options.on_camera(run.camera));
   ReplayedBoard board(run);
   session.open_backend =
@@ -177,8 +177,8 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
   board.finish();
   if (!options.quiet) print(options, run, board);
   if (options.quiet && cut_off && run.end > 0)
-    std::fprintf(stderr, "%s: %s; run to its last whole step at %.6f s\n", options.file.c_str(),
-                 early_end(run).c_str(), seconds(sim::time_of(run.end)));
+    std::fprintf(stderr, "%s: %s; processed up to its last complete step at %.6f s\n",
+                 options.file.c_str(), early_end(run).c_str(), seconds(sim::time_of(run.end)));
   return !board.difference() && !board.other_thought();
 }
 

@@ -196,11 +196,13 @@ Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
                                     "beside it");
     const auto bus = KAZ_TRY(parse_bus(text));
     if (options.address != KZ_ADDRESS_DEFAULT)
-      return fail(Fault::usage, "--address is of a board: servos have ids, which bus.json has");
+      return fail(
+          Fault::usage,
+          "--address is only valid with a board: the ids of servos are in bus.json; leave it out");
     if (options.reaction == host::Reaction::limp)
       return fail(Fault::usage,
-                  "--when-lost limp: a bus of servos has no watchdog; they hold, whatever happens "
-                  "to the host");
+                  "--when-lost limp is not valid with a servo bus: servos have no link watchdog "
+                  "and hold when the host is lost; leave it out");
     return std::vector{BoardOfFile{bus.port, KZ_ADDRESS_DEFAULT, host::kAllJoints, bus.protocol}};
   }
   if (!text.starts_with(kBoards))
@@ -226,7 +228,7 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
   const auto file = KAZ_TRY(servo_bus::load_bus_file(robot_file));
   if (file.protocol != protocol)
     return fail(Fault::usage,
-                "bus.json beside " + robot_file + " is of a " +
+                "bus.json beside " + robot_file + " describes a " +
                     std::string(servo_bus::name_of(file.protocol)) + " bus; give --robot " +
                     std::string(servo_bus::name_of(file.protocol)) + ":PATH, or another file");
   BusOfFile bus;
@@ -235,7 +237,7 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
     const auto servo = std::ranges::find(file.servos, joint.name, &servo_bus::BusServo::joint);
     if (servo == file.servos.end())
       return fail(Fault::usage,
-                  "bus.json beside " + robot_file + " names no servo of the joint " + joint.name);
+                  "bus.json beside " + robot_file + " has no servo for the joint " + joint.name);
     bus.joints.push_back({*servo, joint.lower, joint.upper});
   }
   return bus;
@@ -266,9 +268,9 @@ Result<faults::Schedule> line_faults(const BackendOptions& options) {
   auto schedule = faults::Schedule::load(options.faults);
   if (!schedule) return schedule;
   if (const auto name = schedule->only_simulated())
-    return fail(Fault::usage, options.faults + ": the fault `" + std::string(*name) +
-                                  "` is possible in the simulator only; on a port those of the "
-                                  "line are");
+    return fail(Fault::usage,
+                options.faults + ": the fault `" + std::string(*name) +
+                    "` is only possible in the simulator; at a port, give only faults of the line");
   return schedule;
 }
 
@@ -325,7 +327,8 @@ Result<void> check(const BackendOptions& options) {
   const bool blind = !sim_robot && options.camera == "sim" && !options.needs_camera;
   if (!blind && sim_robot != (options.camera == "sim")) {
     return fail(Fault::usage,
-                sim_robot ? "--robot sim sees through its own eyes: leave --camera out"
+                sim_robot ? "--camera is not valid with --robot sim, which has its own cameras: "
+                            "leave --camera out"
                           : "a robot at a port needs --camera: give the path of a camera socket "
                             "(`kaz sim --cameras PATH` makes one), or real cameras "
                             "(v4l2:/dev/video0,/dev/video2)");
@@ -337,7 +340,8 @@ Result<void> check(const BackendOptions& options) {
     return {};
   }
   if (!options.calibration.empty())
-    return fail(Fault::usage, "--calibration goes with real cameras (v4l2:...); leave it out");
+    return fail(Fault::usage,
+                "--calibration is only valid with real cameras (v4l2:...); leave it out");
   return {};
 }
 
@@ -354,8 +358,8 @@ Result<void> put_memory(sim::Simulation& simulation, const std::string& hex) {
     if (valid) bytes[i] = *byte;
   }
   if (!valid)
-    return fail(Fault::usage, "what should be the memory of a board is none: it has not " +
-                                  std::to_string(bytes.size()) + " bytes in hexadecimal");
+    return fail(Fault::usage, "the memory of a board must have " + std::to_string(bytes.size()) +
+                                  " bytes in hexadecimal");
   simulation.board().mcu().set_memory(bytes);
   simulation.board().mcu().reset();
   return {};
@@ -382,7 +386,7 @@ Result<std::unique_ptr<sim::Simulation>> make_stand(const BackendOptions& option
 Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& options,
                                                          sim::FramePolicy frames) {
   if (!options.image.empty() && options.mcu != sim::McuKind::h8)
-    return fail(Fault::usage, "--image is for --mcu h8 alone: native has no firmware image");
+    return fail(Fault::usage, "--image is only valid with --mcu h8: native has no firmware image");
   sim::SimulationOptions sim;
   sim.mcu = options.mcu;
   sim.seed = options.seed;
@@ -440,8 +444,8 @@ Result<std::string> read_memory(const std::string& path) {
   const auto bytes = KAZ_TRY(read_whole_file(path, 2 * sim::Mcu::memory_size));
   if (bytes.size() != sim::Mcu::memory_size)
     return fail(Fault::usage, path +
-                                  ": no memory of a board, which `kaz sim --memory` and `kaz "
-                                  "calibrate joints --memory` write: it has not " +
+                                  ": the memory of a board, from `kaz sim --memory` or `kaz "
+                                  "calibrate joints --memory`, must have " +
                                   std::to_string(sim::Mcu::memory_size) + " bytes");
   return hex_text({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
 }

@@ -52,8 +52,9 @@ TEST(BoardFile, TwoBoardsOnOneBus) {
 TEST(BoardFile, EachMistakeHasItsSentence) {
   const std::string all = names(0, 18);
   EXPECT_EQ(error_of("{}").find("kaz.boards: no file of boards; give {\"boards\": [{"), 0u);
-  EXPECT_EQ(error_of("{\"boards\": [\n,]}").find("kaz.boards: line 2 is no JSON; give {"), 0u);
-  EXPECT_EQ(error_of("").find("kaz.boards: line 1 is no JSON; give {"), 0u);
+  EXPECT_EQ(error_of("{\"boards\": [\n,]}").find("kaz.boards: line 2 is not valid JSON; give {"),
+            0u);
+  EXPECT_EQ(error_of("").find("kaz.boards: line 1 is not valid JSON; give {"), 0u);
   EXPECT_EQ(error_of(R"({"boards": [{"port": "x", "adress": 2, "joints": []}]})"),
             "kaz.boards, board 1: `adress` is none of port, address, joints");
   EXPECT_EQ(error_of(file({"{}"})).find("kaz.boards, board 1: its port is missing; give"), 0u);
@@ -66,9 +67,9 @@ TEST(BoardFile, EachMistakeHasItsSentence) {
             "kaz.boards, board 1: Kaz has no joint \"tail\": give names as neck_pan, which "
             "docs/reference/robot.md lists");
   EXPECT_EQ(error_of(file({board("x", "", names(1, 18))})),
-            "kaz.boards: no board drives neck_pan: give each joint to a board");
+            "kaz.boards: no board drives neck_pan: assign each joint to a board");
   EXPECT_EQ(error_of(file({board("x", "", all), board("y", "", names(3, 4))})),
-            "kaz.boards: two boards drive l_sh_roll: give it to one");
+            "kaz.boards: two boards drive l_sh_roll: assign each joint to one board");
   EXPECT_EQ(
       error_of(file({board("can:can0", "", names(0, 9)), board("can:can0", "", names(9, 18))})),
       "kaz.boards: two boards have address 1 on can:can0: give them different ones (kaz recover "
@@ -83,7 +84,8 @@ TEST(BoardFile, EachMistakeHasItsSentence) {
 TEST(BoardFile, DeepAndLongValuesAreRefusedInAShortSentence) {
   const std::string deep(30'000, '['), closed = deep + std::string(30'000, ']');
   for (const std::string& start : {std::string(), std::string("//\"\n")}) {
-    EXPECT_EQ(error_of(start + deep).find("kaz.boards: it nests deeper than 64 levels; give {"), 0u);
+    EXPECT_EQ(error_of(start + deep).find("kaz.boards: it nests deeper than 64 levels; give {"),
+              0u);
     EXPECT_EQ(error_of(start + file({board("x", "", closed)}))
                   .find("kaz.boards: it nests deeper than 64 levels; give {"),
               0u);

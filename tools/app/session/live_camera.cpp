@@ -26,20 +26,21 @@ bool is_real_camera(const std::string& where) {
 Result<void> check_live_camera(const std::string& where, const std::string& calibration) {
   if (!is_real_camera(where)) {
     if (where.starts_with("/dev/video") || where.starts_with("v4l:"))
-      return fail(Fault::usage, "--camera " + where +
-                                    ": real cameras are given as a pair, "
-                                    "v4l2:/dev/video0,/dev/video2 (left, right)");
+      return fail(
+          Fault::usage,
+          "--camera " + where +
+              ": give real cameras as a pair, such as v4l2:/dev/video0,/dev/video2 (left, right)");
     if (!calibration.empty())
       return fail(Fault::usage,
-                  "--calibration goes with real cameras (v4l2:...); what comes from " + where +
-                      " is rectified already: leave it out");
+                  "--calibration is only valid with real cameras (v4l2:...); pictures from " +
+                      where + " are already rectified: leave it out");
     return {};
   }
   KAZ_TRY(host::parse_v4l2_source(where));
   if (calibration.empty())
     return fail(Fault::usage, where +
                                   " needs --calibration FILE (kaz calibrate stereo): pictures of "
-                                  "real lenses have to be rectified");
+                                  "real lenses must be rectified");
   return {};
 }
 

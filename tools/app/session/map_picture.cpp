@@ -144,7 +144,7 @@ figure::Image map_picture(const behavior::MapReport& report) {
   draw_map_robot(image, window, report.robot, report.heading_rad);
   const auto [u, v] = window.pixel(report.goal);
   figure::draw_crosshair(image, u, v, 12, figure::kYellow, 3);
-  const char* const legend[] = {"green: floor, red: obstacle, grey: not seen; paler: less sure",
+  const char* const legend[] = {"green: floor, red: obstacle, gray: not seen; paler: less certain",
                                 "blue: walked, white: path, yellow: goal, black: robot",
                                 "lines every 0.5 m; the thicker ones meet at the start"};
   for (int line = 0; line < 3; ++line)

@@ -120,7 +120,7 @@ void on_quick_exit() {
 
 [[noreturn]] void on_terminate() {
   if (std::current_exception() && g_guarded.state == State::running) {
-    const std::string thrown = thrown_error(g_guarded.path).message + ", which nothing catches";
+    const std::string thrown = thrown_error(g_guarded.path).message + " (not caught)";
     g_guarded.thrown[thrown.copy(g_guarded.thrown, sizeof g_guarded.thrown - 1)] = '\0';
     before_exit("", 0);
   }
@@ -193,7 +193,7 @@ PluginEnd PluginGuard::Parts::crash() const {
   const std::string where = place();
   return {
       {Fault::failed, where.empty() ? "this program crashed while " + options.path + " was " +
-                                          options.doing + what + ", outside of its own code"
+                                          options.doing + what + ", outside of the plug-in's code"
                                     : options.path + " crashed" + while_loaded() + where + what},
       name};
 }
@@ -206,7 +206,7 @@ PluginEnd PluginGuard::Parts::exit_call() const {
   const std::string call =
       std::string(g_guarded.call) + "(" + std::to_string(g_guarded.number) + ")";
   return {{options.fault, options.path + " called " + call + while_loaded() + place() +
-                              ": a behaviour does not end the program, it returns"},
+                              ": a behavior must return, not end the program"},
           call};
 }
 
@@ -244,8 +244,8 @@ void PluginGuard::Parts::announce() {
   if (options.doing == "loaded") {
     say(options.label, "waiting for " + options.path + ", which is being loaded");
   } else {
-    say(options.label, "waiting for " + options.path +
-                           ", which has called nothing of Kaz for 1 s; Ctrl-C ends it");
+    say(options.label,
+        "waiting for " + options.path + ", which has not called Kaz for 1 s; Ctrl-C ends it");
   }
   if (options.gate != nullptr) options.gate->open();
 }

@@ -15,7 +15,7 @@ RunProfile example() {
           .cpu_s = 3,
           .cores = 2,
           .parts = {{"drawing", 1.5, 0.1, 300}, {"chip", 0.5, 0, 10000}},
-          .threads = {{"drawing", 1.5}, {"behaviour and link", 0.5}}};
+          .threads = {{"drawing", 1.5}, {"behavior and link", 0.5}}};
 }
 
 TEST(RunProfile, PartsAndTheRestAreAll) {

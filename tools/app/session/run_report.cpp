@@ -325,7 +325,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
         mark_interrupted(result);
         result["not_drawn"] = {{"other pictures", "interrupted while they were drawn"}};
       } else if (report.looks && std::ranges::find(names, "pan_tilt.png") == names.end())
-        result["not_drawn"] = {{"pan_tilt.png", "nothing of head and ball was measured"}};
+        result["not_drawn"] = {{"pan_tilt.png", "head and ball were not measured"}};
     }
     KAZ_TRY(folder->write("vision.csv", report.vision_table));
     if (!report.score.time_s.empty()) result["tracking_error"] = thinned_errors(report.score);
@@ -349,7 +349,7 @@ void print_report(const ordered_json& result, const RunReport& report, const std
   }
   std::printf("\n");
   if (!report.vision_text.empty())
-    print_lines("vision, computing a picture: %s\n", report.vision_text.c_str());
+    print_lines("vision, computing time per picture: %s\n", report.vision_text.c_str());
   if (result.contains("warning"))
     print_lines("warning: %s\n", result["warning"].get<std::string>().c_str());
   if (result.contains("recording_sha256")) {

@@ -241,7 +241,7 @@ Error with_recording(Error error, SessionBackend& backend, const OutputFolder* f
   const auto ended = backend.finish_recording(by);
   if (!ended || ended->empty()) return error;
   if (const auto placed = place_recording(*folder))
-    error.message += "; the recording up to there is " + *placed;
+    error.message += "; the recording until then is " + *placed;
   return error;
 }
 
@@ -389,7 +389,7 @@ Result<void> Session::connect() {
   const auto report_loss = [this, connecting](const host::Loss& loss) {
     // Not the link: the virtual robot stopped where its recording could not be written.
     if (backend_->recording_failed()) return;
-    std::fprintf(stderr, "\n%s: after %.1f s %s; it is sought for up to %.3g s: %s\n",
+    std::fprintf(stderr, "\n%s: after %.1f s %s; retrying for up to %.3g s: %s\n",
                  options_.label.c_str(), seconds(loss.at - connecting), text(loss.cause),
                  seconds(loss.at_most), loss.why.c_str());
   };
@@ -510,7 +510,7 @@ void Session::perform() {
   for (const auto& kept : kept_) kept->switch_motors_off();
   if (real()) lateness_meter_.emplace(backend_->link(), interrupt_);
   {
-    const ProfileScope host("behaviour and link");
+    const ProfileScope host("behavior and link");
     std::optional<PluginGuard> guard;
     if (plugin())
       guard.emplace(
@@ -555,7 +555,7 @@ void Session::check_outcome() {
     Error& error = outcome_.error();
     if (error.fault == Fault::interrupted && !clock_->ended()) error.fault = Fault::failed;
     if (error.message.empty())
-      error.message = options_.behavior + " returned an error without a sentence";
+      error.message = options_.behavior + " returned an error without a message";
     // The robot has failed, as one has that has found no ball: of this there is a whole report.
     if (error.fault == Fault::failed && !threw_ && !clock_->ended())
       outcome_ = behavior::Outcome{false, std::string(error.message), {}, "error"};
@@ -570,7 +570,7 @@ void Session::excuse_failure() {
   if (!outcome_ || outcome_->success || outcome_->cause == "error") return;
   if (!lateness_ || lateness_->excuse.empty()) return;
   machine_failed_ = true;
-  outcome_->sentence = "whether the robot has failed is not decided (" + outcome_->sentence +
+  outcome_->sentence = "undecided whether the robot failed (" + outcome_->sentence +
                        "): " + lateness_->excuse + "; end other programs and run it again";
 }
 
@@ -616,7 +616,7 @@ std::string Session::leave_boards() {
   if (off || left_)
     rest = "; the motors are off";
   else if (!answered && backend_->still_on().empty())
-    rest = "; the board does not answer, its link watchdog makes it hold: switch it off";
+    rest = "; the board does not answer, and its link watchdog holds the posture: switch it off";
   if (!left_) rest += "; " + left_.error().message;
   return rest;
 }
@@ -780,15 +780,14 @@ Result<bool> Session::report() {
   }
   if (undrawn)
     return fail(Fault::interrupted, "interrupted while pictures were drawn; the run had ended (" +
-                                        outcome_->sentence + "), what there is of it is kept in " +
-                                        options_.out);
+                                        outcome_->sentence +
+                                        "), and its results so far are kept in " + options_.out);
   if (!interrupted()) return outcome_->success;
   char until[48];
   std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s_);
-  return fail(
-      Fault::interrupted,
-      until + (options_.out.empty() ? std::string("; nothing was to be kept of it")
-                                    : "; what there is of the run is kept in " + options_.out));
+  return fail(Fault::interrupted,
+              until + (options_.out.empty() ? std::string("; without --out, nothing is kept")
+                                            : "; the results so far are kept in " + options_.out));
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ Result<std::vector<std::string>> Snapshots::write(const OutputFolder& folder) co
                     moment.distance_m);
     if (moment.outside.width > 0) panels.push_back({moment.outside, when});
     panels.push_back({moment.left, caption});
-    panels.push_back({moment.extraction, "colour extraction"});
+    panels.push_back({moment.extraction, "color extraction"});
     if (moment.found || best == nullptr) best = &moment;
   }
   if (best == nullptr || stopped()) return names;

@@ -20,7 +20,7 @@ namespace kaz::tools {
 namespace {
 
 constexpr FileKind kRecording{"recording", {"\x89MCAP0\r\n", "kaz"}};
-constexpr FileKind kMemory{"memory of a board", {}, sim::Mcu::memory_size};
+constexpr FileKind kMemory{"board memory", {}, sim::Mcu::memory_size};
 
 // Of links, sockets and files at one place the last would replace the others.
 Result<void> check_distinct(const ServeOptions& arguments) {
@@ -39,8 +39,8 @@ Result<void> check_distinct(const ServeOptions& arguments) {
     const auto [at, added] =
         places.emplace(std::filesystem::absolute(path).lexically_normal(), what);
     if (!added)
-      return fail(Fault::usage, std::string(what) + ": " + at->second + " is at '" + path +
-                                    "' too; give another path");
+      return fail(Fault::usage, std::string(what) + ": '" + path + "' is also the path of " +
+                                    at->second + "; give another path");
   }
   return {};
 }
@@ -52,15 +52,16 @@ Result<void> check_place(const std::string& option, const std::string& path) {
   std::error_code error;
   const auto folder = std::filesystem::absolute(path, error).parent_path();
   if (std::filesystem::is_directory(folder, error)) return {};
-  return fail(Fault::usage, option + ": cannot make " + path + " (there is no folder " +
+  return fail(Fault::usage, option + ": cannot create " + path + " (there is no folder " +
                                 folder.string() + "); give another path");
 }
 
 Result<bool> serve(ServeOptions arguments) {
   if ((arguments.backend.erased || arguments.boot) && arguments.backend.mcu != sim::McuKind::h8)
-    return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
+    return fail(Fault::usage,
+                "--erased and --boot are only valid with --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
-    return fail(Fault::usage, "--erased and --image exclude each other");
+    return fail(Fault::usage, "--erased is not valid with --image; leave one of them out");
   KAZ_TRY(check_distinct(arguments));
   KAZ_TRY(check_place("--serial", arguments.real_time.serial_path));
   KAZ_TRY(check_place("--cameras", arguments.real_time.cameras_path));
@@ -87,7 +88,7 @@ Result<bool> serve(ServeOptions arguments) {
     if (arguments.real_time.serial_path.empty()) return true;
   }
   if (arguments.real_time.serial_path.empty())
-    return fail(Fault::usage, "--serial is missing: where to put the link to the board's port");
+    return fail(Fault::usage, "--serial is missing; give a path for the link to the board's port");
   sim::Mcu& mcu = simulation->board().mcu();
   if (memory) {
     KAZ_TRY(sim::load_memory(mcu, arguments.memory));

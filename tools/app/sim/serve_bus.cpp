@@ -15,10 +15,10 @@ namespace kaz::tools {
 Result<bool> serve_bus(const ServeBusOptions& options) {
   if (options.robot_file.empty())
     return fail(Fault::usage,
-                "--robot-file is missing: the robot whose servos are on the bus, such as "
-                "sim/robots/so101/so101.urdf");
+                "--robot-file is missing; give the URDF of the robot whose servos are on the bus, "
+                "such as sim/robots/so101/so101.urdf");
   if (options.serial.empty())
-    return fail(Fault::usage, "--serial is missing: where to put the link to the bus's port");
+    return fail(Fault::usage, "--serial is missing; give a path for the link to the bus's port");
   KAZ_TRY(check_place("--serial", options.serial));
   const auto file = KAZ_TRY(servo_bus::load_bus_file(options.robot_file));
   if (options.protocol != servo_bus::name_of(file.protocol))

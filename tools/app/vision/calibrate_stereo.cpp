@@ -62,10 +62,10 @@ Result<Look> look(const std::string& path, const Board& board, Sightings& all, s
     all.height = image->height;
   }
   if (image->width != all.width || image->height != all.height)
-    return fail(Fault::usage, "'" + path + "' is " + std::to_string(image->width) + " x " +
+    return fail(Fault::usage, "'" + path + "' has " + std::to_string(image->width) + " x " +
                                   std::to_string(image->height) + " pixels, those before it " +
                                   std::to_string(all.width) + " x " + std::to_string(all.height) +
-                                  ": calibrate with pictures of one size");
+                                  ": use pictures of one size");
   vision::Corners corners = vision::find_board(*image, board);
   if (corners.empty()) error = "the whole board is not in sight";
   return Look{std::move(*image), std::move(corners)};
@@ -91,10 +91,11 @@ Result<void> check_whole(const vision::Image& image, const std::string& path, co
   const auto text = [](const Board& of) {
     return std::to_string(of.columns) + "x" + std::to_string(of.rows);
   };
-  return fail(Fault::usage, "'" + path + "' and the picture before show a board of " + text(whole) +
-                                " inner corners, of which --board " + text(board) +
-                                " is a part that may be another one for each eye: give --board " +
-                                text(whole));
+  return fail(Fault::usage,
+              "'" + path + "' and the picture before it show a board of " + text(whole) +
+                  " inner corners. --board " + text(board) +
+                  " is a part of it, which may differ between the eyes: give --board " +
+                  text(whole));
 }
 
 Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board& board,
@@ -181,13 +182,13 @@ Json as_json(const Sightings& seen, const StereoResult& result,
 
 void print_eye(const char* side, const vision::EyeQuality& eye, const vision::Lens& lens) {
   print_lines(
-      "%-5s  %d pictures, reprojection %.3f px rms; focal length %.2f px +- %.2f, centre "
+      "%-5s  %d pictures, reprojection %.3f px rms; focal length %.2f px +- %.2f, center "
       "%.1f, %.1f; board in %.0f %% of the picture\n",
       side, eye.pictures, eye.rms_px, lens.fx, eye.focal_sigma_px, lens.cx, lens.cy,
       100 * eye.covered);
   if (eye.focal_sigma_px > 0.01 * lens.fx)
     std::printf(
-        "       the focal length is not known to 1 %%: add pictures with the board tilted\n");
+        "       the focal length is uncertain by more than 1 %%: add pictures of a tilted board\n");
 }
 
 void print(const Sightings& seen, const StereoResult& result,
@@ -214,7 +215,7 @@ void print(const Sightings& seen, const StereoResult& result,
   print_eye("right", result.right, result.calibration.right.lens);
   print_lines(
       "both   %d of %zu pairs, reprojection %.3f px rms, rows of the rectified pictures "
-      "%.3f px rms\n       right eye %.5f m from the left one, turned by %.4f rad\n",
+      "%.3f px rms\n       right eye %.5f m from the left eye, turned by %.4f rad\n",
       result.pairs_used, seen.pairs.size(), result.rms_px, result.row_rms_px,
       result.calibration.rectified.baseline_m, turn_rad(result));
   std::printf("written: %s, %s\n", arguments.out.c_str(), arguments.coverage.c_str());
@@ -260,12 +261,11 @@ tl::unexpected<Error> too_far_off(const Sightings& seen, const StereoResult& res
   }
   char numbers[96];
   std::snprintf(numbers, sizeof numbers,
-                "the fit is off by %.2f px rms, more than the %.2f of "
-                "--max-rms",
-                result.rms_px, arguments.max_rms_px);
+                "error of the fit %.2f px rms: must be at most %.2f (--max-rms)", result.rms_px,
+                arguments.max_rms_px);
   return fail(Fault::failed,
-              std::string(numbers) + ", most in '" + seen.pairs[worst].files.left +
-                  "': were its pictures taken at the same time, of this board, and sharp?");
+              std::string(numbers) + "; it is largest in '" + seen.pairs[worst].files.left +
+                  "': its pictures must be sharp, simultaneous, and show this board");
 }
 
 // A fit that settles can still be of no two eyes.
@@ -278,20 +278,19 @@ Result<void> check_plausible(const StereoResult& result,
     for (const double focal_px : {lens.fx, lens.fy}) {
       if (focal_px >= kMinFocal * c.width && focal_px <= kMaxFocal * c.width) continue;
       std::snprintf(text, sizeof text,
-                    "the fit gives the %s eye a focal length of %.0f px in pictures %d px wide, as "
-                    "no lens has; "
-                    "take pictures with the board tilted in different ways",
+                    "the fitted focal length of the %s eye, %.0f px in pictures %d px wide, is not "
+                    "plausible; take pictures with the board tilted in different ways",
                     side, focal_px, c.width);
       return fail(Fault::failed, text);
     }
   }
   const double baseline_m = c.rectified.baseline_m;
   if (baseline_m >= kMinBaseline_m && baseline_m <= kMaxBaseline_m) return {};
-  std::snprintf(text, sizeof text,
-                "the fit places the eyes %.4f m apart, outside %.3f to %.0f m: are --left and "
-                "--right pictures of "
-                "two eyes, and is a square %g m long (--square is in metres)?",
-                baseline_m, kMinBaseline_m, kMaxBaseline_m, arguments.square_m);
+  std::snprintf(
+      text, sizeof text,
+      "the fitted distance of the eyes, %.4f m, must be %.3f to %.0f m: check that --left "
+      "and --right are from two eyes, and that a square is %g m long (--square)",
+      baseline_m, kMinBaseline_m, kMaxBaseline_m, arguments.square_m);
   return fail(Fault::failed, text);
 }
 
@@ -302,14 +301,14 @@ Result<Board> parse_board(const std::string& text, double square_m) {
   if (std::sscanf(text.c_str(), "%dx%d%n", &columns, &rows, &end) != 2 ||
       end != static_cast<int>(text.size()) || columns < 3 || rows < 3 || columns > 100 ||
       rows > 100)
-    return fail(Fault::usage, "--board '" + text +
-                                  "' is not like 9x6: inner corners along both sides, 3 to 100 (a "
-                                  "board of 10 x 7 squares has 9x6)");
+    return fail(Fault::usage,
+                "--board '" + text +
+                    "': give the inner corners along both sides, 3 to 100, for example "
+                    "9x6 for a board of 10 x 7 squares");
   if (square_m < kMinSquare_m || square_m > kMaxSquare_m) {
     char wrong[120];
     std::snprintf(wrong, sizeof wrong,
-                  "--square %g is not from 0.001 to 0.5 m; it is in metres: 25 mm are 0.025",
-                  square_m);
+                  "--square %g: must be 0.001 to 0.5 m; for example, 25 mm is 0.025", square_m);
     return fail(Fault::usage, wrong);
   }
   return Board{columns, rows, square_m};

@@ -40,7 +40,7 @@ Result<std::vector<std::string>> matching(const std::string& word, const std::st
   std::vector<std::string> paths(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   ::globfree(&found);
   if (status == 0 && !paths.empty()) return paths;
-  return fail(Fault::usage, "no picture is at '" + word + "'; give " + option +
+  return fail(Fault::usage, "there is no picture '" + word + "'; give " + option +
                                 " a file, or a pattern in quotes such as 'eyes/left*.jpg'");
 }
 
@@ -67,8 +67,8 @@ Result<std::vector<PicturePair>> find_pairs(const std::vector<std::string>& left
   if (!lefts) return tl::unexpected(lefts.error());
   if (!rights) return tl::unexpected(rights.error());
   const auto alone = [&](const std::string& path, const char* side) {
-    return fail(Fault::usage, "'" + path + "' has no partner of the same number among the " + side +
-                                  " pictures (" + std::to_string(lefts->size()) + " left, " +
+    return fail(Fault::usage, "'" + path + "' has no partner with the same number among the " +
+                                  side + " pictures (" + std::to_string(lefts->size()) + " left, " +
                                   std::to_string(rights->size()) + " right)");
   };
   std::vector<PicturePair> pairs;

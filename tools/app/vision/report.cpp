@@ -190,7 +190,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
             vision::Mask mask;
             vision::ColorExtractor(options_.ball.color).extract(left, mask);
             e.panels.push_back({ball_picture(left, *ball), ball->found ? "ball" : "no ball"});
-            e.panels.push_back({figure::mask_picture(mask, left), "colour"});
+            e.panels.push_back({figure::mask_picture(mask, left), "color"});
           }
         }
         heard(frame, error);
@@ -215,7 +215,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           if (folder_ != nullptr) {
             const double longest = std::max(2.0, e.json["flow"].value("p95_px", 0.0));
             char caption[64];
-            std::snprintf(caption, sizeof caption, "flow: colour is direction, full at %.0f px",
+            std::snprintf(caption, sizeof caption, "flow: color is direction, full at %.0f px",
                           longest);
             e.panels.push_back({figure::flow_picture(*flow, longest), caption});
           }
@@ -247,7 +247,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
       pipeline, "floor", [this](const vision::Frame& frame, const auto* floor, const Error* error) {
         if (floor != nullptr && folder_ != nullptr)
           entry(frame).panels.push_back({figure::plane_picture(frame.images().left, *floor),
-                                         "planes, the floor's edges sharpened"});
+                                         "planes with refined edges of the floor"});
         heard(frame, error);
       });
   subscribe<vision::PlaneSegments>(

@@ -41,10 +41,9 @@ Result<std::vector<std::string>> pictures_in(const std::string& folder) {
       if (ending == known && at->is_regular_file(error)) paths.push_back(at->path().string());
     }
   }
-  if (error)
-    return fail(Fault::usage, "--in '" + folder + "' cannot be looked into: " + error.message());
+  if (error) return fail(Fault::usage, "--in '" + folder + "' cannot be read: " + error.message());
   if (paths.empty())
-    return fail(Fault::usage, "--in '" + folder + "' holds no picture (.png .jpg .ppm .pgm)");
+    return fail(Fault::usage, "--in '" + folder + "' contains no picture (.png .jpg .ppm .pgm)");
   std::sort(paths.begin(), paths.end());
   return paths;
 }
@@ -65,9 +64,11 @@ class Lens {
   Result<vision::CameraModel> prepare(Image& image) const {
     if (rectifier_) {
       if (image.width != calibration_.width || image.height != calibration_.height)
-        return fail(Fault::usage, "is of another size than the calibration's " +
+        return fail(Fault::usage, "its size is " + std::to_string(image.width) + " x " +
+                                      std::to_string(image.height) + ": must be " +
                                       std::to_string(calibration_.width) + " x " +
-                                      std::to_string(calibration_.height));
+                                      std::to_string(calibration_.height) +
+                                      ", as in the calibration");
       vision::StereoImages raw{image, image}, rectified;
       rectifier_->rectify(raw, rectified);
       image = std::move(rectified.left);
@@ -106,7 +107,7 @@ Image overlay(const Image& image, const vision::Mask& mask, const BallObservatio
                       std::max(10.0, image.width / 40.0), figure::kYellow);
   }
   const figure::Panel panels[] = {{std::move(marked), ball.found ? "ball" : "no ball"},
-                                  {figure::mask_picture(mask, image), "colour"}};
+                                  {figure::mask_picture(mask, image), "color"}};
   return figure::compose(panels, 2, image.height);
 }
 
@@ -190,8 +191,8 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
   KAZ_TRY(folder.write_json("result.json", result));
   if (ms.empty() && !interrupted)
     return fail(Fault::failed, "none of " + counted(all.size(), "picture") + " in '" + options.in +
-                                   "' could be looked at; the first, '" + all.front().picture +
-                                   "', " + all.front().error);
+                                   "' could be processed; the first, '" + all.front().picture +
+                                   "': " + all.front().error);
   if (options.json) {
     print_json(result);
   } else {
@@ -205,8 +206,7 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
         ms[ms.size() / 2], options.out.c_str());
   }
   if (interrupted)
-    return fail(Fault::interrupted,
-                "interrupted; what was looked at until then is kept in " + options.out);
+    return fail(Fault::interrupted, "interrupted; results until then are kept in " + options.out);
   return true;
 }
 
@@ -232,19 +232,18 @@ Result<vision::BallOptions> ball_options(const RecordedOptions& options) {
 Result<bool> run_on_pictures(const RecordedOptions& options) {
   if (options.modules != "color")
     return fail(Fault::usage, "--modules '" + options.modules +
-                                  "' is not known of single pictures; there is color. Pairs "
-                                  "(--left, --right), recordings "
-                                  "and cameras have more: " +
+                                  "': single pictures only have color. Pairs (--left, --right), "
+                                  "recordings and cameras have more: " +
                                   module_names());
   if (!options.exported.empty())
     return fail(Fault::usage, "--export " + options.exported +
                                   ": single pictures have no depth; pairs (--left, "
                                   "--right), recordings and cameras have it");
   if (options.nearest_m)
-    return fail(
-        Fault::usage,
-        "--nearest is for depth, which single pictures have not: leave it out, or give pairs "
-        "(--left, --right)");
+    return fail(Fault::usage,
+                "--nearest is only valid with depth, which single pictures do not have: leave it "
+                "out, or give "
+                "pairs (--left, --right)");
   if (options.calibration.empty() == (options.view_deg == 0))
     return fail(Fault::usage,
                 "distances need the lens: give either --calibration FILE or --view "
@@ -255,9 +254,7 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
   const auto ball = KAZ_TRY(ball_options(options));
   std::error_code error;
   if (fs::equivalent(options.in, options.out, error))
-    return fail(Fault::usage,
-                "--out is the folder of --in: choose another for what is made of the "
-                "pictures");
+    return fail(Fault::usage, "--out is the folder of --in: choose another folder for the results");
   const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
   vision::BallDetector detector(ball);
   std::vector<Looked> all;

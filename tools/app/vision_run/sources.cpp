@@ -40,7 +40,7 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
     std::istringstream words(options.exported);
     for (std::string word; std::getline(words, word, ',');) {
       if (word != "depth" && word != "points")
-        return fail(Fault::usage, "--export '" + word + "': there are depth and points");
+        return fail(Fault::usage, "--export '" + word + "': must be depth or points");
       (word == "depth" ? vision.export_depth : vision.export_points) = true;
     }
     if (("," + vision.modules + ",").find(",depth,") == std::string::npos)
@@ -48,13 +48,14 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
   }
   const auto modules = KAZ_TRY(parse_modules(vision.modules));
   if (options.nearest_m && std::ranges::find(modules, "depth") == modules.end())
-    return fail(Fault::usage, "--nearest is for depth, which --modules " + vision.modules +
-                                  " does not compute: add depth there, or leave --nearest out");
+    return fail(Fault::usage, "--nearest is only valid with module depth, which --modules " +
+                                  vision.modules +
+                                  " does not contain: add depth, or leave out --nearest");
   const bool of_a_ball = !options.color.empty() || options.radius_m != RecordedOptions().radius_m;
   if (of_a_ball && std::ranges::find(modules, "color") == modules.end())
     return fail(Fault::usage, std::string(options.color.empty() ? "--radius" : "--color") +
-                                  " is of the ball, which --modules " + vision.modules +
-                                  " does not look for: add color there, or leave it out");
+                                  " is only valid with module color, which --modules " +
+                                  vision.modules + " does not contain: add color, or leave it out");
   return vision;
 }
 
@@ -71,8 +72,8 @@ Result<void> check_nearest(const RecordedOptions& options, const vision::CameraM
   char text[200];
   std::snprintf(
       text, sizeof text,
-      "--nearest %g: with these eyes give %.3f to %.3f m (disparities of %d to 16 px); it "
-      "is in metres: 14 cm are 0.14",
+      "--nearest %g: must be %.3f to %.3f m with these eyes (disparities of %d to 16 px); for "
+      "example, 14 cm is 0.14",
       given, min, max, camera.width - 1);
   return fail(Fault::usage, text);
 }
@@ -97,10 +98,9 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   // A signal that came while overlays were being written counts, too, if it cost any.
   const std::size_t not_written = report.files_not_written();
   interrupted = interrupted || not_written > 0;
-  const std::string without = not_written == 0
-                                  ? ""
-                                  : "; not written any more: " + counted(not_written, "file") +
-                                        " (overlays, exports) of the last pairs";
+  const std::string without = not_written == 0 ? ""
+                                               : "; not written: " + counted(not_written, "file") +
+                                                     " (overlays, exports) of the last pairs";
   KAZ_TRY(folder.write("frames.csv", report.table()));
   // With those that the ones named need.
   const auto modules = KAZ_TRY(parse_modules(vision.modules));
@@ -117,17 +117,17 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   if (report.looked_at() == 0 && !interrupted && lost.empty())
     return fail(Fault::failed,
                 report.frames().empty()
-                    ? "no pair of pictures came"
+                    ? "no pair of pictures was received"
                     : "none of " + counted(report.frames().size(), "pair") +
-                          " could be looked at; the first: " +
-                          report.frames().front().value("error", std::string("nothing seen")));
+                          " could be processed; the first: " +
+                          report.frames().front().value("error", std::string("no result")));
   const auto ended = [&]() -> Result<bool> {
     if (!lost.empty())
       return fail(Fault::environment,
-                  lost + "; what was looked at until then is kept in " + options.out + without);
+                  lost + "; results until then are kept in " + options.out + without);
     if (!interrupted) return true;
     return fail(Fault::interrupted,
-                "interrupted; what was looked at until then is kept in " + options.out + without);
+                "interrupted; results until then are kept in " + options.out + without);
   };
   if (options.json) {
     print_json(result);
@@ -142,9 +142,9 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   }
   if (reported > kMaxReported)
     std::printf("... and %d more (frames.csv)\n", reported - kMaxReported);
-  print_lines("%zu of %s looked at%s%s\n", report.looked_at(),
+  print_lines("%zu of %s processed%s%s\n", report.looked_at(),
               counted(report.frames().size(), "pair").c_str(),
-              text.empty() ? "" : "; computing a pair: ", text.c_str());
+              text.empty() ? "" : "; computing time per pair: ", text.c_str());
   if (report.cameras_swapped()) print_lines("warning: %s\n", vision::kSwappedCameras);
   std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
   return ended();
@@ -167,9 +167,11 @@ struct PairReader {
          {std::pair(&files.left, &raw.left), std::pair(&files.right, &raw.right)}) {
       auto read = KAZ_TRY(vision::read_picture(*path));
       if (read.width != calibration.width || read.height != calibration.height)
-        return fail(Fault::usage, *path + ": is of another size than the calibration's " +
+        return fail(Fault::usage, *path + ": its size is " + std::to_string(read.width) + " x " +
+                                      std::to_string(read.height) + ": must be " +
                                       std::to_string(calibration.width) + " x " +
-                                      std::to_string(calibration.height));
+                                      std::to_string(calibration.height) +
+                                      ", as in the calibration");
       *image = std::move(read);
     }
     if (raw.left.rgb == raw.right.rgb) return same_picture(files);
@@ -247,13 +249,15 @@ struct LiveSource {
 Result<bool> run_on_pairs(const RecordedOptions& options) {
   const auto vision = vision_options(options);
   if (!vision) return tl::unexpected(vision.error());
-  if (auto fits = refuse(*vision, {"flow", "moving", "floor"},
-                         "pairs of files have no time and no posture; take a recording or a live "
-                         "camera with --robot");
+  if (auto fits =
+          refuse(*vision, {"flow", "moving", "floor"},
+                 "needs time and posture, which pairs of files do not have; use a recording, or "
+                 "a live camera with --robot");
       !fits)
     return tl::unexpected(fits.error());
   if (!options.robot.empty())
-    return fail(Fault::usage, "--robot goes with a live camera, --left and --right are none");
+    return fail(Fault::usage,
+                "--robot is only valid with a live camera, not with --left and --right");
   if (options.calibration.empty())
     return fail(Fault::usage, "stereo pairs need --calibration FILE (kaz calibrate stereo)");
   const auto files = KAZ_TRY(find_pairs(options.left, options.right));
@@ -307,16 +311,17 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   if (!vision) return tl::unexpected(vision.error());
   if (options.robot.empty()) {
     if (auto fits = refuse(*vision, {"moving", "floor"},
-                           "needs the posture: name the robot that has the eyes with --robot");
+                           "needs the posture: give --robot, the robot with these eyes");
         !fits)
       return tl::unexpected(fits.error());
   }
   if (options.view_deg != 0)
-    return fail(Fault::usage, is_real_camera(options.in)
-                                  ? "--view is for folders of pictures; real cameras need "
-                                    "--calibration FILE (kaz calibrate stereo)"
-                                  : "--view is for folders of pictures; what comes from " +
-                                        options.in + " brings its own camera: leave --view out");
+    return fail(Fault::usage,
+                is_real_camera(options.in)
+                    ? "--view is only valid with folders of pictures; real cameras need "
+                      "--calibration FILE (kaz calibrate stereo)"
+                    : "--view is only valid with folders of pictures; " + options.in +
+                          " has its own camera model: leave out --view");
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   host::WallClock clock(&interrupt);
@@ -374,8 +379,9 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   if (std::filesystem::file_size(options.in, unknown) == 0 && !unknown)
     return fail(Fault::usage, options.in + ": the file is empty");
   if (!options.calibration.empty() || options.view_deg != 0)
-    return fail(Fault::usage,
-                options.in + ": a recording knows its eyes: leave --calibration and --view out");
+    return fail(
+        Fault::usage,
+        options.in + ": a recording contains its camera model: leave out --calibration and --view");
   const auto recorded = KAZ_TRY(sim::McapRecording::load(options.in));
   if (!recorded.has_messages("/eyes/left"))
     return fail(Fault::usage, options.in + ": it has no pictures; record with --record-pictures");
@@ -401,15 +407,15 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
   if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
-    return fail(Fault::usage, options.in + ": nothing looked at its pictures");
+    return fail(Fault::usage, options.in + ": no module processed its pictures");
   const std::size_t pairs = recorded.count("/eyes/left");
   if (ran && !*ran && !watcher.full() && watcher.report()->frames().size() < pairs)
     std::fprintf(
         stderr,
-        "kaz vision run: of %zu pairs recorded %zu were looked at: then the behaviour, which "
-        "runs again on them, acted otherwise than recorded, as another version does; `kaz "
-        "replay --host %s` says where\n",
-        pairs, watcher.report()->frames().size(), options.in.c_str());
+        "kaz vision run: %zu of %zu recorded pairs were processed: then the behavior, which runs "
+        "again, differed from the recording, as with another version; `kaz replay --host %s` "
+        "prints where\n",
+        watcher.report()->frames().size(), pairs, options.in.c_str());
   return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
                                  vision, folder, interrupted));
 }
@@ -419,7 +425,8 @@ Result<bool> run_on_source(const RecordedOptions& options) {
   std::error_code error;
   const auto status = std::filesystem::status(options.in, error);
   if (!options.robot.empty() && status.type() != std::filesystem::file_type::socket)
-    return fail(Fault::usage, "--robot goes with a live camera; '" + options.in + "' is none");
+    return fail(Fault::usage,
+                "--robot is only valid with a live camera; '" + options.in + "' is not one");
   switch (status.type()) {
     case std::filesystem::file_type::directory:
       // Of a folder that kaz run made its recording is meant.
@@ -440,7 +447,7 @@ Result<bool> run_on_source(const RecordedOptions& options) {
                   "--in '" + options.in + "': there is no such folder, recording or socket");
     default:
       return fail(Fault::usage,
-                  "--in '" + options.in + "' is no folder, recording or camera socket");
+                  "--in '" + options.in + "' is not a folder, recording or camera socket");
   }
 }
 

@@ -28,7 +28,7 @@ vision::Image panels(const Sweep& sweep) {
   const figure::Panel shown[] = {
       {sweep.eye, "left eye, rectified; the head turns at 60\u00b0/s"},
       {part_of(sweep.with, sweep.edges), "posture of the exposure: floor green, obstacles red"},
-      {part_of(sweep.without, sweep.edges), "posture when the result comes, 0.3 s later"}};
+      {part_of(sweep.without, sweep.edges), "posture when the result arrives, 0.3 s later"}};
   return figure::compose(shown, 3, 250);
 }
 
@@ -39,10 +39,10 @@ plot::PlotPage plots(const Sweep& sweep) {
     return Series{label, color, {}, {}};
   };
   Series then = line("at the exposure: frame information", figure::kBlue);
-  Series now = line("when the result comes", figure::kRed);
+  Series now = line("when the result arrives", figure::kRed);
   Series share = line("", figure::kGreen);
   Series with = line("posture of the exposure", figure::kBlue);
-  Series without = line("posture when the result comes", figure::kRed);
+  Series without = line("posture when the result arrives", figure::kRed);
   const double cell_m2 = sweep.with.options().cell_m * sweep.with.options().cell_m;
   for (const SweptPicture& picture : sweep.swept) {
     const double t = seconds(picture.exposure);

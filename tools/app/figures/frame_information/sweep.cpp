@@ -52,7 +52,8 @@ class Run {
     auto done = start();
     if (done) done = look_around();
     if (!done) return tl::unexpected(done.error());
-    if (out_->swept.empty()) return fail(Fault::failed, "no picture came with a known posture");
+    if (out_->swept.empty())
+      return fail(Fault::failed, "no picture with a known posture was received");
     return std::move(*out_);
   }
 
@@ -75,8 +76,7 @@ class Run {
     simulation_ = std::move(made);
     auto boxes = boxes_of(simulation_->world().scene());
     if (boxes.empty())
-      return fail(Fault::usage,
-                  options_.world + ": has no box that stands still; give a world like yard");
+      return fail(Fault::usage, options_.world + ": has no stationary box; give a world like yard");
     out_.emplace(
         Sweep{std::move(*with), std::move(*without), {}, std::move(boxes), {}, 0, 0, 0, {}});
     raw_clock_.emplace(*simulation_);

@@ -69,7 +69,7 @@ export class Hands {
     this.paused = on;
     this.showPaused();
   }
-  private showPaused(): void { element("pause").textContent = this.paused ? "go on" : "pause"; }
+  private showPaused(): void { element("pause").textContent = this.paused ? "resume" : "pause"; }
 
   private chosen(): Fault | undefined {
     return this.faults[element<HTMLSelectElement>("fault-name").selectedIndex];

@@ -47,7 +47,7 @@ let pictures = 0;
 client.onState = (open) => {
   const refused = token === null ? "this address has no token" : "this address has another run's token";
   const absent = client.refused
-    ? `not connected: ${refused}; open the one that the program printed` : "not connected: the program has ended or cannot be reached; trying again";
+    ? `not connected: ${refused}; open the address that the program printed` : "not connected: the program has ended or cannot be reached; trying again";
   output("connection", open ? "live" : absent);
   output("loading", open ? "loading…" : absent);
   element("player").hidden = true;
@@ -57,7 +57,7 @@ client.onInfo = (info) => {
   element("player").hidden = end === undefined;
   if (end !== undefined) output("connection", "recording");
   element("locked").hidden = trusted() || !(end !== undefined || info.capabilities.includes("clientPublish"));
-  output("locked", token !== null && client.refused ? "another run's token: open the address that this one printed to control"
+  output("locked", token !== null && client.refused ? "another run's token: open the address that this run printed to control it"
     : "open the address with its token to control");
   hands.offer(trusted() && info.capabilities.includes("clientPublish"));
   poses.offer(trusted() && info.capabilities.includes("clientPublish"));
@@ -92,7 +92,7 @@ client.on("/board/state", (r) => {
   output("supply", state.supply > 0 ? `${state.supply.toFixed(2)} V` : "not reported yet");
   const flags = ["motors on", "moving", "holding", "unlocked", "raw drive", "telemetry", "uncalibrated", "missed a tick"];
   output("status", flags.filter((_, i) => (state.status >> i & 1) !== 0).join(", ") || "motors off");
-  output("worst", state.worstTick > 0 ? `${(100 * state.worstTick).toFixed(0)} % of its time` : "not reported yet");
+  output("worst", state.worstTick > 0 ? `${(100 * state.worstTick).toFixed(0)} % of the tick period` : "not reported yet");
   output("link", `${state.toBoard} to the board, ${state.toHost} from it, ${state.damaged} damaged`);
   output("shutdown", state.shutdown || "no");
 });

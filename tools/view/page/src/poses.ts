@@ -123,8 +123,8 @@ export class Poses {
     const gap = Number(element<HTMLInputElement>("pose-gap").value);
     const last = this.poses.at(-1);
     const time = last ? round(last.time_s + gap) : 0;
-    if (last && !(gap > 0)) return this.note("not kept: a pose comes more than 0 s after the last");
-    if (time > LONGEST_S) return this.note(`not kept: it would come at ${time} s, and a motion lasts ${LONGEST_S} s at most`);
+    if (last && !(gap > 0)) return this.note("not kept: the time after the last pose must be greater than 0 s");
+    if (time > LONGEST_S) return this.note(`not kept: the time of the pose, ${time} s, must be at most ${LONGEST_S} s`);
     this.note("");
     this.poses.push({ time_s: time, angles_rad: this.angles() });
     this.list();
@@ -142,7 +142,7 @@ export class Poses {
       time.onchange = () => {
         const given = time.value === "" ? NaN : Number(time.value);
         const free = given >= 0 && given <= LONGEST_S && this.poses.every((other) => other === pose || other.time_s !== given);
-        this.note(free ? "" : `a time is 0 to ${LONGEST_S} s, and no other pose's`);
+        this.note(free ? "" : `the time must be 0 to ${LONGEST_S} s and differ from those of other poses`);
         if (free) pose.time_s = given;
         this.poses.sort((a, b) => a.time_s - b.time_s);
         this.list();
@@ -191,12 +191,12 @@ export class Poses {
 
   // What the program would refuse to play is not opened. Throws with a sentence.
   private parse(text: string): Pose[] {
-    if (text.trim() === "") throw new Error("it is empty");
+    if (text.trim() === "") throw new Error("the file is empty");
     const read = JSON.parse(text) as Partial<File> | null;
     if (read === null || typeof read !== "object" || read.format !== FORMAT)
-      throw new Error(`it is no file of poses: "format" must be "${FORMAT}"`);
+      throw new Error(`not a pose file: "format" must be "${FORMAT}"`);
     const poses: unknown = read.poses;
-    if (!Array.isArray(poses) || poses.length === 0) throw new Error('"poses" must be a list of at least one');
+    if (!Array.isArray(poses) || poses.length === 0) throw new Error('"poses" must be a list of at least one pose');
     let before = -1;
     return poses.map((entry: unknown, i) => {
       const { time_s, angles_rad } = (entry ?? {}) as Partial<Pose>;
@@ -205,7 +205,7 @@ export class Poses {
         throw new Error(`${where}: "time_s" must be a number, 0 to ${LONGEST_S}, greater than that of the pose before`);
       before = time_s;
       if (angles_rad === null || typeof angles_rad !== "object" || Object.keys(angles_rad).length === 0)
-        throw new Error(`${where}: "angles_rad" must have the angle of a joint at least`);
+        throw new Error(`${where}: "angles_rad" must have the angle of at least one joint`);
       for (const [name, rad] of Object.entries(angles_rad)) {
         const limits = this.limits[name];
         if (!limits) throw new Error(`${where}: no joint is called ${name}`);
