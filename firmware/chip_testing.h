@@ -25,7 +25,7 @@ namespace kaz::sim {
 struct Calibration {
   std::array<s16, KZ_JOINTS> centre{}, scale{};
   bool operator==(const Calibration&) const = default;
-  // Returns calibration `n`; all are different.
+  // Returns calibration `n`. Each `n` gives a different calibration.
   static Calibration number(int n) {
     Calibration c;
     for (int j = 0; j < KZ_JOINTS; ++j) {
@@ -66,7 +66,8 @@ class TestChip : public testing::Test {
     const auto ran = mcu->run_until(mcu->now() + states);
     ASSERT_TRUE(ran) << ran.error().message;
   }
-  // Runs to the instruction at `symbol`. Returns the elapsed states, or -1 after `longest`.
+  // Runs to the instruction at `symbol`. Returns the elapsed states, or -1 if the instruction is not reached
+  // within `longest`.
   States run_to(const char* symbol, States longest = 100 * ms) {
     const std::uint32_t at = address_of(symbol);
     const States from = chip().now();
@@ -117,15 +118,15 @@ class TestChip : public testing::Test {
     }
   }
 
-  // Runs to the end of a tick and makes it request `action`.
+  // Runs to the end of a tick, and makes this tick request `action`.
   void request_action(u8 action) {
     ASSERT_GE(run_to("kz_tick_end"), 0) << chip().report();
     ASSERT_TRUE(chip().poke(address_of("kz_output") + offsetof(kz_tick_output, action), action));
   }
-  // Outcome of an action, from the snapshot of the next tick.
+  // Outcome of an action, read from the snapshot of the next tick.
   struct Outcome {
     int result = -1;  // KZ_RESULT_*
-    int missed = -1;  // missed ticks
+    int missed = -1;  // number of missed ticks
     States deaf = 0;  // time until the start of the next tick
   };
   // Requests `action` and runs to the start of the next tick.
@@ -145,7 +146,7 @@ class TestChip : public testing::Test {
     return done(KZ_ACTION_STORE_CALIBRATION);
   }
 
-  // Scans the calibration log in flash like the firmware's start.
+  // Scans the calibration log in flash, as the firmware does at its start.
   kz_store log() const { return log_of(mcu->chip()); }
   static kz_store log_of(const h8s::Chip& at) {
     const auto image = blocks_of(at);

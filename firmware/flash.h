@@ -1,9 +1,10 @@
 // Erases and programs the flash blocks that hold no program.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No code can run from flash while it is written, and interrupts are off. So the code of flash_ram.c runs in
-// RAM. It feeds the watchdog and counts the ticks that become due. Pulses and waits are those of the part's
-// 32-byte generation (hardware manual, flash memory, flowcharts of programming and erasing).
+// No code can run from flash while the flash is written, and interrupts are off. So the code of flash_ram.c
+// runs in RAM. This code feeds the watchdog and counts the ticks that become due. The times of pulses and
+// waits are for the chip's 32-byte generation (hardware manual, flash memory, flowcharts of programming and
+// erasing).
 #ifndef KAZ_FIRMWARE_FLASH_H
 #define KAZ_FIRMWARE_FLASH_H
 

@@ -1,7 +1,8 @@
 // Addresses and bits of the H8S/2128 registers that the firmware uses.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Addresses have ones above bit 23, which the chip ignores. With them the compiler selects short addressing.
+// Addresses have ones above bit 23. The chip ignores these bits, and the compiler then selects short
+// addressing.
 #ifndef KAZ_FIRMWARE_H8S2128_H
 #define KAZ_FIRMWARE_H8S2128_H
 
@@ -14,7 +15,7 @@
 #define STCR KZ_REG8(0xFFC3)
 #define STCR_FLSHE 0x08  // FF80..FF83 are flash registers
 #define STCR_ICKS1 0x02  // TMR1 counts phi/2 at CKS=1
-#define STCR_ICKS0 0x01  // TMR0 likewise
+#define STCR_ICKS0 0x01  // TMR0 counts phi/2 at CKS=1
 #define SYSCR KZ_REG8(0xFFC4)
 #define SYSCR_XRST 0x08  // 1 after the RES pin, 0 after the watchdog
 #define MSTPCRH KZ_REG8(0xFF86)

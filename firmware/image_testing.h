@@ -7,8 +7,8 @@
 
 namespace kaz::sim {
 
-// Returns the build's image, or that in the environment variable KAZ_TEST_IMAGE: a mutant
-// (tests/integration/conformance/mutate.py), or a variant for cost measurements.
+// Returns the path of the image of this build. If the environment variable KAZ_TEST_IMAGE is set, returns
+// that path: a mutant (tests/integration/conformance/mutate.py), or a variant for cost measurements.
 inline std::string firmware_image() {
   const char* other = std::getenv("KAZ_TEST_IMAGE");
   return other ? other : KAZ_FIRMWARE_IMAGE;

@@ -5,13 +5,14 @@
 
 #include "shared/servo/servo.h"
 
-// Copies stored calibration and address to `startup`. Values without a valid copy keep their content.
+// Copies stored calibration and address to `startup`. If there is no valid copy of a value in flash,
+// `startup` keeps its value.
 void kz_memory_load(kz_startup* startup);
 // Writes sequence number and erasures of the stored calibration to the snapshot.
 void kz_memory_report(kz_tick_input* input);
 
-// Store a copy and read it back. Return 1 on success. Interrupts are off for up to 3 s. `*ticks` increases by
-// the number of ticks that became due meanwhile.
+// Store the settings and read them back. Return 1 on success. Interrupts are off for up to 3 s. `*ticks`
+// increases by the number of ticks that became due meanwhile.
 u8 kz_memory_store_calibration(const kz_servo* servo, u16* ticks);
 u8 kz_memory_store_address(const kz_servo* servo, u16* ticks);
 

@@ -14,7 +14,7 @@ void kz_serial_send(const u8* bytes, u8 count);
 // Returns the free bytes of the transmit buffer.
 u8 kz_serial_room(void);
 // Moves up to KZ_RX_PER_TICK received bytes with their error flags (KZ_RX_*) to the snapshot. Elements of rx
-// from rx_count on keep their old content.
+// with index rx_count or more keep their old content.
 void kz_serial_take(kz_tick_input* input);
 
 #endif

@@ -3,6 +3,6 @@
 #ifndef KAZ_FIRMWARE_SERIAL_RINGS_H
 #define KAZ_FIRMWARE_SERIAL_RINGS_H
 
-#define KZ_RING 64  // bytes, a power of two; one place stays empty
+#define KZ_RING 64  // bytes, a power of two; one byte of the buffer always stays unused
 
 #endif

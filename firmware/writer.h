@@ -1,19 +1,21 @@
 // Flash writer: the program in RAM that boot mode or the loader starts (shared/flash/protocol.h).
 // SPDX-License-Identifier: Apache-2.0
 //
-// It calls no code in flash, and reads flash only at the host's request. Interrupts are off, because their
-// vectors are in flash. So every wait polls the receiver, and a frame can arrive while another is programmed.
-// At 115,200 baud the receiver must be read at least every 87 us.
+// The writer calls no code in flash, and reads flash only at the host's request. Interrupts are off, because
+// their vectors are in flash. So every wait loop polls the receiver, and a frame can arrive while the line
+// of another frame is programmed. At 115,200 baud the receiver must be read at least every 87 us.
 //
-// Boot mode loads 2048 bytes: the line and programming (writer.c, writer_flash.c). Through them the host
-// loads the second stage (writer_second_stage.c: erase, sums, read, run), twelve times as fast.
+// Boot mode loads 2048 bytes with the code for the serial line and for programming (writer.c,
+// writer_flash.c). Through this code, the host loads the second stage (writer_second_stage.c: erase, sums,
+// read, run), twelve times as fast as through boot mode.
 #ifndef KAZ_FIRMWARE_WRITER_H
 #define KAZ_FIRMWARE_WRITER_H
 
 #include "shared/base/types.h"
 #include "shared/flash/protocol.h"
 
-// Memory areas of variables. An instruction that accesses a SHORT byte has one word, a NEAR variable two.
+// Memory areas of variables. An instruction that accesses a SHORT byte is one word long; for a NEAR
+// variable, two words.
 #define SHORT __attribute__((eightbit_data))
 #define NEAR __attribute__((tiny_data))
 
@@ -42,12 +44,12 @@ void kz_writer_wait(u16 counts);
 #define KZ_COUNTS(us) ((u16)((us)*2304UL / 1000 + 1))
 // Adds a byte to the CRC and polls.
 void kz_writer_count(u8 byte);
-// Turns the request into its reply with `bytes` of payload, including the status, and sends it. Polls
-// meanwhile.
+// Turns the request `it` into the reply with `bytes` of payload, including the status, and sends the reply.
+// Polls meanwhile.
 void kz_writer_reply(frame* it, u16 bytes);
 
-// --- writer_flash.c
-// Programs a line of KZ_WRITER_LINE bytes at `address`, a multiple of it. Returns a KZ_WRITER_ status.
+// --- writer_flash.c Programs a line of KZ_WRITER_LINE bytes at `address`, a multiple of KZ_WRITER_LINE.
+// Returns a KZ_WRITER_ status.
 u8 kz_writer_program(u32 address, const u16* line);
 // Sets bits of FLMCR1 besides SWE, and waits until they take effect.
 void kz_writer_set_flash(u8 bits);
@@ -61,7 +63,8 @@ u16 kz_writer_verified_word(volatile u16* at);
 // --- writer_second_stage.c
 // Executes a request of the second stage and replies.
 void kz_writer_perform(frame* it);
-// Sets the timeout after which a writer of the loader leaves without a request; 0: none.
+// Sets the timeout after which a writer that the loader started leaves, if no request has arrived; 0: no
+// timeout.
 void kz_writer_wait_for(u16 seconds);
 // Counts timer overflows. Leaves after the timeout.
 void kz_writer_idle(void);

@@ -1,8 +1,8 @@
 // Access of the bench to a board: typed requests, and telemetry frames with their arrival times.
 // SPDX-License-Identifier: Apache-2.0
 //
-// It uses the layer below host::Robot, which would hide what the bench counts: a lost link is not recovered
-// here.
+// BoardLine uses the layer below host::Robot, because host::Robot would hide the errors that the bench
+// counts. BoardLine does not recover a lost link.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,8 @@
 
 namespace kaz::hil {
 
-// Called repeatedly with the running measurement and the completed share of all, 0 to 1.
+// Called repeatedly with the name of the running measurement and the completed share of all measurements, 0
+// to 1.
 using BenchProgress = std::function<void(double share, const std::string& what)>;
 
 // A telemetry frame that arrived.
@@ -22,18 +23,19 @@ struct Arrival {
   std::uint8_t type = 0;   // KZ_TYPE_telemetry_*
   std::uint32_t tick = 0;  // tick of the board
   Time at{};
-  double busy = 0, worst = 0;  // only telemetry_health: shares of a tick
+  // Only in telemetry_health: duration of the last tick and of the longest tick, as shares of a tick.
+  double busy = 0, worst = 0;
 };
 
 class BoardLine {
  public:
   BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address);
 
-  // Finds the board, ends a stream that was left running, and runs `measure`. Afterwards, also after an
-  // error, the motors and the stream are off. A shutdown for missing requests that occurred meanwhile is
-  // cleared. `what` completes the message of a reset: "its link was" (measured). Errors (environment): no
-  // board; its motors are on, and the measurement would switch them off; it was reset meanwhile; those of
-  // `measure`.
+  // Finds the board, ends a telemetry stream that was left running, and runs `measure`. Afterwards, also
+  // after an error, the motors and the stream are off. If the board shut down for missing requests
+  // meanwhile, the shutdown is cleared. `what` is a part of the error message for a reset of the board, for
+  // example "its link was", which "measured" follows. Errors (environment): no board; the board's motors are
+  // on, and the measurement would switch them off; the board was reset meanwhile; errors of `measure`.
   Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>
@@ -50,22 +52,25 @@ class BoardLine {
 
   // Streams frames of the selection every `period_ms`, or ends the stream (0). Returns the tick of the reply.
   Result<std::uint32_t> stream(int period_ms, std::uint8_t selection);
-  // Returns whether the board can stream; on a shared line it cannot.
+  // Returns whether the board can stream telemetry. On a shared line, the board cannot stream.
   bool can_stream() const;
-  // Reads until `t`, and feeds the board's link watchdog, which would otherwise end the stream. Heartbeats
-  // follow a frame, so that their replies do not delay the next frame.
+  // Reads until `t`. Also sends heartbeats to the board's link watchdog, which would otherwise end the
+  // stream. Each heartbeat is sent right after a frame has arrived, so that the reply does not delay the
+  // next frame.
   Result<void> listen_until(Time t);
   // Returns the frames that arrived since the last call.
   std::vector<Arrival> take_arrivals();
 
-  // Checks the tick of a reply. A clear decrease means that the board was reset.
+  // Checks the tick number in a reply. A clear decrease of this number means that the board was reset.
   void observe(const host::Reply& reply);
 
-  // Holds all joints where they are, or switches them off. The board refuses it while a shutdown is latched.
+  // If `on`, holds all joints at their present angles; otherwise switches all joints off. The board refuses
+  // to switch joints on while a shutdown is latched.
   Result<void> enable(bool on);
-  // Switches the joints on (held), runs `load`, and switches them off. Repeats this if the board switched
-  // them off because its watchdog got no request, as when this program was stopped. The load was then not the
-  // intended one. Error (environment): it happened in each run.
+  // Switches the joints on (held), runs `load`, and switches them off. Repeats all of this if the board's
+  // link watchdog switched the joints off, for example because this program was stopped for a while. The
+  // load of such a run was not the intended load. Error (environment): the watchdog switched the joints off
+  // in each run.
   Result<void> with_joints_on(const std::function<Result<void>()>& load);
 
   host::Requester& requester() { return requester_; }
@@ -74,7 +79,7 @@ class BoardLine {
 
  private:
   Result<void> begin();
-  // Returns whether the board has shut down for missing requests, and clears this.
+  // Returns whether the board has shut down for missing requests, and clears such a shutdown.
   Result<bool> clear_link_lost();
   void end() noexcept;
   void observe_tick(std::uint32_t tick);
@@ -89,16 +94,18 @@ class BoardLine {
   bool on_ = false, streaming_ = false, was_reset_ = false;
 };
 
-// Load of control cycles: 18 targets out, 18 angles back. Targets are the present angles. With the joints
-// off, the board refuses the targets, which takes as many bytes.
+// Load of control cycles. Each cycle sends 18 targets and reads 18 angles. The targets are the present
+// angles. While the joints are off, the board refuses the targets; a refusal takes as many bytes as an
+// acknowledgment.
 class CycleLoad {
  public:
   // `state` contains the present angles. `progress` gets the completed share of run(), 0 to 1.
   CycleLoad(BoardLine& line, const kz_state_reply& state, std::function<void(double)> progress);
-  // Runs cycles at `rate_hz`, or as fast as the link allows (0), until `end`. Then waits for the last reply.
+  // Runs cycles until `end`, at `rate_hz` or, if `rate_hz` is 0, as fast as the link allows. Then waits for
+  // the last reply.
   Result<void> run(double rate_hz, Time end);
   int cycles() const { return cycles_; }  // number of cycles whose angles arrived
-  double rate_hz() const;                 // rate of these cycles over the time of run()
+  double rate_hz() const;                 // mean rate of these cycles during run()
 
  private:
   struct Cycle {

@@ -8,10 +8,10 @@
 
 namespace kaz::hil {
 
-// Appends `what` to a list that begins with "on the line".
+// Appends `what` to the list `trouble`, which begins with "on the line".
 void add_trouble(std::string& trouble, const std::string& what);
-// Returns text like "on the line 3 replies did not come, 1 frame came damaged" for the difference of two
-// counts; empty: no trouble. Damage on the way to the board appears as missing replies.
+// Returns text like "on the line 3 replies did not come, 1 frame came damaged" for the difference between
+// two counts; empty text: no line errors. Damage on the way to the board appears as missing replies.
 std::string line_trouble(const host::LinkStatistics& before, const host::LinkStatistics& after);
 
 }  // namespace kaz::hil

@@ -10,16 +10,17 @@ namespace kaz::hil {
 struct LinkBenchOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   int round_trips = 1000;
-  Time cycle_time = std::chrono::seconds(5);    // control cycles as fast as the link allows
-  Time stream_time = std::chrono::seconds(10);  // telemetry every 10 ms
-  // Switches the joints on, held in place. Without it, the board refuses the targets of the cycles, which
-  // takes as many bytes, and no motor is on.
+  Time cycle_time = std::chrono::seconds(5);  // time with control cycles as fast as the link allows
+  Time stream_time = std::chrono::seconds(10);  // time with telemetry every 10 ms
+  // Whether to switch the joints on, held in place. If false, no motor is on, and the board refuses the
+  // targets of the cycles. A refusal takes as many bytes as an acknowledgment.
   bool allow_motion = false;
   std::uint64_t seed = 1;  // seed of the pauses between round trips
   BenchProgress progress;
 };
 
-// Errors (environment): no board, its motors are on, the link is gone, or the board was reset meanwhile.
+// Errors (environment): no board; the board's motors are on; the link is gone; the board was reset
+// meanwhile.
 Result<void> bench_link(host::Link& link, host::Clock& clock, const LinkBenchOptions& options,
                         BenchJudge& judge);
 

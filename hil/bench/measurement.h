@@ -42,7 +42,7 @@ struct Measurement {
   double error = 0;          // standard error of the value; 0: unknown
   double low = 0, high = 0;  // applied limits
   std::string message;       // reason of a failure, skip or undecided verdict, or a note
-  // Cause of an undecided verdict; not read back from JSON.
+  // Cause of an undecided verdict. parse_bench_json() does not set it.
   enum class Doubt { none, machine, line, motor } doubt = Doubt::none;
 };
 
@@ -63,27 +63,27 @@ struct Plot {
   std::string caption;  // description of the plot, one sentence
 };
 
-// Limits that replace those of measurements.def, by measurement: (low, high).
+// Limits that replace the limits of measurements.def. Key: name of the measurement; value: (low, high).
 using Limits = std::map<std::string, std::pair<double, double>>;
 // Parses limits from JSON: {"stall.torque_10v": {"low": 2.0, "high": 2.3}}, or the list of `kaz bench list
-// --json`. A missing or null side has no limit. Errors (usage): not JSON, empty, unknown name or key,
-// repeated name, low above high.
+// --json`. A missing or null side has no limit. Errors (usage): the text is not JSON or empty; unknown name
+// or key; repeated name; low above high.
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name);
 
 struct BenchReport {
   std::string board;    // "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
-  std::optional<std::uint64_t> seed = {};  // seed of emulated board and stand; not set at a port
-  Provenance from = {};                    // not read back from JSON
-  // Conditions of the bench, for `bench fit`: name with unit, and value. For example the disc on the shaft
-  // and the supply.
+  std::optional<std::uint64_t> seed = {};  // seed of emulated board and stand; nullopt at a port
+  Provenance from = {};                    // not set by parse_bench_json()
+  // Conditions of the bench that `bench fit` uses, such as the disc on the shaft and the supply. Each
+  // condition has a name with unit, and a value.
   std::vector<std::pair<std::string, double>> conditions;
   std::vector<Measurement> measurements;
   std::vector<Plot> plots;
   double seconds = 0;       // duration on the board's clock
-  std::string interrupted;  // reason of an early end; empty: it finished
-  std::string signal;       // signal that ended it: "SIGINT"
+  std::string interrupted;  // reason of an early end; empty: the bench finished
+  std::string signal;       // signal that ended the bench: "SIGINT"
 
   int count(Verdict verdict) const;
   // Returns whether any measurement is undecided for this reason.
@@ -94,40 +94,43 @@ struct BenchReport {
 // object.
 class BenchJudge {
  public:
-  // Called for each measurement when it is entered; for those of timed() at its end.
+  // Called for each measurement when it is entered. For measurements within timed(), called at the end of
+  // timed().
   using Listener = std::function<void(const Measurement&)>;
-  // `lateness` observes link and clock of the measurements if they are real; may be null.
+  // `lateness` observes link and clock of the measurements if link and clock are real; may be null.
   BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr,
              host::LatenessMeter* lateness = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)), lateness_(lateness) {}
 
-  // Enters a value. `name` is that of measurements.def, `note` describes special conditions.
+  // Enters a value. `name` is the name in measurements.def, `note` describes special conditions.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
-  // Enters a failure regardless of the limits, with `finding` as its only message. For a known defect, rather
-  // than only a value out of range.
+  // Enters a failure regardless of the limits, with `finding` as its only message. Use it for a defect that
+  // was found, not for a value that is only out of range.
   void enter_finding(const std::string& subject, const std::string& name, double value,
                      const std::string& finding);
-  // Enters a value whose default limits belong to another condition, which `note` names. Only explicit limits
-  // apply; without them the measurement is left out, with its value.
+  // Enters a value that was measured under a condition, named by `note`, to which the default limits do not
+  // apply. Only explicit limits apply; without explicit limits the measurement is left out, but its value is
+  // reported.
   void enter_without_default_limits(const std::string& subject, const std::string& name,
                                     double value, double error, const std::string& note);
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
-  // Returns the line errors since the last call: "3 replies did not come"; empty: none.
+  // Returns the line errors since the last call: "3 replies did not come"; empty: no errors.
   using LineTrouble = std::function<std::string()>;
-  // Runs a part that measures times with this machine's clock. If one of its measurements fails while the
-  // machine was late, all of its results are dropped and the part is repeated. If the machine was late in
-  // each run, they are undecided. With `at_least` above 0, only lateness of at least that counts, for every
-  // measurement of the part. With 0, all lateness counts, for those that depend on this clock. A disturbed
-  // line has the same effect, except for measurements of the line itself. Errors: those of `part`; the
-  // program at the other end does not reply any more (environment).
+  // Runs a part that measures times with this machine's clock. If a measurement of the part fails while the
+  // machine was late, all results of the part are dropped and the part is repeated. If the machine was late
+  // in each run, the failed measurements are undecided. With `at_least` above 0, only lateness of at least
+  // `at_least` counts, for every measurement of the part. With 0, any lateness counts, but only for
+  // measurements that depend on this machine's clock. A disturbed line has the same effect, except for
+  // measurements of the line itself. Errors: the errors of `part`; the program at the other end no longer
+  // replies (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
   // Makes failed measurements from the index `first` on undecided and appends "; but " and `why` to their
   // messages.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
-  // States that true values may be up to `factor` >= 1 times those entered from the index `first` on.
-  // Measurements whose verdict would then change become undecided.
+  // States that the true values of the measurements from the index `first` on may be up to `factor` >= 1
+  // times the entered values. A measurement becomes undecided if this factor could change its verdict.
   void doubt(std::size_t first, double factor, const std::string& why);
   // Returns the limits that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;

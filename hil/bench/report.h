@@ -10,14 +10,14 @@
 namespace kaz::hil {
 
 std::string bench_json(const BenchReport& report);
-// Parses the output of bench_json(). Errors (usage): not JSON, or not such a report.
+// Parses the output of bench_json(). Errors (usage): the text is not JSON, or is not the report of a bench.
 Result<BenchReport> parse_bench_json(const std::string& json, const std::string& file_name);
-// One line per measurement: subject, name, value, error, unit, low, high, verdict, message.
+// Returns CSV with one line per measurement: subject, name, value, error, unit, low, high, verdict, message.
 std::string bench_csv(const BenchReport& report);
-// One line per point: subject, plot, series, x, y.
+// Returns CSV with one line per point: subject, plot, series, x, y.
 std::string bench_curves_csv(const BenchReport& report);
 std::string bench_junit(const BenchReport& report);
-// Self-contained: no script, nothing fetched.
+// Returns a self-contained page, which has no script and fetches nothing.
 std::string bench_html(const BenchReport& report);
 // Converts a plot to a page for plot::plot_svg().
 plot::PlotPage plot_page(const Plot& plot);

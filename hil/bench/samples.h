@@ -11,7 +11,7 @@ namespace kaz::hil {
 
 // Returns the sample that a share (0 to 1) of the samples does not exceed; NaN without samples.
 double quantile(std::vector<double> samples, double share);
-// NaN for fewer than two samples.
+// Returns NaN for fewer than two samples.
 double standard_deviation(const std::vector<double>& samples);
 // Returns the standard error of the median of normally distributed samples; 0 for fewer than two.
 double median_error(const std::vector<double>& samples);
@@ -27,7 +27,7 @@ struct Line {
   double operator()(double x) const { return at_zero + slope * x; }
 };
 
-// All members are NaN for fewer than three points or a single x.
+// All members of the result are NaN if there are fewer than three points, or if all points have the same x.
 Line fit_line(const Points& points);
 
 // Mean of samples; NaN without samples.
@@ -36,7 +36,7 @@ struct Mean {
 };
 Mean mean_of(const std::vector<double>& samples);
 
-// Returns the outline of a histogram, from zero to zero.
+// Returns the outline of a histogram. The outline begins and ends at height 0.
 Series histogram(const std::string& name, const std::vector<double>& samples, int columns);
 // Returns a vertical dashed line at a limit.
 Series limit_line(const std::string& name, double x, double height);

@@ -9,14 +9,15 @@ namespace kaz::hil {
 
 struct TickBenchOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  Time quiet_time = std::chrono::seconds(10);  // telemetry only; half before the load, half after
-  Time load_time = std::chrono::seconds(10);   // 18 joints at 100 Hz
-  bool allow_motion = false;                   // as in LinkBenchOptions
-  bool one_clock = false;                      // board and bench share a clock, so it has no error
+  // Time with telemetry only; half of it before the load, half after the load.
+  Time quiet_time = std::chrono::seconds(10);
+  Time load_time = std::chrono::seconds(10);  // time with control cycles of 18 joints at 100 Hz
+  bool allow_motion = false;                  // as in LinkBenchOptions
+  bool one_clock = false;                     // board and bench share one clock
   BenchProgress progress;
 };
 
-// Errors: as bench_link().
+// Returns the same errors as bench_link().
 Result<void> bench_tick(host::Link& link, host::Clock& clock, const TickBenchOptions& options,
                         BenchJudge& judge);
 

@@ -15,28 +15,29 @@
 
 namespace kaz::hil {
 
-// Requirements of a case besides a servo that answers.
+// Requirements of a case, in addition to a servo that answers.
 enum ServoNeed : unsigned {
   kServoNothing = 0,
   kServoMotion = 1,  // switches the torque on; the shaft turns
   kServoEeprom = 2,  // writes EEPROM, which wears out
   kServoAlone = 4,   // sends requests to all servos at the port
-  kServoNever = 8,   // would change what cannot be restored
-  kServoModel = 16,  // needs another model or firmware; run_bus_suite() decides
+  kServoNever = 8,   // never run: would change a setting that cannot be restored
+  kServoModel = 16,  // needs another model or firmware; set by run_bus_suite()
 };
 
 struct ServoCase {
-  Case of;  // id, sentence and sections of the page; its own `run` is not used
+  Case of;  // id, sentence and sections of the page; the member `run` of this Case is not used
   unsigned needs = kServoNothing;
   std::function<void(ExaminedServo&)> run;
-  // Returns whether this table and firmware have the feature; null: all have it.
+  // Returns whether servos with this table and firmware have the tested feature. Null: all servos have the
+  // feature.
   std::function<bool(const ServoTable&, int firmware)> has;
 };
 
 // Returns all cases in the order in which they run.
 const std::vector<ServoCase>& servo_cases(ServoFamily family);
-// Returns the cases whose id or section matches the regular expression. Error (usage): it is invalid or
-// matches no case.
+// Returns the cases whose id or section matches the regular expression. Error (usage): the expression is
+// invalid or matches no case.
 Result<std::vector<const ServoCase*>> chosen(ServoFamily family, const std::string& filter);
 // Returns the reason for leaving out a case with these unmet ServoNeed bits: "needs --allow-motion".
 std::string missing_servo_text(unsigned missing);
@@ -45,17 +46,17 @@ struct BusRunOptions {
   ServoFamily family = ServoFamily::feetech;
   int id = 1;
   std::string filter;
-  unsigned allowed = 0;  // ServoNeed
+  unsigned allowed = 0;  // bits of ServoNeed that are allowed
   bool release = false;  // switch off a torque that is on at the start
-  // May be null. When requested, changes of the running case are restored, and the run ends.
+  // May be null. An interrupt ends the run, after the registers that the running case changed are restored.
   host::Interrupt* interrupt = nullptr;
   host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
 };
 
-// Runs the chosen cases. Errors: those of chosen(). Errors (environment): those of ExaminedServo::identify(),
-// a lost port, or registers of an interrupted case that could not be restored. An interrupt without such an
-// error returns the report so far.
+// Runs the chosen cases. Errors: those of chosen(). Errors (environment): those of
+// ExaminedServo::identify(); a lost port; registers of an interrupted case could not be restored. After an
+// interrupt without an error, the result is the report so far.
 Result<RunReport> run_bus_suite(host::Link& link, host::Clock& clock, const BusRunOptions& options);
 
 void add_feetech_cases(std::vector<ServoCase>& all);

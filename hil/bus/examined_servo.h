@@ -23,7 +23,7 @@ class ExaminedServo {
       : link_(link), clock_(clock), family_(family), id_(id) {}
 
   // Finds the servo's register table. Errors (environment): no answer; unknown model; the torque is on and
-  // `release` does not switch it off; its settings suppress answers to writes.
+  // `release` is false; the servo's settings suppress answers to writes.
   Result<void> identify(bool release);
   const ServoTable& table() const { return *table_; }
   int id() const { return id_; }
@@ -33,8 +33,8 @@ class ExaminedServo {
 
   void begin_case() { transcript_.clear(); }
   // Restores the registers and switches the torque off. Throws Failed if the torque is not confirmed off, or
-  // with the names of registers that could not be restored. It also does if the torque was on although the
-  // case does not move (`moves`).
+  // with the names of registers that could not be restored. Also throws Failed if the torque was on although
+  // `moves`, whether the case may move the servo, is false.
   void end_case(bool moves);
   const std::vector<std::string>& transcript() const { return transcript_; }
   // Returns whether a register may differ from its original value.
@@ -43,9 +43,10 @@ class ExaminedServo {
   // ---- Requests
   // Sends raw bytes and fails if an answer arrives within `window`. `else_what` begins the message.
   void silent(const Bytes& wire, const std::string& else_what, Time window = kSilence);
-  // Sends raw bytes and returns `count` answers. Fails if more, fewer or damaged ones arrive in time.
+  // Sends raw bytes and returns `count` answers. Fails if more or fewer answers, or damaged answers, arrive
+  // before the timeout.
   std::vector<ServoAnswer> answers(const Bytes& wire, std::size_t count);
-  // Sends raw bytes and returns the first answer, if one arrives. Fails if it is damaged.
+  // Sends raw bytes and returns the first answer, if one arrives. Fails if the answer is damaged.
   std::optional<ServoAnswer> maybe(const Bytes& wire);
   // Sends a request and returns the answer of this servo.
   ServoAnswer answer(int instruction, const Bytes& parameters = {});
@@ -64,15 +65,15 @@ class ExaminedServo {
   // Writes a register and returns the error code of the answer without alerts; 0: success. end_case()
   // restores the old value.
   int write(const ServoRow& row, long value);
-  void keep(const ServoRow& row);  // remembers the value to restore, for writes by other means
+  void keep(const ServoRow& row);  // remembers the value to restore; for writes without write()
 
-  // How long to wait for an answer that should not come, and for one that should.
+  // Waiting times: kSilence to check that no answer comes, kPatience for an expected answer.
   static constexpr Time kSilence = std::chrono::milliseconds(60);
   static constexpr Time kPatience = std::chrono::milliseconds(300);
 
  private:
   struct Torque {
-    bool off = false, was_on = false;  // confirmed off; was on before
+    bool off = false, was_on = false;  // off: confirmed off; was_on: was on before
   };
   Torque release();
   Bytes exchange(const Bytes& wire, std::size_t count, Time window);

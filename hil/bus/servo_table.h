@@ -1,8 +1,8 @@
 // Registers of servo models as published by their makers, only for the judge.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Generated from shared/*/corpus/*.csv. These were transcribed separately from the tables of drivers and
-// virtual servos, so that an error there cannot hide here.
+// Generated from shared/*/corpus/*.csv. The CSV files were transcribed independently of the register tables
+// of drivers and virtual servos, so that the judge detects errors in those tables.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,8 @@ struct ServoTable {
   bool big_endian() const;
   // Returns the row with this name, which must exist (else std::logic_error).
   const ServoRow& row(std::string_view what) const;
-  // Returns the first existing row of these names, or null. Tables name the same register differently.
+  // Returns the first row that has one of these names, or null. Several names are needed because tables use
+  // different names for the same register.
   const ServoRow* find(std::initializer_list<std::string_view> names) const;
   const ServoRow& model_row() const;
 };

@@ -1,5 +1,5 @@
-// Independent packet codec for Feetech and ROBOTIS buses, written only from docs/reference/servo-bus.md, for
-// the judge.
+// Packet codec for Feetech and ROBOTIS buses, for the judge. It shares no code with the drivers:
+// docs/reference/servo-bus.md is its only source.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

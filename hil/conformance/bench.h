@@ -1,8 +1,8 @@
 // Interface to the surroundings of a board: supply, sensors, line errors, power.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A virtual board offers all of this, a real one on a desk usually none. Cases that need a bench declare it,
-// and are reported as left out without one.
+// A virtual board has a bench; a real board on a desk usually has none. Cases that need a bench state this
+// need. Without a bench, these cases are reported as left out.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +23,12 @@ class Bench {
   virtual void reset() = 0;
   virtual void set_power(bool on) = 0;
 
-  // Holds an analog input (multiplexer * 8 + input, shared/board/board.h) at a code 0 to 1023. nullopt:
-  // releases it.
+  // Holds an analog input (multiplexer * 8 + input, shared/board/board.h) at a code from 0 to 1023; nullopt
+  // releases the input.
   virtual void set_analog(int input, std::optional<int> code) = 0;
   // Turns a joint's shaft by hand to an angle, rad in the joint's positive direction.
   virtual void place_joint(int joint, double angle_rad) = 0;
-  // Holds the shaft fast, or releases it.
+  // Blocks the shaft of a joint, or releases the shaft.
   virtual void block_joint(int joint, bool blocked) = 0;
 
   // Sends bytes to the board, each with a framing error.

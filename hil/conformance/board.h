@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every call throws Failed, which fails the case, if the board does not behave as described. It throws Lost,
-// which ends the whole run, if the link is gone. The default `at_most_ms` of 0 stands for the usual timeout
-// of a reply.
+// which ends the whole run, if the link is gone. The default value 0 of `at_most_ms` selects the usual
+// timeout for a reply.
 #pragma once
 
 #include <cstdint>
@@ -28,13 +28,13 @@ constexpr int kAnyDetail = -1;
 class Board {
  public:
   // `bench` may be null; all references must outlive this object. `slack` is the maximum delay of reading or
-  // writing a byte, for clocks other than the board's own. It is zero in lockstep. `home` is the address of
-  // the board.
+  // writing a byte, if the clock is not the board's own clock. `slack` is zero in lockstep. `home` is the
+  // address of the board.
   Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed,
         std::uint8_t home = KZ_ADDRESS_DEFAULT);
 
-  // begin() prepares a case: the board is reset, has no latched shutdown, and no frame is in flight. end()
-  // switches the motors off.
+  // begin() prepares a case. Afterwards the board has been reset and has no latched shutdown, and no frame
+  // is in flight. end() switches the motors off.
   void begin(std::uint64_t case_seed);
   void end();
 
@@ -44,7 +44,8 @@ class Board {
   std::mt19937_64& random() { return random_; }
   std::uint8_t address = KZ_ADDRESS_DEFAULT;   // present address
   std::uint8_t home() const { return home_; }  // address at the beginning of each case
-  // Returns an address that is not the board's home: `wanted`, or the one below if they are equal.
+  // Returns an address that is not the board's home: `wanted`, or `wanted` - 1 if `wanted` is the home
+  // address.
   std::uint8_t other_than_home(int wanted) const {
     return static_cast<std::uint8_t>(wanted == home_ ? wanted - 1 : wanted);
   }
@@ -53,7 +54,7 @@ class Board {
   void write(const Bytes& bytes);
   std::optional<Frame> next(int at_most_ms);  // next frame, including telemetry
   void silence(int ms);                       // fails if a frame comes, except telemetry
-  void wait(int ms);                          // frames that arrive can be read afterwards
+  void wait(int ms);                          // frames that arrive meanwhile can be read afterwards
   void forget_frames() { frames_.clear(); }   // drops frames that were not read
   // Number of bytes outside frames and of damaged frames.
   int wild_bytes() const { return deframer_.faults(); }
@@ -64,20 +65,20 @@ class Board {
   // Returns the frame of a request with a new or the given sequence number.
   Bytes request_bytes(std::string_view name, const Bytes& fields = {});
   Bytes request_bytes(std::string_view name, const Bytes& fields, std::uint8_t sequence) const;
-  // Returns the next frame that is not telemetry. Its type, number and address must match.
+  // Returns the next frame that is not telemetry. The frame's type, sequence number and address must match.
   Frame expect_frame(std::uint8_t type, std::uint8_t sequence, int at_most_ms = 0);
-  // Sends a request with a new number and returns the reply or refusal.
+  // Sends a request with a new sequence number and returns the reply or refusal.
   Frame raw_request(std::uint8_t type, const Bytes& fields);
   bool answers();  // true if identify is answered within 50 ms
-  // Returns whether no board answers at any address, including one that is still starting. With a bench it
-  // returns false, since the bench resets the board for the next case.
+  // Returns whether no board answers at any address. Waits for a board that is still starting. With a bench
+  // the function returns false, because the bench resets the board for the next case.
   bool gone();
 
   // ---- Requests by name
 
   // The method done() sends a request and returns its reply. The method take() returns the reply to an
   // earlier request. The refused... and take_refusal() methods expect that the board refuses the request for
-  // this reason.
+  // the reason `reason`, and return the refusal.
   Reply done(std::string_view name, const Bytes& fields = {}, int at_most_ms = 0);
   Reply take(std::string_view name, std::uint8_t sequence, int at_most_ms = 0);
   Reply refused(std::string_view name, const Bytes& fields, int reason, int detail = kAnyDetail);
@@ -97,8 +98,9 @@ class Board {
   void reset_by_command();  // resets and waits for the board
   void come_to_rest();      // waits until no joint moves, at most 3 s
   void expect_alive();      // checks that the next request is answered
-  void expect_off();        // checks status, and pins if there is a bench
-  // Returns the telemetry of this time and drops other frames. `heartbeats`: sends one every 30 ms.
+  void expect_off();        // checks the status; with a bench, also the pins
+  // Returns the telemetry frames of the next `ms` and drops other frames. If `heartbeats`, sends a heartbeat
+  // every 30 ms.
   std::vector<Frame> telemetry(int ms, bool heartbeats);
 
   // Returns the bytes exchanged in this case, one line per direction and time; only the last 60 lines.

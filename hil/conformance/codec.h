@@ -1,4 +1,4 @@
-// Independent codec of frames and CRC, written only from docs/reference/protocol.md.
+// Independent codec of frames and CRC, written only from docs/reference/protocol.md and not from the code.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,7 +24,7 @@ Bytes frame_of(std::uint8_t address, std::uint8_t type, std::uint8_t sequence, c
 struct Frame {
   std::uint8_t address = 0, type = 0, sequence = 0;
   Bytes fields;
-  Time at{};  // time of reading its last byte
+  Time at{};  // time at which the last byte was read
 };
 
 // Splits the bytes of a board into frames.
@@ -32,7 +32,8 @@ class Deframer {
  public:
   // Returns a frame if this byte ends one.
   std::optional<Frame> take(std::uint8_t byte, Time at);
-  // Number of bytes outside frames, and of frames that were damaged or lacked their own zero.
+  // Number of bytes outside frames, plus the number of frames that were damaged or lacked a zero of their
+  // own.
   int faults() const { return faults_; }
   void forget() { *this = {}; }
 

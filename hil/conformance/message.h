@@ -17,7 +17,7 @@ struct Field {
   std::string name;
   int size = 0;  // bytes per number
   bool is_signed = false;
-  int count = 1;  // count of numbers; for a masked field the maximum
+  int count = 1;  // count of numbers; for a masked field, the maximum count
   bool masked = false;
   bool bounded = false;
   long low = 0, high = 0;
@@ -61,8 +61,8 @@ class Reply {
  public:
   Reply(const Message& message, const Frame& frame);
   long operator[](std::string_view field) const { return number(field, 0); }
-  // Returns a number of an array; for a masked field, `index` is the joint. Throws Failed if it does not
-  // exist.
+  // Returns a number of an array; for a masked field, `index` is the joint. Throws Failed if the number does
+  // not exist.
   long number(std::string_view field, int index) const;
   const Frame& frame() const { return frame_; }
   int reason() const { return static_cast<int>((*this)["status"] >> 8); }  // KZ_SHUTDOWN_*

@@ -14,13 +14,13 @@ struct ReportFacts {
   std::string program;  // "kaz 0.1.0"
   std::uint64_t seed = 1;
   std::string signal = {};      // signal that interrupted the run: "SIGINT"; empty: none
-  std::string broken_off = {};  // reason why the run could not finish; empty: it finished
+  std::string broken_off = {};  // reason why the run could not finish; empty: the run finished
   Provenance from = {};
 };
 
 std::string junit_text(const RunReport& report, const ReportFacts& facts);
 std::string json_text(const RunReport& report, const ReportFacts& facts);
-// Self-contained: no script, nothing fetched.
+// Returns a self-contained page, which has no script and fetches nothing.
 std::string html_text(const RunReport& report, const ReportFacts& facts);
 
 }  // namespace kaz::hil

@@ -13,15 +13,15 @@
 
 namespace kaz::hil {
 
-// Requirements of a case besides a link.
+// Requirements of a case, in addition to a link.
 enum Need : unsigned {
   kNothing = 0,
   kMotion = 1,           // moves joints or motors
   kFlash = 2,            // writes flash, which wears out
-  kBench = 4,            // a Bench
+  kBench = 4,            // a Bench (bench.h)
   kExact = 8,            // a clock without slack
-  kDefaultAddress = 16,  // a board at address 1; run_suite() decides
-  kPauses = 32,          // a line that preserves pauses between bytes; RunOptions::whole_frames
+  kDefaultAddress = 16,  // a board at address 1; set by run_suite()
+  kPauses = 32,          // a line that preserves pauses between bytes (RunOptions::whole_frames)
 };
 
 struct Case {
@@ -47,7 +47,7 @@ struct CaseResult {
   std::string message;                  // reason of a failure, skip or undecided verdict
   double seconds = 0;                   // duration on the board's clock
   std::vector<std::string> transcript;  // bytes of a failed or undecided case
-  int runs = 1;                         // above 1: earlier runs failed while this machine was late
+  int runs = 1;                         // all but the last failed while this machine was late
 };
 
 struct RunOptions {
@@ -57,8 +57,8 @@ struct RunOptions {
   unsigned allowed = 0;  // bits of Need that are available
   // The link carries whole frames only, as a CAN bus does. kPauses is available if this is false.
   bool whole_frames = false;
-  // Lateness of link and clock, if they are real; may be null. A case that fails while this machine is late
-  // is repeated. It is undecided if the machine was late in each run.
+  // Lateness of link and clock, if link and clock are real; may be null. A case that fails while this
+  // machine is late is repeated. The case is undecided if the machine was late in each run.
   host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
 };
@@ -68,13 +68,13 @@ struct RunReport {
   std::vector<CaseResult> results;
   // Chosen cases that an interrupted run did not reach.
   std::vector<const Case*> not_run;
-  bool interrupted = false;  // the run was interrupted; `results` are those until then
+  bool interrupted = false;  // the run was interrupted; `results` are the results until then
   std::size_t chosen() const { return results.size() + not_run.size(); }
   int count(Verdict verdict) const;
 };
 
-// Returns the cases that the filter selects. Error (usage): it is not a regular expression or matches no
-// case.
+// Returns the cases that the filter selects. Error (usage): the filter is not a regular expression or
+// matches no case.
 Result<std::vector<const Case*>> chosen(const std::string& filter);
 
 // Runs the chosen cases. Errors: those of chosen(); the link is gone, or the board does not answer or stops
@@ -88,8 +88,8 @@ std::string missing_text(unsigned missing);
 // Cases, added by chapter of the page.
 using Cases = std::vector<Case>;
 
-// Adds the cases of a chapter. Their ids begin with its name, and they need `needs` unless they state other
-// needs.
+// Adds the cases of a chapter. The ids of the cases begin with the name of the chapter. Each case has the
+// requirements `needs` unless others are given.
 class Chapter {
  public:
   Chapter(Cases& all, std::string name, unsigned needs)

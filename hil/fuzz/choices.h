@@ -23,9 +23,9 @@ class Choices {
     for (int i = 0; i < 4; ++i) value = value << 8 | byte();
     return value;
   }
-  // Returns a number from 0 to bound - 1, bound <= 256, from one byte.
+  // Returns a number from 0 to bound - 1, read from one byte. `bound` is at most 256.
   unsigned below(unsigned bound) { return byte() % bound; }
-  // Returns a number from low to high, from as many bytes as the range needs.
+  // Returns a number from low to high, read from as many bytes as the range requires.
   long long between(long long low, long long high) {
     const auto range = static_cast<unsigned long long>(high - low) + 1;
     unsigned long long value = 0;

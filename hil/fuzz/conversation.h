@@ -22,29 +22,31 @@ struct ConversationCounts {
 
 class Conversation {
  public:
-  // `address` is that of the board.
+  // `address` is the address of the board.
   explicit Conversation(std::uint8_t address = KZ_ADDRESS_DEFAULT);
 
-  // Pass the bytes that the host sent and received, in the order of time.
+  // Report the bytes that the host sent and received. Call these functions in the order of the
+  // transmissions.
   void sent(std::span<const std::uint8_t> bytes);
   void received(std::span<const std::uint8_t> bytes);
 
-  // From now on, bytes may be lost, changed or duplicated on the line. The bytes that the board received are
-  // then unknown, so only rules for single frames are checked.
+  // From now on, bytes may be lost, changed or duplicated on the line. From then on, the bytes that the
+  // board received are unknown, so only rules for single frames are checked.
   void line_is_faulty() { faulty_ = true; }
   // The board may have restarted, so the frame that it was sending may be cut off.
   void board_restarted() { restarts_ += 1; }
 
-  // Returns the number of replies to the request with this type and number since it was last sent.
+  // Returns the number of replies to the request with this type and sequence number since that request was
+  // last sent.
   int replies_to(std::uint8_t type, std::uint8_t sequence) const;
-  // Returns and clears a flag: the board may not receive for a while or may have a new address, because of a
-  // request.
+  // Returns and clears a flag. The flag is set if, because of a request, the board may not receive for a
+  // while or may have a new address.
   bool take_deafening();
 
   // First violation, if any.
   const std::optional<std::string>& violation() const { return violation_; }
   const ConversationCounts& counts() const { return counts_; }
-  // Codes of the kinds of replies: type, reason, status.
+  // Codes of the kinds of replies so far. A kind consists of type, reason and status.
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:
@@ -54,7 +56,7 @@ class Conversation {
   };
   struct SentRequest {
     std::deque<Transmission> unanswered;
-    int answered = 0;  // number of answers since it was last sent
+    int answered = 0;  // number of answers since the request was last sent
   };
 
   void request(std::span<const std::uint8_t> body);
@@ -67,8 +69,8 @@ class Conversation {
 
   std::uint8_t address_;
   kz_receiver to_board_{}, to_host_{};
-  std::map<std::uint32_t, SentRequest> sent_;  // key: address, type, number
-  long long switched_on_ = 0;  // number of the last request that can switch a motor on
+  std::map<std::uint32_t, SentRequest> sent_;  // key: address, type, sequence number
+  long long switched_on_ = 0;  // number of the last request that could switch a motor on
   bool telemetry_ = false, address_known_ = true, faulty_ = false, deafening_ = false;
   int restarts_ = 0;
   ConversationCounts counts_;

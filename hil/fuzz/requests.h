@@ -1,4 +1,4 @@
-// Generates requests with legal, boundary and illegal fields, from the protocol's table.
+// Generates requests with legal, boundary and illegal fields, by the message table of the protocol.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,17 +15,17 @@ struct RequestBytes {
   std::string text;
 };
 
-// Returns all request types of the table, without those that write flash if `flash` is false.
+// Returns all request types of the table. If `flash` is false, types that write flash are omitted.
 std::vector<const kz_message_info*> request_types(bool flash);
 
-// Makes a request. If `legal`, all fields are within the bounds of the table, but targets may be beyond a
-// soft limit that was set before. Otherwise each field may be any value of its type.
+// Makes a request. If `legal`, all fields are within the bounds of the table, but a target may be beyond a
+// soft limit that an earlier request set. Otherwise each field may be any value of its type.
 RequestBytes make_request(const kz_message_info& message, Choices& choices, bool legal,
                           std::uint8_t address, std::uint8_t sequence);
 
-// Returns the frame on the wire of a body.
+// Returns the bytes on the wire of a frame with this body.
 std::vector<std::uint8_t> framed(const std::vector<std::uint8_t>& body);
-// The same from separate parts.
+// Returns the bytes on the wire of a frame with these parts.
 std::vector<std::uint8_t> framed(std::uint8_t address, std::uint8_t type, std::uint8_t sequence,
                                  const std::vector<std::uint8_t>& fields);
 

@@ -16,27 +16,28 @@ namespace kaz::hil::fuzz {
 
 struct Verdict {
   std::optional<std::string> violation;
-  // Codes of the board behavior that was reached: coverage that guides the search.
+  // Codes of the board behavior that the case reached. These codes are the coverage that guides the search.
   std::set<std::uint32_t> features;
   ConversationCounts counts;
   double seconds = 0;  // duration on the clock
 };
 
 struct RunnerOptions {
-  // Injects a fault. If it is null, the cases must contain no faults.
+  // Injects a fault. If `fault` is null, the cases must contain no faults.
   std::function<void(const faults::Fault&)> fault;
-  // Returns other violations found so far; called after each event. May be null.
+  // Returns a violation that was found by other means; called after each event. May be null.
   std::function<std::optional<std::string>()> judge;
   // Timeout for the reply to a query.
   Time patience = std::chrono::milliseconds(100);
   Time longest_start = std::chrono::seconds(3);
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // board address
-  // Receives the statistics of a case that ends with an error, without a violation. May be null.
+  // If the case ends with an error, this object receives the statistics of the case, without a violation.
+  // May be null.
   Verdict* broken_off = nullptr;
 };
 
-// Waits until the board answers, applies the events, and checks again that it answers. Then switches all
-// motors off. After a violation it returns at once. Errors: no answer at the start, the link is gone, the
+// Waits until the board answers, applies the events, and checks again that the board answers. Then switches
+// all motors off. Returns at once after a violation. Errors: no answer at the start, the link is gone, the
 // program was interrupted.
 Result<Verdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
                          const RunnerOptions& options);

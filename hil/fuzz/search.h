@@ -1,8 +1,8 @@
 // Generates cases from one seed, guided by the behavior that earlier cases caused.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A case with new features joins the corpus, and later cases are mutations and combinations of the corpus. If
-// the compiler can measure coverage, `./tools/dev fuzz` is better.
+// A case with new features joins the corpus, and later cases are mutations and combinations of cases in the
+// corpus. If the compiler can measure coverage, `./tools/dev fuzz` is better.
 #pragma once
 
 #include <functional>
@@ -24,7 +24,8 @@ class Search {
   void add(Genome genome) { corpus_.push_back(std::move(genome)); }
   // Returns the next case to run.
   Genome next();
-  // Takes the verdict of a case. Returns true if it has new features, so it was added to the corpus.
+  // Takes the verdict of a case. Returns true if the case has new features and was therefore added to the
+  // corpus.
   bool learn(const Genome& genome, const Verdict& verdict);
   const std::vector<Genome>& corpus() const { return corpus_; }
   std::size_t features() const { return seen_.size(); }
@@ -41,7 +42,8 @@ class Search {
 // Returns a shorter case, of at least one byte, that also violates a rule. Uses at most `max_runs` runs.
 Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
-// Reads a file of the corpus or a reproducer; its content is the genome. Errors name the path and the reason.
+// Reads a file of the corpus or a reproducer; the content of the file is the genome. Errors name the path
+// and the reason.
 Result<Genome> load_genome(const std::string& path);
 // Writes a genome to `name`. If the file exists, a number is appended.
 Result<void> save_genome(const std::string& name, const Genome& genome);

@@ -1,8 +1,8 @@
 // Judges each tick of the servo code: rules that hold whatever the host sends.
 // SPDX-License-Identifier: Apache-2.0
 //
-// It reads the state of shared/servo and the pin outputs of each tick, so the engine must be in this process.
-// It uses joints.def and the protocol's frames, but no code of the servo.
+// The judge reads the state of shared/servo and the pin outputs of each tick, so the engine must be in this
+// process. The judge uses joints.def and the protocol's frames, but no code of shared/servo.
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@ std::array<int, KZ_JOINTS> drives_of(const kz_tick_output& output);
 
 class TickJudge {
  public:
-  // The next tick is the first after a restart of the board.
+  // Announces that the next tick is the first one after a restart of the board.
   void restart() { started_ = false; }
-  // Checks a tick by its input, its output and the state after it.
+  // Checks a tick. `input` and `output` are those of the tick, `servo` is the state after the tick.
   void tick(const kz_tick_input& input, const kz_servo& servo, const kz_tick_output& output);
 
   const std::optional<std::string>& violation() const { return violation_; }
   long long ticks() const { return ticks_; }
-  // Codes of the reached board states: shutdown, what is on, what is in progress.
+  // Codes of the board states reached so far: shutdown reason, what is switched on, what is in progress.
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:
@@ -36,7 +36,7 @@ class TickJudge {
     bool on = false;
     int command = 0;
     int lower = 0, upper = 0;
-    int above_ticks = 0, below_ticks = 0;  // ticks at or beyond a limit
+    int above_ticks = 0, below_ticks = 0;  // number of ticks at or beyond the upper and lower limit
     int ramp = 0;                          // highest ramp limit since the present ramp began
   };
 
@@ -49,7 +49,7 @@ class TickJudge {
 
   bool started_ = false;
   kz_receiver receiver_{};  // receives the bytes of the ticks
-  unsigned refusals_ = 0;   // refusals of the servo before the tick
+  unsigned refusals_ = 0;   // number of refusals of the servo before the tick
   std::array<Before, KZ_JOINTS> before_{};
   long long ticks_ = 0;
   std::set<std::uint32_t> features_;

@@ -1,4 +1,4 @@
-// Exceptions by which a case or measurement fails; its runner catches them.
+// Exceptions that end a case or measurement. The runner of the case or measurement catches them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,7 +15,8 @@ struct Lost {
   Error error;
 };
 
-// Returns the value. Throws Lost for an error: for steps that can fail only in this way.
+// Returns the value. Throws Lost for an error. Use it for steps that can fail only because the port is gone
+// or the program was interrupted.
 template <class T>
 T sure(Result<T> result) {
   if (!result) throw Lost{result.error()};

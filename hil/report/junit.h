@@ -18,7 +18,8 @@ struct JunitCase {
   std::string output;   // output of any case; may be empty
 };
 
-// One test suite. All calls of property() must precede the cases; finish() ends it.
+// One test suite. All calls of property() must precede the cases. finish() ends the suite and returns the
+// XML text.
 class JunitSuite {
  public:
   struct Counts {
@@ -28,7 +29,7 @@ class JunitSuite {
   JunitSuite(const std::string& name, const Counts& counts, double seconds);
   void property(const std::string& name, const std::string& value);
   void add(const JunitCase& one);
-  // Adds a case that could not finish (port, disk). It is neither passed nor failed.
+  // Adds a case that could not finish (port, disk). The case counts neither as passed nor as failed.
   void add_error(const std::string& group, const std::string& name, const std::string& message);
   std::string finish();
 

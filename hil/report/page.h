@@ -12,12 +12,13 @@ namespace kaz::hil {
 std::string fixed(double value, int digits);
 std::string joined(const std::vector<std::string>& lines, const char* between);
 
-// Returns the page up to <body>. The page is self-contained: no script, nothing fetched. `more_style` is CSS
-// of this page alone.
+// Returns the page up to <body>. The page is self-contained: it has no script and fetches nothing.
+// `more_style` is additional CSS for this page.
 std::string page_head(const std::string& title, const std::string& more_style = {});
 inline constexpr const char* kPageEnd = "</body></html>\n";
 
-// Return the cells of a table row, or a whole row. Texts are escaped. `cell`: "td" or "th".
+// table_cells() returns the cells of a table row, table_row() the whole row. Texts are escaped. `cell`: "td"
+// or "th".
 std::string table_cells(const std::vector<std::string>& texts, const char* cell = "td");
 std::string table_row(const std::vector<std::string>& texts, const char* cell = "td");
 
@@ -25,7 +26,7 @@ std::string table_row(const std::vector<std::string>& texts, const char* cell = 
 const char* verdict_class(Verdict verdict);
 // Returns a table cell with the verdict as text.
 std::string verdict_cell(Verdict verdict);
-// Returns the start tag of a table row; that of a failure is highlighted.
+// Returns the start tag of a table row. A row of a failure is highlighted.
 const char* row_begin(Verdict verdict);
 
 }  // namespace kaz::hil

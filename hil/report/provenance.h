@@ -20,9 +20,9 @@ struct Provenance {
 
 // Returns the object `provenance` of JSON reports.
 nlohmann::ordered_json provenance_json(const Provenance& from);
-// Returns names and values for properties of JUnit XML. Empty without a date, as in reports of tests.
+// Returns names and values for properties of JUnit XML. Empty if there is no date, as in reports of tests.
 std::vector<std::pair<std::string, std::string>> provenance_properties(const Provenance& from);
-// Returns the part of a page's facts from <br> on; empty without a date.
+// Returns HTML for the facts of a page, beginning with <br>; empty without a date.
 std::string provenance_html(const Provenance& from);
 
 }  // namespace kaz::hil

@@ -4,8 +4,8 @@
 
 namespace kaz::hil {
 
-// Undecided: it failed while this machine was late (host/link/lateness.h) or the line was disturbed, also
-// when repeated. Or a warm motor is too close to its limit.
+// Undecided: each run failed while this machine was late (host/link/lateness.h) or the line was disturbed. A
+// result that is too close to its limit for a warm motor is also undecided.
 enum class Verdict { passed, failed, left_out, undecided };
 
 // Returns "passed", "failed", "left out" or "undecided".

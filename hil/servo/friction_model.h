@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Source: Duclusaud, Passault, Padois, Ly, "Extended Friction Models for the Physics Simulation of Servo
-// Actuators", ICRA 2025 (arXiv 2410.08650). All quantities are at the output shaft, in SI units. They are the
-// speed w, the motor torque m, the external torque e (added to m) and s = exp(-|w /
-// stribeck_speed|^stribeck_power). Maximum friction torque of each model:
+// Actuators", ICRA 2025 (arXiv 2410.08650). All quantities are at the output shaft, in SI units. The
+// formulas use the speed w, the motor torque m, the external torque e (added to m), and s = exp(-|w /
+// stribeck_speed|^stribeck_power). The maximum friction torque of each model is:
 //
 // - M1: viscous |w| + base.
 // - M2: M1 + s stribeck.
@@ -36,18 +36,18 @@ struct ServoParams {
   double motor_stribeck = 0, external_stribeck = 0;  // 1
   double motor_quad = 0, external_quad = 0;          // 1/(N m)
   // Fitted parameters of the servo's control law and of the test stand.
-  double gain_ratio = 1;  // true gain divided by the gain of the log
+  double gain_ratio = 1;  // true gain divided by the gain that the log states
   double offset = 0;      // rad; measured minus true angle
 };
 
 struct ServoParamInfo {
   std::string_view name, unit;
   double ServoParams::*at;
-  double low, high;  // bounds of the fit
-  double scale;      // size of a significant change
+  double low, high;  // bounds of the parameter in a fit
+  double scale;      // typical size of a significant change
 };
 
-// Returns the parameters of a model, 1 to 6, in the order of a fit.
+// Returns the parameters of model 1 to 6, in the order in which a fit uses them.
 std::span<const ServoParamInfo> servo_params(int model);
 
 // Returns the maximum friction torque, N m, at least 0.

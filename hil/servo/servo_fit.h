@@ -11,7 +11,8 @@
 
 namespace kaz::hil {
 
-// Motion that the model predicts for the goals of a log, from its first reading on; one entry per sample.
+// Motion that the model predicts for the goals of a log, starting at the first reading of the log; one entry
+// per sample.
 struct Prediction {
   std::vector<double> position_rad, current_a;
 };
@@ -27,10 +28,11 @@ LogErrors errors_of(int model, const ServoParams& params, const std::vector<Serv
 struct FittedServoParam {
   const ServoParamInfo* of = nullptr;
   double value = 0;
-  // Distance of the parameter at which the squared error grows by 6 % (the mean error by 3 %), when all
-  // others are adjusted. Infinite if the logs do not determine it.
+  // Change of the parameter that increases the squared error by 6 % (the mean error by 3 %), if all other
+  // parameters are refitted. Infinite if the logs do not determine the parameter.
   double determined_within = 0;
-  // True if determined_within is less than half of the value, or of the range if the value may be negative.
+  // True if determined_within is less than half of the value, or less than half of the range if the value
+  // may be negative.
   bool determined = false;
 };
 
@@ -42,14 +44,14 @@ struct ServoFit {
 };
 
 struct ServoFitOptions {
-  // Increasing. Each fit starts from the results of simpler models.
+  // Models to fit, in increasing order. Each fit starts from the results of simpler models.
   std::vector<int> models = {1, 2, 3, 4, 5, 6};
   std::function<void(double share, const std::string& what)> progress;
   std::function<bool()> stopped = [] { return false; };
 };
 
-// Fits each model. Errors: no log (usage); no start gives a motor that follows the logs (failed); `stopped`
-// returned true (interrupted).
+// Fits each model. Errors: no log (usage); from no start value does the fit find a motor that follows the
+// logs (failed); `stopped` returned true (interrupted).
 Result<std::vector<ServoFit>> fit_servo(const std::vector<ServoLog>& logs,
                                         const std::vector<ServoLog>& held_out,
                                         const ServoFitOptions& options = {});

@@ -10,13 +10,13 @@
 //   # most_duty 0.97
 //   time_s,goal_rad,position_rad,volts,current_a,torque_on
 //
-// - `mass_kg`: at the end of the arm.
-// - `length_m`: from the shaft to the mass.
-// - `arm_kg`: a uniform rod of that length; default 0.
-// - `gain_per_rad`: duty per rad between goal and position, from the servo's control law.
+// - `mass_kg`: mass at the end of the arm.
+// - `length_m`: distance from the shaft to the mass.
+// - `arm_kg`: mass of the arm, which is a uniform rod of length `length_m`; default 0.
+// - `gain_per_rad`: gain of the servo's control law, duty per rad between goal and position.
 // - `most_duty`: maximum duty; default 1.
-// - `position_rad`: 0 hanging down.
-// - `volts`: supply.
+// - `position_rad`: angle of the arm; 0 when the arm hangs down.
+// - `volts`: supply voltage.
 // - `current_a`: motor current with the sign of the duty; optional column.
 // - `torque_on`: 0 or 1; default 1.
 #pragma once
@@ -41,7 +41,7 @@ struct ServoLog {
   std::vector<ServoSample> samples;  // at least 2, with increasing time
 
   double load_kgm2() const;   // inertia of mass and arm about the shaft
-  double gravity_nm() const;  // torque of their weight with the arm horizontal
+  double gravity_nm() const;  // torque of the weight of mass and arm when the arm is horizontal
 };
 
 // Parses a log. Errors (usage) name the file and the line. Limits: 1 to 600 s in total, steps of at most 0.5

@@ -20,10 +20,10 @@ struct Swing {
 
 enum class Motion { sine_of_square, lift_and_drop, up_and_down, two_sines };
 
-// Simulates a servo with parameters drawn from `seed`. Its size is about that of an XL330 (even seeds) or an
-// MX-64 (odd seeds). Friction: bristles yield before they slide, and gears lose more when driven backwards.
-// Motor: torque ripple, and a winding that warms up. Other effects: the pull of a cable, a control law with a
-// dead zone, sensor steps, and a late clock.
+// Simulates a servo with parameters drawn from `seed`. The servo is about as large as an XL330 (even seeds)
+// or an MX-64 (odd seeds). Friction: bristles yield before they slide, and gears lose more when driven
+// backwards. Motor: torque ripple, and a winding that warms up. Other effects are: the pull of a cable, a
+// control law with a dead zone, sensor steps, and a late clock.
 Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_share,
             double seconds = 6);
 

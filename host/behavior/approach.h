@@ -14,13 +14,14 @@ Result<bool> scan_for_ball(BodyControl& body, int turns, bool left_first);
 struct Approached {
   host::Side hand = host::Side::right;  // valid if `cause` is empty
   Eigen::Vector2d ball{0, 0};           // m; x ahead, y left, from the midpoint of the ankles
-  std::string cause = {};               // reason of a failure: "lost", "not reached", "fell"
+  std::string cause = {};  // empty on success, else the reason: "lost", "not reached", "fell"
 };
-// Turns and walks under visual control and ends standing. Precondition: body.ball().known().
+// Turns and walks toward the ball under visual control. The robot stands when this returns. Precondition:
+// body.ball().known().
 Result<Approached> approach(BodyControl& body);
 
-// Returns the hand that can pick up a ball at this position (as Approached::ball) with some tolerance, or
-// nothing.
+// Returns the hand that can pick up a ball at this position (same frame as Approached::ball), with some
+// tolerance in position. Returns nothing if neither hand can.
 std::optional<host::Side> hand_for(const Eigen::Vector2d& ball);
 
 }  // namespace kaz::behavior

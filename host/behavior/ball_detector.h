@@ -16,16 +16,16 @@ namespace kaz::behavior {
 class BallDetector {
  public:
   virtual ~BallDetector() = default;
-  // Returns the results of all images processed since the last call, in order of exposure, including those
-  // without a ball. Never blocks. Fails when no more images will come; the message contains the reason.
+  // Returns the results of all images processed since the last call, in order of exposure. Images without a
+  // ball are included. Never blocks. Fails if no more images will come; the message contains the reason.
   virtual Result<std::vector<vision::BallObservation>> poll(Time now) = 0;
 };
 
 // Submits the camera's image pairs to the pipeline and collects the results of its module "color".
 class PipelineBallDetector final : public BallDetector {
  public:
-  // `camera` must stamp its pairs with the posture (host/camera/capture.h). The pipeline may contain other
-  // modules. Without "color", poll() fails. Both must outlive this.
+  // `camera` must add the robot's posture to its pairs (host/camera/capture.h). The pipeline may contain
+  // other modules. Without the module "color", poll() fails. Camera and pipeline must outlive this object.
   PipelineBallDetector(vision::Camera& camera, vision::Pipeline& pipeline);
   PipelineBallDetector(const PipelineBallDetector&) = delete;
   PipelineBallDetector& operator=(const PipelineBallDetector&) = delete;

@@ -1,11 +1,11 @@
 // Position of a ball on the floor, from one camera, while the robot walks.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ball's center is one radius above the floor, so its position is the intersection of the viewing ray
-// with that plane. This is far more accurate than the distance from the ball's apparent size, which only
-// serves as a plausibility check. The camera pose over the floor follows from the joint angles of the
-// supporting leg, whose sole is flat on the floor (host/robot/kinematics.h). It therefore includes the sway
-// of walking. Units: m, rad.
+// The ball's center lies in a plane one radius above the floor. The viewing ray intersects this plane at the
+// ball's position. This method is far more accurate than the distance from the ball's apparent size, which
+// only serves as a plausibility check. The camera pose over the floor is computed from the joint angles of
+// the supporting leg, whose sole is flat on the floor (host/robot/kinematics.h). So the camera pose includes
+// the sway of walking. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -18,17 +18,18 @@ namespace kaz::behavior {
 
 // A point on the floor. Axes: x ahead, y left.
 struct FloorPoint {
-  Eigen::Vector2d from_middle{0, 0};  // origin: midpoint of the ankles, with the feet side by side
+  Eigen::Vector2d from_middle{0, 0};  // origin: midpoint of the ankles, for feet side by side
   Eigen::Vector2d from_hips{0, 0};    // origin: below the trunk's origin
   Eigen::Vector2d along{1, 0};        // unit vector of the ray's projection on the floor
   double sigma_along = 0, sigma_across = 0;  // standard deviations along the ray and across it
 };
 // Computes the position of the observed ball of this radius (m). Returns nothing if there is no detection,
-// the posture at the exposure is unknown, or the ray descends by less than 8 degrees. Also returns nothing
-// if the distance from the apparent size disagrees, as for a ball that is lifted or in a hand.
+// if the posture at the exposure is unknown, or if the ray descends by less than 8 degrees. Also returns
+// nothing if the apparent size implies another distance, for example because the ball is in a hand.
 std::optional<FloorPoint> on_floor(const vision::BallObservation& seen, double radius);
 
-// Returns the head angles that point the left camera at a point, m from the midpoint of the ankles.
+// Returns the head angles that point the left camera at `from_middle`, a point in m relative to the midpoint
+// of the ankles.
 host::Gaze gaze_at_floor(const host::JointAngles& angles, const Eigen::Vector3d& from_middle);
 
 // Tracks the ball in the odometry frame, which is fixed to the floor.
@@ -36,7 +37,7 @@ class BallPlace {
  public:
   explicit BallPlace(double radius);
 
-  // Returns true if the observation was used. `places` must contain the odometry at its exposure.
+  // Returns true if the observation was used. `places` must contain the odometry at the exposure of `seen`.
   bool observe(const vision::BallObservation& seen, const PlaceHistory& places);
   void forget() { track_.forget(); }
 

@@ -1,10 +1,10 @@
 // Head angles that center the ball in the left camera, now and predicted.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each observation is transformed to the trunk frame with the head angles at its exposure (part of the
-// frame information). So latency and head motion cancel out for a resting ball. vision::BallTrack estimates
-// velocity and predicts. The trunk is assumed to be at rest. The floor is unknown, so the prediction is a
-// straight line.
+// Each observation is transformed to the trunk frame with the head angles at the exposure, which are part of
+// the frame information. So latency and head motion cancel out for a resting ball. vision::BallTrack
+// estimates the ball's velocity and predicts its position. The trunk is assumed to be at rest. The position
+// of the floor is unknown, so the predicted motion is a straight line.
 #pragma once
 
 #include "host/robot/kinematics.h"
@@ -14,11 +14,11 @@ namespace kaz::behavior {
 
 class BallTracker {
  public:
-  // Longest extrapolation after the last observation. After it, the ball is assumed to rest.
+  // Longest extrapolation after the last observation. After this time, the ball is assumed to rest.
   static constexpr Time kMaxPrediction = std::chrono::milliseconds(200);
 
-  // Returns true if the observation was used: the posture at its exposure is known, and the track's gate
-  // accepts it.
+  // Returns true if the observation was used. For this, the posture at the exposure must be known, and the
+  // track's gate must accept the observation.
   bool observe(const vision::BallObservation& observation);
   void forget() { track_.forget(); }
 

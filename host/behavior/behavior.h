@@ -1,12 +1,12 @@
 // Behaviors: closed-loop programs for a robot, the same for real and virtual robots.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A behavior is a function of Context. It blocks only in calls of the robot and the clock. These fail when
+// A behavior is a function of Context. It blocks only in calls of the robot and the clock. Calls fail if
 // the link fails, the camera stops or the program is interrupted. The behavior then returns that error at
-// once. It leaves the motors as they are: the caller of run() calls Robot::disable_all() at the end.
+// once and does not switch the motors off: the caller of run() calls Robot::disable_all() at the end.
 //
-// A new behavior is one source file, which defines its `const Behavior`, and one line in behaviors.def.
-// Alternatively it is a shared object (plugin.h). docs/howto/own-behavior.md shows an example.
+// A new behavior needs one source file, which defines a `const Behavior`, and one line in behaviors.def.
+// Alternatively, a behavior is a shared object (plugin.h). docs/howto/own-behavior.md shows an example.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +28,8 @@ namespace kaz::behavior {
 class Requests {
  public:
   virtual ~Requests() = default;
-  // Returns the requests that arrived since the last call, one line each. `now` is the time stamp in the
-  // recording.
+  // Returns the requests that arrived since the last call, one line each. `now` is the time stamp that the
+  // requests get in the recording.
   virtual std::vector<std::string> take(Time now) = 0;
 };
 
@@ -37,7 +37,7 @@ class Requests {
 struct Context {
   host::Robot& robot;
   host::Clock& clock;
-  // Null without a camera; never null for behaviors with needs_camera.
+  // Null without a camera. Never null for behaviors whose needs_camera is true.
   BallDetector* detector;
   Sink& sink;
   OptionValues options;
@@ -46,16 +46,17 @@ struct Context {
   std::vector<std::string> other_joints = {};
   double ball_radius_m = 0.020;       // radius of the ball that `detector` detects
   std::string camera = "the camera";  // name of the camera in error messages
-  // Timeout of the camera. A behavior fails after this time without an image. Before that, it stands and
-  // waits (ControlCycle::kLostCamera).
+  // Timeout of the camera: a behavior fails after this time without an image. After the shorter
+  // ControlCycle::kLostCamera, the robot already stands still and waits.
   Time camera_patience = std::chrono::seconds(2);
-  // Null without a camera, and for behaviors without needs_floor.
+  // Null without a camera, and for behaviors whose needs_floor is false.
   FloorDetector* floor = nullptr;
   // Null if the run has no source of requests.
   Requests* requests = nullptr;
 };
 
-// Result of a behavior. Measurements are written to result.json; their names contain the units.
+// Result of a behavior. The measurements are written to result.json. The name of a measurement contains the
+// unit.
 struct Outcome {
   bool success = false;
   std::string sentence;  // for display: "the ball was found after 1.4 s"
@@ -69,16 +70,16 @@ struct Behavior {
   std::string_view text;      // description, one line
   bool needs_camera = false;  // run() uses Context::detector
   std::span<const Option> options = {};
-  // Returns an Outcome without success if the task failed. Returns an Error if it could not be completed
-  // (link, camera, usage). An Error with Fault::failed counts as a failure of the task.
+  // Returns an Outcome without success if the task failed. Returns an Error if the task could not be
+  // completed (link, camera, usage). An Error with Fault::failed counts as a failure of the task.
   Result<Outcome> (*run)(Context& context) = nullptr;
   bool needs_floor = false;     // run() uses Context::floor
   bool takes_requests = false;  // run() uses Context::requests
 };
 
-// All behaviors of behaviors.def, in its order.
+// All behaviors of behaviors.def, in the order of that file.
 std::span<const Behavior> behaviors();
-// Errors (usage): unknown name; the message lists the names.
+// Errors (usage): the name is unknown; the message lists the known names.
 Result<Behavior> find_behavior(std::string_view name);
 
 #define KAZ_BEHAVIOR(source, behavior) extern const Behavior behavior;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The legs follow motion::Motion, or all joints except the neck's follow a pose. The head holds a gaze or
-// tracks the ball. Each cycle reads posture, inertial data and ball observations. 18 targets and their
-// reply take 14 ms at 115,200 baud, so cycles last 10 to 20 ms.
+// tracks the ball. Each cycle reads posture, inertial data and ball observations. Sending 18 targets and
+// receiving the reply takes 14 ms at 115,200 baud, so cycles last 10 to 20 ms.
 #pragma once
 
 #include <optional>
@@ -18,29 +18,30 @@ namespace kaz::behavior {
 
 class BodyControl {
  public:
-  // Enables the motors, moves into the crouch and zeroes the gyro (Walker::begin). Fails like
-  // Walker::begin, and (usage) without a camera. The context must outlive the result.
+  // Enables the motors, moves into the crouch and zeroes the gyro (Walker::begin). Returns the errors of
+  // Walker::begin. Also fails (usage) without a camera. The context must outlive the result.
   static Result<BodyControl> begin(Context& context, std::string_view behavior);
 
   // Sets a fixed gaze, from the next cycle on.
   void set_gaze(const host::Gaze& gaze) { gaze_ = gaze, tracks_ball_ = false; }
-  // Tracks the ball, from the next cycle on. While its position is unknown, the last gaze is held.
+  // Tracks the ball, from the next cycle on. While the ball's position is unknown, the head holds the last
+  // gaze.
   void track_ball() { tracks_ball_ = true; }
 
   // Runs one control cycle with the leg targets of Motion. If the robot falls, the motors are disabled and
-  // fallen() returns true. While the camera is lost (ControlCycle::kLostCamera), it stops Motion, stands,
-  // and does not return.
+  // fallen() returns true. While the camera is lost (ControlCycle::kLostCamera), the call stops Motion, keeps
+  // the robot standing, and does not return.
   Result<void> step();
-  // Runs one control cycle with these angles for all joints except the neck's, while Motion is suspended. A
-  // sequence of poses must start at home() and return to it. Call restart() before the next step() without
-  // a pose.
+  // Runs one control cycle with these angles for all joints except the neck's. Motion is suspended in this
+  // cycle. A sequence of poses must start and end at home(). Call restart() before the next step() without a
+  // pose.
   Result<void> step(const host::JointAngles& pose);
   // Runs step() for this time, or until the robot falls.
   Result<void> stay(Time duration);
-  // Runs step() until Motion is idle, then stands for `after`.
+  // Runs step() until Motion is idle, then stands still for the time `after`.
   Result<void> finish(Time after = std::chrono::milliseconds(300));
-  // Resets odometry, heading and ball track after a sequence of poses. Stands until the gyro is zeroed, 2.6
-  // s.
+  // Resets odometry, heading and ball track after a sequence of poses. Stands for 2.6 s, until the gyro is
+  // zeroed.
   Result<void> restart();
 
   motion::Motion& motion() { return motion_; }
@@ -66,7 +67,7 @@ class BodyControl {
   const PlaceHistory& places() const { return places_; }
   // Position of the ball, m; x ahead, y left, origin below the hips. Precondition: ball().known().
   Eigen::Vector2d ball_now() const { return ball_.from_hips(now(), motion_.place()); }
-  // True if images came, but the newest is more than `time` later than the last observation of the ball.
+  // True if the newest image is more than `time` later than the last observation of the ball.
   bool unseen_for(Time time) const { return newest_exposure_ - ball_.last_seen() > time; }
 
  private:

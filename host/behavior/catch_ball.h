@@ -1,4 +1,4 @@
-// Search, approach, pick up and hold a ball, for behaviors that end with it.
+// Searches for a ball, approaches it, picks it up and holds it. Used by behaviors that end with a catch.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,12 +10,13 @@ struct CatchOptions {
   int tries = 4;
   int turns = 3;      // quarter turns of the body during the search
   double hold_s = 3;  // required holding time
-  // Body turns go to the left; so does the first head sweep if both ends are equally near.
+  // Turn the body to the left during the search. The first head sweep also goes to the left if both ends of
+  // the sweep are equally near.
   bool left_first = false;
 };
 
-// Approaches a ball in view at once, otherwise searches for one first. Precondition: the robot stands in
-// the crouch (BodyControl::begin).
+// If a ball is in view, approaches it at once. Otherwise searches for a ball first. Precondition: the robot
+// stands in the crouch (BodyControl::begin).
 Result<Outcome> catch_ball(BodyControl& body, const CatchOptions& options);
 
 }  // namespace kaz::behavior

@@ -15,10 +15,10 @@ namespace kaz::behavior {
 class ControlCycle {
  public:
   static constexpr Time kPeriod = std::chrono::milliseconds(10);
-  // Duration of the board's ramp to a target. It exceeds the period, so that the motion is continuous.
+  // Duration of the board's ramp to a target. The ramp exceeds the period, so that the motion is continuous.
   static constexpr Time kRamp = std::chrono::milliseconds(12);
-  // Delay from a behavior's decision to the start of the board's ramp. It consists of 19 bytes on the wire,
-  // half a tick until they are processed, and one tick until the pins follow.
+  // Delay from a behavior's decision to the start of the board's ramp. The delay consists of 19 bytes on the
+  // wire, half a tick until the board processes the bytes, and one tick until the pins follow.
   static constexpr Time kSendDelay = std::chrono::microseconds(3150);
   // After this time without an image, behaviors that use the camera stand still until the next image.
   static constexpr Time kLostCamera = std::chrono::seconds(1);
@@ -30,15 +30,15 @@ class ControlCycle {
     Time now{};
     host::Posture posture;  // measured a few milliseconds before `now`
     std::vector<vision::BallObservation> observations;
-    // Set if the link was lost and restored. The targets of this call were then not sent, ramps in progress
-    // have ended, and the joints hold their positions (host/robot/robot.h).
+    // Set if the link was lost and restored. In that case, the targets of this call were not sent, ramps in
+    // progress have ended, and the joints hold their positions (host/robot/robot.h).
     std::optional<host::Resumption> resumed;
   };
   // Sends the targets, waits for the start of the next cycle, and returns the newest state and
-  // observations. Empty `targets` only read the state. `ramp`: time to reach the targets.
+  // observations. If `targets` is empty, only reads the state. `ramp`: time to reach the targets.
   //
-  // Fails when robot, clock or camera fail, or when the board has switched the motors off. Also fails when
-  // no image came for Context::camera_patience.
+  // Fails if robot, clock or camera fail, or if the board has switched the motors off. Also fails if no
+  // image came for Context::camera_patience.
   Result<Input> next(std::span<const host::JointTarget> targets, Time ramp = kRamp);
 
  private:
@@ -47,14 +47,14 @@ class ControlCycle {
   Time last_image_;
 };
 
-// Fails (usage) if the robot lacks one of these joints; the message lists them. On another robot, channels
-// belong to other joints, which the targets would move. So behaviors that name joints of Kaz call this
-// before hold_still().
+// Fails (usage) if the robot lacks one of these joints; the message lists the missing joints. On another
+// robot, the targets would move other joints. So behaviors that name joints of Kaz call this function before
+// hold_still().
 Result<void> require_joints(const Context& context, std::string_view behavior,
                             std::initializer_list<host::Joint> joints);
 
 // Sets the gains for walking (20 /rad, 0.15 s/rad; neck 12 /rad, hands 0.8 /rad) and enables all motors at
-// their present angles. Every behavior begins with this.
+// their present angles. Every behavior calls this function first.
 Result<void> hold_still(host::Robot& robot);
 
 }  // namespace kaz::behavior

@@ -16,7 +16,8 @@ class Pipeline;
 
 namespace kaz::behavior {
 
-// Results for one image pair: depth, and planes, among them the floor with its edges as in the left image.
+// Results for one image pair: depth and planes. One of the planes is the floor, with edges that match the
+// left image.
 struct FloorPicture {
   vision::PlaneSegments planes;  // planes.info is the frame information
   vision::DepthImage depth;
@@ -26,14 +27,14 @@ struct FloorPicture {
 class FloorDetector {
  public:
   virtual ~FloorDetector() = default;
-  // Returns the results since the last call, at most the newest eight, in order of exposure. They arrive
-  // while the BallDetector of the same Context is polled. Never blocks. Fails when vision failed; the
-  // message contains the reason.
+  // Returns the results since the last call, at most the newest eight, in order of exposure. New results
+  // arrive only while the BallDetector of the same Context is polled. Never blocks. Fails if vision failed;
+  // the message contains the reason.
   virtual Result<std::vector<FloorPicture>> take() = 0;
 };
 
-// Collects the results of the pipeline's module "floor"; without it, take() fails. The pipeline must
-// outlive this.
+// Collects the results of the pipeline's module "floor". Without this module, take() fails. The pipeline must
+// outlive this object.
 class PipelineFloorDetector final : public FloorDetector {
  public:
   explicit PipelineFloorDetector(vision::Pipeline& pipeline);

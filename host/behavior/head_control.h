@@ -1,4 +1,4 @@
-// Head control for behaviors: one target per control cycle, with ball tracker and log.
+// Head control for behaviors: sends one target per control cycle, tracks the ball and logs all images.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,21 +12,21 @@ namespace kaz::behavior {
 
 class HeadControl {
  public:
-  // Lag of the position loop behind a target of constant speed: duty = kp error - kd rate. An unloaded
-  // motor runs at rate = duty w0, with w0 = 11.46 rad/s at 10 V. Hence
+  // Lag of the position loop behind a target of constant speed. The loop sets duty = kp error - kd rate. An
+  // unloaded motor runs at rate = duty w0, with w0 = 11.46 rad/s at 10 V. Hence
   //   error / rate = (kd + 1/w0) / kp = (0.15 + 1/11.46) / 20 = 12 ms.
   static constexpr Time kServoLag = std::chrono::milliseconds(12);
   // Delay from the decision on a target to the head's arrival: sending, ramp and servo lag.
   static constexpr Time kLead = ControlCycle::kSendDelay + ControlCycle::kRamp + kServoLag;
-  static constexpr double kMargin = 0.017;  // rad, distance of targets from the joint limits
+  static constexpr double kMargin = 0.017;  // minimum distance of targets to joint limits, rad
 
   // Enables the motors at their present angles and reads the first state. Fails (usage) without a camera.
   // The context must outlive the result.
   static Result<HeadControl> begin(Context& context, std::string_view behavior);
 
   void phase(std::string_view phase) { context_->sink.phase(now(), behavior_, phase); }
-  // Sends a target, limited to the joints' range, and waits for the next control cycle. While the camera is
-  // lost (ControlCycle::kLostCamera), it does not return, and the head holds the target.
+  // Clamps a target to the joints' range, sends it, and waits for the next control cycle. While the camera
+  // is lost (ControlCycle::kLostCamera), the call does not return, and the head holds the target.
   Result<void> step(const host::Gaze& target);
 
   Time now() const { return input_.now; }

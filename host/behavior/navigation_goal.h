@@ -9,15 +9,15 @@
 
 namespace kaz::behavior {
 
-// A position and optional heading on the floor, or the ball.
+// The goal is either a position on the floor with an optional heading, or the ball.
 struct NavigationGoal {
-  bool ball = false;
+  bool ball = false;                  // true: the goal is the ball; other members are unused
   Eigen::Vector2d position{0, 0};     // m, from the start; x ahead, y left
   std::optional<double> heading_rad;  // empty: any
 };
 
-// Parses "X,Y", "X,Y,HEADING" (m, degrees) or "ball". Returns nothing for other text, a position farther
-// than 3 m, or a heading beyond 360 degrees.
+// Parses "X,Y", "X,Y,HEADING" (m, degrees) or "ball". Returns nothing for other text, for a position more
+// than 3 m away, or for a heading beyond 360 degrees.
 std::optional<NavigationGoal> navigation_goal(std::string_view text);
 bool is_navigation_goal(std::string_view text);
 

@@ -14,14 +14,14 @@ namespace kaz::behavior {
 struct Option {
   std::string_view name;     // "seconds"
   std::string_view initial;  // default value
-  // "keep|straight|home"; empty: the value is a number in [min, max]. With is_valid: describes the form,
-  // for messages.
+  // Valid choices: "keep|straight|home". Empty: the value is a number in [min, max]. If is_valid is set:
+  // description of a valid text, for messages.
   std::string_view choices = {};
   double min = 0, max = 0;
   std::string_view text = {};  // description, one line, with the unit
   // Only numbers without a fraction are valid.
   bool whole = false;
-  // If set, the value is a text, and this returns whether it is valid.
+  // If set, the value is a text. Returns whether `value` is valid.
   bool (*is_valid)(std::string_view value) = nullptr;
 };
 
@@ -30,13 +30,13 @@ std::string valid_values(const Option& option);
 
 class OptionValues {
  public:
-  // Returns the defaults overridden by `given`. Errors (usage): an unknown name, or a value that is no
-  // number, not whole where it must be, or outside its range or choices. The message lists the valid ones.
+  // Returns the defaults overridden by `given`. Errors (usage): a name is unknown, or a value is not valid
+  // for its option. The message lists the valid names or values.
   static Result<OptionValues> parse(std::span<const Option> options,
                                     const std::map<std::string, std::string>& given);
 
-  // Precondition: `name` is one of the parsed options and has this type. Otherwise they throw
-  // std::out_of_range with a message.
+  // Value of a number. Precondition for number() and choice(): `name` is a parsed option of that type.
+  // Otherwise both throw std::out_of_range with a message.
   double number(std::string_view name) const;
   // Value of a choice or of a text.
   const std::string& choice(std::string_view name) const;

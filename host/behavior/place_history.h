@@ -1,4 +1,4 @@
-// Odometry of the last seconds, for images whose results arrive later.
+// Odometry of the last seconds. Results of images arrive late and need the odometry at the exposure.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,11 +14,11 @@ namespace kaz::behavior {
 // Keeps the newest 200 entries, 2 to 4 s of control cycles.
 class PlaceHistory {
  public:
-  // Entries not later than the newest are ignored.
+  // Adds an entry. Ignores an entry that is not later than the newest stored entry.
   void add(Time t, const motion::Place& place);
-  // Returns the place at `t`, interpolated between entries. After the newest entry, it is that one; before
-  // the oldest, nothing. The standard deviations are not interpolated: they are those of the entry before
-  // `t`.
+  // Returns the place at `t`, interpolated between entries. If `t` is after the newest entry, returns the
+  // newest entry. If `t` is before the oldest entry, returns nothing. The standard deviations are not
+  // interpolated, but copied from the entry before `t`.
   std::optional<motion::Place> at(Time t) const;
   void clear() { places_.clear(); }
 

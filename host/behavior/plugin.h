@@ -1,9 +1,9 @@
-// Behaviors from shared objects: what a plug-in exports, and how it is loaded.
+// Plug-ins: behaviors in shared objects. Declares the symbol that a plug-in exports, and the loader.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A plug-in is a shared object with one behavior, built outside of Kaz's tree (docs/howto/own-behavior.md).
-// Its source defines a `const Behavior` and ends with KAZ_BEHAVIOR_PLUGIN(behavior). It links no Kaz
-// library: the program `kaz` exports the declarations of host/, vision/ and shared/
+// The source of a plug-in defines a `const Behavior` and ends with KAZ_BEHAVIOR_PLUGIN(behavior). A plug-in
+// links no Kaz library: the program `kaz` exports the functions declared in host/, vision/ and shared/
 // (tools/kaz/exports.txt).
 #pragma once
 
@@ -23,9 +23,9 @@
 #define KAZ_PLUGIN_CONTAINERS ""
 #endif
 
-// Identifies what must agree between a plug-in and the program that loads it, so that their types have the
-// same layout. These are the headers and the compiler options that affect layout (-march changes Eigen's
-// alignment).
+// Identifies the headers and the compiler options that affect the layout of types (-march changes Eigen's
+// alignment). A plug-in and the program that loads the plug-in must agree in this text, so that their types
+// have the same layout.
 #define KAZ_PLUGIN_INTERFACE                                                        \
   "headers " KAZ_INTERFACE_ID ", Eigen alignment " KAZ_PLUGIN_TEXT(                 \
       EIGEN_MAX_ALIGN_BYTES) ", C++11 ABI " KAZ_PLUGIN_TEXT(_GLIBCXX_USE_CXX11_ABI) \
@@ -35,16 +35,16 @@ namespace kaz::behavior {
 
 // Return type of the exported function.
 struct Plugin {
-  // KAZ_PLUGIN_INTERFACE of the plug-in's build. It is the first member in every version.
+  // KAZ_PLUGIN_INTERFACE of the plug-in's build. `interface` is the first member in every version of Plugin.
   const char* interface;
-  // Read only if `interface` equals the program's.
+  // The program reads this member only if `interface` equals the program's own KAZ_PLUGIN_INTERFACE.
   const Behavior* behavior;
 };
 
-// Name of the exported function. Its number changes with the form of `Plugin`.
+// Name of the exported function. The number in the name changes when the members of `Plugin` change.
 inline constexpr const char* kPluginSymbol = "kaz_behavior_plugin_v1";
 
-// Defines the function that a plug-in exports. Use it once in a plug-in, outside of all namespaces.
+// Defines the function that a plug-in exports. Use this macro once in a plug-in, outside of all namespaces.
 #define KAZ_BEHAVIOR_PLUGIN(exported)                                               \
   extern "C" __attribute__((visibility("default"))) const ::kaz::behavior::Plugin*  \
   kaz_behavior_plugin_v1() {                                                        \
@@ -57,17 +57,20 @@ inline constexpr const char* kPluginSymbol = "kaz_behavior_plugin_v1";
 // a behavior.
 bool names_plugin(std::string_view name);
 
-// Loads the shared object, which stays loaded until the program ends. This runs code of the file: never
+// Loads the shared object, which stays loaded until the program ends. Loading runs code of the file: never
 // pass a path that comes from data.
 //
-// Errors (usage), each one sentence with `path`: there is no such file, or no shared object for this
-// machine. It needs symbols that the program lacks, or exports no plug-in function. It was built against
-// another Kaz. Its behavior is not valid, or has the name of one of Kaz's.
+// Errors (usage), each one sentence with `path`:
+// - The file does not exist or is not a shared object for this machine.
+// - The file needs symbols that the program lacks, exports no plug-in function, or was built against another
+//   version of Kaz.
+// - The behavior is not valid, or a behavior of Kaz has the same name.
 //
 // Exceptions from the file's static initializers and from its exported function are passed on.
 Result<Behavior> load_behavior(const std::string& path);
 
-// Returns load_behavior(name) if `name` is a path, else find_behavior(name). Errors as theirs.
+// Returns load_behavior(name) if `name` is a path, else find_behavior(name), with the errors of that
+// function.
 Result<Behavior> named_behavior(const std::string& name);
 
 }  // namespace kaz::behavior

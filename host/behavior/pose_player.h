@@ -11,7 +11,7 @@
 
 namespace kaz::behavior {
 
-// Returns the names of the robot's joints, by joint number.
+// Returns the names of the robot's joints, indexed by joint number.
 std::vector<std::string> joint_names(const Context& context);
 
 class PosePlayer {
@@ -21,22 +21,23 @@ class PosePlayer {
   // The context must outlive this. The motors must be on before play().
   explicit PosePlayer(Context& context) : context_(context), cycle_(context) {}
 
-  // Errors (usage): an angle or a speed exceeds the board's limits; the message names the joint. Other
-  // errors are the link's.
+  // Errors (usage): an angle or a speed exceeds the board's limits; the message names the joint. Also returns
+  // the errors of the link.
   Result<void> check(const motion::PoseMotion& motion);
 
   struct Followed {
-    // Largest error of a joint during the motion, until its end.
+    // Largest error of any joint during the motion.
     double farthest_rad = 0;
     int farthest = 0;       // joint with this error
-    double farthest_s = 0;  // time of this error within the motion
-    // Largest error of a joint in the last cycle: 0.5 s after the end unless stopped.
+    double farthest_s = 0;  // time of this error, from the start of the motion
+    // Largest error of any joint in the last cycle. Unless `stopped`, this cycle is 0.5 s after the end of
+    // the motion.
     double left_rad = 0;
     int left = 0;          // joint with this error
-    bool stopped = false;  // `stop` ended the motion early
+    bool stopped = false;  // true: `stop` ended the motion early
   };
-  // Moves slowly to the first pose, then plays the motion. `stop` is called in each cycle; true ends the
-  // motion. While the link is lost, the motion waits.
+  // Moves slowly to the first pose, then plays the motion. `stop` is called in each cycle and ends the motion
+  // if it returns true. While the link is lost, the motion waits.
   Result<Followed> play(const motion::PoseMotion& motion, const std::function<bool()>& stop = {});
 
   // Runs one control cycle with these targets, which may be empty (ControlCycle::next).
@@ -45,7 +46,7 @@ class PosePlayer {
   }
 
  private:
-  // Returns false if `stop` ended it.
+  // Moves slowly to the first pose. Returns false if `stop` ended the approach.
   Result<bool> approach(const motion::PoseMotion& motion, const std::function<bool()>& stop);
 
   Context& context_;

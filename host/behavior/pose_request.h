@@ -3,7 +3,7 @@
 //
 //   target JOINT RAD   turns the joint to this angle
 //   play JSON          plays a pose file (motion/pose_sequence.h), on one line
-//   stop               stops what is playing; every joint stays where it is
+//   stop               stops the pose file that is playing; every joint keeps its present angle
 //   end                ends the behavior
 #pragma once
 
@@ -26,7 +26,7 @@ inline constexpr const char* kNoRequests =
     "pose: only valid with --view and the virtual robot: give --view and no --robot; for a robot "
     "at a port use kaz run play --poses FILE";
 
-// Errors (usage): the line is not one of the above; the message lists the valid forms.
+// Errors (usage): the line is not one of the requests above; the message lists the valid forms.
 Result<PoseRequest> parse_pose_request(std::string_view line);
 
 }  // namespace kaz::behavior

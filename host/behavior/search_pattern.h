@@ -9,20 +9,21 @@
 namespace kaz::behavior {
 
 // Pan sweeps from -80 to 80 degrees at three tilts and constant speed, repeated forever. With a field of
-// view of 80 x 64 degrees, the tilts of 20, 52 and -15 degrees overlap by half. Together they cover 47
-// degrees above the horizon to 84 below it, and -120 to 120 degrees sideways.
+// view of 80 x 64 degrees, the tilts of 20, 52 and -15 degrees overlap by half. The three rows together cover
+// the range from 47 degrees above the horizon to 84 degrees below, and from -120 to 120 degrees sideways.
 class SearchPattern {
  public:
   static constexpr double kSweepDeg = 80;
   static constexpr double kTiltsDeg[] = {20, 52, -15};
 
   // Starts at the present gaze `start` with the nearest row, toward the nearer end of the sweep.
-  // `left_first` decides if both are equally near. `speed`: rad/s, of the faster of the two joints.
+  // `left_first` selects the end if both ends are equally near. `speed`: speed of the faster of the two
+  // joints, rad/s.
   SearchPattern(const host::Gaze& start, double speed, bool left_first);
 
   // Gaze at `t` seconds after the start, t >= 0.
   host::Gaze at(double t) const;
-  // Duration of the first scan of all rows, from the start, s.
+  // Time from the start until the first scan of all rows is complete, s.
   double once() const { return points_.back().time; }
 
  private:

@@ -21,7 +21,7 @@ struct CycleRow {
   Time time{};
   double pan_target = 0, tilt_target = 0;      // sent in this cycle
   double pan_measured = 0, tilt_measured = 0;  // from the newest state
-  bool ball_known = false;                     // if false, ball_* are undefined
+  bool ball_known = false;                     // if false, ball_pan and ball_tilt are undefined
   // Estimated angles that center the ball at `time`.
   double ball_pan = 0, ball_tilt = 0;
 };
@@ -31,13 +31,13 @@ struct PictureRow {
   Time exposure{};
   Time known_at{};  // time at which the behavior received the result
   bool found = false;
-  // Angle between the left optical axis and the ball; if found.
+  // Angle between the left optical axis and the ball; valid if `found`.
   double error_rad = 0;
-  double distance_m = 0;  // from lens to ball; if found
+  double distance_m = 0;  // from lens to ball; valid if `found`
 };
 
-// Snapshot of a behavior's map. Frame: foot frame at the start; x ahead, y left. Units: m, rad. The
-// references are valid during the call only.
+// Snapshot of a behavior's map. Frame: the foot frame at the start of the run; x ahead, y left. Units: m,
+// rad. The references are valid during the call of Sink::map() only.
 struct MapReport {
   Time time{};
   const map::LocalMap& map;
@@ -45,11 +45,12 @@ struct MapReport {
   double heading_rad = 0;
   // Corners from start to goal; empty if there is no path.
   const std::vector<Eigen::Vector2d>& path;
-  const std::vector<Eigen::Vector2d>& trail;  // positions so far
+  const std::vector<Eigen::Vector2d>& trail;  // positions of the robot so far
   Eigen::Vector2d goal{0, 0};
 };
 
-// All calls come from the thread that runs the behavior, in order of time.
+// Receiver of the data that a behavior reports. All calls come from the thread that runs the behavior, in
+// order of time.
 class Sink {
  public:
   virtual ~Sink() = default;
@@ -57,7 +58,7 @@ class Sink {
   virtual void phase(Time, std::string_view /*behavior*/, std::string_view /*phase*/) {}
   virtual void cycle(const CycleRow&) {}
   virtual void picture(const PictureRow&) {}
-  // Called after each plan and at the end.
+  // Called after each planned path and at the end of the behavior.
   virtual void map(const MapReport&) {}
 };
 

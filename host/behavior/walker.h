@@ -12,9 +12,9 @@ namespace kaz::behavior {
 
 class Walker {
  public:
-  // Enables the motors, moves slowly into the crouch for walking and stands until the gyro is zeroed, if
-  // the board has one. Takes 2 to 8 s. Fails when robot or clock fail, and (usage) for a robot other than
-  // Kaz. The context must outlive the result.
+  // Enables the motors and moves slowly into the crouch for walking. If the board has a gyro, then stands
+  // until the gyro is zeroed. Takes 2 to 8 s. Fails if robot or clock fail, and (usage) for a robot other
+  // than Kaz. The context must outlive the result.
   static Result<Walker> begin(Context& context, std::string_view behavior,
                               const motion::Settings& settings = {});
 
@@ -24,8 +24,8 @@ class Walker {
   const ControlCycle::Input& input() const { return input_; }
   void phase(std::string_view phase) { context_->sink.phase(input_.now, behavior_, phase); }
 
-  // Runs one control cycle with the leg targets of Motion and `others` (head, arms). If the robot falls,
-  // the motors are disabled and fallen() returns true.
+  // Runs one control cycle with the leg targets of Motion and the targets `others` (head, arms). If the robot
+  // falls, the motors are disabled and fallen() returns true.
   Result<void> step(std::span<const host::JointTarget> others = {});
   // Runs step() until Motion is idle or the robot has fallen, then stands for 0.5 s.
   Result<void> finish();

@@ -1,8 +1,8 @@
-// Local map of a walking robot: enters each picture at the robot's pose at its exposure.
+// Local map of a walking robot: enters each picture at the pose that the robot had at the exposure.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frame: that of odometry, which is the foot frame at the start: x ahead, y left, origin below the hips.
-// Units: m, rad.
+// Frame: the frame of odometry, which is the foot frame at the start: x ahead, y left, origin below the
+// hips. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -20,20 +20,20 @@ class WalkingMap {
  public:
   explicit WalkingMap(map::LocalMap map) : map_(std::move(map)) {}
 
-  // Enters pictures into the map. Skips those with unknown posture or place, and those not newer than the
-  // newest entered. Errors: those of LocalMap::update() for the others.
+  // Enters pictures into the map. Skips pictures with unknown posture or place, and pictures that are not
+  // newer than the newest entered picture. Returns the errors of LocalMap::update().
   Result<void> enter(const std::vector<FloorPicture>& pictures, const PlaceHistory& places);
 
-  // Returns the place with the correction by floor-pattern matches; the standard deviations are those of
-  // odometry.
+  // Returns the place after the correction by floor-pattern matches. The standard deviations are still the
+  // ones of odometry.
   motion::Place corrected(const motion::Place& place) const;
-  // Compares the floor pattern in a picture of the standing robot with the remembered views, oldest first,
-  // and corrects the pose. Returns true if any view matched.
+  // Compares the floor pattern in a picture with the remembered views, oldest first, and corrects the pose.
+  // The robot must have stood still at the exposure. Returns true if any view matched.
   bool align(const FloorPicture& picture, const PlaceHistory& places);
-  // Remembers the floor pattern in the picture for later comparison, up to 60 views.
+  // Remembers the floor pattern in the picture for later comparison. At most 60 views are remembered.
   void remember(const FloorPicture& picture, const PlaceHistory& places);
-  // Returns the directions of remembered patterns that a robot at `place` can look at, oldest first: rad,
-  // positive to the left. Each differs by more than 25 degrees from those before it.
+  // Returns the directions (rad, positive to the left) in which a robot at `place` can look at remembered
+  // patterns, oldest pattern first. Each direction differs by more than 25 degrees from all earlier ones.
   std::vector<double> directions_of_patterns(const motion::Place& place) const;
   // Number of calls of align() that corrected the pose.
   int corrections() const { return corrections_; }
@@ -48,11 +48,11 @@ class WalkingMap {
   void fade(const motion::Place& place);
   struct Remembered {
     map::FloorView view;
-    int pose = 0;           // its number in the pose filter
-    Eigen::Vector3d drawn;  // estimated pose when it was remembered
+    int pose = 0;           // number of the view's pose in the pose filter
+    Eigen::Vector3d drawn;  // estimated pose at the time when the view was remembered
   };
   map::FloorPictureView view_of(const FloorPicture& picture, const Eigen::Isometry3d& foot) const;
-  // `now`: the estimated pose of the robot.
+  // `now`: estimated pose of the robot at the exposure.
   bool match(const Remembered& before, map::FloorMatcher& matcher, const Eigen::Vector3d& now);
   // Pose of the foot at the exposure; nothing if posture or place are unknown.
   std::optional<Eigen::Isometry3d> foot_at(const FloorPicture& picture,
@@ -61,24 +61,24 @@ class WalkingMap {
   map::LocalMap map_;
   Time newest_{};
   std::vector<Time> entered_;                           // exposures of the newest pictures
-  std::optional<motion::Place> faded_at_, matched_at_;  // by odometry
+  std::optional<motion::Place> faded_at_, matched_at_;  // places by odometry, without correction
   map::PoseFilter pose_;
   std::vector<Remembered> remembered_;
   int corrections_ = 0;
 };
 
-// Returns the pose of the supporting sole (vision/image/frame.h) in the map, from the place by odometry and
-// the joint angles of the same time. `joint_rad` must have KZ_JOINTS elements.
+// Returns the pose of the supporting sole (vision/image/frame.h) in the map, from the odometry's place and
+// the joint angles at the same time. `joint_rad` must have KZ_JOINTS elements.
 Eigen::Isometry3d map_from_foot(const motion::Place& place, const std::vector<double>& joint_rad);
 
 // Result of look_ahead().
 struct Ahead {
-  double clear_m = 0;  // distance that the robot's center can go straight ahead
+  double clear_m = 0;  // distance that the robot's center can move straight ahead
   enum class By { nothing, obstacle, unknown } by = By::nothing;
-  Eigen::Vector2d where{0, 0};  // position of what ends it
+  Eigen::Vector2d where{0, 0};  // position of the obstacle or unknown cell that ends the way
 };
-// Returns how far a robot at `place` may walk straight ahead, at most `until_m`. `unknown_ends`: unseen
-// floor ends the way, too.
+// Returns how far a robot at `place` may walk straight ahead, at most `until_m`. If `unknown_ends` is true,
+// unknown floor ends the way like an obstacle.
 Ahead look_ahead(const map::LocalMap& map, const motion::Place& place, double until_m,
                  bool unknown_ends);
 

@@ -1,10 +1,10 @@
 // Makes a bus of servos a servo board: answers protocol requests by commands to the servos.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Robot and all code above it drive bus servos through this class without changes. It differs from a firmware
-// board (docs/howto/own-arm.md): position loop, gains and overload protection are the servo's. If the host
-// disappears, the servos hold. Telemetry, raw drive, the loader, and writing calibration or address are
-// refused.
+// Through this class, Robot and all code above Robot drive bus servos without changes. Differences from a
+// firmware board (docs/howto/own-arm.md): position loop, gains and overload protection are in the servo. If
+// the host disappears, the servos hold their positions. Requests for telemetry, raw drive or the loader, and
+// requests that write calibration or address, are refused.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@
 
 namespace kaz::host {
 
-// A joint of the robot. Its index in the vector is its number on the board.
+// A joint of the robot. In BusBoard::open(), the index of a joint in the vector is the joint's number.
 struct BusJoint {
   servo_bus::BusServo servo;
   double lower_rad = 0, upper_rad = 0;  // mechanical range
@@ -30,21 +30,23 @@ struct BusJoint {
 
 class BusBoard {
  public:
-  static constexpr double kMaxSpeed = 12;  // maximum of speed limits, rad/s
+  static constexpr double kMaxSpeed = 12;  // largest speed limit that a joint can have, rad/s
 
   // Checks that each servo answers, has the configured model and is in position mode. `clock` must be the
-  // link's; both must outlive the board. Fails (environment) if servos do not answer (lists all of them),
-  // reject a register, or stand far outside their range. Fails (usage) for a wrong model or mode, too many
-  // joints, a duplicate id, two protocols, or a range whose positions would wrap.
+  // clock of the link; both must outlive the board. Fails (environment) if servos do not answer, reject a
+  // register, or stand far outside their range; the message lists all silent servos. Fails (usage) for a
+  // wrong model or mode, too many joints, a duplicate id, two protocols, or a range whose positions would
+  // wrap.
   static Result<BusBoard> open(Link& link, Clock& clock, std::vector<BusJoint> joints);
 
-  // Parses bytes from the host and queues their frames for serve(). A `stop`, or an `enable` with an empty
-  // mask, discards earlier requests so that it need not wait. The host repeats those that it still needs.
+  // Parses bytes from the host and queues the frames for serve(). A `stop`, or an `enable` with an empty
+  // mask, discards earlier requests, so that motors are switched off without delay. The host repeats
+  // discarded requests that it still needs.
   void take(std::span<const std::uint8_t> bytes);
   // Whether the next serve() switches all motors off.
   bool off_is_next() const { return !waiting_.empty() && switches_all_off(waiting_.front()); }
-  // Executes the oldest queued frame. Returns the reply's bytes, empty for a frame without a reply; nullopt
-  // if no frame is queued. Returns the port's errors.
+  // Executes the oldest queued frame. Returns the bytes of the reply, which are empty for a frame without a
+  // reply; nullopt if no frame was queued. Errors are those of the port.
   Result<std::optional<std::vector<std::uint8_t>>> serve();
   const BusDriver::Counts& counts() const { return driver_->counts(); }
   // Lists servos that have not confirmed torque off; see still_on() in bus_driver.h.
@@ -53,12 +55,13 @@ class BusBoard {
   void forget();
 
  private:
-  // `unconfirmed`: should be off, but the servo has not confirmed it. Takes no targets and counts as on.
+  // `unconfirmed`: the torque should be off, but the servo has not confirmed this. Such a joint takes no
+  // targets and counts as on.
   enum class Power : std::uint8_t { off, on, unconfirmed };
   struct Joint {
     BusJoint of;
     Power power = Power::unconfirmed;
-    BusDriver::Torque said = BusDriver::Torque::silent;  // reply to the last request to be off
+    BusDriver::Torque said = BusDriver::Torque::silent;  // reply to the last torque-off request
     bool accepted = true;  // whether the servo accepted the last recover()
     int missing = 0;       // consecutive readings without a reply
     double angle = 0, speed = 0, duty = 0, target = 0;  // rad, rad/s, -1..1, rad
@@ -78,11 +81,11 @@ class BusBoard {
     kz_receiver_init(&receiver_);
     start_ = clock.now();
   }
-  Result<void> look();  // reads all servos, unless the last reading is fresh
+  Result<void> look();  // reads all servos, unless the last reading is recent
   Result<void> switch_to(std::uint32_t mask);
   // Switches the joints' torque off and records the replies; see BusDriver::release.
   Result<void> release(std::vector<Joint*> joints, Time within = BusDriver::kReleaseWithin);
-  // Tries once to release the next unconfirmed joint. Short enough for a control cycle.
+  // Tries once to release the next unconfirmed joint. The call is short enough for a control cycle.
   Result<void> release_next();
   Result<void> shut_down(u8 reason, u8 detail);
   u8 cause(u8& detail) const;  // present cause of a shutdown, KZ_SHUTDOWN_*; 0: none
@@ -92,9 +95,9 @@ class BusBoard {
   void set_limits(const kz_limits& limits);
   // Recovers servos whose protection has acted.
   Result<void> recover();
-  std::uint32_t on() const;      // joints that are not confirmed off
-  std::uint32_t driven() const;  // joints that accept targets
-  std::uint32_t there() const;   // joints that have a servo
+  std::uint32_t on() const;      // mask of the joints that are not confirmed off
+  std::uint32_t driven() const;  // mask of the joints that accept targets
+  std::uint32_t there() const;   // mask of the joints that have a servo
   std::uint32_t tick() const;
   u16 status() const;
   std::vector<const servo_bus::BusServo*> servos() const;

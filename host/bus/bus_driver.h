@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Positions are in steps of a servo's sensor, speeds in steps/s. A request without an answer is sent once
-// more; then it is counted as missing and the result is empty. All errors are the port's.
+// more. If the second answer is also missing, the request is counted as missing, and the result is empty. All
+// errors are errors of the port.
 #pragma once
 
 #include <cmath>
@@ -52,11 +53,11 @@ class BusDriver {
   static std::unique_ptr<BusDriver> make(servo_bus::Protocol protocol, Link& link, Clock& clock);
 
   struct Greeting {
-    std::optional<int> model, mode;  // the servo's own numbers; empty: no answer
-    // A register that the servo did not accept; empty: all were accepted
+    std::optional<int> model, mode;  // numbers as reported by the servo; empty: no answer
+    // Name of a register that the servo did not accept; empty: the servo accepted all registers
     std::string_view refused = {};
   };
-  // Reads model and mode, and prepares the servo for targets. Returns nullopt if it does not answer.
+  // Reads model and mode, and prepares the servo for targets. Returns nullopt if the servo does not answer.
   virtual Result<std::optional<Greeting>> greet(const Servo& servo) = 0;
   // Number of the position mode, for models that have modes.
   virtual int position_mode() const = 0;
@@ -67,7 +68,7 @@ class BusDriver {
   virtual Result<std::optional<std::vector<std::uint8_t>>> read_block(const Servo& servo,
                                                                       std::string_view first,
                                                                       std::size_t count) = 0;
-  // Writes one register. Returns false if the servo does not acknowledge or rejects it.
+  // Writes one register. Returns false if the servo rejects the value or does not acknowledge.
   virtual Result<bool> write(const Servo& servo, std::string_view name, int value) = 0;
   // Writes one register of all servos in one packet, which no servo answers.
   virtual Result<void> write_all(Servos servos, std::string_view name, int value) = 0;
@@ -78,15 +79,15 @@ class BusDriver {
   // Reads the state of all servos; empty for a servo that does not answer.
   virtual Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) = 0;
   // Switches torque on at this position, but only if the servo accepts the position as goal. Returns false if
-  // it does not, or if it does not confirm its torque. The torque may then be on, because a goal may switch
-  // it on: call release().
+  // the servo rejects the goal or does not confirm that torque is on. After false, call release(): a goal
+  // alone may have switched the torque on.
   Result<bool> hold(const Servo& servo, double steps);
-  // A servo's answer about its torque. `silent`: no answer, or an answer without a value.
+  // Torque state in a servo's answer. `silent`: no answer, or an answer without a value.
   enum class Torque : std::uint8_t { off, on, silent };
   static constexpr Time kReleaseWithin = std::chrono::milliseconds(150);
-  // Switches torque off with one packet to all servos. Then reads each servo back and writes again until it
-  // answers `off`. Ends after three rounds, or before the first servo whose turn starts after `within`. The
-  // first servo is always read back.
+  // Switches torque off with one packet to all servos. Then reads the torque state of each servo, and writes
+  // again until the servo answers `off`. Ends after three rounds over all servos. After `within` has passed,
+  // no further servo is read back. The first servo is always read back.
   Result<std::vector<Torque>> release(Servos servos, Time within = kReleaseWithin);
   struct Goal {
     const Servo* servo;
@@ -94,8 +95,9 @@ class BusDriver {
   };
   // Sends goals in as few requests as possible; servos do not answer them.
   virtual Result<void> move(std::span<const Goal> goals) = 0;
-  // Allows servos whose protection has acted to be switched on again, at their present positions. Returns for
-  // each servo whether it accepted. Their torque may then be on: call release().
+  // Prepares servos whose protection has acted, so that they can be switched on again at their present
+  // positions. Returns for each servo whether the servo accepted. Afterwards, the torque of these servos may
+  // be on: call release().
   virtual Result<std::vector<bool>> recover(std::span<const Goal> troubled) = 0;
 
   virtual const Counts& counts() const = 0;
@@ -104,8 +106,8 @@ class BusDriver {
   Clock& clock_;
 };
 
-// Lists servos that should be off and have not confirmed it, with the remedy; empty if all are off. `torque`
-// has one entry per servo. Example: "pan (id 1) still has torque; lift (id 2) does not confirm that its
+// Lists servos that have not confirmed torque off, with the remedy; empty if all servos have. `torque` has
+// one entry per servo. Example: "pan (id 1) still has torque; lift (id 2) does not confirm that its
 // torque is off: cut the power".
 std::string still_on(BusDriver::Servos servos, std::span<const BusDriver::Torque> torque);
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The template parameter Wire defines the packets: Packet (comparable, with `id` and `parameters`), Reader,
-// wire_of(packet), and answers(packet, parameters). The last one returns whether a packet is an answer with
-// this number of parameters, or one that reports an error.
+// wire_of(packet), and answers(packet, parameters). The function answers() returns whether a packet is an
+// answer with this number of parameters, or an answer that reports an error.
 #pragma once
 
 #include <array>
@@ -22,15 +22,16 @@ class BusExchange {
  public:
   using Packet = typename Wire::Packet;
   using Answer = std::optional<Packet>;
-  // Timeout of an answer. Longer than an adapter without low latency holds it back.
+  // Timeout of an answer. Longer than the time for which an adapter without low latency delays an answer.
   static constexpr Time kAnswerWithin = std::chrono::milliseconds(30);
-  // Transmissions of query() for each request.
+  // Maximum number of transmissions of a request in query().
   static constexpr int kTries = 2;
 
   BusExchange(Link& link, Clock& clock) : link_(link), clock_(clock) {}
 
-  // Discards earlier bytes and sends a request. If the link cannot be read, or does not become silent, the
-  // request is sent all the same: it may switch torque off. The error is returned after that.
+  // Discards earlier bytes and sends a request. If the link cannot be read or does not become silent, the
+  // request is sent nevertheless, because it may switch torque off. The error is returned after the request
+  // was sent.
   Result<void> send(const Packet& request) {
     const auto drained = drain(link_, clock_);
     come_.clear();
@@ -79,8 +80,8 @@ class BusExchange {
     return Answer();
   }
 
-  // Queries all servos with one request, `together`, if given. Servos without an answer to it are then
-  // queried one by one with the request of `read_one`.
+  // Queries all servos with the single request `together`, if given. Servos that do not answer this request
+  // are then queried one by one, with the request from `read_one`.
   template <class ReadOne>
   Result<std::vector<Answer>> query_all(BusDriver::Servos servos, const Answer& together,
                                         std::size_t parameters, ReadOne read_one) {

@@ -14,8 +14,8 @@ namespace kaz::host {
 
 class BusPort final : public PortLink {
  public:
-  // `port` must have the bus's bit rate. Returns the errors of BusBoard::open(). `interrupt` may be null;
-  // else it must outlive the port.
+  // `port` must have the bit rate of the bus. Returns the errors of BusBoard::open(). `interrupt` may be
+  // null; else it must outlive the port.
   static Result<std::unique_ptr<BusPort>> open(std::unique_ptr<PortLink> port,
                                                std::vector<BusJoint> joints,
                                                const Interrupt* interrupt);
@@ -23,9 +23,9 @@ class BusPort final : public PortLink {
   std::string name() const override { return port_->name(); }
   // Frames are exchanged in memory; only the bus behind them takes time.
   Time byte_time() const override { return Time{1}; }
-  // Queues requests. Executes them at once if they switch all motors off.
+  // Queues requests. A request that switches all motors off is executed at once.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
-  // Executes queued requests, and so communicates with the servos.
+  // Executes queued requests by communication with the servos.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   Result<void> reopen() override;
   Result<void> set_dtr_rts(bool dtr, bool rts) override { return port_->set_dtr_rts(dtr, rts); }

@@ -16,9 +16,10 @@ namespace kaz::host {
 struct ScannedServo {
   int id = 0;
   int number = -1;                          // model number as reported by the servo; -1: unknown
-  const servo_bus::Model* model = nullptr;  // null: this number is not in the tables
+  const servo_bus::Model* model = nullptr;  // null: `number` is not in the tables of models
   // Counts over all pings and readings: requests sent, requests without an answer, and damaged answers.
-  // `late` counts losses while this machine was late. They are undecided, and not in `lost` or `damaged`.
+  // `late` counts losses while this machine was late. Their cause is undecided, so `lost` and `damaged` do
+  // not include these losses.
   int requests = 0, lost = 0, damaged = 0, late = 0;
   std::vector<double> round_trips_s;  // from the first byte sent to the last byte received
   // Last reading (lowest_volts: minimum of all); NAN or -1: not read.
@@ -36,8 +37,8 @@ struct ScanOptions {
   std::function<void(int id)> progress = nullptr;
   // Meter around the scan's link and clock, for real hardware; may be null.
   LatenessMeter* lateness = nullptr;
-  // Called for each id without an answer for which this machine was late in all repetitions. `excuse` is from
-  // LatenessMeter.
+  // Called for an id without an answer if this machine was late in all repetitions. `excuse` is the text from
+  // LatenessMeter::excuse().
   std::function<void(int id, const std::string& excuse)> undecided = nullptr;
 };
 

@@ -1,4 +1,5 @@
-// Measures a joint's range, turned by hand, and places it so that the servo's position cannot wrap.
+// Measures the range of a joint that the user turns by hand. Plans servo settings with which the servo's
+// position does not wrap within this range.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A servo's position is its encoder reading within one turn, shifted by a register. If the end of the turn

@@ -1,12 +1,13 @@
 // Calibration of all joints from readings at known angles and from equations between joint angles.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The unknowns are the terms of each potentiometer (pot_model.h) and those that the caller adds, such as
-// the zero of an accelerometer. Before any measurement, each is normally distributed about zero. An
-// equation
+// The unknowns are the terms of each potentiometer (pot_model.h), and additional unknowns of the caller, such
+// as the zero of an accelerometer. Before any measurement, each unknown is normally distributed about zero.
+// An equation
 //   sum w_i angle_{j_i}(code_i) + sum v_n x_n = value + noise,  noise with standard deviation sigma
-// is linear in them. The estimate is the mean of the posterior (Bayesian linear regression, Bishop 2006,
-// 3.3). So an unknown that no equation determines stays at its expectation, and its uncertainty is counted.
+// is linear in the unknowns. The estimate is the mean of the posterior (Bayesian linear regression, Bishop
+// 2006, 3.3). So an unknown that no equation determines keeps its prior mean, and its uncertainty is included
+// in the expected errors.
 //
 // The board stores a line for each joint: the line with the least mean square error over the joint's range.
 // The expected error in `JointEstimate` includes the curve's deviation from this line and the remaining
@@ -43,7 +44,7 @@ struct JointEstimate {
   double shift_rad = 0;
   // Expected error of the line, root mean square over the joint's range.
   double expected_error_rad = 0;
-  double worst_error_rad = 0;  // standard deviation where it is largest
+  double worst_error_rad = 0;  // largest standard deviation of the error over the joint's range
   int equations = 0;           // number of equations that contain the joint
 };
 

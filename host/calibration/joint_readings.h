@@ -5,9 +5,9 @@
 // (docs/reference/protocol.md).
 //
 // Stops lie outside the joint limits, and a board does not drive a joint beyond its limits. So the
-// calibration in RAM is replaced by one with 0.85 of the nominal scale. Under it, every stop is well inside
-// the limits. With low gains and a target 6 degrees beyond the stop, a joint presses with a third of its
-// torque. Only its own stop may end its motion: the caller ensures free space.
+// calibration in RAM is replaced by a calibration with 0.85 of the nominal scale, with which every stop seems
+// to be well inside the limits. With low gains and a target 6 degrees beyond the stop, a joint presses with a
+// third of its torque. The caller ensures free space: only the stop may end a joint's motion.
 //
 // The caller restores gains, limits and calibration.
 #pragma once
@@ -28,7 +28,7 @@ struct StopReading {
   Stop stop = Stop::lower;
   double code = 0;    // mean code
   double spread = 0;  // standard deviation of the codes
-  std::string fault;  // why the reading is not one of the stop, one sentence; empty: valid
+  std::string fault;  // reason why the reading is not valid, one sentence; empty: valid
 };
 
 // Mean codes of all joints and mean specific force in one posture.
@@ -44,9 +44,9 @@ using OnReading = std::function<void(double share, const std::string& what)>;
 
 // Switches all motors off and sets the calibration for stops in RAM.
 Result<void> prepare_for_stops(host::Robot& robot);
-// Runs the group on a suspended robot, after prepare_for_stops(). Appends to `readings` after each press,
-// also if the group fails later. On success the motors are off. Errors: link lost, board reset, motors
-// switched off by the board, interrupted.
+// Runs the group on a suspended robot, after prepare_for_stops(). Appends to `readings` after each press, so
+// readings from before a failure are kept. On success, the motors are off. Errors: link lost, board reset,
+// motors switched off by the board, interrupted.
 Result<void> read_stops(host::Robot& robot, const MotionGroup& group, const OnReading& on,
                         std::vector<StopReading>& readings);
 
@@ -67,8 +67,8 @@ Result<FloorReading> read_here(host::Robot& robot,
 
 // Standard deviation of the angle at a stop, rad. Stops are milled to 0.1 degrees and yield by less.
 inline constexpr double kStopSigma = 0.1 * kDegree;
-// Standard deviation at a stop of a stored line, rad. Floor readings or a gauge may have moved the line
-// there.
+// Standard deviation of the angle of a stored line at a stop, rad. This is larger than kStopSigma, because
+// floor readings or a gauge may have moved the line away from the stop's true angle.
 inline constexpr double kStoredSigma = 0.2 * kDegree;
 
 // Adds the readings without fault.

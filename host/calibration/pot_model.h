@@ -5,8 +5,9 @@
 // stands for its middle. The joint's angle, in rad, is
 //   angle(code) = nominal(code) + p0 + p1 u + (1 - u^2) (p2 + p3 a u + p4 b (9 u^2 - 1)).
 // Here p0 is the mounting offset, and p1 the tolerance of the track's length. The other terms are the
-// element's linearity error. Makers state it between the terminals, where it is zero. So its terms are the
-// lowest polynomials that vanish at both ends. The factors a and b make each term's largest value 1.
+// linearity error of the resistive element. By the manufacturers' definition, the linearity error is zero at
+// both terminals. So these terms are the polynomials of lowest degree that vanish at both ends. The factors a
+// and b scale each polynomial to a largest value of 1.
 #pragma once
 
 #include <array>
@@ -29,7 +30,7 @@ inline constexpr double kMaxPotError = 2.5 * kDegree;
 
 // Returns the line that a board without a calibration uses.
 host::JointCalibration nominal_calibration(int joint);
-// Angle in rad of a code by a line, and the inverse.
+// Angle (rad) at a code on a calibration line, and the inverse function.
 double angle_at(const host::JointCalibration& line, double code);
 double code_at(const host::JointCalibration& line, double angle_rad);
 // Returns the derivatives of the angle with respect to p0..p4 at a code, which may be a mean and need not

@@ -1,8 +1,8 @@
 // The capture module: adds the robot's posture at the exposure to each stereo pair.
 // SPDX-License-Identifier: Apache-2.0
 //
-// First in the chain of vision modules (paper, section 4.1, "Frame Information Messaging"): its FrameInfo
-// accompanies all later results.
+// This module is the first in the chain of vision modules (paper, section 4.1, "Frame Information
+// Messaging"). The FrameInfo from this module accompanies all later results.
 #pragma once
 
 #include <deque>
@@ -24,7 +24,7 @@ class Capture final : public vision::Camera {
   const vision::CameraModel& model() const override { return camera_.model(); }
 
   // Returns the camera's next pair with `joint_rad`, `foot_from_eye` and `posture_known` set. Returns the
-  // camera's error once no pair waits.
+  // camera's error once all waiting pairs were returned.
   Result<std::optional<vision::StereoPair>> poll() override;
 
  private:

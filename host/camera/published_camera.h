@@ -19,8 +19,8 @@ class PublishedCamera final : public vision::Camera {
   // Size of the queue of pairs. If poll() is called too rarely, the oldest pairs are dropped.
   static constexpr std::size_t kMostWaiting = 4;
 
-  // Timeout: without a complete pair for this long, the camera has stopped. Several times the longest
-  // interval of a publisher (camera.json), to tolerate a busy machine.
+  // Timeout: if no complete pair came for this long, the camera counts as stopped. The timeout is several
+  // times the longest interval of a publisher (camera.json), to tolerate a busy machine.
   static constexpr Time kSilence = std::chrono::seconds(5);
 
   // Connects and waits up to `patience` for the stream's header. `silence` replaces kSilence. Fails if `path`
@@ -37,8 +37,8 @@ class PublishedCamera final : public vision::Camera {
   // Time from the exposure until poll() returns a pair, as the publisher declares it.
   Time latency() const { return stream_.latency; }
 
-  // Returns a pair when its latency has passed. Fails with "camera PATH stopped: ..." once the publisher has
-  // ended or timed out, and all its pairs were returned.
+  // Returns a pair once latency() has passed since the pair's exposure. Fails with "camera PATH stopped: ..."
+  // once the publisher has ended or timed out, and all pairs from the publisher were returned.
   Result<std::optional<vision::StereoPair>> poll() override;
 
  private:

@@ -32,11 +32,12 @@ class StereoPairing {
   // Size of each side's queue; the oldest pictures are dropped.
   static constexpr std::size_t kMostWaiting = 8;
 
-  // `tolerance`: maximum time between the exposures of a pair. Up to half the cameras' period, the first
-  // partner within it is also the nearest. Pairing then need not wait for the next picture.
+  // `tolerance`: maximum time between the exposures of a pair. If it is at most half the cameras' period, the
+  // first partner within the tolerance is also the nearest. Pairing then need not wait for the next picture.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
-  // Queues a picture. One that is not newer than the last one of its side is dropped and counted.
+  // Queues a picture. A picture that is not newer than the last picture of the same side is dropped and
+  // counted.
   void add(EyeSide side, RawFrame frame);
   // Returns the next pair, oldest first; nullopt if none is complete. Drops pictures that can no longer have
   // a partner.

@@ -36,8 +36,8 @@ Result<V4l2Source> parse_v4l2_source(const std::string& text);
 struct V4l2Options {
   // Maximum time between the two pictures of a pair; 0: half the picture interval of the slower camera.
   Time tolerance{};
-  // Timeout: a device without pictures for this long has stopped. Both have stopped if no valid pair came for
-  // this long. Much longer than exposures in the dark.
+  // Timeout: a device that delivers no picture for this long counts as stopped. Both devices count as stopped
+  // if no valid pair came for this long. The timeout is much longer than exposures in the dark.
   Time silence = std::chrono::seconds(2);
 };
 
@@ -49,7 +49,7 @@ struct V4l2Statistics {
   std::uint64_t out_of_order = 0;     // pictures not newer than the previous one
   std::uint64_t lost = 0;             // pictures lost by the driver, for lack of a buffer
   std::uint64_t ahead = 0;            // pictures with a time stamp after their arrival
-  Time largest_gap{};                 // between the pictures of a pair
+  Time largest_gap{};                 // longest time between the exposures of a pair
   Time tolerance{};
   std::array<Stamp, 2> stamps{};  // left and right
 };
@@ -96,7 +96,7 @@ class V4l2Camera final : public vision::Camera {
   const Time silence_;
   StereoPairing pairing_;         // thread only
   std::array<Time, 2> heard_{};   // thread only
-  Time paired_{};                 // thread only; when the last valid pair came
+  Time paired_{};                 // thread only; time at which the last valid pair came
   vision::StereoImages scratch_;  // thread only
   std::uint64_t sequence_ = 0;    // thread only
   mutable std::mutex mutex_;

@@ -4,10 +4,10 @@
 // Uses the kernel interface (linux/videodev2.h) with single-planar capture and memory-mapped buffers. A
 // picture's time is the buffer's time stamp on CLOCK_MONOTONIC, the host's clock (docs/explanation/time.md).
 // The buffer's flag shows whether a stamp marks the start of the exposure or the end of the frame. Half the
-// exposure time is added or subtracted to get the middle, if the camera reports it
+// exposure time is added or subtracted to get the middle, if the camera reports the exposure time
 // (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the start). A picture cannot be exposed after its arrival. If a
-// driver reports that, the picture gets its time of arrival and is counted. No interface reports the readout
-// time of a rolling shutter, so it is ignored.
+// driver reports such a time stamp, the time of arrival is used instead, and the picture is counted. No
+// interface reports the readout time of a rolling shutter, so the readout time is ignored.
 #pragma once
 
 #include <cstddef>
@@ -39,9 +39,9 @@ Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);
 
 class V4l2Device {
  public:
-  // Opens the device and negotiates a mode. Returns the errors of v4l2_error(). Also fails if it is not a
-  // video device, or if the node has no pictures. Also fails if it has only multi-planar pictures, no
-  // supported format, or not this size.
+  // Opens the device and negotiates a mode. Returns the errors of v4l2_error(). Also fails if `path` is not a
+  // video device, or if it does not deliver pictures. Also fails if the device offers only multi-planar
+  // pictures, no supported format, or not the wanted size.
   static Result<std::unique_ptr<V4l2Device>> open(const std::string& path,
                                                   const V4l2Wanted& wanted);
   ~V4l2Device();
@@ -62,7 +62,7 @@ class V4l2Device {
   double rate_hz() const { return rate_hz_; }  // as negotiated; 0 if the driver does not report it
   // Pictures that the driver lost, from gaps in its sequence numbers.
   std::uint64_t lost() const { return lost_; }
-  Stamp stamp() const { return stamp_; }  // the last picture's
+  Stamp stamp() const { return stamp_; }  // meaning of the last picture's time stamp
   // Number of pictures with a time stamp after their arrival.
   std::uint64_t ahead() const { return ahead_; }
 

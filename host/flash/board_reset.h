@@ -21,8 +21,8 @@ class BoardReset {
 };
 
 // Resets by modem lines. DTR is wired to RES (active: in reset), RTS to the mode pins (active: boot mode).
-// A reset lasts 25 ms; RES needs 20 states while the oscillator runs. Opening a port activates both lines,
-// so the board is held in reset until the first reset(). `port` and `clock` must outlive this.
+// A reset lasts 25 ms; the chip needs only 20 states if the oscillator runs. Opening a port activates both
+// lines, so the board is held in reset until the first reset(). `port` and `clock` must outlive this object.
 class ModemLineReset final : public BoardReset {
  public:
   ModemLineReset(ModemLines& port, Clock& clock) : port_(port), clock_(clock) {}
@@ -46,8 +46,8 @@ class ControlSocketReset final : public BoardReset {
   std::string path_;
 };
 
-// Manual reset: the user sets a switch and presses a button. `prompt_user` shows what to do and returns
-// when it is done.
+// Manual reset: the user sets a switch and presses a button. `prompt_user` shows instructions and returns
+// after the user has followed them.
 class ManualReset final : public BoardReset {
  public:
   explicit ManualReset(std::function<Result<void>(const std::string& prompt)> prompt_user)

@@ -1,9 +1,9 @@
 // Loads a program into a board's RAM through the boot mode of the H8S/2128.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Source of steps and bytes: hardware manuals of the related H8S/2138A and H8S/2148, boot mode. Where they
-// are ambiguous, all variants are accepted: with or without H'AA after H'55, and one H'AA at the end or
-// two.
+// The steps and bytes are taken from the boot mode chapters in the hardware manuals of the related H8S/2138A
+// and H8S/2148. Where the manuals are ambiguous, all variants are accepted: H'AA may follow H'55 or not, and
+// one or two H'AA may come at the end.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 namespace kaz::host {
 
 struct BootOptions {
-  int baud = 9600;  // 9600 or 4800; also 19200 for parts with A mask
-  int tries = 60;   // maximum number of H'00 sent
+  int baud = 9600;  // 9600 or 4800; also 19200 for chips with A mask
+  int tries = 60;   // maximum number of H'00 bytes sent
 };
 
 // Loads and starts `program`. Precondition: the board has been reset into boot mode. Returns once the

@@ -17,12 +17,12 @@ namespace kaz::host {
 inline constexpr std::uint32_t kFlashBytes = 0x20000;
 inline constexpr std::uint32_t kFlashLine = 32;  // bytes programmed at once
 inline constexpr int kFlashBlocks = 10;          // blocks, each erased as a whole
-// First addresses of EB0..EB9, and the end of the flash.
+// First address of each erase block EB0..EB9, and the end of the flash.
 inline constexpr std::uint32_t kBlockStart[kFlashBlocks + 1] = {
     0x0000, 0x0400, 0x0800, 0x0c00, 0x1000, 0x8000, 0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
 // Blocks that an update through the resident loader keeps (firmware/kaz.ld).
 inline constexpr int kVectorBlock = 0, kLoaderBlock = 6;
-// Blocks of the calibration, its second copy, and the board's address.
+// Blocks of the calibration, the second copy of the calibration, and the board's address.
 inline constexpr int kSettingsBlocks[] = {1, 2, 3};
 
 struct FlashRange {
@@ -44,8 +44,8 @@ class FlashImage {
   // address. Errors (usage): a damaged file, or bytes outside the flash.
   static Result<FlashImage> load(const std::string& path, const h8s::LoadOptions& options = {});
 
-  // Copies bytes into the image. The lines that they touch become part of it. The bytes must lie within the
-  // flash.
+  // Copies bytes into the image. All flash lines that contain these bytes become part of the image. The bytes
+  // must lie within the flash.
   void put(std::uint32_t address, std::span<const std::uint8_t> bytes);
   std::span<const std::uint8_t> bytes(FlashRange range) const {
     return std::span(bytes_).subspan(range.from, range.size());
@@ -57,16 +57,16 @@ class FlashImage {
   std::vector<FlashRange> all_ranges(std::uint32_t longest = kFlashBytes) const;
   // Returns whether any line of the block is part of the image.
   bool touches(int block) const;
-  std::uint32_t size() const;  // bytes of all ranges()
+  std::uint32_t size() const;  // number of bytes in all ranges()
 
   // Returns the header of a Kaz application, valid or not; nullopt for other images.
   std::optional<ImageIdentity> identity() const;
-  // Checks the application against its header. Returns the fault; empty: valid.
+  // Checks the application against its header. Returns a description of the fault; empty if valid.
   std::string damage() const;
-  // Returns whether vectors or loader are part of the image. Updates through the loader keep those of the
-  // board.
+  // Returns whether vectors or loader are part of the image. An update through the loader does not write
+  // either of them: the board keeps its own vectors and loader.
   bool has_loader() const { return touches(kVectorBlock) || touches(kLoaderBlock); }
-  // Checks vectors and loader against the loader's mark. Returns the fault; empty: valid.
+  // Checks vectors and loader against the loader's mark. Returns a description of the fault; empty if valid.
   std::string loader_damage() const;
 
  private:

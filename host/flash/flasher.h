@@ -1,9 +1,9 @@
 // Flashes an H8S/2128: boot mode or resident loader, then erase, write, verify, read, run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Uses Link and Clock, so that it runs against a port and in simulated time. Error texts have several lines
-// (diagnostic.h). Success is reported only after verification: three independent checksums of the flash are
-// compared with those of the image.
+// The flasher uses the interfaces Link and Clock, so it runs both on a port and in simulated time. Error
+// texts have several lines (diagnostic.h). Success is reported only after verification: three independent
+// checksums of the flash are compared with the checksums of the image.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ namespace kaz::host {
 
 struct FlashProgress {
   std::string phase;                  // "boot", "erase", "write", "verify"
-  std::uint32_t done = 0, total = 0;  // in bytes; in blocks while erasing
-  // Since the phase began; 0 before it is measured, and while erasing.
+  std::uint32_t done = 0, total = 0;  // bytes; in phase "erase": blocks
+  // Mean rate since the phase began. 0 in phase "erase", and as long as no rate is measured.
   double bytes_per_s = 0;
 };
 // Returns "write 512 of 33088 bytes, 8.1 KB/s"; without the rate if it is 0.
@@ -33,13 +33,13 @@ std::string progress_text(const FlashProgress& progress);
 
 struct FlasherOptions {
   BootOptions boot;
-  int baud = 115200;  // while the flash writer runs
+  int baud = 115200;  // bit rate while the flash writer runs
   // Address of the board whose firmware starts its loader.
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  // Accepts an image for another board, or one that is no Kaz application.
+  // If true, accepts an image for another board, or an image that is not a Kaz application.
   bool force = false;
   // Measures this machine's lateness at the flasher's link and clock, in real time. Steps that failed while
-  // it was late are repeated. May be null.
+  // this machine was late are repeated. May be null.
   LatenessMeter* lateness = nullptr;
   std::function<void(const FlashProgress&)> progress;
   std::function<void(const std::string&)> note;  // called with one line for the user
@@ -58,16 +58,16 @@ struct FlashReport {
   int erased = 0, unchanged = 0;  // blocks
   int repeated = 0;               // requests
   bool verified = false;
-  // From the first byte to the board until everything is verified.
+  // Time from the first byte sent to the board until everything is verified.
   double seconds = 0;
-  // Lower bound by wire and flash cells (docs/howto/flash.md).
+  // Lower bound of the time, from the bit rate and the times of the flash cells (docs/howto/flash.md).
   double min_seconds = 0;
   double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
 
-// Checks that `image` is a valid Kaz application. Boot mode erases vectors and loader, so for
-// `through_boot` the image must contain them. `force`: it need not be a Kaz application. Errors (usage): it
-// is damaged, incomplete or foreign.
+// Checks that `image` is a valid Kaz application. Boot mode erases vectors and loader, so with
+// `through_boot` the image must contain both. With `force`, the image need not be a Kaz application. Errors
+// (usage): the image is damaged, incomplete or not a Kaz application.
 Result<void> check_image(const FlashImage& image, bool through_boot, bool force);
 
 class Flasher {
@@ -103,8 +103,8 @@ class Flasher {
   // Leaves the writer through the reset vector, or by `reset` if it is not null.
   Result<void> run(BoardReset* reset);
 
-  // Returns the state of the board after a failure, and the remedy. Empty if the flash was not changed, and
-  // after success.
+  // Describes the state of the board after a failure, and the remedy. Empty after success, or if the flash
+  // was not changed.
   std::string left_behind() const;
 
  private:

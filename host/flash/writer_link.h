@@ -46,9 +46,9 @@ std::string status_text(int status);
 
 class WriterLink {
  public:
-  // All must outlive this. `lateness` measures lateness at the same link and clock, in real time; may be
-  // null. Tries during which this machine was late do not count, up to LatenessMeter::kRepetitions of an
-  // exchange.
+  // All arguments must outlive this object. `lateness` measures lateness at the same link and clock, in real
+  // time; may be null. In each exchange, up to LatenessMeter::kRepetitions tries during which this machine
+  // was late do not count.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 
@@ -80,7 +80,8 @@ class WriterLink {
   // Waits until the line is quiet. Replies received meanwhile are kept, because the board may only be slow.
   Result<void> settle();
   void begin_try();
-  // Whether the try since begin_try() is repeated without counting; uses up one of `left`.
+  // Returns whether the try since begin_try() does not count because this machine was late. In that case,
+  // decrements `left`, the number of further tries that may be excused.
   bool excused(int& left) const;
   tl::unexpected<Error> no_answer(int tries) const;
 

@@ -25,7 +25,7 @@ class TestBoard final : public Clock, public Link {
 
   struct Options {
     Time tick_offset = std::chrono::microseconds(123456);  // host time of tick 0
-    double crystal_ppm = 0;  // the board's millisecond is longer by this
+    double crystal_ppm = 0;  // relative amount by which the board's millisecond is too long
     // Delay added to each chunk of bytes: uniform from 0 to this, from a generator seeded with `seed`.
     Time latency_to_board{}, latency_to_host{};
     std::uint64_t seed = 1;

@@ -16,8 +16,9 @@ namespace kaz::host {
 
 class ByteStream {
  public:
-  // `name` ("/dev/ttyUSB0") and `closed` (a sentence for a closed other end) appear in error messages.
-  // `interrupt` may be null. Otherwise it must outlive the stream, and a request makes `read` fail.
+  // `name` ("/dev/ttyUSB0") and `closed` appear in error messages. `closed` is the sentence for the case that
+  // the other end has closed. `interrupt` may be null. Otherwise it must outlive the stream, and an
+  // interrupt request makes `read` fail.
   ByteStream(std::string name, std::string closed, const Interrupt* interrupt)
       : name_(std::move(name)), closed_(std::move(closed)), interrupt_(interrupt) {}
 
@@ -30,10 +31,11 @@ class ByteStream {
   bool is_open() const { return static_cast<bool>(descriptor_); }
   Error closed() const { return Error{Fault::environment, closed_}; }
 
-  // Queues `bytes` and writes as many as the descriptor accepts. Fails if the other end is closed, or if more
-  // than 64 KiB would be unsent. After a failed write, bytes that a socket has received remain readable.
+  // Queues `bytes` and writes as many of the queued bytes as the descriptor accepts. Fails if the other end
+  // is closed, or if more than 64 KiB would be unsent. After a failed write, bytes that a socket has already
+  // received remain readable.
   Result<void> write(std::span<const std::uint8_t> bytes);
-  // As Link::read. Also sends queued bytes while it waits.
+  // Like Link::read, but also sends queued bytes during the wait.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline);
 
  private:

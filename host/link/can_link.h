@@ -1,24 +1,24 @@
 // Link over a CAN bus: each frame of the wire protocol is one ISO-TP message.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A message contains the bytes between two zeros of the serial line: stuffed body and check
-// (docs/reference/protocol.md). The zeros are not transmitted; the receiver adds them again. So the check of
-// the protocol covers the whole path.
+// A message contains the bytes that are between two zero bytes on a serial line: the stuffed body and the
+// checksum (docs/reference/protocol.md). The zero bytes are not transmitted; the receiver adds them again.
+// The checksum of the protocol is transmitted unchanged, so it covers the whole path.
 //
 //   identifier             carries
 //   kCanRequests + 1..14   requests to this address
 //   kCanReplies + 1..14    replies from this address
 //   kCanRequests + 15      requests to all boards
 //
-// The two identifiers of an address form a pair, and each carries flow control for the other. A broadcast has
-// no flow control because it has several receivers.
+// The two identifiers of an address form a pair: each identifier carries the flow control for messages with
+// the other one. A broadcast has no flow control, because a broadcast has several receivers.
 //
-// A frame with any other address (damaged, or from a test) goes to all boards, each of which ignores it, as
-// on a serial line. A CAN link cannot transfer pauses between bytes, framing and parity errors, the bit rate,
-// or bytes without a zero after them.
+// A frame with any other address (damaged, or from a test) goes to all boards, and all boards ignore the
+// frame, as on a serial line. A CAN link cannot transfer pauses between bytes, framing and parity errors, the
+// bit rate, or bytes that are not followed by a zero byte.
 //
-// The kernel aborts a transfer one second after its receiver stops answering. CanLink aborts it after
-// kGiveUp, so that a board that returns is reachable sooner.
+// The kernel aborts a transfer one second after the receiver stops answering. CanLink aborts a transfer after
+// kGiveUp, so that a board that answers again is reachable sooner.
 #pragma once
 
 #include <array>
@@ -42,17 +42,19 @@ struct CanStatistics {
   std::uint64_t error_frames = 0;               // error frames of all kinds from the controller
   std::uint64_t bus_off = 0, restarts = 0, overflows = 0;
   std::uint64_t unfinished_out = 0;  // messages that no receiver accepted completely
-  std::uint64_t unfinished_in = 0;   // messages broken off or out of order
-  // Frames above 4095 bytes, and messages dropped from a full queue to one receiver.
+  std::uint64_t unfinished_in = 0;   // received messages that were broken off or out of order
+  // Number of frames above 4095 bytes, and of messages dropped because the queue to a receiver was full.
   std::uint64_t discarded = 0;
-  std::string text() const;  // "3 error frames, bus-off once"; empty if all counts but frames are 0
+  // Returns a text such as "3 error frames, bus-off once"; empty if all counts except frames_in and
+  // frames_out are 0.
+  std::string text() const;
 };
 
 class CanLink final : public PortLink {
  public:
   enum class End {
     host,  // sends requests to all 14 addresses
-    // Sends replies of the boards with these addresses. Receives requests to them and to all boards.
+    // Sends replies of the boards with Options::addresses. Receives requests to these boards and broadcasts.
     board,
   };
   struct Options {
@@ -60,7 +62,7 @@ class CanLink final : public PortLink {
     std::vector<std::uint8_t> addresses = {};  // for End::board: 1..14, at least one
     const Interrupt* interrupt = nullptr;      // may be null; else it must outlive the link
   };
-  // Time after which messages that no receiver accepts are dropped.
+  // Time after which a message is dropped if no receiver accepts the message.
   static constexpr Time kGiveUp = std::chrono::milliseconds(200);
 
   // Returns the errors of CanSockets.
@@ -73,9 +75,11 @@ class CanLink final : public PortLink {
   LowLatency low_latency() const override { return LowLatency::bus; }
   int descriptor() const override { return events_.get(); }
   bool has_unsent() const override { return any_waiting() || !received_.empty(); }
-  // Queues complete frames and sends as many as the bus accepts. Fails if the interface is down or gone.
+  // Queues the complete frames in `bytes` and sends as many frames as the bus accepts. Fails if the interface
+  // is down or gone.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
-  // Fails if the interface is down, gone or bus-off, and from then on until reopen() succeeds.
+  // Fails if the interface is down, gone or bus-off. After such a failure, every call fails until reopen()
+  // succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   // Opens all sockets again. Fails with the error of CanSockets::check until the interface carries frames.
   Result<void> reopen() override;
@@ -88,7 +92,7 @@ class CanLink final : public PortLink {
     IsoTpChannel ids;
     Descriptor socket;
     std::deque<std::vector<std::uint8_t>> waiting;
-    Time since{};  // when its first message was queued
+    Time since{};  // time at which the first waiting message was queued
     bool used = false;
   };
 

@@ -1,4 +1,4 @@
-// Sockets of one CAN interface: from the kernel, or from a test.
+// Sockets of one CAN interface, provided by the kernel or by a test.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,17 +14,17 @@ namespace kaz::host {
 // A pair of identifiers of ISO-TP (ISO 15765-2, normal addressing, 11 bits).
 struct IsoTpChannel {
   enum class Mode {
-    // Sends on tx_id, receives on rx_id. Both carry flow control for each other.
+    // Sends on tx_id, receives on rx_id. Each identifier carries the flow control for the other one.
     pair,
     broadcast,  // sends only, to any number of receivers, without flow control
-    listen,     // receives such a broadcast
+    listen,     // receives the messages of a `broadcast` channel
   };
   std::uint32_t tx_id = 0, rx_id = 0;
   Mode mode = Mode::pair;
 };
 
-// Opens the sockets of one interface. Sockets are non-blocking and behave as SOCK_SEQPACKET: each read or
-// write transfers one message.
+// Opens the sockets of one interface. Sockets are non-blocking and behave like sockets of type
+// SOCK_SEQPACKET: each read or write transfers one message.
 class CanSockets {
  public:
   virtual ~CanSockets() = default;
@@ -40,7 +40,8 @@ class CanSockets {
   virtual Result<Descriptor> open_errors() = 0;
 };
 
-// SocketCAN. The interface need not exist yet; check() reports that.
+// Returns sockets of the kernel (SocketCAN). The interface need not exist yet; check() reports a missing
+// interface.
 std::unique_ptr<CanSockets> kernel_can_sockets(const std::string& interface);
 
 }  // namespace kaz::host

@@ -1,4 +1,4 @@
-// State of a CAN network interface, as its driver reports it.
+// State of a CAN network interface, as reported by the interface's driver.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,10 +9,11 @@ namespace kaz::host {
 
 struct CanState {
   bool up = false;
-  // As the driver sets it. IFF_RUNNING, as ioctl() reports it, follows up to a second later
-  // (net/core/link_watch.c of the kernel). That is too late just after `ip link set up`.
+  // Carrier state as set by the driver. Not taken from ioctl(): the flag IFF_RUNNING there follows the driver
+  // with a delay of up to a second (net/core/link_watch.c of the kernel), which is too late just after
+  // `ip link set up`.
   bool carrier = true;
-  // `enum can_state` of linux/can/netlink.h. Virtual interfaces have no controller state.
+  // Controller state, an `enum can_state` of linux/can/netlink.h. Virtual interfaces have no controller.
   std::optional<std::uint32_t> controller;
 
   // Whether the controller is bus-off; without a controller state, whether the carrier is missing.

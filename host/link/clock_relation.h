@@ -1,8 +1,9 @@
 // Relates a board's ticks to host time, with a bound on the error.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each request with its reply encloses the start s of the tick that the reply names. A tick reads only bytes
-// that arrived before its start. Its reply leaves with the next tick at the earliest. Hence
+// The times of a request and its reply are bounds on the start s of the tick that the reply contains. In a
+// tick, the board reads only bytes that arrived before the start of the tick. The reply leaves with the next
+// tick at the earliest. Hence
 //
 //   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //
@@ -27,10 +28,10 @@ namespace kaz::host {
 
 class ClockRelation {
  public:
-  // Relative; for crystals of up to 100 ppm at both ends.
+  // Largest relative drift between the clocks, for crystals of up to 100 ppm at both ends.
   static constexpr double kDriftBound = 200e-6;
 
-  // byte_time: duration of one byte on the wire; zero if unknown, which widens the bound.
+  // `byte_time`: duration of one byte on the wire; zero if unknown. Zero makes the error bound larger.
   explicit ClockRelation(Time byte_time) : byte_time_(byte_time) {}
 
   struct Exchange {
@@ -42,8 +43,8 @@ class ClockRelation {
   void add(const Exchange& exchange);
 
   bool known() const { return known_; }
-  // Host time at which `tick` started. Requires known(). Correct across the wrap of the 32-bit counter for
-  // ticks within 24 days of the latest exchange.
+  // Host time at which `tick` started. Requires known(). For ticks within 24 days of the latest exchange, the
+  // wrap of the 32-bit counter is taken into account.
   Time host_time(std::uint32_t tick) const;
   // Bound on the error of host_time() for the tick of the latest exchange (q above).
   Time error_bound() const { return (high_ - low_) / 2; }

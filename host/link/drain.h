@@ -1,4 +1,4 @@
-// Discards bytes received before a request, so that they are not taken for its reply.
+// Discards bytes received before a request, so that these bytes are not taken for the reply.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,9 @@
 
 namespace kaz::host {
 
-// Reads and discards available bytes without waiting for more. Returns the link's errors. Fails (environment)
-// if bytes still arrive after 64 KiB or 100 ms, as from a device that sends on its own.
+// Reads and discards available bytes without waiting for more bytes. Returns the link's errors. Fails
+// (environment) if bytes still arrive after 64 KiB or 100 ms. A device that sends on its own causes this
+// failure.
 Result<void> drain(Link& link, Clock& clock);
 
 }  // namespace kaz::host

@@ -27,12 +27,12 @@ struct Request {
 };
 
 struct Reply {
-  bool refused = false;  // the fields are those of kz_refused
+  bool refused = false;  // true: `fields` are those of kz_refused
   Fields fields;
   // The members below are for the clock relation and describe the answered transmission. `timed` is false if
   // the request was repeated, because the reply may then belong to either transmission.
   bool timed = false;
-  Time sent{};  // when the first byte of the request could leave
+  Time sent{};  // earliest time at which the first byte of the request could leave
   Time received{};
   int bytes_out = 0, bytes_in = 0;
 };
@@ -41,8 +41,8 @@ class Exchanger {
  public:
   virtual ~Exchanger() = default;
 
-  // Posts all requests and waits for all replies, returned in the order of the requests. Fails if a request
-  // gets no reply in all its tries, or if the link fails or is interrupted. After a failure no request is
+  // Posts all requests and waits for all replies. Returns the replies in the order of the requests. Fails if
+  // no try of a request gets a reply, or if the link fails or is interrupted. After a failure, no request is
   // pending.
   virtual Result<std::vector<Reply>> exchange(std::span<const Request> requests) = 0;
 
@@ -50,8 +50,8 @@ class Exchanger {
   // queues a request and does not wait for its reply.
   using Ticket = std::uint64_t;
   virtual Result<Ticket> post(const Request& request) = 0;
-  // Waits for the reply until `deadline`. Returns nullopt if it has not come by then. A ticket returns its
-  // reply once.
+  // Waits until `deadline` for the reply to the request with this ticket. Returns nullopt if the reply has
+  // not come by `deadline`. The reply of a ticket is returned only once.
   virtual Result<std::optional<Reply>> collect(Ticket ticket, Time deadline) = 0;
 
   // Sends `request` ahead of all queued and pending requests and waits for its reply. For `stop`.
@@ -60,34 +60,36 @@ class Exchanger {
   // Writes a request without waiting for a reply.
   virtual Result<void> send(const Request& request) = 0;
 
-  // Reads until `deadline` or until a telemetry frame arrives. Returns whether one arrived.
+  // Reads until `deadline` or until a telemetry frame arrives. Returns whether a frame arrived.
   virtual Result<bool> listen(Time deadline) = 0;
-  // Receives each telemetry frame while any call reads: type, fields, and time at which it was read.
+  // Callback for telemetry frames: type, fields, and the time at which the frame was read. Any function that
+  // reads from the link may call the callback.
   using Telemetry = std::function<void(std::uint8_t, std::span<const std::uint8_t>, Time)>;
   virtual void on_telemetry(Telemetry receiver) = 0;
 
   // Drops pending requests and partial frames. Continues with other sequence numbers.
   virtual void start_anew() = 0;
-  // While set, limits the transmissions of each request, as when probing for a board. nullopt restores the
-  // default.
+  // Limits the number of transmissions of each request, for example during a search for a board. nullopt
+  // restores the default.
   virtual void limit_tries(std::optional<int> tries) = 0;
 
   virtual const LinkStatistics& statistics() const = 0;
   // The last 64 frames of each board, one line each (frame_log.h).
   virtual std::string recent_frames() const = 0;
   virtual Link& link() = 0;
-  // For error messages: the name of the link that failed last; in a group with the board's address.
+  // Name of the link that failed last, for error messages. In a group of boards, the name includes the
+  // address of the board.
   virtual std::string failed_name() { return link().name(); }
   // The first 64 bytes since the last valid frame, to diagnose an unknown device.
   virtual std::span<const std::uint8_t> noise() const = 0;
   // Whether the last failure was a missing reply and not a lost link.
   virtual bool timed_out() const = 0;
-  // Whether a request was received back, as on a line that echoes.
+  // Whether a sent request was also received, which shows that the line echoes.
   virtual bool heard_echo() const = 0;
-  // When the last request was written. In a group: the oldest such time of all boards.
+  // Time at which the last request was written. In a group: the oldest of these times over all boards.
   virtual Time last_sent() const = 0;
-  // Whether a board of a group has restarted since the last call. Always false for one board, where the ticks
-  // of the replies show it.
+  // Whether a board of a group has restarted since the last call. Always false for a single board, because
+  // there the ticks of the replies show a restart.
   virtual bool take_restart() { return false; }
 };
 

@@ -1,9 +1,9 @@
 // A link that injects line faults (docs/reference/simulator.md) on any port, including real ones.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Supports only faults of the line. Framing errors cannot be injected here, so a byte sampled at a wrong
-// speed arrives with its wrong value. Delayed bytes to the board leave at the next write or read. Fault times
-// count from construction.
+// Supports only faults of the line. Framing errors cannot be injected here, so a byte that is sampled at a
+// wrong speed arrives with a wrong value and without an error. Delayed bytes to the board leave at the next
+// write or read after the delay. Fault times count from construction.
 #pragma once
 
 #include <deque>

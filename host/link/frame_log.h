@@ -17,12 +17,12 @@ class FrameLog {
   static constexpr std::size_t kFrames = 64;
 
   enum class Direction : std::uint8_t { out, in, damaged };
-  // Only the last kFrames frames are kept. `body` is cut to KZ_BODY_MAX bytes.
+  // Adds a frame. Only the last kFrames frames are kept. `body` is truncated to KZ_BODY_MAX bytes.
   void add(Time time, Direction direction, std::span<const std::uint8_t> body);
   std::size_t size() const { return count_ < kFrames ? count_ : kFrames; }
 
-  // One line per frame, oldest first: host time in seconds, direction, message, sequence number, fields by
-  // the message table, and body in hexadecimal:
+  // Returns one line per frame, oldest first. A line contains host time in seconds, direction, message,
+  // sequence number, fields as defined by the message table, and body in hexadecimal:
   //   "     1.234567  out  enable             #12   mask=0x3  | 01 02 0c 00 00 00 03"
   std::string text() const;
 
@@ -37,14 +37,14 @@ class FrameLog {
   std::size_t count_ = 0;
 };
 
-// Fields of a body by the message table, in wire units: "mask=0x3 duration_ms=500 angle=[0:1000 1:-2]". If
-// the body does not match the table, returns "fields do not fit the message".
+// Returns the fields of a body, as defined by the message table, in wire units: "mask=0x3 duration_ms=500
+// angle=[0:1000 1:-2]". If the body does not match the table, returns "fields do not fit the message".
 std::string describe_fields(std::span<const std::uint8_t> body);
 
 // Message name, such as "state_reply"; "unknown" if the code is not in the message table.
 const char* message_name(std::uint8_t type);
 
-// "4f 4b 0d": at most `max_bytes` bytes, then "...".
+// Returns at most `max_bytes` bytes in hexadecimal, such as "4f 4b 0d", then "..." if there are more bytes.
 std::string hex(std::span<const std::uint8_t> bytes, std::size_t max_bytes = KZ_BODY_MAX);
 
 }  // namespace kaz::host

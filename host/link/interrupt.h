@@ -1,4 +1,4 @@
-// A request to stop, from a signal handler or another thread, that ends all waiting.
+// A request to stop. A signal handler or another thread makes the request, which ends all waiting.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,9 +11,10 @@
 
 namespace kaz::host {
 
-// Passed at construction to the links and clocks of real time, and to those of interruptible.h. After
-// request(), Clock::sleep_until and Link::read fail with error() at once, until withdraw(). A CleanUp
-// suspends this. Link::write still works, so that a program that exits can switch the motors off.
+// Links and clocks of real time, and the links and clocks of interruptible.h, take an Interrupt at
+// construction. After request(), Clock::sleep_until and Link::read fail with error() at once, until
+// withdraw() is called. During a CleanUp, they work. Link::write always works, so that a program that exits
+// can switch the motors off.
 class Interrupt {
  public:
   Interrupt();  // throws std::system_error if no file descriptor is free
@@ -24,16 +25,18 @@ class Interrupt {
   // May be called from any thread and from a signal handler (async-signal-safe).
   void request() noexcept;
   bool requested() const noexcept { return requested_.load(std::memory_order_acquire); }
-  // Withdraws a request, for a program that continues. No other thread may request or wait meanwhile.
+  // Withdraws a request, for a program that continues. During this call, no other thread may call request()
+  // or wait.
   void withdraw() noexcept;
 
-  // Whether waits must end: requested, and no clean-up is active.
+  // Whether waits must end: requested() is true, and no clean-up is active.
   bool ends_waiting() const noexcept;
 
-  // For poll(): becomes readable on request and stays so. Returns -1, which poll() ignores, during a
-  // clean-up.
+  // Descriptor for poll(). Becomes readable on request and stays readable. During a clean-up, returns -1,
+  // which poll() ignores.
   int descriptor() const noexcept;
-  // Longest time that poll() may wait if `left` remains: during a clean-up, not beyond its end.
+  // Longest time that poll() may wait if the caller's remaining time is `left`. During a clean-up, the wait
+  // must not last beyond the end of the clean-up.
   Time max_wait(Time left) const noexcept;
 
   // The error of an interrupted call: Fault::interrupted, "interrupted".
@@ -49,8 +52,9 @@ class Interrupt {
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
-// Suspends an interrupt for its lifetime, at most for `longest`. Waits and reads work meanwhile, so that a
-// board can be restored and its replies read. Only one CleanUp may exist at a time.
+// Suspends an interrupt during the lifetime of this object, but at most for `longest`. Until then, waits and
+// reads work, so that a program can restore a board and read the replies. Only one CleanUp may exist at a
+// time.
 class CleanUp {
  public:
   explicit CleanUp(Interrupt& interrupt,

@@ -1,8 +1,8 @@
 // Interruptible link and clock for simulated time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// In simulated time a wait is a computation. It runs in slices, so that an interrupt also ends a long wait
-// soon. The slices do not change the simulation.
+// In simulated time, a wait is a computation. The classes below divide the wait into slices, so that an
+// interrupt also ends a long wait soon. The slices do not change the simulation.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 
 namespace kaz::host {
 
-// In simulated time. Takes about 10 ms of wall time if an emulated board and its world are slow.
+// Length of a slice in simulated time. With a slow emulated board and world, the computation of a slice takes
+// about 10 ms of wall time.
 inline constexpr Time kInterruptSlice = std::chrono::milliseconds(10);
 
 class InterruptibleClock final : public Clock {

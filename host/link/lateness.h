@@ -1,10 +1,11 @@
 // Measures delays of this process at a link, so that they are not attributed to a board.
 // SPDX-License-Identifier: Apache-2.0
 //
-// On a busy machine a process waits for the processor. It then sends requests late and reads replies late. A
-// board's watchdog may have reacted meanwhile, or a timeout may have expired. LatenessMeter forwards all
-// calls and compares the end of each wait with its deadline. Waits for bytes are sliced. Otherwise a late
-// return with bytes would look like late bytes.
+// On a busy machine, a process waits for the processor. The process then sends requests late and reads
+// replies late. In the meantime, a board's watchdog may have reacted, or a timeout may have expired.
+// LatenessMeter forwards all calls and compares the end of each wait with the deadline of the wait. A long
+// wait for bytes is divided into slices. Otherwise, a late return of this process with bytes would look like
+// a late arrival of the bytes.
 #pragma once
 
 #include <functional>
@@ -18,31 +19,33 @@ namespace kaz::host {
 class LatenessMeter final : public Link, public Clock {
  public:
   static constexpr Time kSlice = std::chrono::milliseconds(2);
-  // Shorter delays are normal (timer slack, context switches) and not added to total().
+  // Smallest delay that is added to total(). Shorter delays are normal (timer slack, context switches).
   static constexpr Time kNoticed = std::chrono::milliseconds(1);
   // Thresholds of excuse(): one delay of kExcusing, or a total of kExcusing that also exceeds kExcusingShare
   // of the time since begin().
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
-  // Maximum number of repetitions after a late failure, before the result is undecided.
+  // Maximum number of repetitions of an operation that failed while this process was late. If all repetitions
+  // also fail late, the result is undecided.
   static constexpr int kRepetitions = 3;
 
   // Returns the total time by which a program at the other end of the link, on this machine, fell behind.
   // Fails if that program does not reply because it is stopped or has ended.
   using TimeLost = std::function<Result<Time>()>;
-  // `link` and `clock` must outlive it. `other_end` may be null.
+  // `link` and `clock` must outlive this object. `other_end` may be null.
   LatenessMeter(Link& link, Clock& clock, TimeLost other_end = nullptr);
 
   // Starts a new measurement and discards all earlier delays.
   void begin();
-  // Excludes the time since the last call, in which the program waited for user input.
+  // Excludes the time since the last call of this object from the measurement. Call this function after the
+  // program has waited for user input.
   void waited() { left_ = clock_.now(); }
   // Delays since begin(): the longest, and the sum of those above kNoticed.
   Time longest() const { return longest_; }
   Time total() const { return total_; }
   // Explains why a failure since begin() is inconclusive: "this program was kept waiting for up to 34 ms,
-  // ...". Empty if this process was on time, so that the failure is the board's. With `at_least`, the
-  // measured operation tolerates shorter delays, even many of them.
+  // ...". Empty if this process was on time; the failure is then a failure of the board. `at_least`: delays
+  // shorter than this are no excuse, however many, because the measured operation tolerates them.
   std::string excuse(Time at_least = Time::zero()) const;
   // Whether the last excuse() found that the program at the other end does not reply. Further repetitions are
   // then useless.
@@ -70,8 +73,9 @@ class LatenessMeter final : public Link, public Clock {
   Time began_, left_, longest_{}, total_{};
 };
 
-// Calls `attempt` again, up to kRepetitions times, while it fails and this process was late by more than
-// `bears`, the delay that an attempt tolerates. `meter` may be null: one attempt.
+// Calls `attempt`. If the attempt fails and this process was late by at least `bears` during the attempt,
+// repeats the call, up to kRepetitions times. `bears`: delay that an attempt tolerates. If `meter` is null,
+// there is only one attempt.
 template <class Attempt>
 auto repeat_if_late(LatenessMeter* meter, Attempt attempt, Time bears = Time::zero()) {
   for (int again = LatenessMeter::kRepetitions;; --again) {

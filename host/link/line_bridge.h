@@ -12,14 +12,14 @@ namespace kaz::host {
 
 class LineBridge {
  public:
-  // Receives one line for the user, without newline: a side was lost or is available again.
+  // Callback that gets one line for the user, without newline, when a side is lost or available again.
   using Report = std::function<void(const std::string&)>;
 
-  // Both links and `interrupt` must outlive it.
+  // Both links and `interrupt` must outlive the bridge.
   LineBridge(PortLink& board, PortLink& far, const Interrupt& interrupt, Report report);
 
-  // Runs until interrupted. Reopens a lost side every 50 ms and drops bytes for it meanwhile. Link failures
-  // do not end it, except those with Fault::usage, which it returns.
+  // Runs until interrupted. Tries to reopen a lost side every 50 ms and drops bytes for this side until then.
+  // Link failures do not end the bridge, except failures with Fault::usage, which run() returns.
   Result<void> run();
 
   // "12345 bytes to the board, 23456 back, 12 dropped"

@@ -22,24 +22,24 @@ class Clock {
   virtual Result<void> sleep_until(Time t) = 0;
 };
 
-// A byte stream to one line of boards: tty, CAN, or in process.
+// A byte stream to one line of boards: over a tty, over CAN, or within the process.
 class Link {
  public:
   virtual ~Link() = default;
   virtual std::string name() const = 0;  // for messages: "/dev/ttyUSB0", "can0", "the simulator"
   // Minimum duration of one byte on the wire; zero if unknown. Tightens the bounds of clock_relation.h.
   virtual Time byte_time() const { return Time::zero(); }
-  // Sets the bit rate of both directions. Bytes still queued may leave at either rate.
+  // Sets the bit rate of both directions. Bytes that are still queued may leave at the old or the new rate.
   virtual Result<void> set_baud(int baud) {
     return fail(Fault::usage, name() + " cannot change its bit rate to " + std::to_string(baud));
   }
-  // Queues bytes for the wire and does not wait until they leave.
+  // Queues bytes for the wire. Does not wait until the bytes have left.
   virtual Result<void> write(std::span<const std::uint8_t> bytes) = 0;
   // Waits for at least one byte or until `deadline`. Returns the number of bytes stored, 0 at the deadline.
   // Fails if the link is lost (port closed or unplugged) or the program is interrupted.
   virtual Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) = 0;
-  // Reopens the port, for example after it was plugged in again. Callers repeat it after a failed `write` or
-  // `read` until it succeeds. Buffered bytes are lost.
+  // Reopens the port, for example after the adapter was plugged in again. After a failed `write` or `read`,
+  // callers repeat reopen() until it succeeds. Buffered bytes are lost.
   virtual Result<void> reopen() { return {}; }
 };
 

@@ -11,7 +11,7 @@ namespace kaz::host {
 struct LinkStatistics {
   std::uint64_t requests = 0, replies = 0, refused = 0, bad_frames = 0;
   std::uint64_t timeouts = 0;  // replies that did not arrive in time
-  std::uint64_t retries = 0;   // transmissions after the first, for any cause
+  std::uint64_t retries = 0;   // transmissions of a request after the first one, for any cause
   std::uint64_t busy = 0;      // requests that the board refused because it had no room
   // Valid frames without a pending request: late, duplicate, or from another board.
   std::uint64_t ignored = 0;

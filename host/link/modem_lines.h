@@ -13,11 +13,11 @@ namespace kaz::host {
 class ModemLines {
  public:
   virtual ~ModemLines() = default;
-  // `true` is the active level (low at a TTL adapter's pins). Both lines change at once.
+  // Sets both lines. `true` is the active level (low at a TTL adapter's pins). Both lines change at once.
   virtual Result<void> set_dtr_rts(bool dtr, bool rts) = 0;
 };
 
-// Value for TIOCMSET, given `lines` from TIOCMGET. Leaves the other lines unchanged.
+// Returns the value for TIOCMSET, given `lines` from TIOCMGET. The bits of all other lines are unchanged.
 constexpr int with_dtr_rts(int lines, bool dtr, bool rts) {
   return (lines & ~(TIOCM_DTR | TIOCM_RTS)) | (dtr ? TIOCM_DTR : 0) | (rts ? TIOCM_RTS : 0);
 }

@@ -24,17 +24,19 @@ struct PortAddress {
   std::uint16_t tcp_port = 0;  // for tcp and rfc2217
   int baud = KZ_BAUD;          // for serial and rfc2217
 
-  // For messages, without the bit rate: "/dev/ttyUSB0", "can:can0", "tcp:bench:7000". parse_port_address()
-  // accepts it.
+  // Name for messages, without the bit rate: "/dev/ttyUSB0", "can:can0", "tcp:bench:7000".
+  // parse_port_address() accepts this name.
   std::string name() const;
 };
 
-// Text without one of the four prefixes is a path. IPv6 addresses need brackets: tcp:[::1]:7000. Errors
-// (usage) contain `option`, the text, its fault, and the accepted forms.
+// Parses a board address. A text without one of the four prefixes is a path. IPv6 addresses need brackets:
+// tcp:[::1]:7000. Errors (usage): the text is not valid. The message contains `option`, the text, the reason,
+// and the accepted forms.
 Result<PortAddress> parse_port_address(const std::string& option, std::string_view text);
 // Whether the text starts with one of the four prefixes. Any other colon may belong to a path.
 bool names_port_kind(std::string_view text);
-// "--robot serial:/dev/ttyUSB0" for the name() "/dev/ttyUSB0", for commands that a message suggests.
+// Returns the command-line option for a port, for commands that a message suggests. For the name
+// "/dev/ttyUSB0", the option is "--robot serial:/dev/ttyUSB0".
 std::string robot_option(std::string_view port_name);
 
 }  // namespace kaz::host

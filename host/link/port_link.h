@@ -1,4 +1,4 @@
-// A link that a program opens by its address, independent of the transport.
+// A link that a program opens by a port address, independent of the transport.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,27 +16,29 @@ namespace kaz::host {
 // A Link with a descriptor for poll(), modem lines, and diagnostics.
 class PortLink : public Link, public ModemLines {
  public:
-  // Explains a slow round trip.
+  // Low-latency mode of the port, which explains a slow round trip.
   virtual LowLatency low_latency() const = 0;
-  // Becomes readable for poll() when `read` has something to do; -1 while the link is lost. May change in
-  // reopen().
+  // Descriptor for poll(). Becomes readable when `read` has something to do; -1 while the link is lost. The
+  // descriptor may change in reopen().
   virtual int descriptor() const = 0;
   // Whether `read` has work that descriptor() does not indicate: unsent bytes, which `read` also sends, or
   // bytes already received.
   virtual bool has_unsent() const { return false; }
-  // Whether all written bytes have left the port, as far as the system reports it.
+  // Whether all written bytes have left the port, as far as the system reports this.
   virtual bool drained() const { return !has_unsent(); }
-  // Discards received bytes that were not read, or written bytes that were not sent, if the link supports it.
+  // Discards received bytes that were not read, or written bytes that were not sent. Does nothing if the link
+  // does not support this.
   virtual void purge(bool /*received*/, bool /*unsent*/) {}
-  // Counts of irregular events as a sentence, such as "3 error frames, bus-off once"; empty if none occurred.
+  // Counts of irregular events as a text, such as "3 error frames, bus-off once"; empty if no such event
+  // occurred.
   virtual std::string counts() const { return ""; }
-  // For a servo bus: a sentence that lists servos which have not confirmed torque off, with the remedy. Else
-  // empty.
+  // For a servo bus: a sentence that lists the servos that have not confirmed torque off, and the remedy. For
+  // other links: empty.
   virtual std::string still_on() const { return ""; }
 };
 
-// Opens the port. Returns the errors of the link that it opens, one sentence each. `interrupt` may be null;
-// else it must outlive the link. Deadlines are on WallClock's scale.
+// Opens the port. Returns the errors of the opened kind of link, one sentence each. `interrupt` may be null;
+// else `interrupt` must outlive the link. Deadlines are on WallClock's scale.
 Result<std::unique_ptr<PortLink>> open_port(const PortAddress& address,
                                             const Interrupt* interrupt = nullptr);
 

@@ -1,4 +1,4 @@
-// Server for tcp: and rfc2217: clients, one at a time, of a port on this machine.
+// Server that gives one client at a time (tcp: or rfc2217:) access to a port of this machine.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,41 +15,43 @@
 namespace kaz::host {
 
 // A link to the currently connected client. Without a client, written bytes are dropped and no bytes are
-// read. A second client is disconnected at once, unless the first one has not used the port yet. Then the
-// second replaces the first. A raw client uses the port with its first byte, an RFC 2217 client once it has
-// agreed to option 44. The link never fails permanently: it waits for the next client. If no descriptor is
-// free for a waiting client, the server retries every 100 ms.
+// read. If the first client has used the port, a second client is disconnected at once. Otherwise the second
+// client replaces the first. A raw client has used the port after its first byte, an RFC 2217 client after
+// it has agreed to option 44. The link never fails permanently: when a client leaves, the link waits for the
+// next client. If no descriptor is free for a waiting client, the server retries every 100 ms.
 //
-// A client that starts like a web browser is disconnected (browser_guard.hpp). With RFC 2217 no byte passes
-// in either direction before the client has agreed to telnet option 44. Until then its bytes are dropped and
-// its commands ignored.
+// A client that starts like a web browser is disconnected (browser_guard.hpp). With RFC 2217, no byte passes
+// in either direction before the client has agreed to telnet option 44. Until then, the client's bytes are
+// dropped and the client's commands are ignored.
 //
-// A client's bytes and commands stay in order. A command is executed by the first read() after the one that
-// returned the last byte before it. So the caller must write the bytes from read() to `board` before it calls
+// A client's bytes and commands stay in order. read() first returns all bytes that precede a command; the
+// next read() executes the command. So the caller must write the bytes from read() to `board` before it calls
 // read() again, as LineBridge does. Rate and modem lines change once board.drained(). A client whose bytes
-// the port does not send within 5 s is disconnected. All bytes that a client sent before it left reach
+// the port does not send within 5 s is disconnected. All bytes that a client sent before leaving reach
 // `board`, even if the client left without reading.
 class PortServer final : public PortLink {
  public:
   enum class Protocol { raw, rfc2217 };
   struct Options {
     std::string host = "127.0.0.1";
-    std::uint16_t port = 0;  // 0: the kernel selects it
+    std::uint16_t port = 0;  // 0: the kernel selects the port
     Protocol protocol = Protocol::raw;
     const Interrupt* interrupt = nullptr;  // may be null; else it must outlive the server
-    // Receives one line for the user, without newline: a client connected, left, or was rejected.
+    // Callback that gets one line for the user, without newline, when a client connects, leaves or is
+    // rejected.
     std::function<void(const std::string&)> report = [](const std::string&) {};
   };
   // `board` receives the bit rates and modem lines of RFC 2217 and must outlive the server. Returns the
   // errors of listen_tcp (tcp_socket.h).
   static Result<std::unique_ptr<PortServer>> open(PortLink& board, const Options& options);
 
-  std::string name() const override { return name_; }  // as a client writes it
+  std::string name() const override { return name_; }  // address that a client uses
   std::uint16_t port() const { return port_; }
   bool has_client() const { return stream_.is_open(); }
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
-  // Also readable when a client connects. -1 while a command waits until the board's port is drained.
+  // The descriptor also becomes readable when a client connects. -1 while a command waits until the board's
+  // port is drained.
   int descriptor() const override { return command_ ? -1 : events_.get(); }
   bool has_unsent() const override {
     return stream_.has_unsent() || !data_.empty() || !wire_.empty() || command_;
@@ -81,18 +83,19 @@ class PortServer final : public PortLink {
   bool listening_ = true;  // events_ watches listener_
   Time accept_from_{};     // no accept before this time
   ByteStream stream_;
-  bool leaving_ = false;  // the client accepts no more bytes, but some of its own may be unread
+  bool leaving_ = false;  // the client accepts no more bytes; bytes from it may still be unread
   std::string peer_;
   BrowserGuard guard_{BrowserGuard::Peer::frames};
   telnet::Reader reader_;
   telnet::Options negotiation_;
-  bool warned_ = false;                     // reported bytes before option 44
+  bool warned_ = false;                     // already reported that bytes came before option 44
   std::vector<std::uint8_t> wire_;          // from the client, not parsed yet
   std::vector<std::uint8_t> data_;          // parsed, not read yet
   std::optional<telnet::Command> command_;  // received after data_
   Time drain_by_{};                         // deadline for the board's port to be drained
   int baud_ = KZ_BAUD;
-  // The system activates both when it opens a port. A port without these lines reports them as always on.
+  // The system activates both lines when it opens a port. A port without these lines reports both lines as
+  // always on.
   bool dtr_ = true, rts_ = true;
 };
 

@@ -1,23 +1,24 @@
 // Requests to one board and their replies: sequence numbers, window, timeouts, retries.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Requests leave in the order in which they were posted. KZ_REQUESTS_UNDER_WAY of them may be pending. A
-// retry keeps its sequence number, so that the board recognizes it and does not execute the request twice. A
-// request is repeated at its timeout (round_trip.h), or when a later request is answered first, because a
-// board answers in order. A reply must match a pending request in board address, type and sequence number.
-// All other valid frames (late, duplicate, from another board) are counted and discarded.
+// Requests leave in the order in which they were posted. Up to KZ_REQUESTS_UNDER_WAY requests may be pending.
+// A retry has the sequence number of the first transmission. From this number, the board recognizes the retry
+// and does not execute the request twice. A request is repeated at its timeout (round_trip.h). It is also
+// repeated when a later request is answered first, because a board answers in order. A reply must match a
+// pending request in board address, type and sequence number. All other valid frames (late, duplicate, from
+// another board) are counted and discarded.
 //
 // Some requests only switch motors off: `stop`, `enable` with mask 0, `unlock` with 0 seconds, and
-// `raw_drive` with duty 0. Each of their transmissions takes a new number, because a board with protocol
-// version 2 executes no repetition (clause REQ-12). A reply to any of the transmissions counts. If the reply
-// to `stop` or `enable` reports a motor on, the request is repeated once. No request reuses one of the last
-// 16 numbers.
+// `raw_drive` with duty 0. Each transmission of such a request has a new sequence number, because a board
+// with protocol version 2 never executes a repetition (clause REQ-12). A reply to any of the transmissions
+// counts. If the reply to `stop` or `enable` reports a motor on, the request is repeated once. No request
+// reuses one of the last 16 sequence numbers.
 //
-// An old command never overtakes a newer one. A request that changes something leaves only after all earlier
-// ones of this kind are answered. So at most one query follows a repeated request, and the board recognizes
-// the retry, because it remembers KZ_REQUESTS_REMEMBERED requests. A query never returns a state from before
-// a command that was posted ahead of it. If the query was lost, its reply may be newer than the requests
-// after it, as the tick in the reply shows.
+// An old command never overtakes a newer command. A request that changes something leaves only after all
+// earlier requests that change something are answered. So at most one query follows a repeated request. The
+// board recognizes the retry, because it remembers KZ_REQUESTS_REMEMBERED requests. A query never returns a
+// state from before a command that was posted ahead of the query. If the query was lost, the reply may be
+// newer than requests that were posted later; the tick in the reply shows this.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +39,7 @@ struct RequesterOptions {
   RoundTrip::Bounds timeout{std::chrono::milliseconds(50), std::chrono::milliseconds(20),
                             std::chrono::milliseconds(200)};
   Time flash_timeout = std::chrono::seconds(3);  // for requests that write to flash
-  int retries = 5;                               // tries after the first
+  int retries = 5;                               // number of tries after the first one
 };
 
 class Requester final : public Exchanger {
@@ -89,10 +90,10 @@ class Requester final : public Exchanger {
   Time byte_time_;
   kz_receiver receiver_{};
   std::uint8_t next_sequence_;
-  std::deque<std::uint8_t> recent_sequences_;  // the last 16, oldest first
+  std::deque<std::uint8_t> recent_sequences_;  // the last 16 sequence numbers, oldest first
   Ticket next_ticket_ = 1;
   std::uint64_t transmissions_ = 0;
-  std::list<Waiting> queue_;  // in the order in which they may leave
+  std::list<Waiting> queue_;  // requests in the order in which they may leave
   Time wire_free_{};          // earliest time at which all written bytes have left
   Time last_sent_{};
   std::optional<int> tries_limit_;

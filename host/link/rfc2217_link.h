@@ -1,8 +1,8 @@
 // Link to a serial port on another machine by RFC 2217, with bit rate and modem lines.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Servers: `kaz serve-port`, ser2net and others. Framing errors are not transferred: the server forwards the
-// bytes that its port received.
+// Works with the servers `kaz serve-port`, ser2net and others. Framing errors are not transferred: the server
+// only forwards the bytes that its port received.
 #pragma once
 
 #include <deque>
@@ -29,9 +29,9 @@ class Rfc2217Link final : public PortLink {
   Time byte_time() const override { return Time(10'000'000'000 / address_.baud); }
   // Waits for the server's confirmation.
   Result<void> set_baud(int baud) override;
-  // Sets DTR first, then RTS. Fails (environment) if the server's port has no such lines. RFC 2217 defines no
-  // reply for that. `kaz serve-port` reports missing lines as always on, so the error occurs when a line is
-  // to be off.
+  // Sets DTR first, then RTS. Fails (environment) if the server's port has no modem lines. RFC 2217 defines
+  // no reply for a port without modem lines. `kaz serve-port` reports missing lines as always on, so the call
+  // only fails when it should switch a line off.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
   int descriptor() const override { return stream_.descriptor(); }
@@ -45,8 +45,8 @@ class Rfc2217Link final : public PortLink {
   Rfc2217Link(PortAddress address, const Interrupt* interrupt);
   Result<void> begin(Time patience);
   Result<void> set_up();
-  // Reads until `deadline` or until bytes arrive; returns whether they did. Fails (environment) if data_
-  // exceeds its limit because the other end floods the link.
+  // Reads until `deadline` or until bytes arrive. Returns whether bytes arrived. Fails (environment) if data_
+  // exceeds 1 MiB because the other end floods the link.
   Result<bool> pump(Time deadline);
   // Sends `command` and returns the value in the server's reply; nullopt if no reply arrives within a second.
   Result<std::optional<std::uint32_t>> value_of(telnet::ComPort command,
@@ -57,7 +57,7 @@ class Rfc2217Link final : public PortLink {
   ByteStream stream_;
   telnet::Reader reader_;
   telnet::Options options_;
-  std::deque<std::uint8_t> data_;  // received while a command was answered; at most 1 MiB
+  std::deque<std::uint8_t> data_;  // bytes received during a wait for a reply; at most 1 MiB
   std::deque<telnet::Command> replies_;
   std::uint64_t dropped_ = 0;
 };

@@ -8,18 +8,18 @@
 
 namespace kaz::host {
 
-// Covers requests answered at their first transmission. A round trip lasts from when the request's first byte
-// could leave until the reply's last byte was read.
+// Statistics of the requests that were answered at their first transmission. A round trip starts at the time
+// at which the request's first byte could leave. It ends when the reply's last byte was read.
 struct RoundTripStatistics {
   std::uint64_t count = 0;
   double min_s = 0, mean_s = 0, max_s = 0, last_s = 0;
   double smoothed_s = 0, variation_s = 0;  // SRTT and RTTVAR of RFC 6298
 };
 
-// Retransmission timeout of V. Paxson et al., "Computing TCP's Retransmission Timer", RFC 6298:
+// Retransmission timeout by V. Paxson et al., "Computing TCP's Retransmission Timer", RFC 6298:
 //
 //   First round trip R:  SRTT = R, RTTVAR = R / 2.
-//   Each further one:    RTTVAR = 3/4 RTTVAR + 1/4 |SRTT - R|, SRTT = 7/8 SRTT + 1/8 R.
+//   Each further R:      RTTVAR = 3/4 RTTVAR + 1/4 |SRTT - R|, SRTT = 7/8 SRTT + 1/8 R.
 //   RTO = SRTT + 4 RTTVAR, within [shortest, longest].
 //
 // Round trips of repeated requests are ignored (Karn's algorithm). So the timeout doubles with each retry,

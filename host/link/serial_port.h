@@ -1,4 +1,4 @@
-// Opens serial ports: raw 8N1, exclusive, with the adapter's lowest latency.
+// Opens serial ports: raw mode, 8N1, for exclusive use, with the lowest latency of the adapter.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,8 @@
 
 namespace kaz::host {
 
-// Sorted device paths where a board may be connected: existing USB serial adapters and UARTs.
+// Returns the sorted device paths of existing USB serial adapters and UARTs, to which a board may be
+// connected.
 std::vector<std::string> serial_port_candidates();
 
 // Whether the adapter's driver delivers received bytes without delay. `bus` and `network` are for links that
@@ -31,12 +32,12 @@ Result<OpenPort> open_serial_port(const std::string& path, int baud);
 // support the rate.
 Result<void> set_serial_rate(int descriptor, const std::string& path, int baud);
 
-// The group with read and write access to a device; empty if no group but root's has it.
+// Returns the group with read and write access to a device; empty if no group except root's has access.
 std::string group_with_access(const std::string& path);
 
-// Error message for a port without permission. With a `group` (from group_with_access()) it suggests joining
-// it. Without one it suggests a udev rule for the USB adapter, or chmod if the USB numbers are empty.
-// `vendor` and `product` are hexadecimal, as in sysfs.
+// Returns the error message for a port that the user may not open. If `group` (from group_with_access()) is
+// not empty, the message suggests that the user joins this group. Otherwise it suggests a udev rule for the
+// USB adapter, or chmod if `vendor` and `product` are empty. Both are hexadecimal USB numbers, as in sysfs.
 std::string permission_sentence(const std::string& path, const std::string& vendor,
                                 const std::string& product, const std::string& group);
 

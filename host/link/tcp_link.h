@@ -18,14 +18,14 @@ class TcpLink final : public PortLink {
                                                const Interrupt* interrupt = nullptr);
 
   std::string name() const override { return address_.name(); }
-  // Always fails (environment): only rfc2217 transfers modem lines.
+  // Always fails (environment), because only RFC 2217 transfers modem lines.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
   int descriptor() const override { return stream_.descriptor(); }
   bool has_unsent() const override { return stream_.has_unsent(); }
   Result<void> write(std::span<const std::uint8_t> bytes) override { return stream_.write(bytes); }
-  // Returns the errors of ByteStream. Also fails (environment) if the other end's first bytes are telnet
-  // commands.
+  // Returns the errors of ByteStream. Also fails (environment) if the first bytes from the other end are
+  // telnet commands.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   Result<void> reopen() override;
 

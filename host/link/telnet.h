@@ -15,10 +15,10 @@ inline constexpr std::uint8_t kSe = 240, kSb = 250, kWill = 251, kWont = 252, kD
 // Options: RFC 856, 857, 858, 2217
 inline constexpr std::uint8_t kBinary = 0, kEcho = 1, kSuppressGoAhead = 3, kComPort = 44;
 
-// Commands of a client, RFC 2217 section 3. A server's replies have codes 100 higher.
+// Commands of a client, RFC 2217 section 3. The code of a server's reply is the command's code plus 100.
 enum ComPort : std::uint8_t {
   kSignature = 0,
-  kBaudRate = 1,  // 4 bytes, big-endian; 0 queries it
+  kBaudRate = 1,  // 4 bytes, big-endian; 0 queries the rate
   kDataSize = 2,  // 5..8
   kParity = 3,    // 1: none
   kStopSize = 4,  // 1: one
@@ -36,7 +36,8 @@ enum ComPort : std::uint8_t {
 inline constexpr std::uint8_t kNoFlowControl = 1, kQueryDtr = 7, kDtrOn = 8, kDtrOff = 9,
                               kQueryRts = 10, kRtsOn = 11, kRtsOff = 12;
 
-// Bits of kPurge: bytes that the server has received from its port, and bytes that it has not sent yet.
+// Bits of kPurge. They select the bytes that the server has received from its port, and the bytes that the
+// server has not sent to its port yet.
 inline constexpr std::uint8_t kPurgeReceived = 1, kPurgeUnsent = 2;
 
 struct Command {
@@ -46,19 +47,20 @@ struct Command {
   bool operator==(const Command&) const = default;
 };
 
-// Parser of a telnet stream that accepts pieces of any size. Keeps the order of data and commands. Its memory
-// is bounded by the largest piece.
+// Parser of a telnet stream that accepts pieces of any size and keeps the order of data and commands. The
+// parser never needs more memory than the largest piece.
 class Reader {
  public:
   // Maximum data of one command. Longer commands are dropped and counted.
   static constexpr std::size_t kMaxData = 64;
 
-  // Parses `wire` up to the end of the next command, and returns that command; nullopt if `wire` ends before.
-  // Removes the parsed bytes from `wire`.
+  // Parses `wire` up to the end of the next command, and returns that command; nullopt if `wire` ends before
+  // the end of a command. Removes the parsed bytes from `wire`.
   std::optional<Command> take(std::span<const std::uint8_t>& wire);
-  // Returns the data since the last call. All of them came before the command that take() returned last.
+  // Returns the data bytes parsed since the last call. All these bytes came before the command that take()
+  // returned last.
   std::vector<std::uint8_t> take_data();
-  // Number of sub-negotiations that were too long, for another option, or broken off.
+  // Number of sub-negotiations that were dropped: too long, for another option, or broken off.
   std::uint64_t dropped() const { return dropped_; }
 
  private:
@@ -74,7 +76,8 @@ class Reader {
   std::uint64_t dropped_ = 0;
 };
 
-// Append the wire format of data, an option command or a COM-PORT command to `wire`.
+// The three functions below append the wire format of data, an option command or a COM-PORT command to
+// `wire`.
 void put_data(std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& wire);
 void put_option(std::uint8_t verb, std::uint8_t option, std::vector<std::uint8_t>& wire);
 void put_com_port(std::uint8_t command, std::span<const std::uint8_t> data,
@@ -85,16 +88,17 @@ std::uint32_t read_big_endian(std::span<const std::uint8_t> data);
 
 enum class End { client, server };
 
-// One end's option negotiation. Agrees once to each supported option and declines each other option once, so
-// that two ends never answer each other endlessly.
+// Option negotiation of one end. Agrees once to each supported option and declines every other option once.
+// So two ends never answer each other endlessly.
 class Options {
  public:
-  // Writes this end's initial offers and requests. A server does not offer option 44 first. pyserial would
-  // take this offer for the reply to its own, and then never send its own.
+  // Writes this end's initial offers and requests. A server does not offer option 44 first: the client
+  // pyserial would take this offer for the reply to its own offer, and then never send its own offer.
   void begin(End end, std::vector<std::uint8_t>& wire);
   // Processes an option command from the other end, and appends the reply to `wire` if one is due.
   void take(const Command& command, std::vector<std::uint8_t>& wire);
-  // com_port(): both ends support RFC 2217. refused(): the other end does not.
+  // com_port() returns whether both ends support RFC 2217. refused() returns whether the other end has
+  // declined RFC 2217.
   bool com_port() const { return com_port_; }
   bool refused() const { return refused_; }
 

@@ -14,7 +14,7 @@ namespace kaz::host {
 class TtyLink final : public PortLink {
  public:
   // Returns the errors of open_serial_port (serial_port.h). `interrupt` may be null. Otherwise it must
-  // outlive the link, and a request makes `read` fail. Deadlines are on WallClock's scale.
+  // outlive the link, and an interrupt request makes `read` fail. Deadlines are on WallClock's scale.
   static Result<std::unique_ptr<TtyLink>> open(const std::string& path, int baud = 115200,
                                                const Interrupt* interrupt = nullptr);
   TtyLink(const TtyLink&) = delete;
@@ -23,7 +23,7 @@ class TtyLink final : public PortLink {
   std::string name() const override { return path_; }
   Time byte_time() const override;
   Result<void> set_baud(int baud) override;
-  // Fails (environment) if the port has no modem lines, as a pseudo-terminal.
+  // Fails (environment) if the port has no modem lines. A pseudo-terminal, for example, has no modem lines.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return low_latency_; }
   int descriptor() const override { return stream_.descriptor(); }
@@ -32,11 +32,11 @@ class TtyLink final : public PortLink {
   void purge(bool received, bool unsent) override;
   // Fails if the port is lost, or if more than 64 KiB would be unsent.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
-  // Fails if the port disappears during use (adapter unplugged, or the simulator at the other end has ended),
-  // and from then on until reopen() succeeds.
+  // Fails if the port disappears during use (adapter unplugged, or the simulator at the other end has ended).
+  // After such a failure, every call fails until reopen() succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   // Opens the same USB adapter again, even under another path (serial_identity.h). A port without USB adapter
-  // is opened at its old path. Fails as open() does while the port is missing.
+  // is opened at its old path. While the port is missing, fails with the error of open().
   Result<void> reopen() override;
 
  private:
@@ -44,7 +44,7 @@ class TtyLink final : public PortLink {
   Result<std::string> path_now() const;
 
   std::string path_;
-  std::string identity_;  // the USB adapter's; empty if the port has none
+  std::string identity_;  // identity of the USB adapter; empty if the port has no USB adapter
   int baud_;
   LowLatency low_latency_;
   const Interrupt* interrupt_;

@@ -12,9 +12,9 @@ class WallClock final : public Clock {
   // `interrupt` may be null; else it must outlive the clock.
   explicit WallClock(const Interrupt* interrupt = nullptr) : interrupt_(interrupt) {}
 
-  // CLOCK_MONOTONIC, the time scale of the exposure times in camera_stream.hpp.
+  // Returns CLOCK_MONOTONIC, which is also the time scale of the exposure times in camera_stream.hpp.
   Time now() const override;
-  // Fails only if interrupted, and then at once.
+  // Fails only if interrupted. An interrupt ends the wait at once.
   Result<void> sleep_until(Time t) override;
 
  private:

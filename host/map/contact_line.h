@@ -34,16 +34,16 @@ class ContactLine {
              const Eigen::Isometry3d& map_from_eye);
   // Enters the floor pixels of row `v`. Call it from the lowest row to the highest.
   void enter_row(int v);
-  // Horizontal distance (m) from the eye to the end of the floor in column `u`, among the rows entered; 0
-  // if none is floor.
+  // Horizontal distance (m) from the eye to the end of the floor in column `u`, among the rows entered so
+  // far; 0 if no pixel of the column is floor.
   float distance(int u) const;
   // Adds a point of the current row that stands at the end of the floor in its column, `height_m` above the
   // floor.
   void add(int u, float votes, float height_m);
   // Returns whether the depth of a point of the current row is mixed from a rim and its background. The
-  // point must be farther away than the end of the floor below it. It is mixed if it is lower than the
-  // standing object in front of it. If no such object was added, it is mixed if it is farther beyond the
-  // floor's end than objects are deep.
+  // point must be farther away than the end of the floor below it. If an object was added that stands at this
+  // end of the floor, a point lower than the object is mixed. If no such object was added, a point is mixed
+  // if its distance beyond the floor's end exceeds the depth of objects.
   bool mixed(int u, float distance_m, float height_m) const;
 
   // Fills plain faces between neighboring columns with standing points that are more than `stride` apart.

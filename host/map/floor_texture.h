@@ -33,9 +33,9 @@ struct FloorView {
 };
 
 // Input of a view: rectified left image, its planes, and the pose of the foot. With `depth` and `map`,
-// pixels also count as floor if the map has floor there and the pixel's depth is missing or agrees.
-// Otherwise a floor of planks shows little of its pattern, because its edges are along the rows. All
-// references must outlive this.
+// pixels also count as floor if the map has floor there and the pixel's depth is missing or agrees. Without
+// these pixels, a floor of planks shows little of its pattern, because the edges of planks are parallel to
+// the picture's rows. All references must outlive this object.
 struct FloorPictureView {
   const vision::Image& left;
   const vision::PlaneSegments& planes;  // with `info`
@@ -54,7 +54,7 @@ struct FloorShift {
   double correlation = 0;       // -1..1
   double overlap_m2 = 0;
   Eigen::Vector2d middle{0, 0};  // center of the common floor
-  // If set, the shift along this direction of the map is unknown, and 0.
+  // If set, the shift along this direction of the map is unknown, and `shift` is 0 along it.
   std::optional<Eigen::Vector2d> unknown_along;
 };
 // Search range: the largest expected error of odometry. The search covers at most 64 mm and 6 degrees.

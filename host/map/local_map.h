@@ -23,9 +23,10 @@
 // - Hole. If a point is below the floor by more than `drop_m` and three sigma, its ray meets no floor at
 //   the floor's height. The cell there is an obstacle.
 //
-// Some points are strays and do not count. Points above and below contradict them, or they are too few for
-// even a low obstacle. Or they lie beyond the floor's end and lower than what stands there. Such a depth is
-// mixed from a rim and the floor behind it (contact_line.h).
+// Some points are strays and do not count. A point is a stray if the points above and below have another
+// depth, or if a cell has fewer points than even a low obstacle. A point beyond the floor's end is also a
+// stray if it is lower than the object that stands at this end: its depth is mixed from the object's rim and
+// the floor behind the object (contact_line.h).
 //
 // Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture
 // shows it. The posture of a walking robot errs by 0.65 degrees and 4 mm (one sigma), which is 4 cm of
@@ -60,7 +61,7 @@ struct LocalMapOptions {
   double obstacle_m = 0.015;  // objects up to this height are no obstacles
   // Depth below the floor from which a point shows a hole or an edge.
   double drop_m = 0.03;
-  double robot_m = 0.36;  // things above this height pass above the robot
+  double robot_m = 0.36;  // height of the robot; things above this height are no obstacles
   // Points nearer than this to the foot's origin belong to the robot. There, floor does not clear an
   // obstacle that several pictures have shown.
   double own_m = 0.13;
@@ -117,7 +118,7 @@ class LocalMap {
   // Number of the cell that contains this coordinate.
   int number(double m) const;
   double middle(int cell) const;  // center of a cell, m
-  // As the state of cell(), but an obstacle of only a single vote is unknown.
+  // Like the state of cell(), but an obstacle with only a single vote is reported as unknown.
   CellState certain(int x, int y) const;
   CellState certain_at(double x_m, double y_m) const { return certain(number(x_m), number(y_m)); }
   // Log-odds of an obstacle; 0 if unknown.
@@ -158,7 +159,7 @@ class LocalMap {
   std::vector<float> hits_;            // votes for an obstacle
   std::vector<std::uint16_t> points_;  // number of obstacle points
   std::vector<std::uint32_t> touched_;
-  std::vector<int> row_u_, row_v_, row_vote_;  // for a row of cells
+  std::vector<int> row_u_, row_v_, row_vote_;  // pixel coordinates and votes for a row of cells
   ContactLine contact_;
   std::vector<float> row_up_;      // heights in a row of pixels, m
   std::vector<std::uint8_t> own_;  // by pixel; 1: shows the robot itself

@@ -1,9 +1,10 @@
-// Directions in which a look shows the most unknown floor.
+// Selects the directions in which the robot's eyes see the most unknown floor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Greedy next-best-view selection. It chooses the candidate whose view contains the most unknown floor,
-// weighted by the distance from the path. Floor in a chosen view no longer counts for the others. It stops
-// when no view is worth the time. A view ends at the first obstacle of the map.
+// Greedy next-best-view selection: repeatedly chooses the candidate whose view contains the most unknown
+// floor, weighted by the distance from the path. Floor in a chosen view no longer counts for the other
+// candidates. The selection stops when no view contains enough unknown floor. A view ends at the first
+// obstacle of the map.
 //
 // Map frame. Units: m, rad; directions are relative to `heading_rad`, positive to the left.
 #pragma once
@@ -25,8 +26,8 @@ struct Viewpoint {
 };
 
 // Returns those of `candidates` that are worth a look, best first. `path`: corners of the path to be
-// walked; with fewer than two, all unknown floor counts alike. `worth_m2`: the smallest weighted area of
-// unknown floor in a view.
+// walked; with fewer than two corners, all unknown floor has equal weight. `worth_m2`: smallest weighted area
+// of unknown floor for which a view is chosen.
 std::vector<double> directions_worth_a_look(const LocalMap& map, const Viewpoint& from,
                                             std::span<const double> candidates,
                                             std::span<const Eigen::Vector2d> path,

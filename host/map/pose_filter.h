@@ -3,7 +3,7 @@
 //
 // Extended Kalman filter over the present pose and copies of past poses, from which the floor was seen.
 // Odometry widens the covariance of the present pose. A match measures the present pose relative to a past
-// one, and corrects both by their uncertainty (S. I. Roumeliotis, J. W. Burdick, "Stochastic cloning: a
+// pose, and corrects both by their uncertainty (S. I. Roumeliotis, J. W. Burdick, "Stochastic cloning: a
 // generalized framework for processing relative state measurements", ICRA 2002). A match that is too far
 // off for both uncertainties is rejected, because it belongs to another plank or another square of the
 // floor.
@@ -16,7 +16,8 @@
 
 namespace kaz::map {
 
-// Pose `to` seen from `from`, and the inverse: `from` moved by `relative`.
+// pose_between() returns pose `to` relative to `from`. pose_after() is the inverse: `from` moved by
+// `relative`.
 Eigen::Vector3d pose_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 Eigen::Vector3d pose_after(const Eigen::Vector3d& from, const Eigen::Vector3d& relative);
 
@@ -24,13 +25,13 @@ class PoseFilter {
  public:
   PoseFilter() : mean_(Eigen::Vector3d::Zero()), covariance_(Eigen::Matrix3d::Zero()) {}
 
-  // Enters a pose of odometry, in its own frame. The first becomes the pose on the map; later ones count by
-  // their change.
+  // Enters a pose of odometry, in the frame of odometry. The first pose becomes the pose on the map. A later
+  // pose moves the pose on the map by its change since the previous pose.
   void move(const Eigen::Vector3d& by_odometry);
-  // Returns the pose on the map of a pose of odometry.
+  // Converts a pose of odometry to a pose on the map.
   Eigen::Vector3d at(const Eigen::Vector3d& by_odometry) const;
-  // Remembers the present pose and returns its number. If the robot has not moved since the last call, that
-  // is the same.
+  // Remembers the present pose and returns its number. If the robot has not moved since the last call,
+  // returns the same number again.
   int remember();
   Eigen::Vector3d remembered(int number) const { return mean_.segment<3>(3 + 3 * number); }
   // Covariance of the present pose as seen from a remembered one.

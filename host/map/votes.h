@@ -17,10 +17,11 @@ inline constexpr double kObstacleVote = 1.2;
 // Largest difference in disparity between an obstacle point and those above and below it. Block matching
 // scatters single points behind the rim of an object in front of the floor.
 inline constexpr float kSmooth_px = 1;
-// Fewer points in a cell and its eight neighbors are such strays. A box 2 cm high at 1.2 m has about six.
+// Minimum number of obstacle points in a cell and its eight neighbors; fewer points are strays. A box 2 cm
+// high at 1.2 m has about six points.
 inline constexpr int kMinPoints = 4;
-// The minimum near the robot: this share of the points of a face as wide as a cell and as high as the
-// lowest obstacle.
+// Near the robot, the minimum number of points is larger: this share of the points on a face that is as wide
+// as a cell and as high as the lowest obstacle.
 inline constexpr double kMinShare = 0.3;
 // Largest difference, in sigmas of disparity, between a point and the end of the floor below it, if the
 // point stands there.
@@ -34,10 +35,10 @@ inline constexpr double kSide = 16.0 / 320;
 inline constexpr double kMaxOdds = 10, kMaxFloorOdds = 3;
 // Log-odds (three obstacle votes) from which floor beside the feet does not clear a cell.
 inline constexpr double kKeptBeside = 3.6;
-inline constexpr double kKnown = 0.1;  // magnitude of log-odds below which a cell is unknown
+inline constexpr double kKnown = 0.1;  // a cell is unknown if its log-odds have a smaller magnitude
 // A full vote needs a quarter of the pixels that fill a cell.
 inline constexpr double kFullAt = 4;
-// Inverse of the ratio to the strongest neighbor's points that counts as full.
+// A cell's vote is not reduced if its votes times this factor reach those of the strongest neighbor.
 inline constexpr float kUneven = 1.6F;
 
 struct LocalMap::View {

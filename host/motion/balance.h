@@ -1,10 +1,11 @@
 // Balance while walking: a small neural network that corrects the gait from sensor readings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The gait (gait.h) follows time alone. A push that carries the center of mass close to a sole's edge
-// topples it. In each control cycle, the network corrects the speed of its phase, the roll of the trunk,
-// and the height and length of the steps. It also corrects the depth of the crouch and the lean. Its inputs
-// are the phase, accelerometer, gyro, and the deflection of the leg joints under load.
+// The gait (gait.h) depends on time only, without feedback. A push that moves the center of mass close to a
+// sole's edge topples the robot. In each control cycle, the network corrects the speed of the gait's phase,
+// the roll of the trunk, and the height and length of the steps. The network also corrects the depth of the
+// crouch and the lean. Inputs of the network are the phase, the accelerometer, the gyro, and the deflection
+// of the leg joints under load.
 //
 //   u = limit * tanh(W2 tanh(W1 x + b1) + b2),   x: kInputs numbers of about 1, u: kOutputs
 //
@@ -62,14 +63,15 @@ class BalancePolicy {
   Eigen::Matrix<double, kOutputs, 1> b2_;
 };
 
-// Computes the policy's inputs by filters of the sensors. Their zeros are measured while the robot stands.
+// Filters the sensors' readings and computes the policy's inputs from them. The sensors' zeros are measured
+// while the robot stands.
 class Balance {
  public:
   explicit Balance(const BalancePolicy& policy) : policy_(policy) {}
 
   struct Sensed {
     double dt = 0;       // s since the last call
-    bool still = false;  // the robot stands, so zeros are measured
+    bool still = false;  // true: the robot stands, so the sensors' zeros are measured
     bool walks = false;  // if false, the correction fades
     double phase = 0, amplitude = 0;
     double yaw_rate = 0;                     // rad/s

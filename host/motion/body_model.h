@@ -1,9 +1,10 @@
 // Body model of Kaz: poses of all links and the center of mass from joint angles.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The numbers are those of shared/robot/kaz/kaz.urdf; a test compares them. Frames as there: parallel to
-// the trunk's (x forward, y left, z up) at the zero posture, with the origin on the link's own joint. The
-// trunk's origin lies midway between the hips. Units: m, kg, rad.
+// The numbers are copied from shared/robot/kaz/kaz.urdf; a test compares both. The frames of links are also
+// those of the URDF. At the zero posture, all frames are parallel to the trunk's frame (x forward, y left, z
+// up). The origin of a frame is on the link's own joint. The trunk's origin lies midway between the hips.
+// Units: m, kg, rad.
 #pragma once
 
 #include <array>
@@ -20,10 +21,10 @@ using host::Side;
 struct Link {
   // Joint number of the parent link; -1: the trunk.
   int parent;
-  Eigen::Vector3d origin;  // position of its joint, parent frame
+  Eigen::Vector3d origin;  // position of the link's joint, parent frame
   Eigen::Vector3d axis;
   double mass;
-  Eigen::Vector3d centre;  // center of mass, own frame
+  Eigen::Vector3d centre;  // center of mass, in the link's frame
 };
 // The link that each joint moves, by joint number.
 const std::array<Link, KZ_JOINTS>& links();

@@ -19,7 +19,7 @@
 
 namespace kaz::motion {
 
-// Sole, relative to the ankle's axis, m: the collision box of kaz.urdf.
+// Edges of the sole relative to the ankle's axis, m, from the collision box in kaz.urdf.
 inline constexpr double kToe = 0.060, kHeel = -0.040, kHalfSole = 0.030;
 
 // Pose of the trunk. Origin: on the floor below the midpoint of the ankles.
@@ -36,8 +36,8 @@ JointAngles home();
 struct Feet {
   double left_forward = 0, left_lift = 0, right_forward = 0, right_lift = 0;
 };
-// Sets the leg angles for flat feet. A position out of reach is replaced by the nearest one on the line
-// from the hip.
+// Sets the leg angles for flat feet. A position out of reach is replaced by the nearest reachable position on
+// the line from the hip.
 void place_legs(JointAngles& angles, const Stance& stance, const Feet& feet);
 
 // Center of mass for this stance, from the midpoint of the ankles, m.

@@ -23,8 +23,8 @@ class Heading {
   void add(const host::Inertial& sample, bool still, double upright);
 
   double rad() const { return heading_; }
-  // One sigma of the rotation since the first sample: noise, error of the measured zero, and its drift
-  // since. Motion adds the share from lean and shaking of a walking trunk.
+  // One sigma of the rotation since the first sample. Includes noise, the error of the measured zero, and the
+  // drift of the zero. Motion adds the error from lean and shaking of the trunk during walking.
   double sigma_rad() const;
   double sigma_zero() const;  // rad/s
   // Time for which the zero was measured, s.

@@ -25,8 +25,8 @@ struct ArmAngles {
   double sh_pitch = 0, sh_roll = 0, elbow = 0;
 };
 // `grasp`: position of the grasp's center. The elbow bends forward. Returns nothing if the position is out
-// of reach, or if a joint would exceed its limits. The position may also be too far to the side for the
-// shoulder's roll with a bent arm.
+// of reach, or if a joint would exceed its limits. Also returns nothing if the arm must bend so much that the
+// shoulder's roll cannot reach a position so far to the side.
 std::optional<ArmAngles> arm_to(Side side, const Eigen::Vector3d& grasp);
 ArmAngles arm_of(const JointAngles& angles, Side side);
 void set_arm(JointAngles& angles, Side side, const ArmAngles& arm);

@@ -33,7 +33,7 @@ struct Settings {
   double reach = 0.012;      // m, largest sliding amplitude for turning
   bool use_gyro = true;      // false: ignores the gyro
   bool hold_heading = true;  // while walking
-  // Corrects the gait while walking; needs gyro and accelerometer. Null: the gait follows time alone.
+  // Policy that corrects the gait during walking; needs gyro and accelerometer. Null: no corrections.
   std::shared_ptr<const BalancePolicy> balance = {};
 };
 
@@ -57,7 +57,7 @@ class Motion {
   // Walks until stop() with this stride (m, at most Settings::stride, negative: back) and holds a heading
   // (rad).
   void walk_on(double stride, double heading);
-  // Turns on the spot by `angle` rad, + to the left, by slip of the soles.
+  // Turns on the spot by `angle` rad, + to the left. The soles slip on the floor.
   void turn(double angle);
   // Stops within a cycle and a half.
   void stop();
@@ -67,11 +67,12 @@ class Motion {
   LegTargets step(Time now, const host::Posture& posture);
 
   State state() const { return state_; }
-  // Standing, with no command left. A turn also ends after too many cycles: compare heading().
+  // Returns whether the robot stands and no command is left. A turn also ends after too many cycles, so
+  // compare heading() with the commanded heading.
   bool idle() const { return state_ == State::standing && wish_ == Wish::stand; }
   bool has_gyro() const { return gyro_; }
-  // Time, s, for which the gyro's zero was averaged while standing. Needed: 4 s for a walk of 1 m, 1 s for
-  // a turn of 45 degrees.
+  // Time (s) over which the gyro's zero was averaged while the robot stood. A walk of 1 m needs 4 s, a turn
+  // of 45 degrees needs 1 s.
   double zeroed_s() const { return heading_.zeroed_s(); }
   double heading() const;
   const Place& place() const { return odometry_.place(); }

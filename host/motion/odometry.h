@@ -4,7 +4,8 @@
 // The supporting sole is assumed to stand still and flat on the floor. The measured leg angles then
 // determine the position of the trunk's origin (midway between the hips). While both feet support, each
 // counts by its share of the weight, because soles that slip against each other slip about equally to both
-// sides. Frame: that of the start; x ahead, y left, origin below the middle of the hips. Units: m, rad.
+// sides. Frame: the robot's frame at the start; x ahead, y left, origin below the middle of the hips. Units:
+// m, rad.
 #pragma once
 
 #include <Eigen/Core>

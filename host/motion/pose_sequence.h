@@ -1,4 +1,4 @@
-// Poses over time, as a file or as the page of --view writes them, and the smooth motion through them.
+// Poses over time, read from a file or sent by the browser page of --view, and a smooth motion through them.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A pose file (docs/howto/watch.md) is JSON:

@@ -30,14 +30,16 @@ class Pickup {
 
   Side hand() const { return hand_; }
   int hand_joint() const { return hand_ == Side::left ? host::l_hand : host::r_hand; }
-  // Target of the closing hand, and the angle at which a ball of this radius stops it at the latest, rad.
+  // closed(): target of the closing hand. stopped(): the largest closing angle at which a ball of this radius
+  // stops the hand. Both in rad.
   double closed() const { return closed_; }
   double stopped() const { return stopped_; }
 
   // Returns the angles of legs, arms and hands (not of the neck). Before 0 and after the end: the first and
   // the last pose, which stand.
   JointAngles at(double time_s) const;
-  // Abort motion from at(from_s) back to home() with the hand open. `time_s`: 0 to kGiveUp_s.
+  // Motion that aborts the pickup: from at(from_s) back to home() with the hand open. `time_s`: 0 to
+  // kGiveUp_s.
   JointAngles back(double from_s, double time_s) const;
   static constexpr double kGiveUp_s = 3.4;
 
@@ -47,7 +49,7 @@ class Pickup {
     double time = 0;
     // Height of the hips, pitch of the trunk, x of the center of mass.
     double z = 0, pitch = 0, com_x = 0;
-    ArmAngles arm, other;  // the arm that picks up; the other, as counterweight
+    ArmAngles arm, other;  // the arm that picks up, and the other arm, which is a counterweight
     double hand = 0;
   };
   static JointAngles solve(const Key& key, Side hand, double* hips_x = nullptr);

@@ -9,14 +9,14 @@
 
 namespace kaz::plan {
 
-// Built for one grid, which must outlive this. With an infinite unknown_factor, unknown cells are
-// obstacles.
+// Built for one grid, which must outlive this object. With an infinite PlanOptions::unknown_factor, unknown
+// cells are obstacles.
 class Clearance {
  public:
   Clearance(const Grid& grid, const PlanOptions& options);
 
-  // Clearance, m: a lower bound on the distance from the cell's center to the nearest obstacle cell. It is
-  // the distance of the centers minus half a cell diagonal, at least 0.
+  // Clearance, m: a lower bound on the distance from the cell's center to the nearest obstacle cell. The
+  // bound is the distance between both cell centers minus half a cell diagonal, but at least 0.
   double m(int x, int y) const { return clear_m_[grid_.index(x, y)]; }
   // Returns whether the robot may stand with its center in this cell.
   bool free(int x, int y) const { return grid_.inside(x, y) && free_[grid_.index(x, y)] != 0; }
@@ -29,11 +29,11 @@ class Clearance {
   double weighted_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const;
   // Returns whether neighboring free cells (sides or corners) connect the two cells. Both must be free.
   bool connected(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
-  // Returns the floor cell nearest to `to` among those connected with `from`. It is empty if `from` is not
-  // free, or no floor is connected.
+  // Returns the floor cell nearest to `to` among the cells connected with `from`. Returns nothing if `from`
+  // is not free, or if no floor cell is connected.
   std::optional<Eigen::Vector2i> nearest_connected(const Eigen::Vector2i& from,
                                                    const Eigen::Vector2d& to) const;
-  // Returns the narrowest place of the widest way between two cells, as NoPath::Why::enclosed.
+  // Returns the narrowest place of the widest way between two cells, with the reason NoPath::Why::enclosed.
   NoPath narrowest(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
   const Grid& grid() const { return grid_; }
 

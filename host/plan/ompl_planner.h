@@ -1,15 +1,15 @@
 // Second planner: ABIT* of OMPL, which samples poses instead of cells and headings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ABIT* draws batches of poses and searches the graph of each pose and its nearest ones for the fastest
-// path. Source: Strub and Gammell, "Advanced BIT* (ABIT*): sampling-based planning with advanced
-// graph-search techniques", ICRA 2020. It uses the heuristic of the grid planner. An edge is a turn toward
-// the other pose, a straight line, and a turn to the other's heading. Its cost is time, in one direction
-// only. It is checked every half cell to be free. The path found is straightened like that of the grid
-// planner.
+// ABIT* draws batches of random poses. It connects each pose with the nearest poses and searches this graph
+// for the fastest path. Source: Strub and Gammell, "Advanced BIT* (ABIT*): sampling-based planning with
+// advanced graph-search techniques", ICRA 2020. ABIT* here uses the heuristic of the grid planner. An edge is
+// a turn toward the other pose, a straight line, and a turn to the heading of the other pose. The cost of an
+// edge is time and may differ between both directions. An edge is checked for obstacles every half cell. The
+// path found is straightened like a path of the grid planner.
 //
-// It ends after a number of batches, or with a path that no other can improve. It reads no clock, so the same
-// seed gives the same path.
+// The search ends after a number of batches, or when no path can be faster. The search reads no clock, so the
+// same seed gives the same path.
 #pragma once
 
 #include <cstdint>
@@ -21,17 +21,17 @@ namespace kaz::plan {
 
 struct OmplOptions {
   std::uint64_t seed = 1;
-  // Maximum number, 1 or more. More batches take longer and find faster paths.
+  // Maximum number of batches, 1 or more. More batches take longer and find faster paths.
   int batches = 3;
-  int batches_until_found = 6;  // maximum number without a path
-  int batch_size = 100;         // poses in a batch, 1 or more
+  int batches_until_found = 6;  // maximum number of batches as long as no path is found
+  int batch_size = 100;         // number of poses in a batch, 1 or more
 };
 
 // Errors: Kaz was built without OMPL (environment), or options are out of range (usage).
 //
-// The planner's plan() also fails (usage) without any_heading, because only the grid planner turns by 45
-// degrees, and (failed) if OMPL fails. It may return NoPath::Why::not_found. Only one thread at a time may
-// use a planner.
+// The planner's plan() also fails (usage) if PlanOptions::any_heading is false, because only the grid planner
+// can be restricted to turns of 45 degrees. It fails (failed) if OMPL fails. The reason for a missing path
+// may be NoPath::Why::not_found. Only one thread at a time may use a planner.
 Result<std::unique_ptr<Planner>> make_ompl_planner(const OmplOptions& options = {});
 
 }  // namespace kaz::plan

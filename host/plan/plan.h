@@ -4,10 +4,10 @@
 // A turn of 45 degrees takes as long as a third of a meter straight ahead, so the shortest path is seldom
 // the fastest. The least-time paths of such a robot alternate turns and straight lines. Source: Furtuna and
 // Balkcom, "Generalizing Dubins curves: minimum-time sequences of body-fixed rotations and translations in
-// the plane", IJRR 2010. The robot's outline is a disc around the middle between its feet. So the robot can
-// turn wherever the disc is free.
+// the plane", IJRR 2010. The robot's outline is modeled as a disc around the midpoint between the feet. So
+// the robot can turn wherever the disc is free.
 //
-// Frame: that of the grid; x forward, y left, headings from x toward y. Units: m, rad, s.
+// Frame: the frame of the grid; x forward, y left, headings positive from x toward y. Units: m, rad, s.
 #pragma once
 
 #include <cstddef>
@@ -25,11 +25,11 @@
 
 namespace kaz::plan {
 
-// State of the floor by cells. Everything outside of the grid is unknown, and no path leads there.
+// State of each cell of the floor. Everything outside of the grid is unknown, and no path leads there.
 struct Grid {
   int cells_x = 0, cells_y = 0;
   double cell_m = 0.01;
-  Eigen::Vector2d corner{0, 0};       // least x and y of the cell 0, 0
+  Eigen::Vector2d corner{0, 0};       // corner of cell (0, 0) with the smallest x and y
   std::vector<map::CellState> state;  // [x * cells_y + y]
 
   map::CellState at(int x, int y) const {
@@ -41,19 +41,19 @@ struct Grid {
            static_cast<std::size_t>(y);
   }
   Eigen::Vector2i cell(const Eigen::Vector2d& p) const {
-    // Far places stay outside, within the range of int.
+    // Places far outside of the grid are clamped, so that the numbers fit into an int.
     return ((p - corner) / cell_m).array().floor().max(-1e9).min(1e9).cast<int>();
   }
   Eigen::Vector2d middle(int x, int y) const {
     return corner + cell_m * Eigen::Vector2d(x + 0.5, y + 0.5);
   }
 };
-// Returns the square of `size_m` around the map's origin. An obstacle of only a single vote is unknown
-// (LocalMap::certain).
+// Returns a square part of the map with the side `size_m`, centered on the map's origin. An obstacle cell
+// with only a single vote becomes unknown (LocalMap::certain).
 Grid grid_of(const map::LocalMap& map, double size_m);
 
-// Sets obstacles of fewer than `cells` cells to unknown if all of these are farther than `beyond_m` from
-// `from`. Cells that touch at corners belong together.
+// Sets an obstacle to unknown if it has fewer than `cells` cells, and if all its cells are farther than
+// `beyond_m` from `from`. Obstacle cells that touch, even only at a corner, form one obstacle.
 void forget_specks(Grid& grid, int cells, const Eigen::Vector2d& from, double beyond_m);
 
 struct Pose {
@@ -65,15 +65,16 @@ struct Goal {
   std::optional<double> heading_rad;  // empty: any
 };
 
-// The times are those of measured walks and turns (docs/results/README.md).
+// The default times come from measured walks and turns (docs/results/README.md).
 struct PlanOptions {
   double turn_s_per_rad = 6.6 / (45 * kDegree);
   double go_s_per_m = 6.6 / 0.33;
-  double radius_m = 0.16;  // radius of the disc: the hands in the crouch, and 2 cm of sway
-  // Factor on the time in unknown cells, 1 or more. Infinite: unknown cells of the grid are obstacles.
+  // Radius of the robot's disc. Includes the hands, as held in the crouch, and 2 cm of sway.
+  double radius_m = 0.16;
+  // Factor on the time spent in unknown cells, 1 or more. Infinite: unknown cells are obstacles.
   double unknown_factor = 2;
-  // If false, turns are multiples of 45 degrees from the start's heading, except the last one, to the
-  // goal's heading. The path then ends in the center of a cell.
+  // If false, all turns except the last one are multiples of 45 degrees. The last turn ends at the goal's
+  // heading, and the path ends in the center of a cell.
   bool any_heading = true;
 };
 
@@ -84,15 +85,15 @@ struct Leg {
 };
 
 struct Path {
-  std::vector<Leg> legs;                 // none has zero length
+  std::vector<Leg> legs;                 // legs of zero length are omitted
   std::vector<Eigen::Vector2d> corners;  // start, turning points, goal
-  // Duration without the factor of unknown cells.
+  // Duration, without PlanOptions::unknown_factor.
   double seconds = 0;
-  // Duration of the path on the planner's graph, with the factor, before straight lines replace parts of
-  // it. The grid planner's path is from cell center to cell center. So `seconds` exceeds it by at most the
-  // offsets of start and goal from their cell centers.
+  // Duration of the path on the planner's graph, with PlanOptions::unknown_factor, before straight lines
+  // replace parts of the path. The grid planner's path leads from cell center to cell center. So `seconds`
+  // exceeds `searched_seconds` by at most the time for the offsets of start and goal from their cell centers.
   double searched_seconds = 0;
-  std::size_t expanded = 0;  // states that the search expanded
+  std::size_t expanded = 0;  // number of states that the search expanded
 };
 
 // Reason why there is no path.
@@ -100,16 +101,16 @@ struct NoPath {
   // not_found: there is a path, but a sampling planner did not find it.
   enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed, not_found };
   Why why = Why::enclosed;
-  // The obstacle in the way. For enclosed and not_found: the obstacle at the narrowest place of the widest
-  // way to the goal. For start_outside and goal_outside: that position.
+  // Position of the obstacle in the way. For enclosed and not_found: the obstacle at the narrowest place of
+  // the widest way to the goal. For start_outside and goal_outside: the position of the start or the goal.
   Eigen::Vector2d where{0, 0};
-  double clear_m = 0;  // free distance to each side there
+  double clear_m = 0;  // distance to the obstacle, from the start, the goal or the narrowest place
 };
 // Returns the reason: "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.16 m".
 std::string text(const NoPath& none, const PlanOptions& options);
 
-// Returns the center of the floor cell nearest to `to` that the robot can reach from `from`, at least from
-// cell to cell. It is empty if the robot cannot stand at `from`, or no floor is reachable.
+// Returns the center of the floor cell nearest to `to` that the robot can reach from `from` by steps between
+// neighboring cells. Returns nothing if the robot cannot stand at `from`, or if no floor is reachable.
 std::optional<Eigen::Vector2d> nearest_reachable(const Grid& grid, const Eigen::Vector2d& from,
                                                  const Eigen::Vector2d& to,
                                                  const PlanOptions& options);

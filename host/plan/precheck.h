@@ -10,8 +10,8 @@ namespace kaz::plan {
 Result<void> check(const Grid& grid, const Pose& start, const Goal& goal,
                    const PlanOptions& options);
 
-// Returns why no planner finds a path from start to goal. It is empty if a path exists, at least from cell
-// to cell, also across the corners of cells.
+// Returns the reason why no planner can find a path from start to goal. Returns nothing if steps between
+// neighboring free cells (sides or corners) lead from start to goal.
 std::optional<NoPath> no_path(const Clearance& clearance, const Pose& start, const Goal& goal);
 
 }  // namespace kaz::plan

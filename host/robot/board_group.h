@@ -1,18 +1,19 @@
 // A group of boards that acts as one: distributes each request and merges the replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// - Requests with a joint mask are split by board; all others go to every board. A board without a part of a
-//   request gets a heartbeat, so that every request restarts every link watchdog.
-// - Board time is that of the first board, the reference. The ticks of other boards are related to it through
-//   host time (clock_relation.h).
+// - A request with a joint mask is split by board; any other request goes to every board. A board that gets
+//   no part of a request gets a heartbeat instead, so that every request restarts every link watchdog.
+// - Board time is the time of the first board, the reference. The ticks of other boards are converted to the
+//   reference's ticks through host time (clock_relation.h).
 // - A `state_reply` contains the angles of all joints at the reference's tick. Angles of other boards are
-//   interpolated between their last two states, or extrapolated by at most kMaxAhead. The error is that of
-//   both clock relations (about 0.1 ms to 1 ms) times the joint's speed.
-// - A status flag is set if any board sets it. ENABLED needs all boards on which motors were switched on,
-//   UNLOCKED needs all boards.
-// - A shutdown of one board, except by its link watchdog, switches off the motors of all boards.
-// - A request that one board refuses is refused. Other boards may have executed it. After a refused `enable`,
-//   the motors of all boards are switched off.
+//   interpolated between the last two states, or extrapolated by at most kMaxAhead. The angle error is the
+//   time error of both clock relations (about 0.1 ms to 1 ms) times the joint's speed.
+// - A status flag is set if any board sets this flag. ENABLED is set only if all boards on which motors were
+//   switched on set it. UNLOCKED is set only if all boards set it.
+// - If one board shuts down for another reason than its link watchdog, the motors of all boards are switched
+//   off.
+// - If one board refuses a request, the group reports the request as refused. Other boards may have executed
+//   the request. After a refused `enable`, the motors of all boards are switched off.
 //
 // Telemetry and `set_address` need a single board and are rejected (usage).
 #pragma once
@@ -32,9 +33,10 @@ namespace kaz::host {
 
 class BoardGroup final : public Exchanger {
  public:
-  // Limit of extrapolation.
+  // Maximum time by which angles are extrapolated.
   static constexpr Time kMaxAhead = std::chrono::milliseconds(10);
-  // States further apart are not interpolated; the latest angle is used.
+  // Angles are not interpolated between two states that are further apart than this. The latest angle is used
+  // instead.
   static constexpr Time kMaxBetween = std::chrono::milliseconds(100);
 
   // Requires at least one board, and each joint on exactly one board (check_boards). `clock` and all links
@@ -47,14 +49,14 @@ class BoardGroup final : public Exchanger {
   Result<std::optional<Reply>> collect(Ticket ticket, Time deadline) override;
   Result<Reply> exchange_at_once(const Request& request) override;
   Result<void> send(const Request& request) override;
-  // Listens to the first board only. A group has no telemetry.
+  // Listens to the first board only, because a group of boards cannot request telemetry.
   Result<bool> listen(Time deadline) override;
   void on_telemetry(Telemetry) override {}
   void start_anew() override;
   void limit_tries(std::optional<int> tries) override;
   const LinkStatistics& statistics() const override;
   std::string recent_frames() const override;
-  // Supports only name() and reopen(), which reopens lost links.
+  // Returns a link that supports only name() and reopen(). reopen() reopens all lost links.
   Link& link() override;
   std::string failed_name() override;
   std::span<const std::uint8_t> noise() const override;

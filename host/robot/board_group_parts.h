@@ -25,21 +25,21 @@ struct BoardGroup::Member {
   std::uint16_t status = 0;
   bool restarted = false;
   std::uint32_t to_be_on = 0;  // joints that were switched on
-  bool to_be_off = false;      // switch_off() was called since then
-  bool link_lost = false;      // link must be reopened
+  bool to_be_off = false;      // switch_off() was called after joints were switched on
+  bool link_lost = false;      // the link must be reopened
   struct State {
     Time time{};
     std::array<s16, KZ_JOINTS> angle{};
   };
-  std::optional<State> before, latest;  // its last two states
-  // Angle of the latest state, moved to time `t` on the line through both states. Unchanged if they are
+  std::optional<State> before, latest;  // the board's last two states
+  // Angle at time `t` on the line through the last two states. Returns the latest angle if these states are
   // further apart than kMaxBetween.
   s16 angle_at(std::size_t joint, Time t) const;
 };
 
 struct BoardGroup::Exchange {
   struct Part {
-    bool concerned = false;  // false: it got a heartbeat
+    bool concerned = false;  // false: the board got a heartbeat instead of the request
     Ticket ticket = 0;
     std::optional<Reply> reply;
   };

@@ -1,9 +1,9 @@
 // Saves and restores the state of a board, for runs that change boards.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Saves address, link watchdog, gains, limits and calibration, in RAM and in flash. Does not save which
-// motors are on: they are off afterwards, or left alone. Does not save state that a reset clears: counters, a
-// latched shutdown, telemetry.
+// The saved state is: address, link watchdog, gains, limits and calibration, in RAM and in flash. It does not
+// include which motors are on: afterwards, all motors are off or unchanged. Nor does it include the counters,
+// a latched shutdown and telemetry, which a reset clears.
 #pragma once
 
 #include <array>
@@ -18,21 +18,21 @@
 
 namespace kaz::host {
 
-// In the units of messages.def.
+// Saved settings of one joint, in the units of messages.def.
 struct KeptJoint {
   std::uint16_t kp = 0, kd = 0, dead_band = 0;
   std::uint8_t friction = 0;
   std::uint16_t ramp = 0;
   std::int16_t lower = 0, upper = 0;
   std::int16_t centre = 0, scale = 0;  // calibration in use
-  // Calibration in flash; only if BoardState::flash
+  // Calibration in flash; valid if BoardState::flash is true
   std::int16_t stored_centre = 0, stored_scale = 0;
   bool operator==(const KeptJoint&) const = default;
 };
 
 struct BoardState {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  bool shared_line = false;  // other boards share its line
+  bool shared_line = false;  // other boards share the board's line
   std::uint8_t watchdog_10ms = 0, reaction = 0;
   bool flash = false;             // the calibration in flash was read
   std::uint16_t stored_copy = 0;  // number of the stored copy; 0: none is stored
@@ -40,22 +40,23 @@ struct BoardState {
   bool operator==(const BoardState&) const = default;
 };
 
-// Reads a board without its flash and changes nothing. Fails (environment) if no board answers at the
-// address; the message names boards at other addresses. Also fails if the link is lost or the program is
-// interrupted.
+// Reads the state of a board, but not the calibration in its flash. Changes nothing on the board. Fails
+// (environment) if no board answers at the address; the message names boards at other addresses. Also fails
+// if the link is lost or the program is interrupted.
 Result<BoardState> read_board(Link& link, Clock& clock, std::uint8_t address);
-// Adds the calibration in flash to `state`. Switches motors off and resets the board, because only after a
-// reset the calibration in use is the one in flash.
+// Adds the calibration in flash to `state`. Switches the motors off and resets the board, because the board
+// loads the calibration in flash only at a reset.
 Result<void> read_flash(Link& link, Clock& clock, BoardState& state);
 
-// Returns the end of a sentence about a newly stored calibration: the command that erases it. For firmware
-// without an image (`kaz sim --mcu native`) it states how long the calibration lasts instead.
+// Returns the end of a sentence about a newly stored calibration: the command that erases the calibration. If
+// the firmware has no image (`kaz sim --mcu native`), the text states how long the calibration lasts instead.
 std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
                                  std::uint8_t address);
 
 struct PutBackOptions {
-  Time patience = std::chrono::seconds(8);  // a loader takes 3 s, a write to flash up to 3 s
-  // Address and flash may have changed: start with a reset and search all addresses.
+  // Timeout of put_back(). A loader takes 3 s, a write to flash up to 3 s.
+  Time patience = std::chrono::seconds(8);
+  // True if address and flash may have changed: start with a reset and search all addresses.
   bool flash = false;
   // Start with a reset, which clears a latched shutdown; implied by `flash`.
   bool reset = false;
@@ -66,18 +67,18 @@ struct PutBackOptions {
 
 struct PutBack {
   std::uint8_t found_at = 0;      // the board's address at the start; 0: not found
-  std::uint16_t status = 0;       // the board's, at the end
+  std::uint16_t status = 0;       // status of the board at the end
   std::vector<std::string> done;  // items that were restored: "address 3 to 1"
-  // Items that were not restored. Empty: the board is as it was, and with `motors_off` it has confirmed that
-  // its motors are off.
+  // Items that were not restored. Empty: the board has its saved state again. If
+  // PutBackOptions::motors_off is true, the board has also confirmed that all motors are off.
   std::vector<std::string> left;
   // Remarks for the user.
   std::vector<std::string> notes;
 };
 
-// Finds the board, switches its motors off, and restores `state`. The board may be at any address (with
-// `flash`), starting, in its loader or unresponsive. Retries until success or timeout, and reopens a lost
-// link. `link` and `clock` must not be interrupted.
+// Finds the board, switches its motors off, and restores `state`. The board may be starting, in its loader
+// or unresponsive. With PutBackOptions::flash, the board may be at any address. Retries until success or
+// timeout, and reopens a lost link. `link` and `clock` must not be interrupted.
 PutBack put_back(Link& link, Clock& clock, const BoardState& state, const PutBackOptions& options);
 
 }  // namespace kaz::host

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Link frames are those of shared/robot/kaz/kaz.urdf, with the origin on the link's joint. In the zero
-// posture they are parallel to the trunk's frame (x forward, y left, z up). "Eye" means the optical frame of
-// a camera (vision/image/frame.h). Units: meters and radians.
+// posture, all link frames are parallel to the trunk's frame (x forward, y left, z up). An eye is the optical
+// frame of a camera (vision/image/frame.h). Units: meters and radians.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -24,10 +24,12 @@ inline constexpr LegGeometry kLeg;
 // Pose of an eye's optical frame in the trunk's frame. Agrees with the URDF to 0.01 mm (tested).
 Eigen::Isometry3d trunk_from_eye(const JointAngles& angle, Side eye = Side::left);
 
-// Pose of the middle of a sole, below the ankle, in the trunk's frame. Its axes are those of the foot link.
+// Pose of the middle of a sole, below the ankle, in the trunk's frame. The axes of this pose are those of the
+// foot link.
 Eigen::Isometry3d trunk_from_sole(const JointAngles& angle, Side foot);
 
-// The lower foot along the trunk's vertical axis; the left one if they differ by less than 1 mm.
+// The foot that is lower along the trunk's vertical axis. If the heights differ by less than 1 mm: the left
+// foot.
 Side supporting_foot(const JointAngles& angle);
 
 // Pose of the left eye in the foot frame of vision/image/frame.h.
@@ -39,8 +41,8 @@ struct Gaze {
 };
 Gaze gaze_of(const JointAngles& angle);
 
-// Angles at which `point` (trunk frame, m) lies on the optical axis of the left eye. Not limited to the
-// joints' ranges. A point less than 5 cm from the pan axis is treated as if it were 5 cm away.
+// Angles at which `point` (trunk frame, m) lies on the optical axis of the left eye. The angles may exceed
+// the joints' ranges. A point less than 5 cm from the pan axis is treated like a point at 5 cm.
 Gaze gaze_at(const Eigen::Vector3d& point);
 
 // Clamps each angle to its joint's limits, reduced by `margin_rad` at both ends.

@@ -11,7 +11,7 @@ namespace kaz::host {
 
 struct RoundTripCheck {
   double round_trip_s = 0;  // median of several heartbeats
-  double expected_s = 0;    // time of their bytes on the wire, plus 2.2 ms for the board
+  double expected_s = 0;    // time of the heartbeat's and reply's bytes, plus 2.2 ms for the board
   bool slow = false;        // more than 2 ms above expected_s
   std::string sentence;     // "round trip on /dev/kaz: 4.1 ms (...)", with a remedy if slow
 };
@@ -19,7 +19,8 @@ struct RoundTripCheck {
 // Sends heartbeats to the board and evaluates their round trips. Returns the errors of Robot::heartbeat.
 Result<RoundTripCheck> measure_round_trip(Robot& robot, const PortLink& port);
 
-// The evaluation alone, to test it for all kinds of ports. `byte_time` may be zero (unknown).
+// Evaluates a measured round trip. Separate from the measurement, so that tests cover all kinds of ports.
+// `byte_time` may be zero (unknown).
 RoundTripCheck judge_round_trip(const std::string& port, double round_trip_s, Time byte_time,
                                 LowLatency low_latency);
 

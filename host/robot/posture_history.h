@@ -11,23 +11,24 @@ namespace kaz::host {
 
 class PostureHistory {
  public:
-  // Postures older than this, relative to the newest, are removed.
+  // Maximum age of a posture relative to the newest; older postures are removed.
   static constexpr Time kSpan = std::chrono::seconds(5);
   // Maximum distance of a query from the nearest posture.
   static constexpr Time kReach = std::chrono::milliseconds(100);
 
-  // Adds a posture, and removes earlier entries that are not older than it. Such entries are wrong, because
-  // the board was reset or its clock relation has improved.
+  // Adds a posture. Removes earlier entries whose time is not before the time of `posture`: their times are
+  // wrong, because the board was reset or its clock relation has improved.
   void add(const Posture& posture);
 
-  // Interpolates angles linearly between the postures before and after `t`. Tick, status and supply are those
-  // of the nearer one. Returns nullopt if `t` is outside the history or more than kReach from both postures.
+  // Interpolates angles linearly between the postures before and after `t`. Tick, status and supply are
+  // copied from the nearer posture. Returns nullopt if `t` is outside the history or more than kReach from
+  // both postures.
   std::optional<Posture> at(Time t) const;
 
   std::optional<Time> newest() const;
 
  private:
-  std::deque<Posture> postures_;  // by rising time
+  std::deque<Posture> postures_;  // oldest first
 };
 
 }  // namespace kaz::host

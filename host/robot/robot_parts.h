@@ -38,14 +38,14 @@ inline double angle_of(s16 wire) {
 Result<void> check_mask(std::uint32_t mask);
 Result<void> check_joint(int joint);
 
-// Treatment of a request during which the link was lost and restored.
+// Action after the link was lost and restored during a request: repeat the request, or report an error.
 enum class AfterLoss { repeat, report };
 
 struct Robot::Parts {
   Parts(std::span<const RobotBoard> boards, Clock& on_clock, const ConnectOptions& options);
 
-  // Sends requests and returns their replies. Observes the replies and reconnects if the link is lost; then
-  // `resumed` is set.
+  // Sends requests and returns their replies. Calls observe() for each reply. If the link is lost, reconnects
+  // and sets `resumed`.
   Result<std::vector<Reply>> exchange(std::span<const Request> requests, AfterLoss after_loss);
   template <class Message, class Answer>
   Result<Answer> query(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
@@ -68,26 +68,27 @@ struct Robot::Parts {
   std::string names_of(std::uint32_t mask) const;
   // "still on: pan, lift", from a reply that must confirm motors off; empty if it does.
   std::string still_on(std::uint32_t mask, std::uint16_t status) const;
-  // Evaluates the replies of a cycle; `move` is null if no targets were sent.
+  // Evaluates the replies of a cycle. `move` is null if no targets were sent.
   Result<Posture> take_cycle(const Reply* move, const Reply& state,
                              std::span<const JointTarget> targets, const Reply* motion = nullptr);
   void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> fields, Time now);
 
-  // Reconnects after `requester` failed with `error`, or with null if only `link_fault` was detected. After
-  // success the board answers and the motors are as before.
+  // Reconnects. `error` is the error of `requester`, or null if only `link_fault` was detected. After success
+  // the board answers, and the same motors are on as before.
   Result<void> resume(const Error* error);
   Result<void> restore();
   Result<void> set_up();  // watchdog, gains, limits
   Result<void> switch_on(std::uint32_t mask);
-  // Completes the error of a permanent link failure: writes the recent frames as ConnectOptions::frames_path
-  // requests.
+  // Completes the error of a permanent link failure. Also writes the recent frames to
+  // ConnectOptions::frames_path.
   Error for_good(Error error);
   Error not_done(std::span<const Request> requests) const;
   // Adds the joints with faulty potentiometers to the error of a refused `enable` or `clear`.
   Error with_joints(Error error, const Reply& reply);
   // Queries the limits in force on the board and adds them to the error of refused targets.
   Error with_limits(Error error, const Reply& reply, std::span<const JointTarget> targets);
-  // Period that satisfies the watchdog in force, set by this object or by the board.
+  // Heartbeat period that prevents the watchdog from expiring. The watchdog's limit was set by this object,
+  // or is the board's default.
   Time heartbeat_period() const;
   // Sleeps until `until` and sends heartbeats while motors or telemetry are on.
   Result<void> keep_content(Time until);
@@ -115,15 +116,15 @@ struct Robot::Parts {
   // Settings sent to the board, restored after a reconnection.
   std::uint32_t on = 0;
   bool telemetry_on = false;
-  bool inertial = false;  // queried with the state
+  bool inertial = false;  // true: each state() also queries the inertial sensors
   u8 watchdog_10ms = 0, reaction = 0;
   std::array<std::optional<kz_gains>, KZ_JOINTS> gains;
   std::array<std::optional<kz_limits>, KZ_JOINTS> limits;
   kz_telemetry telemetry_request{};
 
   std::optional<std::uint32_t> last_tick;
-  std::optional<Resumption::Cause> link_fault;  // detected in a reply
-  bool resumed = false;                         // by the latest exchange()
+  std::optional<Resumption::Cause> link_fault;  // cause of a loss that a reply has shown
+  bool resumed = false;                         // true: the latest exchange() has reconnected
   std::string frames_at_loss;
   std::deque<Resumption> resumptions;
 
@@ -133,7 +134,7 @@ struct Robot::Parts {
     std::vector<JointTarget> targets;
   };
   std::deque<Cycle> cycles;
-  bool found_again = false;  // reconnected in send_cycle; receive_cycle reports it
+  bool found_again = false;  // send_cycle() has reconnected, and receive_cycle() must report this
   std::deque<TelemetryFrame> telemetry;
 };
 

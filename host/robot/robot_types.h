@@ -21,8 +21,8 @@ struct JointTarget {
   double angle_rad;
 };
 
-// duty = kp * error - kd * speed + friction * sign(error), 0 within the dead band.
-// The defaults are those of the board after a reset: 16 /rad (hands 0.8) and 0.09 s/rad.
+// duty = kp * error - kd * speed + friction * sign(error); within the dead band, duty = 0.
+// The defaults are those of the board after a reset: kp 16 /rad (hands 0.8 /rad) and kd 0.09 s/rad.
 struct Gains {
   double kp_per_rad = KZ_KP_DEFAULT / 256.0;     // duty per rad, 0..80
   double kd_s_per_rad = KZ_KD_DEFAULT / 4096.0;  // duty per rad/s, 0..1
@@ -36,7 +36,8 @@ struct Limits {
   double lower_rad = -3.2767, upper_rad = 3.2767;
 };
 
-// As stored on the board: rounded to its units, limits clipped to the mechanical range.
+// Settings as stored on the board: values are rounded to the board's units, and limits are clipped to the
+// joint's mechanical range.
 struct JointSettings {
   Gains gains;
   Limits limits;
@@ -55,11 +56,11 @@ struct Health {
   std::uint32_t tick = 0;
   std::uint16_t status = 0;         // KZ_STATUS_*, KZ_SHUTDOWN_* in the upper byte
   std::string shutdown;             // reason of a latched shutdown, in words; empty: none
-  std::optional<int> joint;         // that caused the shutdown
+  std::optional<int> joint;         // joint that caused the shutdown
   std::uint32_t shutdown_tick = 0;  // board time of the shutdown
   double supply_volts = 0, supply_lowest_volts = 0;
-  double temperature_c = 0;  // motor drivers
-  // Half the converter's reference, as a share of full scale: nominally 0.5.
+  double temperature_c = 0;  // temperature of the motor drivers
+  // Converter reading of half the reference voltage, as a share of full scale: nominally 0.5.
   double reference = 0;
 };
 
@@ -69,9 +70,9 @@ struct JointCalibration {
 };
 
 struct Calibration {
-  std::uint8_t source = 0;         // KZ_CALIBRATION_*: source of the values at start
+  std::uint8_t source = 0;         // KZ_CALIBRATION_*: source of the values at board start
   std::uint16_t sequence = 0;      // number of the stored copy; 0: none is stored
-  int erases_a = 0, erases_b = 0;  // erase cycles of the two flash blocks; rated for 100
+  int erases_a = 0, erases_b = 0;  // erase cycles of the two flash blocks; rated for 100 each
   std::array<JointCalibration, KZ_JOINTS> joints{};
 };
 
@@ -87,7 +88,7 @@ struct SelfTest {
   double start_s = 0;  // from the start of the application to the first tick
 };
 
-// One telemetry frame. Members that its selection lacks are 0 or empty.
+// One telemetry frame. Members that the frame's selection does not contain are 0 or empty.
 struct TelemetryFrame {
   std::uint8_t selection = 0;  // KZ_TELEMETRY_*: the kind of frame
   std::uint32_t tick = 0;      // board time
@@ -97,7 +98,7 @@ struct TelemetryFrame {
   double supply_volts = 0;               // STATE, HEALTH
   std::optional<int> joint;              // HEALTH: joint that caused the shutdown
   double temperature_c = 0;              // HEALTH
-  double tick_busy = 0, tick_worst = 0;  // HEALTH: shares of a tick
+  double tick_busy = 0, tick_worst = 0;  // HEALTH: last and longest busy time, in ticks
 };
 
 // Reaction of the link watchdog when it expires.
@@ -121,7 +122,7 @@ struct Resumption {
   bool reported = false;  // ConnectOptions::on_lost was called
 };
 
-// A lost link, at the start of the search for it.
+// A lost link, as reported at the start of the search for the board.
 struct Loss {
   Resumption::Cause cause = Resumption::Cause::link;
   Time at{};        // when the loss was detected
@@ -132,19 +133,19 @@ struct Loss {
 struct ConnectOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   int retries = 5;  // tries after the first
-  // Limit of the board's link watchdog, 10 ms..1 s; zero leaves limit and reaction unchanged. With 90 ms the
-  // reaction comes within 100 ms of the last request that the board received.
+  // Time limit of the board's link watchdog, 10 ms..1 s; zero leaves limit and reaction unchanged. With a
+  // limit of 90 ms, the board reacts within 100 ms after the last request that it received.
   Time watchdog = std::chrono::milliseconds(90);
   Reaction reaction = Reaction::hold;
-  // Time limit of reconnection; zero: a lost link is an error at once.
+  // Time limit of reconnection. Zero: no reconnection, a lost link is an error at once.
   Time reconnect = std::chrono::seconds(3);
-  // Called once for each link that does not answer, before the search. Not called if the board answers at
-  // once, as after an expired watchdog.
+  // Called before the search, once for each link that does not answer. Not called if the board answers at
+  // once, which is typical after an expired watchdog.
   std::function<void(const Loss&)> on_lost = {};
   // Called after each reconnection, in addition to Robot::take_resumption().
   std::function<void(const Resumption&)> on_resumed = {};
-  // Output of the last 64 frames after a permanent link failure: a file, which the error names, or "-" for
-  // standard error. Empty: no output (see Robot::recent_frames).
+  // Path of a file that gets the last 64 frames after a permanent link failure, or "-" for standard error.
+  // The error message names the file. Empty: the frames are not written (see Robot::recent_frames).
   std::string frames_path = {};
   // Joint names by number, for messages; empty: Kaz's names.
   std::vector<std::string> joint_names = {};
@@ -154,7 +155,7 @@ struct ConnectOptions {
 struct RobotBoard {
   Link* link = nullptr;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  std::uint32_t joints = 0;  // mask of its joints
+  std::uint32_t joints = 0;  // mask of the joints that this board drives
 };
 
 // Checks that each board has a joint, and that each joint is on exactly one board. Errors (usage) name the

@@ -9,13 +9,13 @@
 
 namespace kaz::host {
 
-// Error of a refused request: one sentence with joint, reason and remedy. Pass the request's `targets`, so
-// that the message contains the value; empty for other requests.
+// Error of a refused request: one sentence with joint, reason and remedy. `targets`: the targets in the
+// request, so that the message contains the refused value; empty for a request without targets.
 Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets);
 
-// Error of a target outside the limits in force on the board, which another program may have set. If they are
-// narrower than the joint's own limits, the message contains them and `recover`, a command that restores
-// them. `joint` must be in the table.
+// Error of a target outside `set`, the limits in force on the board, which another program may have set. If
+// `set` is narrower than the joint's own limits, the message contains `set` and `recover`, a command that
+// restores the joint's own limits. `joint` must be in the joint table.
 Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set,
                          const std::string& recover);
 

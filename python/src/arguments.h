@@ -16,8 +16,8 @@ tools::BackendOptions take_world_arguments(py::dict& arguments);
 // Raises UsageError if an argument is left over.
 void nothing_left(const std::string& function, const py::dict& arguments);
 
-// Removes and returns an argument, or `otherwise` if it is missing. Raises TypeError for another type, and
-// for None.
+// Removes and returns an argument, or `otherwise` if it is missing. Raises TypeError for None or a value of
+// another type.
 template <class T>
 T take(py::dict& arguments, const char* name, T otherwise) {
   if (!arguments.contains(name)) return otherwise;

@@ -1,10 +1,11 @@
 // Many simulated robots, stepped in threads: the core of kaz.VectorEnv.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Robots are stepped by control periods. On the engines `native` and `h8` each robot has its own servo board.
+// A step is one control period. With the engines `native` and `h8`, each robot has its own servo board.
 // Targets are sent over the emulated serial line at the beginning of a period. Measurements are the
-// potentiometer readings of the newest reply. On `none` there is no board. A control law like the board's,
-// with true angles and speeds, drives the motor model directly in each physics step.
+// potentiometer readings of the newest reply. With the engine `none` there is no board. A control law like
+// the law of the board, but with true angles and speeds, drives the motor model directly in each physics
+// step.
 //
 // Robots share no mutable state, so results do not depend on the number of threads. A Batch is not
 // thread-safe.
@@ -34,57 +35,59 @@ constexpr const char* to_string(Engine engine) {
 }
 
 struct BatchOptions {
-  sim::SimulationOptions simulation;  // files and kinds; reset() gives the seed
+  sim::SimulationOptions simulation;  // files and kinds; the seed is set by reset()
   Engine engine = Engine::native;
   int robots = 1, threads = 1;
-  bool pictures = false;  // eyes are open; not on the engine `none`
-  int period_ms = 20;     // 20 to 200; the serial line needs this time
-  // Posture after a reset, rad by joint, and the time to settle there.
+  bool pictures = false;  // whether the cameras are on; not with the engine `none`
+  int period_ms = 20;     // 20 to 200; the serial line needs at least 20 ms
+  // Posture after a reset, rad by joint, and the time in which the robot settles in this posture.
   std::array<double, KZ_JOINTS> posture{};
   int settle_ms = 300;
   double kp_per_rad = 16, kd_s_per_rad = 0.09;  // board defaults after a reset
 };
 
-// State of each robot after a period. `measured` and `inertial` come over the wire, the rest is ground truth.
-// On the engine `none` all of it is ground truth.
+// State of each robot after a period. `measured` and `inertial` are received over the serial line, all other
+// members are ground truth. With the engine `none`, all members are ground truth.
 struct BatchState {
   static constexpr std::size_t kJoints = KZ_JOINTS;
   std::vector<double> measured;  // robots x 18, rad
-  // Robots x 3: yaw rate rad/s, specific force forward and left m/s^2.
+  // Robots x 3: yaw rate, rad/s; specific force forward and to the left, m/s^2.
   std::vector<double> inertial;
   std::vector<double> trunk;      // robots x 7, world frame: position m, quaternion x y z w
   std::vector<double> ball;       // robots x 3, world frame, m; 0 if the world has no ball
-  std::vector<std::uint8_t> off;  // the motor drivers are off
-  // One per robot: time since the exposure of pictures(), s. Empty without pictures.
+  std::vector<std::uint8_t> off;  // one per robot: 1 if the motor drivers are off
+  // One per robot: time since the exposure of the pair that pictures() returns, s. Empty without pictures.
   std::vector<double> picture_age;
 };
 
 class Batch {
  public:
-  // Loads the world once. It then powers one board on, which enables its motors, moves to the posture and
-  // settles. Each episode starts from this state. Errors: those of Simulation::create; robots, threads or
-  // period out of range; a robot with other joints; pictures that this engine or robot does not have.
+  // Loads the world once. Then powers on the board of one robot, enables the motors, moves the robot to the
+  // posture and lets it settle. Each episode starts from this state. Errors: the errors of
+  // Simulation::create; robots, threads or period out of range; a robot with other joints; pictures
+  // requested, but this engine or robot has none.
   static Result<std::unique_ptr<Batch>> create(BatchOptions options);
   ~Batch();
 
-  // Starts a new episode of each robot `i` that has a seed, standing in the posture. The seed determines
-  // noise and errors of the sensors, which the board has then read for one period. If they shift the posture
-  // (pot_as_built), it settles for `settle_ms` more.
+  // Starts a new episode for each robot `i` that has a seed. The robot stands in the posture. The seed
+  // determines noise and errors of the sensors. The board reads these sensors for one period before the
+  // episode starts. If sensor errors shift the posture (pot_as_built), the robot settles for another
+  // `settle_ms`.
   Result<void> reset(std::span<const std::optional<std::uint64_t>> seeds);
   // Advances all robots by one period, except those whose entry in `resting` (one per robot) is not 0.
-  // `targets`: robots x 18, rad, clipped to the joints' limits. Errors: before reset(); a robot's chip or
-  // board has stopped.
+  // `targets`: robots x 18, rad, clipped to the joints' limits. Errors: called before reset(); a robot's
+  // chip or board has stopped.
   Result<void> step(std::span<const double> targets, std::span<const std::uint8_t> resting);
-  // Applies an impulse to a link in the next period, N s, world frame. Errors, here and below: before
-  // reset(); no such robot, link or model.
+  // Applies an impulse to a link in the next period, N s, world frame. Errors of this and the following
+  // functions: called before reset(); no such robot, link or model.
   Result<void> push(int robot, const std::string& link, const Eigen::Vector3d& impulse);
   // Changes an object's velocity, m/s, world frame.
   Result<void> accelerate(int robot, const std::string& model, const Eigen::Vector3d& change);
   const BatchState& state() const { return state_; }
   const BatchOptions& options() const { return options_; }
   const vision::CameraModel& camera() const { return model_; }
-  // Returns the newest pair that robot `i` has received by the end of its period, valid until the next step()
-  // or reset(). Null: none yet, or no pictures.
+  // Returns the newest pair of pictures that robot `i` has received by the end of the period. Valid until
+  // the next step() or reset(). Null if no pair has arrived yet, or without pictures.
   const vision::StereoImages* pictures(std::size_t i) const;
   Result<Eigen::Isometry3d> link_pose(int robot, const std::string& link) const;
 

@@ -1,9 +1,9 @@
-// Serializes calls on an object that Python threads share. A stop ends the running call.
+// Rejects concurrent calls on an object that Python threads share. A stop ends the running call.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Calls run without the GIL, so only this lock keeps a second thread out. A second thread's call is refused,
-// a stop is not. The stop requests the interrupt, waits until the running call has left the object, and then
-// works alone. Thread-safe. Does not use Python.
+// Calls run without the GIL, so only this lock keeps a second thread out. While a call is running, a call of
+// another thread is refused, but a stop is not. The stop requests the interrupt, waits until the running
+// call has left the object, and then works alone. Thread-safe. Does not use Python.
 #pragma once
 
 #include <condition_variable>
@@ -18,13 +18,14 @@ namespace kaz::python {
 
 class ObjectLock {
  public:
-  // `name`: used in error messages, as in "this Robot".
+  // `name` is the object's name in error messages, for example "this Robot".
   explicit ObjectLock(std::string name) : name_(std::move(name)) {}
   ObjectLock(const ObjectLock&) = delete;
   ObjectLock& operator=(const ObjectLock&) = delete;
 
-  // One call, which consists of one or several pieces of work. Between two pieces its thread may run other
-  // Python code, such as a signal handler. Calls from there on the same object are nested in this one.
+  // One call, which consists of one or several pieces of work. Between two pieces, the calling thread may
+  // run other Python code, such as a signal handler. If that code calls the same object, the new call is
+  // nested in the running call.
   class Call {
    public:
     enum class State { begun, in_use, stopping };
@@ -36,8 +37,8 @@ class ObjectLock {
     // in_use: another thread's call is running. stopping: a stop is running. In both cases the call must not
     // go on.
     State state() const { return state_; }
-    // Begins a piece, after waiting for a running stop. Returns false if a stop came since the call began; no
-    // piece begins then.
+    // Begins a piece of work, after waiting for a running stop. If a stop came since the call began, returns
+    // false without beginning a piece.
     bool enter();
     void leave();
 
@@ -48,8 +49,9 @@ class ObjectLock {
     std::uint64_t stops_ = 0;
   };
 
-  // During its lifetime, only its thread works on the object. The constructor waits for this. It ends all
-  // calls that began before: they begin no further piece. Other calls may begin afterwards.
+  // While a Stop exists, only the thread of the Stop works on the object. The constructor waits until the
+  // running piece of work has ended. Calls that began before the Stop begin no further piece of work. New
+  // calls may begin after the Stop.
   class Stop {
    public:
     explicit Stop(ObjectLock& lock);
@@ -62,7 +64,8 @@ class ObjectLock {
   };
 
   const std::string& name() const { return name_; }
-  // Interrupt for the object's links and clocks. It is requested while a stop waits for a piece of work.
+  // Interrupt for the object's links and clocks. The interrupt is requested while a stop waits for a piece
+  // of work to end.
   host::Interrupt& interrupt() { return interrupt_; }
 
  private:
@@ -71,8 +74,8 @@ class ObjectLock {
   std::mutex mutex_;
   std::condition_variable left_;
   std::thread::id owner_;  // thread of the running call
-  bool inside_ = false;    // a piece or a stop is working
-  bool stopping_ = false;  // a stop is working
+  bool inside_ = false;    // true while a piece of work or a stop runs
+  bool stopping_ = false;  // true while a stop runs
   int waiting_ = 0;        // number of stops that wait
   std::uint64_t stops_ = 0;
 };

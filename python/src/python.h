@@ -1,8 +1,9 @@
 // Common parts of the Python module: errors as exceptions, arrays, joint names.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Operations of more than some microseconds run without the GIL, after their arguments are checked. Therefore
-// each object that a call changes has an ObjectLock, and all of its members use LockedCall.
+// Operations of more than some microseconds run without the GIL, after their arguments are checked.
+// Therefore each object that a call changes has an ObjectLock, and all member functions of the object use
+// LockedCall.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -51,7 +52,7 @@ auto released(F call) {
 // Throws the exception of a pending signal (Ctrl-C), if any.
 void check_signals();
 
-// Becomes the Python exception kaz.Stopped.
+// C++ exception that becomes the Python exception kaz.Stopped.
 struct Stopped final : std::exception {
   const char* what() const noexcept override;
 };
@@ -62,8 +63,9 @@ class LockedCall {
  public:
   explicit LockedCall(ObjectLock& lock);
 
-  // Runs `work` without the GIL, alone with the object. Throws Stopped if stop() or close() came before it.
-  // The object is released before the GIL is taken, so that stop() does not wait for the GIL.
+  // Runs `work` without the GIL. No other thread works on the object meanwhile. Throws Stopped if stop() or
+  // close() was called before. The object is released before the GIL is taken, so that stop() does not wait
+  // for the GIL.
   template <class F>
   auto piece(F work) {
     const py::gil_scoped_release release;
@@ -84,7 +86,7 @@ class LockedCall {
   ObjectLock::Call call_;
 };
 
-// An object that Python owns, with its lock.
+// An object that Python owns, together with the object's lock.
 template <class T>
 class Locked {
  public:
@@ -94,7 +96,8 @@ class Locked {
   // Only for use in a piece of a LockedCall.
   T& object() { return *object_; }
 
-  // Runs `work` on the object, alone and without the GIL, and returns its result. `work` must not use Python.
+  // Runs `work` on the object without the GIL, and returns the result of `work`. No other thread works on
+  // the object meanwhile. `work` must not use Python.
   template <class F>
   auto alone(F work) {
     return LockedCall(lock_).piece([&] { return work(*object_); });
@@ -124,16 +127,17 @@ Enum named(const char* what, const std::string& name, const std::array<Enum, N>&
   raise({Fault::usage, std::string(what) + " '" + name + "': give one of " + names});
 }
 
-// A pair of pictures as it reached the host. Arrays share its memory and are read-only.
+// A pair of pictures as received by the host. NumPy arrays share the memory of the pictures and are
+// read-only.
 struct Pair {
   vision::FrameInfo info;
   std::shared_ptr<const vision::StereoImages> images;
 };
 
-// Waits for the pixels.
+// Waits for the pixels of a pair and returns the pictures.
 Pair pair_of(const vision::StereoPair& pair);
 
-// Copies an array of height x width x 3, RGB.
+// Copies an array of height x width x 3, RGB, to an image.
 vision::Image image_of(
     const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& picture);
 

@@ -1,7 +1,8 @@
 // Renderers of one scene for many robots, one per drawing thread.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A renderer contains meshes and textures, which are the same for all robots of one world. Thread-safe.
+// A renderer contains meshes and textures, which are equal for all robots of one world. So robots share
+// renderers. Thread-safe.
 #pragma once
 
 #include <map>
@@ -19,10 +20,10 @@ class Renderers {
   Renderers(sim::Scene scene, sim::RendererFactory factory)
       : scene_(std::move(scene)), factory_(std::move(factory)) {}
 
-  // Returns the renderer of the calling thread; this object owns it.
+  // Returns the renderer of the calling thread. The Renderers object owns the renderer.
   Result<sim::Renderer*> mine();
-  // Returns a factory of renderers that draw by mine() and ignore the scene that they are given. This object
-  // must outlive them.
+  // Returns a factory. Renderers from this factory draw with mine() and ignore the scene passed to the
+  // factory. The Renderers object must outlive these renderers.
   sim::RendererFactory shared();
 
  private:

@@ -11,7 +11,8 @@
 
 namespace kaz::python {
 
-// A Robot in it keeps it alive and uses its lock, because the robot's calls advance this simulation.
+// A Robot in a simulation keeps the simulation alive. The Robot uses the lock of the simulation, because the
+// Robot's calls advance the simulation.
 class SimulatedWorld : public Locked<sim::Simulation> {
  public:
   // `links`: names of the robot's links, including welded ones.

@@ -1,4 +1,4 @@
-// Conversion of degrees for input and output. All other angles are in radians.
+// Conversion between radians and degrees. Only input and output use degrees.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -4,16 +4,16 @@
 // A class lists its members in a member function
 //   template <class A> void transfer(A& a) { a(first_, second_); }
 //
-// StateWriter appends the members, StateReader fills them. Numbers are little-endian, in the size of their
-// type. Containers begin with their length. A reader never reads beyond its bytes: it refuses the archive and
-// sets missing numbers to zero.
+// StateWriter appends the members, StateReader fills them. Numbers are little-endian and as wide as their
+// type. Containers begin with their length. A reader never reads beyond the end of the archive. If bytes are
+// missing, the reader refuses the archive and sets the missing numbers to zero.
 //
-// Bytes may be damaged or hostile, and a checksum does not prevent this. So the reader refuses values out of
-// range. last_value() bounds enumerations. The limits below bound floating-point numbers and times. The
-// remaining bytes bound lengths. A class checks all other indices, lengths, shifts and divisors itself, with
-// require() in transfer().
+// Bytes may be damaged or hostile, and a checksum does not exclude hostile bytes. So the reader refuses
+// values out of range. last_value() bounds enumerations. The limits below bound floating-point numbers and
+// times. The remaining bytes bound lengths. A class checks all other indices, lengths, shifts and divisors
+// itself, with require() in transfer().
 //
-// After a refusal, members may have any value; their owner must restore them.
+// After a refusal, members may have any value, and the owner of the object must restore the old values.
 #ifndef KAZ_SHARED_BASE_ARCHIVE_HPP
 #define KAZ_SHARED_BASE_ARCHIVE_HPP
 
@@ -62,11 +62,14 @@ template <class R, class P>
 inline constexpr bool is_duration<std::chrono::duration<R, P>> = true;
 }  // namespace archive_detail
 
-// Maximum magnitudes. Products of such numbers are finite, and differences of times fit 64 bits.
+// Maximum magnitudes. Within these limits, products of numbers are finite, and differences of times fit 64
+// bits.
 inline constexpr double kMaxArchived = 1e15;
-inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;  // 9 years in ns, 495 in H8 states
+// 9 years for times in ns, 495 years for times in H8 states.
+inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;
 
-// Whether a time or counter is within the limit. The two values outside it mean "never".
+// Whether a time or counter is within the limit. Two values outside the limit are also valid and mean
+// "never".
 constexpr bool is_archivable(std::int64_t number) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   return number == kMax || number == kMax / 2 ||
@@ -91,15 +94,15 @@ class StateArchive {
     (one(values), ...);
   }
 
-  // Returns the first error, as the rest of a sentence about the archive; empty without one.
+  // Returns the first error, as the rest of a sentence that begins with the archive's name; empty: no error.
   const std::string& error() const { return error_; }
   bool good() const { return error_.empty(); }
   // Records an error; only the first one counts.
   void refuse(std::string why) {
     if (good()) error_ = std::move(why);
   }
-  // Refuses the archive if `fits` is false; `what` names the value. Returns good(). Writers check as well, so
-  // that they write no state that cannot be read back.
+  // Refuses the archive if `fits` is false; `what` names the value. Returns good(). A StateWriter checks the
+  // values as well, so that every written archive can be read back.
   bool require(bool fits, const char* what) {
     if (!fits) refuse_range(what);
     return good();
@@ -158,7 +161,8 @@ class StateArchive {
       if constexpr (Derived::reading) {
         if (!self.holds(size)) return;
         value.clear();
-        // One by one, because `size` may be false: elements can need more memory than their bytes.
+        // Adds the elements one by one, because `size` may be wrong and elements can need more memory than
+        // bytes.
         for (; size > 0 && good(); --size) {
           value.push_back({});
           one(value.back());
@@ -170,7 +174,7 @@ class StateArchive {
   }
 
  private:
-  // Not inline, because it is rare and would bloat the code for each number.
+  // Not inline: the function runs rarely, and inlining would bloat the code for each number.
   [[gnu::noinline]] void refuse_range(const char* what) {
     if (good()) error_.append("its ").append(what).append(" is out of range");
   }
@@ -185,7 +189,7 @@ class StateWriter : public StateArchive<StateWriter> {
     for (std::size_t i = 0; i < sizeof value; ++i)
       bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
   }
-  // Writes a C struct without pointers as its bytes in memory. Only the same build can read them.
+  // Writes the bytes in memory of a C struct without pointers. Only the same build can read these bytes.
   template <class T>
   void plain(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);

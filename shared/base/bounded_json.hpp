@@ -1,4 +1,4 @@
-// Parses JSON from outside, with a limit on nesting. All programs parse such texts here.
+// Parses JSON from outside, with a limit on nesting. All programs use this parser.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_BOUNDED_JSON_HPP
 #define KAZ_SHARED_BASE_BOUNDED_JSON_HPP
@@ -17,16 +17,16 @@
 
 namespace kaz {
 
-// Maximum nesting, more than any file of Kaz has. nlohmann::json recurses once per level when it copies,
-// compares or prints a document, and a stack holds only some thousand levels.
+// Maximum nesting depth. No file of Kaz nests this deep. To copy, compare or print a document,
+// nlohmann::json recurses once per level. A stack holds only some thousand levels.
 inline constexpr std::size_t kJsonDepthMax = 64;
 
 enum class JsonComments { refused, ignored };
 
 namespace bounded_json_detail {
 
-// Checks nesting and duplicate keys in the parser's own events, so that both always agree on the structure.
-// Returns false to stop the parser; why() is then the reason.
+// Checks nesting and duplicate keys in the parser's own events, so that both see the same structure. The
+// callbacks return false to stop the parser; why() is then the reason.
 template <class Json>
 class Guard final : public nlohmann::json_sax<Json> {
  public:
@@ -78,8 +78,8 @@ class Guard final : public nlohmann::json_sax<Json> {
 
 }  // namespace bounded_json_detail
 
-// Parses a JSON text. Returns Fault::usage for invalid JSON, too many levels, duplicate keys, or a number too
-// large for a double. The message is the rest of a sentence about the source.
+// Parses a JSON text. Returns Fault::usage for invalid JSON, too many levels, duplicate keys, or a number
+// too large for a double. The error message continues a sentence that begins with the name of the source.
 template <class Json = nlohmann::json>
 Result<Json> parse_bounded_json(std::string_view text,
                                 JsonComments comments = JsonComments::refused) {

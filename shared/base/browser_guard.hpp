@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Cross-protocol request: a web page can make the user's browser send any body to any TCP port that this
-// machine reaches, including 127.0.0.1. With DNS rebinding it can also choose the method: any token of
-// RFC 9110, possibly text of GDB's protocol. A server of raw bytes would ignore the HTTP header as noise and
-// execute the body.
+// machine reaches, including 127.0.0.1. With DNS rebinding, the page can also choose the HTTP method. The
+// method can be any token of RFC 9110, even text that is valid in GDB's protocol. A server of raw bytes
+// would ignore the HTTP header as noise and execute the body.
 //
-// So each TCP listener that does not speak HTTP first passes received bytes through a BrowserGuard. The guard
-// admits only connections that begin like its own clients.
+// So each TCP listener that does not speak HTTP first passes received bytes through a BrowserGuard. The
+// guard admits only connections whose first bytes could come from a client of this port.
 #pragma once
 
 #include <algorithm>
@@ -29,11 +29,12 @@ inline constexpr std::string_view kBrowserRefused =
 class BrowserGuard {
  public:
   enum class Peer {
-    // Begins with any byte except text, which begins HTTP, and 22, which begins TLS. Frames to a board
-    // begin with 0; Telnet and servo bus packets begin with 255.
+    // The first byte may be any except a text character, with which HTTP begins, or 22, with which TLS
+    // begins. Frames to a board begin with 0; Telnet and servo bus packets begin with 255.
     frames,
-    // Begins with one GDB packet, optionally after '+', and waits for the reply. A browser would continue
-    // with a space and a path. The packet has up to kLongestFirst bytes, without spaces or line ends.
+    // The peer first sends one GDB packet, optionally after '+', and then waits for the reply. A browser
+    // would continue with a space and a path. The packet has up to kLongestFirst bytes, without spaces or
+    // line ends.
     gdb,
   };
   static constexpr std::size_t kLongestFirst = 1024;
@@ -42,7 +43,8 @@ class BrowserGuard {
 
   // Checks the next received bytes. Returns the bytes to pass on, or nullopt if the peer may be a browser.
   // The caller must then close the connection. The result is valid until the next call, and as long as
-  // `bytes`. It is empty while the first GDB packet is incomplete; there is no timeout for it.
+  // `bytes` is valid. The result is empty while the first GDB packet is incomplete. There is no timeout for
+  // the first packet.
   std::optional<std::span<const std::uint8_t>> admit(std::span<const std::uint8_t> bytes) {
     if (admitted_ || bytes.empty()) return bytes;
     if (peer_ == Peer::frames) {
@@ -65,7 +67,7 @@ class BrowserGuard {
     return (byte >= 0x20 && byte < 0x7f) || (byte >= 9 && byte <= 13);
   }
 
-  // Whether first_ may begin a GDB packet. Sets admitted_ if it is a whole one: "$...#xx".
+  // Whether first_ may begin a GDB packet. Sets admitted_ if first_ is a whole packet: "$...#xx".
   bool may_be_gdb() {
     std::span<const std::uint8_t> rest = first_;
     if (rest.front() == '+') rest = rest.subspan(1);

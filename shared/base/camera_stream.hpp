@@ -1,16 +1,16 @@
 // Wire format of stereo pairs that one process publishes to others, for example `kaz sim --cameras PATH`.
 // SPDX-License-Identifier: Apache-2.0
 //
-// PATH is a Unix stream socket on which the publisher listens. It sends to each connected reader
+// PATH is a Unix stream socket on which the publisher listens. The publisher sends to each connected reader
 //   CameraStreamHeader, then for each pair: CameraStreamPair, left picture, right picture
 //
 // A picture is width * height * 3 bytes of RGB, rows from top to bottom, without padding. Numbers are
 // little-endian at the offsets below. Readers send nothing. The stream ends when the publisher closes the
 // socket, possibly within a pair. docs/reference/camera-stream.md helps authors of readers.
 //
-// The publisher sends a pair as soon as it is drawn and never waits for a slow reader. It skips whole pairs
-// for that reader; `sequence` shows the gap. A reader should deliver a pair no earlier than
-// `exposure_ns + latency_ns`, so that the drawing time has no effect.
+// The publisher sends a pair as soon as the pair is drawn and never waits for a slow reader. The publisher
+// skips whole pairs for a slow reader; gaps in `sequence` show the skipped pairs. A reader should deliver a
+// pair no earlier than `exposure_ns + latency_ns`, so that the drawing time has no effect.
 #ifndef KAZ_SHARED_BASE_CAMERA_STREAM_HPP
 #define KAZ_SHARED_BASE_CAMERA_STREAM_HPP
 
@@ -36,7 +36,7 @@ struct CameraStreamHeader {
 };
 
 struct CameraStreamPair {
-  char magic[4];             // kCameraPairMagic: detects a reader out of step
+  char magic[4];             // kCameraPairMagic; if not, the reader is out of step
   std::uint32_t reserved;    // 0
   std::uint64_t sequence;    // number of the exposure, from 0 at the publisher's start
   std::int64_t exposure_ns;  // middle of the exposure on CLOCK_MONOTONIC

@@ -6,7 +6,7 @@
 
 namespace kaz {
 
-// For nouns whose plural ends in s.
+// Returns the number and the noun. The noun's plural must be formed with s.
 template <class Number>
 std::string counted(Number number, const std::string& noun) {
   return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");

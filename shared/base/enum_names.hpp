@@ -1,7 +1,7 @@
 // Conversion between enum values and their names in options, files and messages.
 // SPDX-License-Identifier: Apache-2.0
 //
-// An enum T needs constexpr const char* to_string(T) in its namespace, and an array of all its values.
+// An enum T needs constexpr const char* to_string(T) in its namespace, and an array of all values of T.
 #ifndef KAZ_SHARED_BASE_ENUM_NAMES_HPP
 #define KAZ_SHARED_BASE_ENUM_NAMES_HPP
 

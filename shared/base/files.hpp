@@ -24,13 +24,13 @@
 
 namespace kaz {
 
-// Whether this errno means lack of space: full disk, quota, or file size limit.
+// Whether the errno value `error` means lack of space: full disk, quota, or file size limit.
 inline bool lacks_space(int error) {
   return error == ENOSPC || error == EDQUOT || error == EFBIG;
 }
 
-// Returns the error for a failed write to `path`. `what` is the operation, `error` its errno. is_disk_full()
-// recognizes the error of a full disk by the start of its message.
+// Returns the error for a failed write to `path`. `what` is the operation, `error` the errno value.
+// is_disk_full() recognizes the error of a full disk by the start of the message.
 inline tl::unexpected<Error> write_failure(const std::string& path, const std::string& what,
                                            int error) {
   if (lacks_space(error))
@@ -47,11 +47,11 @@ inline bool is_disk_full(const Error& error) {
 // Flushes a file to disk. Some file systems report a full disk only here. Returns false and sets errno on
 // failure.
 inline bool sync_file(int fd) {
-  return fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS;  // such a file cannot be synchronized
+  return fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS;  // no error: not a flushable file
 }
 
-// Creates an empty folder in TMPDIR or /tmp that only this user can access, and returns its path. Its name
-// begins with `prefix`.
+// Creates an empty folder in TMPDIR or /tmp that only this user can access, and returns the path. The
+// folder's name begins with `prefix`.
 inline Result<std::string> make_temporary_folder(const std::string& prefix) {
   std::error_code error;
   const auto parent = std::filesystem::temp_directory_path(error);
@@ -65,9 +65,9 @@ inline Result<std::string> make_temporary_folder(const std::string& prefix) {
   return name;
 }
 
-// Opens a regular file for reading. Rejects others: a pipe may block forever, a device may have no end, and
-// opening some devices has side effects. `hint` ends the error message and says which file is expected.
-// Returns Fault::usage if the file is missing, unreadable or not regular.
+// Opens a regular file for reading. Rejects all other kinds of files: a pipe may block forever, a device may
+// have no end, and opening some devices has side effects. `hint` is the end of the error message and states
+// what the user can do. Returns Fault::usage if the file is missing, unreadable or not regular.
 inline Result<Descriptor> open_input(const std::string& path,
                                      const std::string& hint = "check the path") {
   const auto cannot = [&](const std::string& what) {
@@ -114,8 +114,8 @@ inline Result<std::string> read_whole_file(const std::string& path, std::size_t 
   }
 }
 
-// Renames `from`, which must be flushed to disk, to `to`, and flushes the folder's entry. Without this, a
-// power failure may restore the previous file. Returns false and sets errno on failure.
+// Renames `from`, which must be flushed to disk, to `to`, and flushes the folder's entry. If the entry is
+// not flushed, a power failure may restore the previous file. Returns false and sets errno on failure.
 inline bool move_into_place(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) return false;
   const auto parent = std::filesystem::path(to).parent_path();
@@ -124,9 +124,9 @@ inline bool move_into_place(const std::string& from, const std::string& to) {
   return !folder || sync_file(folder.get());  // a folder without read permission cannot be opened
 }
 
-// Replaces the file at `path` atomically: an existing one stays until all bytes are on disk. A symbolic link
-// stays, and its target is replaced. Devices and pipes are written directly. Returns Fault::environment on
-// failure.
+// Replaces the file at `path` atomically: an existing file stays until all new bytes are on disk. A symbolic
+// link stays, and its target is replaced. Devices and pipes are written directly. Returns Fault::environment
+// on failure.
 inline Result<void> write_whole_file(const std::string& path, std::string_view bytes) {
   const auto cannot = [&](const char* what, int error) { return write_failure(path, what, error); };
   std::error_code no_link;

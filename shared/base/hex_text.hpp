@@ -9,7 +9,7 @@
 
 namespace kaz {
 
-// Returns "4f4b0d", or "4f 4b 0d" if `between` is a space.
+// Returns lower-case digits such as "4f4b0d", or "4f 4b 0d" if `between` is a space.
 inline std::string hex_text(std::span<const std::uint8_t> bytes, std::string_view between = "") {
   static constexpr char digits[] = "0123456789abcdef";
   std::string text;

@@ -7,7 +7,7 @@
 
 namespace kaz {
 
-// During its lifetime, this process cannot open file descriptors (EMFILE).
+// While an object of this class exists, the process cannot open file descriptors (EMFILE).
 class NoDescriptors {
  public:
   NoDescriptors() {

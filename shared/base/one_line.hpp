@@ -10,8 +10,8 @@
 
 namespace kaz {
 
-// Returns the length of the UTF-8 character that begins at `at`, or 0 if invalid or at the end. RFC 3629: no
-// overlong forms, no surrogates, at most U+10FFFF.
+// Returns the length of the UTF-8 character that begins at `at`, or 0 if the character is invalid or `at` is
+// the end of the text. RFC 3629: no overlong forms, no surrogates, at most U+10FFFF.
 inline std::size_t utf8_length(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
@@ -32,8 +32,8 @@ inline std::size_t utf8_length(std::string_view text, std::size_t at) {
   return length;
 }
 
-// Returns `text` as one line. Line breaks and tabs become spaces. Other control characters and bytes that are
-// not UTF-8 become \xNN. This includes U+0080 to U+009F, which terminals interpret.
+// Returns `text` as one line. Line breaks and tabs become spaces. Other control characters and bytes that
+// are not UTF-8 become \xNN. The control characters include U+0080 to U+009F, which terminals interpret.
 inline std::string one_line(std::string_view text) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
@@ -59,7 +59,8 @@ inline std::string one_line(std::string_view text) {
   return out;
 }
 
-// Returns `text`, cut after at most `max` bytes and between UTF-8 characters. "..." replaces the rest.
+// Returns the first `max` bytes of `text`, or fewer so as not to cut a UTF-8 character. "..." replaces the
+// rest.
 inline std::string cut_text(std::string_view text, std::size_t max = 80) {
   if (text.size() <= max) return std::string(text);
   std::size_t end = max;

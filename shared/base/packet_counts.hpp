@@ -1,4 +1,4 @@
-// Counters of a packet decoder. Each received byte ends up in a packet or a counter.
+// Counters of a packet decoder. Each received byte belongs to a packet or is counted as bad or skipped.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A ProfileScope assigns the time of its thread to a part of the program. Scopes nest, and time counts for
-// the innermost one. So the parts add up to the time of the outermost scopes. Without a Profile, a scope
-// costs one load and a branch. With one, it reads two clocks at both ends: 1.55 us
-// (docs/explanation/time.md).
+// the innermost scope. So the parts add up to the time of the outermost scopes. While no Profile exists, a
+// scope costs one load and a branch. While a Profile exists, a scope reads two clocks at its begin and at
+// its end, which takes 1.55 us (docs/explanation/time.md).
 #ifndef KAZ_SHARED_BASE_PROFILE_HPP
 #define KAZ_SHARED_BASE_PROFILE_HPP
 
@@ -26,17 +26,18 @@ class Profile {
  public:
   struct Part {
     std::string name;
-    double cpu_s = 0;         // CPU time of all threads in its scopes
-    double waiting_s = 0;     // wall time minus CPU time: waits for a lock, a file, a processor
+    double cpu_s = 0;         // CPU time of all threads in scopes of this part
+    double waiting_s = 0;     // wall time minus CPU time: waiting for a lock, a file, a processor
     std::uint64_t count = 0;  // ended scopes
   };
   struct Thread {
-    std::string name;  // part of its outermost scope; numbered from the second such thread on
-    double cpu_s = 0;  // in scopes
+    // Part of the thread's outermost scope. A number follows if an earlier thread has the same name.
+    std::string name;
+    double cpu_s = 0;  // CPU time in scopes
   };
 
   // Measures the scopes of all threads during its lifetime. At most one Profile may exist. Scopes that are
-  // open when it begins or ends do not count.
+  // open when the Profile begins or ends do not count.
   Profile() {
     epoch().fetch_add(1);
     current().store(this);
@@ -45,7 +46,7 @@ class Profile {
   Profile(const Profile&) = delete;
   Profile& operator=(const Profile&) = delete;
 
-  // Returns the parts of ended scopes, by decreasing CPU time.
+  // Returns the parts of number of ended scopes, by decreasing CPU time.
   std::vector<Part> parts() const {
     std::vector<Part> all;
     const std::lock_guard lock(mutex_);
@@ -63,7 +64,7 @@ class Profile {
     return all;
   }
 
-  // Returns the threads with scopes, by decreasing CPU time.
+  // Returns the threads that had scopes, by decreasing CPU time.
   std::vector<Thread> threads() const {
     std::vector<Thread> all;
     const std::lock_guard lock(mutex_);
@@ -82,7 +83,7 @@ class Profile {
 
  private:
   friend class ProfileScope;
-  // Times of one part in one thread, which alone writes them. Any thread may read.
+  // Times of one part in one thread. Only that thread writes the times; any thread may read them.
   struct Row {
     explicit Row(const char* part) : name(part) {}
     std::string name;
@@ -98,7 +99,7 @@ class Profile {
     static std::atomic<Profile*> profile{nullptr};
     return profile;
   }
-  // Counts profiles, so that a thread detects a new one at the address of an earlier one.
+  // Number of profiles so far. A thread thus detects a new profile at the address of an earlier profile.
   static std::atomic<std::uint64_t>& epoch() {
     static std::atomic<std::uint64_t> count{0};
     return count;
@@ -121,7 +122,7 @@ class Profile {
   std::vector<std::shared_ptr<Table>> tables_;  // one per thread
 };
 
-// Assigns the time of its thread during its lifetime to a part.
+// While a ProfileScope exists, the time of its thread counts for a part.
 class ProfileScope {
  public:
   // `part` must outlive the scope.
@@ -144,7 +145,7 @@ class ProfileScope {
   ~ProfileScope() {
     if (row_ == nullptr) return;
     Local& local = this_thread();
-    if (local.epoch != epoch_) return;  // from an earlier profile, whose rows are gone
+    if (local.epoch != epoch_) return;  // the rows of the earlier profile are gone
     const Moment now = Moment::now();
     charge(now, local.last);
     row_->count.fetch_add(1, std::memory_order_relaxed);

@@ -11,7 +11,7 @@
 
 namespace kaz {
 
-// Kind of an error. Its value is the exit status of a command (docs/reference/output.md).
+// Kind of an error. The value is the exit status of a command (docs/reference/output.md).
 enum class Fault {
   failed = 1,         // the task failed: ball not caught, verify mismatch
   usage = 2,          // wrong options, unusable input file
@@ -34,8 +34,8 @@ inline tl::unexpected<Error> fail(Fault fault, std::string message) {
   return tl::unexpected<Error>(Error{fault, std::move(message)});
 }
 
-// Same with the default fault. For libraries that cannot select one, such as the image parsers and the
-// emulator: the caller passes the message on with its own fault.
+// Returns an error with the default fault. For libraries that cannot select a fault, such as the image
+// parsers and the emulator. The caller passes the message on with a fault of its own choice.
 inline tl::unexpected<Error> fail(std::string message) {
   return tl::unexpected<Error>(Error{.message = std::move(message)});
 }
@@ -56,14 +56,15 @@ T value_of(tl::expected<T, E>&& result) {
 
 }  // namespace kaz
 
-// Evaluates to the value of a Result. If it is an error, returns this error from the enclosing function or
-// lambda, whose return type must be a Result of any type:
+// Evaluates to the value of a Result. If the Result is an error, returns this error from the enclosing
+// function or lambda, whose return type must be a Result of any type:
 //
 //   const auto image = KAZ_TRY(load_image(path));  // Result<Image>: image is an Image
-//   KAZ_TRY(robot.enable());                       // Result<void>, or an unused value
+//   KAZ_TRY(robot.enable());                       // Result<void>, or any Result whose value is not used
 //
-// Evaluates the expression once. Use it as a whole initializer or statement as above. Within a larger
-// expression, the return may leave temporaries undestroyed. Uses a statement expression of GCC and clang.
+// Evaluates the expression once. Use KAZ_TRY only as a whole initializer or a whole statement, as above.
+// Within a larger expression, the return may leave temporaries undestroyed. Uses a statement expression of
+// GCC and clang.
 #define KAZ_TRY(...) KAZ_TRY_NUMBERED(__COUNTER__, __VA_ARGS__)
 #define KAZ_TRY_NUMBERED(number, ...) KAZ_TRY_JOINED(number, __VA_ARGS__)
 #define KAZ_TRY_JOINED(number, ...) KAZ_TRY_NAMED(kaz_try_##number, __VA_ARGS__)

@@ -11,7 +11,7 @@
 
 namespace kaz {
 
-// Parses `xml` into `to`. Fails the test if it is not XML.
+// Parses `xml` into `to`. Fails the test if `xml` is not XML.
 inline void parse_xml(const std::string& xml, tinyxml2::XMLDocument& to) {
   EXPECT_EQ(to.Parse(xml.data(), xml.size()), tinyxml2::XML_SUCCESS) << to.ErrorStr();
 }

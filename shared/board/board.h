@@ -8,7 +8,8 @@
 
 #define KZ_JOINTS 18
 
-// Crystal, Hz; one CPU state is one period. 115,200 baud and 1 ms are whole numbers of states.
+// Crystal frequency, Hz. One CPU state is one period of the crystal. One bit at 115,200 baud takes a whole
+// number of states, and so does 1 ms.
 #define KZ_CLOCK_HZ 18432000L
 #define KZ_TICK_HZ 1000
 #define KZ_STATES_PER_TICK 18432L
@@ -20,14 +21,14 @@
 #define KZ_MUXES 3
 #define KZ_MUX_INPUTS 8
 #define KZ_ANALOG (KZ_MUXES * KZ_MUX_INPUTS)
-// Motor supply through a divider. Full scale: KZ_SUPPLY_FULL_MV.
+// Motor supply, measured through a voltage divider. Full scale is KZ_SUPPLY_FULL_MV.
 #define KZ_ANALOG_SUPPLY 6
-// Half of AVCC, as a test of the converter: code 512.
+// Half of AVCC, to test the A/D converter: the expected code is 512.
 #define KZ_ANALOG_REFERENCE 7
 // Temperature of the motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale.
 #define KZ_ANALOG_TEMPERATURE 14
-// Inertial option on AN3..AN5: half of AVCC means zero. Boards without it ground these pins.
-// The indices are those of unconnected multiplexer inputs.
+// Optional inertial sensors on AN3..AN5; half of AVCC means zero. Boards without inertial sensors ground
+// these pins. The indices belong to multiplexer inputs that are not connected.
 #define KZ_ANALOG_YAW_RATE 15
 #define KZ_ANALOG_FORWARD_FORCE 22
 #define KZ_ANALOG_LEFT_FORCE 23
@@ -49,8 +50,8 @@
 // Converts 0.1 degrees to 100 microradians: pi/1800 * 1e4 = 17.453293. Integer arithmetic gives the
 // same result on the H8 and on the PC.
 #define KZ_DECIDEG(d) ((s16)((s32)(d)*17453L / 1000L))
-// Joint angle at potentiometer code 512, in 100 urad, from the columns of joints.def. It is half a code
-// (16.19) beyond the angle at which the code begins, because the converter rounds down.
+// Joint angle at potentiometer code 512, in 100 urad, from the columns of joints.def. The angle is half a
+// code (16.19 units) beyond the angle at which code 512 begins, because the converter rounds down.
 #define KZ_POT_CENTRE(decideg, sign) ((s16)(KZ_DECIDEG(decideg) + ((sign) > 0 ? 16 : -16)))
 
 #endif

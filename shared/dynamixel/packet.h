@@ -6,7 +6,7 @@
 // LENGTH is the size from INSTRUCTION to CRC. A reply has the instruction `status` and an error byte.
 //
 // Byte stuffing: from INSTRUCTION on, each FF FF FD is followed by another FD, so no header occurs inside a
-// packet. LENGTH and CRC include these bytes. The joined replies of fast reads are not stuffed.
+// packet. LENGTH and CRC include the added bytes. The joined replies of fast reads are not stuffed.
 //
 // Source: ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0". docs/reference/servo-bus.md has the details.
 #pragma once
@@ -27,7 +27,7 @@ enum class Instruction : std::uint8_t {
   ping = 0x01,
   read = 0x02,
   write = 0x03,
-  reg_write = 0x04,  // executed by `action`
+  reg_write = 0x04,  // a write that the instruction `action` executes
   action = 0x05,
   factory_reset = 0x06,
   reboot = 0x08,
@@ -49,9 +49,9 @@ enum class Failure : std::uint8_t {
   instruction = 2,
   crc = 3,
   range = 4,   // value out of the register's range
-  length = 5,  // data end within a register
+  length = 5,  // data end in the middle of a register
   limit = 6,   // value beyond the limit set by another register
-  access = 7,  // read-only or locked register, or none at the address
+  access = 7,  // register is read-only or locked, or no register at the address
 };
 // Flag in the error byte: hardware_error_status is not 0.
 inline constexpr std::uint8_t kAlert = 0x80;
@@ -73,7 +73,7 @@ struct Packet {
   bool is_status() const { return instruction == static_cast<std::uint8_t>(Instruction::status); }
   bool operator==(const Packet&) const = default;
 };
-// Maximum LENGTH that PacketReader accepts. The manual has no limit; this is the one of ROBOTIS's SDK.
+// Maximum LENGTH that PacketReader accepts. The manual states no limit; 1024 is the limit in ROBOTIS's SDK.
 inline constexpr std::size_t kMaxLength = 1024;
 
 // Returns the CRC-16 with polynomial 8005 after `bytes`, starting at `crc`.
@@ -98,7 +98,7 @@ inline std::uint8_t high(std::size_t value) {
 
 // The joined reply to a fast read begins with this many bytes: header, id, length, instruction.
 inline constexpr std::size_t kFastHead = 8;
-// In that reply, each servo adds this many bytes to its data: error, id, CRC.
+// In a joined reply, each servo sends this many bytes besides its data: error, id, CRC.
 inline constexpr std::size_t kFastFrame = 4;
 
 // Stream decoder: finds packets in received bytes. Not thread-safe.
@@ -107,13 +107,15 @@ class PacketReader {
   enum class Event { none, packet, bad_checksum, bad_length };
   using Counts = PacketCounts;
 
-  // Processes one byte. Returns the event that it completes, or Event::none.
+  // Processes one byte. Returns the event that the byte completes, or Event::none.
   Event take(std::uint8_t byte);
-  // The last packet; valid after Event::packet until the next byte. After bad_checksum: unverified content.
+  // The last packet; valid after Event::packet until the next byte. After bad_checksum, the content of the
+  // damaged packet.
   const Packet& packet() const { return packet_; }
-  // Drops an incomplete packet and counts it. Call it after a timeout between bytes or a framing error.
+  // Drops an incomplete packet and counts the packet as abandoned. Call reset() after a timeout between
+  // bytes or a framing error.
   void reset();
-  // Whether a packet, or what may be its header, is incomplete.
+  // Whether an incomplete packet, or a part of a possible header, has been received.
   bool inside() const { return !bytes_.empty(); }
   const Counts& counts() const { return counts_; }
 

@@ -63,16 +63,16 @@ inline constexpr Time kForEver = Time::max();
 
 struct Fault {
   Name name{};
-  Time at{};  // time of its beginning
+  Time at{};  // time at which the fault begins
   Time length = kForEver;
   int joint = -1;       // index in joints.def; -1 if the target is not a joint
   Way way = Way::both;  // link faults only
-  double value = 0;     // parameter, in the unit of its kind
+  double value = 0;     // parameter, in the unit of the fault's kind
   bool operator==(const Fault&) const = default;
 
-  // Whether joint and value are valid for its kind.
+  // Whether joint and value are valid for the kind of fault.
   bool is_possible() const;
-  // Whether the fault is active at `t`, from `at` on for `length`.
+  // Whether the fault is active at time `t`. A fault is active from `at` on, for the duration `length`.
   bool active(Time t) const { return t >= at && (length == kForEver || t - at < length); }
   template <class A>
   void transfer(A& a) {
@@ -81,8 +81,8 @@ struct Fault {
   }
 };
 
-// Parses one line of a schedule, which must have no comment. Without `at`, the fault begins at `now`. Returns
-// Fault::usage with the expected and the found text if the line is invalid.
+// Parses one line of a schedule. The line must not have a comment. Without `at`, the fault begins at `now`.
+// Returns Fault::usage with the expected and the found text if the line is invalid.
 Result<Fault> parse(std::string_view line, Time now = Time::zero());
 // Returns the line from which parse() reads `fault`.
 std::string text_of(const Fault& fault);
@@ -121,7 +121,7 @@ struct RandomOptions {
   Time length = std::chrono::seconds(10);         // all faults begin within this time
   double per_second = 1;                          // mean rate of faults, 1/s
   Time longest = std::chrono::milliseconds(500);  // maximum duration of a fault
-  // Kinds to draw: line, joint and board faults.
+  // Which faults to draw: faults of the line, of joints, of the board's power.
   bool line = true, joints = true, power = true;
 };
 // Returns a message such as "1 fault never began, because the run ended before it: at 100 s power_reset", or

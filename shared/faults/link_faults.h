@@ -23,8 +23,8 @@ struct LineBytes {
   Time delay{};  // additional delay
 };
 
-// Returns the 8N1 byte that a receiver samples if the sender is faster by the fraction `error`. It samples in
-// the middle of its own bits. The line is idle (high) after the byte.
+// Returns the 8N1 byte that a receiver samples if the sender is faster by the fraction `error`. The receiver
+// samples in the middle of each bit by its own clock. The line is idle (high) after the byte.
 LineByte sampled(std::uint8_t value, double error);
 
 // Random link faults. Not thread-safe.

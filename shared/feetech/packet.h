@@ -26,14 +26,14 @@ enum class Instruction : std::uint8_t {
   ping = 0x01,
   read = 0x02,
   write = 0x03,
-  reg_write = 0x04,  // executed by `action`
+  reg_write = 0x04,  // a write that the instruction `action` executes
   action = 0x05,
   restore = 0x06,      // restores the registers of the last backup, except the id
   restart = 0x08,      // has no reply
   backup = 0x09,       // stores the registers for `restore`
   reset_turns = 0x0A,  // clears the turn counter
   set_middle = 0x0B,   // sets the present position to the middle, or to the 2-byte parameter
-  sync_read = 0x82,    // address, length, ids; SCS servos lack it
+  sync_read = 0x82,    // address, length, ids; SCS servos do not support it
   sync_write = 0x83,   // address, length, then id and data per servo
 };
 
@@ -55,7 +55,7 @@ struct Packet {
 };
 inline constexpr std::size_t kMaxParameters = 253;  // LENGTH is one byte
 
-// Returns the checksum of `bytes`, which are those from ID to the last parameter.
+// Returns the checksum of `bytes`, which are the bytes from ID to the last parameter.
 std::uint8_t checksum(std::span<const std::uint8_t> bytes);
 
 // Encodes a packet. Precondition: at most kMaxParameters parameters.
@@ -73,13 +73,14 @@ class PacketReader {
   enum class Event { none, packet, bad_checksum, bad_length };
   using Counts = PacketCounts;
 
-  // Processes one byte. Returns the event that it completes, or Event::none.
+  // Processes one byte. Returns the event that the byte completes, or Event::none.
   Event take(std::uint8_t byte);
-  // The last packet; valid after Event::packet until the next one.
+  // The last packet; valid after Event::packet until the next packet.
   const Packet& packet() const { return packet_; }
-  // Drops an incomplete packet and counts it. Call it after a timeout between bytes or a framing error.
+  // Drops an incomplete packet and counts the packet as abandoned. Call reset() after a timeout between
+  // bytes or a framing error.
   void reset();
-  // Whether a packet, or what may be its header, is incomplete.
+  // Whether an incomplete packet, or a part of a possible header, has been received.
   bool inside() const { return state_ != State::header || headers_ > 0; }
   const Counts& counts() const { return counts_; }
 

@@ -1,12 +1,13 @@
-// Integrity marks in flash. The loader checks the application's header before it starts the application.
-// A host checks the loader's mark, which covers vectors and loader, before it erases anything.
+// Integrity marks in flash. The loader checks the application's header before starting the application.
+// A host checks the loader's mark, which covers vectors and loader, before erasing anything.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_FLASH_IMAGE_H
 #define KAZ_SHARED_FLASH_IMAGE_H
 
 #include "shared/base/types.h"
 
-// Flash map: firmware/kaz.ld. The application starts with its jump table. The first entry leads to its start.
+// firmware/kaz.ld has the flash map. The application begins with a jump table. The first entry jumps to the
+// start of the application.
 #define KZ_APPLICATION 0x1000UL
 #define KZ_APPLICATION_HEADER 0x11E0UL
 #define KZ_APPLICATION_CODE 0x1200UL
@@ -21,7 +22,7 @@ typedef struct kz_image_header {
   u16 board_id;
   u16 version;
   u32 build_id;
-  u32 length;  // bytes from KZ_APPLICATION on, header included
+  u32 length;  // bytes from KZ_APPLICATION on, including the header
   u8 unused[14];
   u16 crc;  // kz_crc16, start 0xFFFF, over all `length` bytes except this field
 } kz_image_header;

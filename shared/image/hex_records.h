@@ -34,7 +34,8 @@ class HexRecords {
   Result<std::vector<std::uint8_t>> digits(std::string_view line, std::size_t first) const;
   // Reads a big-endian number of up to four bytes.
   static std::uint32_t big(std::span<const std::uint8_t> bytes);
-  // Adds data to the image. Data right after the previous data extend the same segment.
+  // Adds data to the image. Data whose address follows directly on the previous data extend the same
+  // segment.
   void append(std::uint32_t address, std::span<const std::uint8_t> data);
   void entry(std::uint32_t address) { image_.entry = address; }
   void ended() { ended_ = true; }

@@ -34,7 +34,8 @@ struct SourceLine {
   std::uint32_t line = 0;
 };
 
-// Symbols and source lines, by name and address. Returned pointers are valid as long as the table.
+// Finds symbols by name and address, and source lines by address. Returned pointers are valid as long as the
+// table.
 class SymbolTable {
  public:
   SymbolTable() = default;
@@ -74,14 +75,14 @@ Result<Image> parse_intel_hex(std::string_view text, const std::string& name);
 // Parses COFF of h8300-hms with symbols and line numbers. Magic: 0x8302 for H8S, 0x8301 for H8/300H; 0x8300,
 // 0x8303 and 0x8304 for 16-bit addresses.
 Result<Image> parse_coff(std::span<const std::uint8_t> bytes, const std::string& name);
-// Parses linked ELF32, big-endian, machine 46, with symbols. Takes the sections with contents, or the
-// segments if no section has any.
+// Parses linked ELF32, big-endian, machine 46, with symbols. Reads the sections with contents or, if no
+// section has contents, the segments.
 Result<Image> parse_elf(std::span<const std::uint8_t> bytes, const std::string& name);
 
 enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
 
 struct LoadOptions {
-  Format format = Format::automatic;  // automatic: by the first bytes, never raw
+  Format format = Format::automatic;  // automatic: detected from the first bytes, never raw
   // Address of the first byte of a raw image, also its entry. Invalid for other formats.
   std::optional<std::uint32_t> address;
 };

@@ -25,7 +25,7 @@ class ObjectFile {
   bool fits(std::size_t at, std::size_t size) const {
     return at <= bytes_.size() && size <= bytes_.size() - at;
   }
-  // Read a number at offset `at`. Precondition: it lies inside the file.
+  // Read a number at offset `at`. Precondition: the number lies inside the file.
   unsigned u16(std::size_t at) const {
     return static_cast<unsigned>(bytes_[at] << 8 | bytes_[at + 1]);
   }
@@ -37,8 +37,9 @@ class ObjectFile {
   // Returns the text at offset `at`, up to a zero byte. Control characters become '?' because texts go into
   // messages.
   std::string text(std::size_t at, std::size_t max_length) const;
-  // Adds `segment` with `size` bytes at file offset `offset`. For messages: `at` is the offset of its header,
-  // `what` its name. Returns an error for contents outside the file or above 32 MB in all.
+  // Adds `segment` with `size` bytes at file offset `offset`. For error messages: `at` is the offset of the
+  // segment's header, `what` is the segment's name. Returns an error for contents outside the file or above
+  // 32 MB in all.
   Result<void> add(std::size_t at, const std::string& what, Segment segment, std::size_t offset,
                    std::size_t size);
 

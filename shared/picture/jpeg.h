@@ -20,8 +20,9 @@ struct JpegSettings {
 Result<std::vector<std::uint8_t>> encode_jpeg(const PixelView& pixels,
                                               const JpegSettings& settings = {});
 
-// Decodes to 8-bit RGB; gray becomes R = G = B. Returns an error for truncated or damaged data, where libjpeg
-// only warns and fills in pixels. Pictures without Huffman tables (MJPEG of cameras) use the standard ones.
+// Decodes to 8-bit RGB; gray becomes R = G = B. Returns an error for truncated or damaged data, although
+// libjpeg only warns and fills in pixels. Pictures without Huffman tables (MJPEG of cameras) are decoded
+// with the standard tables.
 Decoded decode_jpeg(std::span<const std::uint8_t> bytes, const SizeLimits& limits = {});
 
 }  // namespace kaz::picture

@@ -16,7 +16,7 @@ namespace kaz::picture {
 struct PixelView {
   int width = 0, height = 0;
   int channels = 3;  // 1: gray, 3: RGB
-  int bits = 8;      // per sample: 8, or 16 with the high byte first
+  int bits = 8;      // bits per sample: 8, or 16 with the high byte first
   std::span<const std::uint8_t> samples;
 };
 
@@ -25,7 +25,8 @@ inline std::size_t bytes_per_row(const PixelView& pixels) {
          static_cast<std::size_t>(pixels.bits / 8);
 }
 
-// Whether the picture is not empty, has supported channels and bits, and as many bytes as its size needs.
+// Whether the picture is not empty, has supported channels and bits, and the number of bytes that its size
+// requires.
 inline bool valid(const PixelView& pixels) {
   return pixels.width > 0 && pixels.height > 0 && (pixels.channels == 1 || pixels.channels == 3) &&
          (pixels.bits == 8 || pixels.bits == 16) &&
@@ -58,7 +59,7 @@ inline bool within(const SizeLimits& limits, std::uint64_t width, std::uint64_t 
 struct DecodeError {
   enum class Kind {
     invalid,  // wrong format or truncated; `reason` is the library's message
-    damaged,  // complete, but with a warning of the library: `reason`
+    damaged,  // complete, but the library warned; `reason` is the warning
     size      // outside the limits; `width` and `height` are from the header
   };
   Kind kind = Kind::invalid;

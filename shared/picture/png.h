@@ -11,14 +11,14 @@
 namespace kaz::picture {
 
 struct PngSettings {
-  int level = 6;        // zlib level: 0 stores, 9 compresses most
-  bool filters = true;  // libpng selects one per row; false: faster, larger files
-  bool srgb = false;    // samples are sRGB: adds the chunk sRGB, and gAMA and cHRM for old readers
+  int level = 6;        // zlib level: 0 does not compress, 9 compresses most
+  bool filters = true;  // libpng selects a filter for each row; false: faster, larger files
+  bool srgb = false;    // samples are sRGB; adds chunk sRGB, and gAMA and cHRM for old readers
   const char* software = nullptr;  // if not null: value of the text chunk "Software"
 };
 
-// Encodes a picture. Equal pixels and settings give equal bytes with the same versions of libpng and zlib.
-// 16-bit samples may be any quantity, so they are stored unchanged, without a gamma chunk.
+// Encodes a picture. With the same versions of libpng and zlib, equal pixels and settings give equal bytes.
+// 16-bit samples may represent any quantity, so the samples are stored unchanged, without a gamma chunk.
 // Returns Fault::usage if `pixels` is not valid, or Fault::failed with libpng's message.
 Result<std::vector<std::uint8_t>> encode_png(const PixelView& pixels,
                                              const PngSettings& settings = {});

@@ -21,7 +21,7 @@ class Layout {
   void paint(Painter& painter) const;
 
  private:
-  // A plot with its axis and position.
+  // A plot with its y axis and its position on the page.
   struct Placed {
     const LinePlot* plot;
     Axis y;
@@ -29,7 +29,7 @@ class Layout {
     Legend legend = {};
     std::vector<std::string> caption = {};
     double caption_top = 0;  // px
-    bool empty = false;      // no point can be drawn
+    bool empty = false;      // true: no point can be drawn
   };
 
   Point place(const Placed& placed, double x, double y) const;

@@ -12,8 +12,8 @@ namespace kaz::plot {
 class Legend {
  public:
   Legend() = default;
-  // Places the entries right-aligned in the title's line if they fit, otherwise in lines below it. `width_px`
-  // is the width of the plot's frame.
+  // Places the entries right-aligned in the line of the title if there is room, otherwise in lines below the
+  // title. `width_px` is the width of the plot's frame.
   Legend(const LinePlot& plot, double width_px, double title_width_px);
 
   double height() const { return height_; }  // height of the lines below the title, px
@@ -25,7 +25,7 @@ class Legend {
     Mark mark;
     std::string label;
     Color color;
-    Point offset = {};  // from the start of the title's baseline, px
+    Point offset = {};  // distance from the start of the title's baseline, px
     double width() const;
   };
   void collect(const LinePlot& plot);

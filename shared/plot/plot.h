@@ -47,7 +47,7 @@ constexpr const char* to_string(Series::Style style) {
 struct Span {
   double from = 0, to = 0;
   Color color = kGreen;
-  std::string label;  // in the legend, if not empty; once for spans with the same label
+  std::string label;  // text in the legend; empty: no entry. Spans with equal labels share an entry
 };
 
 // Dashed line over the whole width.
@@ -62,7 +62,7 @@ struct LinePlot {
   std::vector<Series> series;
   std::vector<Span> spans;
   std::vector<HorizontalLine> lines;
-  std::optional<double> y_min, y_max;  // ends of the y axis; if empty, from the data
+  std::optional<double> y_min, y_max;  // ends of the y axis; nullopt: chosen from the data
   std::string caption;                 // below the plot, wrapped
 };
 
@@ -71,7 +71,7 @@ struct PlotPage {
   std::string title, x_label;
   std::vector<LinePlot> plots;
   int width_px = 960;
-  // Height of each plot including title and tick labels. A long legend and a caption add to it.
+  // Height of each plot including title and tick labels. A long legend or a caption increases the height.
   int plot_height_px = 260;
   bool x_logarithmic = false;
 };

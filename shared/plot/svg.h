@@ -8,8 +8,8 @@
 
 namespace kaz::plot {
 
-// Returns SVG 1.1 for a separate file or inside an HTML page. Text remains text: readers can search it, and
-// their own font draws it.
+// Returns SVG 1.1 for a separate file or inside an HTML page. Text is stored as text, so readers can search
+// it, and it is drawn with the reader's font.
 std::string plot_svg(const PlotPage& page);
 
 }  // namespace kaz::plot

@@ -7,7 +7,8 @@
 
 namespace kaz::plot {
 
-// Returns an upper estimate of the text's width, px, for common sans-serif fonts; the reader's is unknown.
+// Returns an upper estimate of the text's width, px, for common sans-serif fonts. The font of the reader is
+// unknown.
 double text_width(const std::string& utf8, double size_px, bool bold = false);
 
 // Breaks the text at spaces into lines of at most `width_px`. A longer word gets its own line.

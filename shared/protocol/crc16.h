@@ -1,4 +1,4 @@
-// One byte of the CRC-16 of kz_crc16 (frame.h), inline for code that processes every byte.
+// Inline step of kz_crc16 (frame.h) by one byte, for code that processes every byte.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_CRC16_H
 #define KAZ_SHARED_PROTOCOL_CRC16_H
@@ -9,10 +9,10 @@
 extern "C" {
 #endif
 
-// Entry n is the remainder of n * x^16.
+// Entry n is the remainder of n * x^16 modulo the CRC polynomial.
 extern const u16 kz_crc16_table[256];
 
-// Returns the CRC `crc` after one more byte.
+// Returns the CRC `crc`, extended by one byte.
 static inline u16 kz_crc16_step(u16 crc, u8 byte) {
   return (u16)((u16)(crc << 8) ^ kz_crc16_table[(u16)(crc >> 8) ^ byte]);
 }

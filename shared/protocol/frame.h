@@ -9,15 +9,18 @@
 //   check    CRC-16 (polynomial 0x1021, start 0xFFFF, most significant bit first) of the stuffed bytes,
 //            in 7-bit groups without zeros: 0x80|crc>>14, 0x80|crc>>7&0x7f, 0x80|crc&0x7f
 //
-// Each frame has its own zero at both ends. So a receiver that joins late, or loses or gains bytes, is in
-// step again at the next zero.
+// Each frame has its own zero at both ends. So a receiver that joins late, or loses or gains bytes, is
+// synchronized again at the next zero.
 //
-// One damaged byte is always detected, with one exception (kz_frame_splits):
-//   - A byte inside, not zero afterwards: a burst of at most 8 bits, or a wrong check.
-//   - The first zero: every byte changes the CRC's start value.
-//   - The last zero: the first byte of the check would have to be a stuffing byte, but those are below 0x80.
-//   - A byte inside, zero afterwards: the check of the part before it would have to begin with a stuffing
-//     byte. The part after it has a valid check only if kz_frame_splits returns 1.
+// One damaged byte is always detected, with one exception (kz_frame_splits). The damaged byte may be:
+//   - A byte inside the frame that does not become zero. The damage is a burst of at most 8 bits, which the
+//     CRC detects, or it is in the check.
+//   - The first zero. The CRC then includes the damaged byte, and every byte changes the CRC's start value.
+//   - The last zero. The frame would be accepted only if the first byte of the check were a stuffing byte,
+//     but stuffing bytes are below 0x80.
+//   - A byte inside the frame that becomes zero. The part before this zero would be accepted only if the
+//     check of this part began with a stuffing byte. The part after this zero has a valid check only if
+//     kz_frame_splits returns 1.
 #ifndef KAZ_SHARED_PROTOCOL_FRAME_H
 #define KAZ_SHARED_PROTOCOL_FRAME_H
 
@@ -38,10 +41,10 @@ extern "C" {
 // shorter than 254 bytes.
 #define KZ_FRAME_MAX (2 + 1 + KZ_BODY_MAX + 3)
 
-// Returns the CRC `crc` after one more byte. The start value is 0xFFFF.
+// Returns the CRC `crc`, extended by one byte. The start value is 0xFFFF.
 u16 kz_crc16(u16 crc, u8 byte);
 
-// Result of a received byte. If a frame is damaged in several ways, the first one counts.
+// Result of a received byte. If a frame is damaged in several ways, the first kind of damage counts.
 #define KZ_RECEIVE_MORE 0          // no frame ended
 #define KZ_RECEIVE_FRAME 1         // a valid frame ended: its body is in body[0..length-1]
 #define KZ_RECEIVE_BAD_CHECK 2     // a frame with a wrong check ended
@@ -53,35 +56,36 @@ u16 kz_crc16(u16 crc, u8 byte);
 #define KZ_RECEIVE_IDLE 8        // no byte for KZ_IDLE_MS within the frame
 
 // Errors of a received byte, as the SCI reports them.
-#define KZ_RX_OVERRUN 0x20  // the byte is valid, later ones were lost
+#define KZ_RX_OVERRUN 0x20  // the byte is valid, later bytes were lost
 #define KZ_RX_FRAMING 0x10
 #define KZ_RX_PARITY 0x08
-#define KZ_RX_LOST 0x04  // the byte is valid, earlier ones were lost: the receive buffer was full
+#define KZ_RX_LOST 0x04  // the byte is valid, earlier bytes did not fit in the receive buffer
 
 #define KZ_RECEIVER_BETWEEN 1  // state between frames
 
-// Frame decoder. Each byte costs a few instructions, and the end of a frame one pass over it. Owns its
-// buffer and checks all lengths from the wire.
+// Frame decoder. Each byte costs a few instructions, and the end of a frame costs one pass over the frame.
+// The struct contains the buffer. The decoder checks all lengths from the wire.
 typedef struct kz_receiver {
-  u16 crc;    // CRC of the frame's bytes except the last three, which may be its check
-  u8 length;  // bytes of the frame so far; after KZ_RECEIVE_FRAME, those of the body
+  u16 crc;    // CRC of the frame's bytes except the last three, which may be the check
+  u8 length;  // number of bytes so far; after KZ_RECEIVE_FRAME, size of the body
   u8 state;   // up to KZ_RECEIVER_BETWEEN: no frame has begun
-  u8 body[KZ_BODY_MAX + 4];  // during reception: stuffed, with the check
-  u8 silent_ms;              // since the last byte; the caller of kz_receiver_silent resets it
+  u8 body[KZ_BODY_MAX + 4];  // during reception, the stuffed bytes and the check
+  u8 silent_ms;              // ms since the last byte; reset by the caller of kz_receiver_silent
 } kz_receiver;
 
 void kz_receiver_init(kz_receiver* receiver);
 // Processes one byte and returns KZ_RECEIVE_*. `errors`: KZ_RX_* flags of the byte, 0 if it is valid.
 // The received body stays valid until the next byte.
 u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors);
-// Processes bytes until one has a result other than KZ_RECEIVE_MORE, at most `count`. Returns the result of
-// the last one in the upper byte, and the number of processed bytes in the lower.
+// Processes up to `count` bytes, and stops after a byte with a result other than KZ_RECEIVE_MORE. Returns
+// the result of the last processed byte in the upper byte, and the number of processed bytes in the lower
+// byte.
 u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count);
-// Part of kz_receiver_silent within a frame.
+// Does the work of kz_receiver_silent while a frame is incomplete.
 u8 kz_receiver_waited(kz_receiver* receiver);
-// Call it for each millisecond without a byte. After KZ_IDLE_MS in a row it drops a frame that has begun, and
-// returns KZ_RECEIVE_IDLE or the damage found before. Otherwise it returns KZ_RECEIVE_MORE. When bytes
-// arrive, the caller sets silent_ms to 0.
+// Call kz_receiver_silent for each millisecond without a byte. After KZ_IDLE_MS in a row, drops a frame that
+// has begun, and returns KZ_RECEIVE_IDLE or the damage found before. Otherwise returns KZ_RECEIVE_MORE. When
+// bytes arrive, the caller sets silent_ms to 0.
 static inline u8 kz_receiver_silent(kz_receiver* receiver) {
   return receiver->state > KZ_RECEIVER_BETWEEN ? kz_receiver_waited(receiver) : KZ_RECEIVE_MORE;
 }
@@ -90,9 +94,9 @@ static inline u8 kz_receiver_silent(kz_receiver* receiver) {
 // KZ_FRAME_MAX bytes. Returns the number of bytes written.
 u8 kz_frame_encode(const u8* body, u8 body_length, u8* wire);
 
-// Returns 1 if the CRC returns to its start value within the frame, as in about one of 1500 frames. A zero in
-// place of that byte would leave a remainder with a valid check. A sender should then use another sequence
-// number, so that damage to one byte is always detected.
+// Returns 1 if the CRC returns to its start value within the frame, as happens in about one of 1500 frames.
+// If a zero then replaced the byte at that point, the rest of the frame would have a valid check. A sender
+// should then use another sequence number, so that damage to one byte is always detected.
 u8 kz_frame_splits(const u8* wire, u8 length);
 
 // Frame encoder in pieces, so that each tick encodes only the bytes that it sends.
@@ -113,7 +117,7 @@ static inline u8 kz_sender_busy(const kz_sender* sender) {
 // Starts a frame with the body that the caller wrote to sender->body[0..body_length-1]. The sender must be
 // idle.
 void kz_sender_start(kz_sender* sender, u8 body_length);
-// Writes the next bytes of the frame to `wire`, at most `room`. Returns their number.
+// Writes up to `room` further bytes of the frame to `wire`. Returns the number of bytes written.
 u8 kz_sender_take(kz_sender* sender, u8* wire, u8 room);
 
 #ifdef __cplusplus

@@ -14,9 +14,9 @@ typedef struct kz_field_info {
   const char* name;
   const char* unit;
   const char* text;
-  const char* mask;  // name of the field with the mask of present elements; NULL: all
-  long long low;     // lower bound of a request's value; without bounds, that of the type
-  long long high;    // upper bound likewise
+  const char* mask;  // name of the field with the mask of present elements; NULL: no mask
+  long long low;     // lower bound in a request; without bounds, the lowest value of the type
+  long long high;    // upper bound in a request; without bounds, the highest value of the type
   u8 size;           // bytes of one number
   u8 count;          // maximum number of elements
   u8 bounded;        // 1: messages.def gives bounds
@@ -42,9 +42,10 @@ const kz_message_info* kz_message_find(u8 code);
 u8 kz_kind_of(u8 code);
 // Returns 1 if a request changes nothing and can be repeated at any time.
 u8 kz_is_query(u8 request);
-// Returns 1 if the board writes flash for a request. Its reply then takes up to 3 s.
+// Returns 1 if the board writes flash for a request, so that the reply takes up to 3 s.
 u8 kz_writes_flash(u8 request);
-// Returns 1 if the board stops receiving for a while after a request: it writes flash or restarts.
+// Returns 1 if the board stops receiving for a while after a request, because the board writes flash or
+// restarts.
 u8 kz_interrupts_service(u8 request);
 
 // Returns the text of a refusal: "value out of range" for KZ_REFUSED_RANGE. Never NULL.

@@ -13,10 +13,11 @@ extern "C" {
 #endif
 
 #define KZ_PROTOCOL_VERSION 3
-// Oldest version that hosts accept. Its messages are the same, but a repeated `stop` is not executed again.
+// Oldest version that hosts accept. Version 2 has the same messages, but boards of version 2 do not execute
+// a repeated `stop` again.
 #define KZ_PROTOCOL_VERSION_OLDEST 2
-#define KZ_REPLY 0x80         // bit of the type in messages from board to host
-#define KZ_ADDRESS_DEFAULT 1  // address of a board without a stored one
+#define KZ_REPLY 0x80         // this bit of the type is set in messages from board to host
+#define KZ_ADDRESS_DEFAULT 1  // address of a board that has no stored address
 #define KZ_ADDRESS_LAST 14
 #define KZ_ADDRESS_ALL 15
 #define KZ_KEY 0x4B5A  // "KZ": guards requests that must not happen by accident
@@ -24,21 +25,21 @@ extern "C" {
 
 // Maximum number of outstanding requests: one being answered, one waiting.
 #define KZ_REQUESTS_UNDER_WAY 2
-// Number of latest requests in which a repetition is recognized.
+// Number of latest requests that the board remembers to recognize repetitions.
 #define KZ_REQUESTS_REMEMBERED 4
 
-// Status word: flags in the lower byte, the latched KZ_SHUTDOWN_* reason in the upper.
-#define KZ_STATUS_ENABLED 0x0001       // at least one motor is on
-#define KZ_STATUS_MOVING 0x0002        // at least one ramp is running
-#define KZ_STATUS_HOLDING 0x0004       // the link watchdog holds the joints at their commands
-#define KZ_STATUS_UNLOCKED 0x0008      // the bench unlock is active
-#define KZ_STATUS_RAW_DRIVE 0x0010     // a raw drive runs: a motor without its loop
-#define KZ_STATUS_TELEMETRY 0x0020     // telemetry is on
+// Status word: flags in the lower byte, the latched KZ_SHUTDOWN_* reason in the upper byte.
+#define KZ_STATUS_ENABLED 0x0001    // at least one motor is on
+#define KZ_STATUS_MOVING 0x0002     // at least one ramp is running
+#define KZ_STATUS_HOLDING 0x0004    // the link watchdog holds the joints at their commands
+#define KZ_STATUS_UNLOCKED 0x0008   // the bench unlock is active
+#define KZ_STATUS_RAW_DRIVE 0x0010  // a raw drive runs: a motor is driven without its position loop
+#define KZ_STATUS_TELEMETRY 0x0020  // telemetry is on
 #define KZ_STATUS_UNCALIBRATED 0x0040  // nominal calibration: no valid copy in flash
 #define KZ_STATUS_MISSED_TICK 0x0080   // a tick took too long; latched until `clear`
 
-// Reasons of a shutdown. Only the first one is latched, until `clear`. LINK_LOST with HOLDING leaves the
-// motors on; all others switch them off.
+// Reasons of a shutdown. Only the first reason is latched, until `clear`. LINK_LOST leaves the motors on if
+// the status has HOLDING. All other reasons switch the motors off.
 #define KZ_SHUTDOWN_NONE 0
 #define KZ_SHUTDOWN_STOP 1          // the host's emergency stop
 #define KZ_SHUTDOWN_LINK_LOST 2     // timeout of the link watchdog
@@ -48,7 +49,7 @@ extern "C" {
 #define KZ_SHUTDOWN_TEMPERATURE 6   // motor drivers too hot
 #define KZ_SHUTDOWN_REFERENCE 7     // the A/D converter misreads its reference
 #define KZ_SHUTDOWN_STALL 8         // high load at standstill; detail: joint
-#define KZ_SHUTDOWN_OVERLOAD 9      // load over time (I2t); detail: joint
+#define KZ_SHUTDOWN_OVERLOAD 9      // the motor is too hot by the I2t model; detail: joint
 #define KZ_SHUTDOWN_SELF_TEST 10    // a test at start failed; only a reset clears it
 
 // Reactions of the link watchdog.
@@ -57,14 +58,14 @@ extern "C" {
 
 // Joint flags.
 #define KZ_JOINT_ON 0x01
-#define KZ_JOINT_MOVING 0x02    // its ramp is running or about to start
-#define KZ_JOINT_POT 0x04       // its potentiometer is out of range
+#define KZ_JOINT_MOVING 0x02    // the joint's ramp is running or about to start
+#define KZ_JOINT_POT 0x04       // the joint's potentiometer is out of range
 #define KZ_JOINT_STALLED 0x08   // high load at standstill now
 #define KZ_JOINT_HOT 0x10       // more than half of the heat that switches motors off
 #define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit; outward drive is cut
 
 // Capabilities in `identify_reply`.
-#define KZ_CAPABILITY_TELEMETRY 0x0001    // not on a shared line
+#define KZ_CAPABILITY_TELEMETRY 0x0001    // telemetry is available; not on a shared line
 #define KZ_CAPABILITY_CALIBRATION 0x0002  // calibration can be stored
 #define KZ_CAPABILITY_RAW_DRIVE 0x0004
 #define KZ_CAPABILITY_LOADER 0x0008
@@ -79,7 +80,7 @@ extern "C" {
 // Tests at start.
 #define KZ_TEST_RAM 0x01
 #define KZ_TEST_FLASH 0x02      // CRC of the application
-#define KZ_TEST_CONVERTER 0x04  // A/D converter, by its reference
+#define KZ_TEST_CONVERTER 0x04  // A/D converter, tested by its reference
 #define KZ_TEST_SUPPLY 0x08     // never fails: without motor supply the board runs with motors off
 
 // Source of the calibration.
@@ -95,15 +96,15 @@ extern "C" {
 #define KZ_RAMP_MAX 120           // 12 rad/s, near the motors' no-load speed
 #define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad around the nominal value
 
-// Gains after a reset. With them no joint oscillates across its gear backlash, at any load
-// (docs/howto/bench.md, step.hunting). Behaviors set their own.
+// Gains after a reset. With these gains, no joint oscillates across its gear backlash at any load
+// (docs/howto/bench.md, step.hunting). Behaviors set their own gains.
 #define KZ_KP_DEFAULT 4096  // 1/256 /rad: 16 /rad
 #define KZ_KP_HAND 205      // 0.8 /rad: the jaws of the hands stay compliant
 #define KZ_KD_DEFAULT 369   // 1/4096 s/rad: 0.09 s/rad
 
 #define KZ_JOINTS_PER_REPLY 9  // maximum number of joints in a `joints_reply`
 
-// Detail without a joint or field.
+// Value of a detail that names no joint or field.
 #define KZ_NO_DETAIL 255
 
 // Reasons of a refusal.
@@ -112,7 +113,7 @@ extern "C" {
 #define KZ_REFUSED_RANGE 3         // value out of range; detail: index of the field, or joint
 #define KZ_REFUSED_LIMIT 4         // target outside the joint's soft limits; detail: joint
 #define KZ_REFUSED_DISABLED 5      // target for a joint that is off; detail: joint
-#define KZ_REFUSED_FAULT 6         // a shutdown is latched or its cause present; detail: reason
+#define KZ_REFUSED_FAULT 6         // a shutdown is latched or a fault is present; detail: reason
 #define KZ_REFUSED_BUSY 7          // too many outstanding requests, or an action is pending
 #define KZ_REFUSED_ARMED 8         // only allowed while all motors are off
 #define KZ_REFUSED_LOCKED 9        // only allowed while unlocked
@@ -170,7 +171,7 @@ enum kz_size {
 // kz_unpack_<name> reads the fields. Returns 1, or 0 if `length` is wrong for the message.
 //
 // A masked field has one number per mask bit, up to the maximum of the message. Mask bits above the highest
-// joint have none. Unpacking sets the numbers of other joints to 0.
+// joint have no number. Unpacking sets the numbers of other joints to 0.
 //
 // kz_check_<name> returns the index of the first field that is out of bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255

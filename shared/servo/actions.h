@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Completes the action of the previous tick: clears it and sets the outcome of the request that started it.
-// Reads its result from input->result.
+// Completes the action that the previous tick requested. Clears the action, and sets the outcome of the
+// request that started the action, from input->result.
 void kz_action_finish(kz_servo* servo, const kz_tick_input* input);
 
 // Returns the pending action (KZ_ACTION_*) once all earlier replies have been sent and the transmit buffer is

@@ -9,12 +9,12 @@
 extern "C" {
 #endif
 
-// Advances the timers of unlock and raw drive by one tick and the missed ones. Call it in every tick while
-// unlocked_ms is not 0; raw drive requires the unlock.
+// Advances the timers of unlock and raw drive by this tick and the missed ticks. Call it in every tick while
+// unlocked_ms is not 0; a raw drive requires the unlock.
 void kz_bench_update(kz_servo* servo, const kz_tick_input* input);
 
-// Sets duty and direction of the raw-driven motor. Shuts down if its potentiometer stays out of range.
-// Call it after kz_joints_update, while raw_ms is not 0.
+// Sets duty and direction of the raw-driven motor. Shuts down if the potentiometer of that joint stays out
+// of range. Call it after kz_joints_update, while raw_ms is not 0.
 void kz_bench_drive(kz_servo* servo);
 
 #ifdef __cplusplus

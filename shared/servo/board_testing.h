@@ -107,8 +107,8 @@ class TestBoard {
     return std::nullopt;
   }
 
-  // Sends a request. Returns 0 if it was executed, the reason (KZ_REFUSED_*) if refused, -1 without a valid
-  // reply. Stores the refusal's detail in `detail`.
+  // Sends a request. Returns 0 if the request was executed, the reason (KZ_REFUSED_*) if it was refused, or
+  // -1 if no valid reply came. Stores the refusal's detail in `detail`.
   int outcome(u8 type, const Bytes& fields) {
     const auto reply = exchange(type, fields);
     if (!reply) return -1;
@@ -152,7 +152,8 @@ class TestBoard {
   int heartbeat(u8 watchdog_10ms = 0, u8 reaction = 0) {
     return outcome(KZ_TYPE_heartbeat, {watchdog_10ms, reaction});
   }
-  // Returns the fields of the reply to a request. If it was refused, fails the test and returns zeros.
+  // Returns the fields of the reply to a request. If the request was refused, fails the test and returns
+  // zeros.
   template <class Message, u8 (*unpack)(Message*, const u8*, u8)>
   Message query(u8 type, const Bytes& fields = {}) {
     const auto reply = exchange(type, fields);
@@ -235,7 +236,7 @@ class TestBoard {
   kz_tick_input input = {};
   kz_tick_output output;
   std::vector<Reply> replies;
-  std::vector<u8> actions;  // KZ_ACTION_* that ticks requested
+  std::vector<u8> actions;  // all KZ_ACTION_* that ticks requested
   u8 action_result = KZ_RESULT_DONE;
   u8 sequence = 0;
   u8 detail = 0;

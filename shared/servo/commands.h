@@ -10,9 +10,9 @@
 extern "C" {
 #endif
 
-// Checks and executes a request: `type`, and `length` bytes of fields. A refused request changes nothing.
-// Where the reply depends on the fields, sets `*parameter` to the mask of joints or the joint that they
-// select.
+// Checks and executes a request of type `type` with `length` bytes of fields. A refused request changes
+// nothing. If the reply depends on the fields, sets `*parameter` to the joint, or mask of joints, that the
+// fields select.
 kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length, u32* parameter);
 
 #ifdef __cplusplus

@@ -8,21 +8,24 @@
 #define KZ_DUTY_MAX 255
 #define KZ_DRIVE_SHIFT 11  // drives are in 1/2048 of a count of duty
 
-// A rate has units of 1/64 of 100 urad/ms. So, with T = 64 ms, a distance of 100 urad allows a rate of 1.
-#define KZ_NEAR_LIMIT 1000  // 100 urad; within this distance T is halved
-// Rates up to this one, 0.5 rad/s, are not braked: the noise of one A/D code stays below it.
+// Rates are in units of 1/64 of 100 urad/ms. With T = 64 ms (joint_loop.h), a distance of 100 urad therefore
+// allows a rate of 1.
+#define KZ_NEAR_LIMIT 1000  // 100 urad; T is halved closer to a limit than this
+// Rates up to KZ_SLOW, 0.5 rad/s, are not braked. Noise of one A/D code causes only lower rates.
 #define KZ_SLOW 320
-// Braking gain, drive per unit of rate: full drive at 4 rad/s above the allowed speed.
+// Braking gain, drive per unit of rate. The brake reaches full drive at 4 rad/s above the allowed speed.
 #define KZ_BRAKE 204
 
-// Returns by how much `rate`, toward a limit at `distance` (100 urad), exceeds the allowed rate; 0 if not.
+// Returns the excess of `rate` over the allowed rate; 0 if the rate is allowed. The joint moves toward a
+// limit that is `distance` (100 urad) away.
 static inline u16 kz_excess_rate(u16 distance, u16 rate) {
   distance = (u16)(distance + (distance < KZ_NEAR_LIMIT ? distance : KZ_NEAR_LIMIT));
   return (u16)(rate > distance ? rate - distance : 0);
 }
 
-// Returns `drive` after the soft limits: cut if it points outward at a limit, and braked (joint_loop.h).
-// Units: 1/2048 of a count of duty.
+// Applies the soft limits to `drive` and returns the result (joint_loop.h). At a limit, outward drive
+// becomes 0. If the joint approaches a limit too fast, the result is at least the braking drive. Units:
+// 1/2048 of a count of duty.
 static inline s32 kz_hold_back(const kz_joint* joint, s32 drive) {
   const s16 angle = joint->angle;
   const s16 rate = joint->rate;
@@ -57,7 +60,7 @@ static inline void kz_put_drive(kz_joint* joint, s32 drive) {
   if (strength >= (u32)KZ_DUTY_MAX << KZ_DRIVE_SHIFT) {
     joint->duty = KZ_DUTY_MAX;
   } else {
-    // The upper half needs no shift loop on the H8.
+    // A shift by 16 takes the upper half, so the H8 needs no shift loop.
     joint->duty = (u8)(strength << (16 - KZ_DRIVE_SHIFT) >> 16);
   }
   joint->forward = forward;

@@ -9,13 +9,14 @@
 //
 // A faster joint is braked with up to full drive. At and beyond a limit, drive further outward is cut.
 //
-// T is long enough for full reverse drive at 10 V to stop any joint of Kaz. The deceleration at the bound is
-// speed / T. The hips carry the largest inertia, 0.02 kg m2 (leg stretched). At 12 rad/s they need 3.8 Nm;
-// reverse drive and back-EMF give 4.4 Nm.
+// With T = 64 ms, full reverse drive at 10 V can stop any joint of Kaz in time. A joint at the maximum speed
+// must decelerate by speed / T. The hips carry the largest inertia, 0.02 kg m2 (leg stretched). To brake
+// from 12 rad/s, a hip needs 3.8 Nm; reverse drive and back-EMF give 4.4 Nm.
 //
-// To save time, only a `constrained` joint pays for this: one with a dead band or friction, or one near a
-// limit. protection.c updates the latter every 4 ms. A joint counts as near unless both limits are further
-// away than it can move within 4 ms at any allowed speed.
+// To save time, the full computation runs only for `constrained` joints. A joint is constrained if it has a
+// dead band or friction, or is near a limit. protection.c checks every 4 ms whether a joint is near a limit.
+// A joint counts as near a limit unless both limits are further away than the joint can move within 4 ms at
+// any allowed speed.
 #ifndef KAZ_SHARED_SERVO_JOINT_LOOP_H
 #define KAZ_SHARED_SERVO_JOINT_LOOP_H
 
@@ -26,21 +27,23 @@
 extern "C" {
 #endif
 
-// Maximum change of angle per tick, 100 urad; larger ones are clamped. It is 51 rad/s, four times the motor's
-// no-load speed, and keeps the filtered rate within 16 bits: 64 * 511 = 32704.
+// Maximum change of angle per tick, 100 urad; larger changes are clamped. The maximum is 51 rad/s, four
+// times the motor's no-load speed. With it, the filtered rate fits into 16 bits: 64 * 511 = 32704.
 #define KZ_DELTA_MAX 511
 // Flags of kz_joint.constrained: why the joint needs the full computation.
 #define KZ_CONSTRAINED_NEAR_LIMIT 1
 #define KZ_CONSTRAINED_BY_FRICTION 2  // has a dead band or friction
 
-// A joint further from both limits than its rate plus this cannot reach the braking region within 4 ms.
-// The allowed rate is the distance plus 1000. Within 4 ms the distance shrinks by at most 620 (15.5 rad/s,
-// no-load speed at 12 V). Full drive raises the filtered rate by at most 3,420, 41 % of a step to full speed.
+// A joint whose distance to both limits exceeds the sum of its rate and KZ_FAR_FROM_LIMIT cannot reach the
+// braking region within 4 ms. The allowed rate is the distance plus 1000. Within 4 ms the distance shrinks
+// by at most 620 (15.5 rad/s, no-load speed at 12 V). In 4 ms, the filter passes 41 % of a step of the
+// speed, so full drive raises the filtered rate by at most 3,420.
 #define KZ_FAR_FROM_LIMIT 3100
 
-// Runs one tick for KZ_JOINTS joints. Updates angle and rate from the A/D codes, and ramp, duty and direction
-// of joints that are on. Others, and those with a potentiometer out of range, get duty 0. Returns 0, or a
-// shutdown request: KZ_SHUTDOWN_* in the upper byte, the joint in the lower.
+// Runs one tick for KZ_JOINTS joints. Updates angle and rate from the A/D codes, and ramp, duty and
+// direction of joints that are on. Joints that are off, and joints with a potentiometer out of range, get
+// duty 0. Returns 0, or a shutdown request with KZ_SHUTDOWN_* in the upper byte and the joint number in the
+// lower byte.
 u16 kz_joint_loop(kz_joint* joint, const u16* analog);
 
 // Runs kz_joint_loop on the servo's joints.

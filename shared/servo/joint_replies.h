@@ -12,8 +12,8 @@ extern "C" {
 // Writes tick and status, the start of every reply except that to `identify`. Returns the end of the output.
 u8* kz_put_head(const kz_servo* servo, u8* to);
 
-// Write the fields of one reply, tick and status included, and return the end of the output. They do not pack
-// a structure, because this would loop over the joints twice.
+// Write the fields of one reply, tick and status included, and return the end of the output. The functions
+// write each number directly. Filling a structure and packing it would take two loops over the joints.
 u8* kz_put_state(const kz_servo* servo, u8* to);
 u8* kz_put_read_targets(const kz_servo* servo, u32 mask, u8* to);
 u8* kz_put_calibration(const kz_servo* servo, const kz_tick_input* input, u8* to);

@@ -9,16 +9,17 @@
 extern "C" {
 #endif
 
-// Sets gains, ramp and limits after reset, and the calibration of `startup`. `servo` must be all zeros.
+// Sets gains, ramp and limits to their values after a reset, and the calibration to that in `startup`.
+// `servo` must be all zeros.
 void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 
 // Switches the joints of the mask on and all others off. A joint that was off holds its present angle.
 // Ends a raw drive.
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
-// Starts ramps to new targets (fresh_targets; target and target_ms of each joint). Each call handles up to
-// six joints, so all ramps start within three ticks. Separate from the request, to bound the load of a tick.
-// fresh_targets must not be 0.
+// Starts the ramps of the joints in fresh_targets, with `target` and `target_ms` of each joint. Each call
+// starts up to six ramps, so all ramps start within three ticks. The request itself starts no ramps, to
+// bound the load of a tick. fresh_targets must not be 0.
 void kz_joints_start_ramps(kz_servo* servo);
 
 // Ends all ramps at the present commands.
@@ -33,10 +34,11 @@ u8 kz_joint_load(const kz_joint* joint);
 // Call it after kz_joints_update.
 void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 
-// Convert `kp` and `kd` from the units of the message `gains` to those of the loop.
+// Convert `kp` and `kd` from the units of the message `gains` to the units of the loop.
 s16 kz_scaled_kp(u16 kp);
 s16 kz_scaled_kd(u16 kd);
-// Convert back, rounded to the nearest. Scaling the result again gives the same value.
+// Convert from the units of the loop to those of the message `gains`, rounded to the nearest. Scaling the
+// result again gives `scaled`.
 u16 kz_unscaled_kp(s16 scaled);
 u16 kz_unscaled_kd(s16 scaled);
 

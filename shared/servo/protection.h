@@ -1,7 +1,7 @@
 // Motor protection: load, stall, and heat by an I2t model, for each joint every 16 ms.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Load. A motor's torque is proportional to its current. It follows from voltage and back-EMF
+// Load. A motor's torque is proportional to its current. The torque follows from voltage and back-EMF
 // (shared/robot/kaz/motor.xml):
 //
 //   torque = slope V duty - back_emf speed,  slope = 0.2288 Nm/V,  back_emf = 0.1764 Nm s/rad
@@ -12,19 +12,20 @@
 //
 // Supply, duty and speed are known, so the board needs no current sensor.
 //
-// Heat. The I2t model of a winding, which absorbs I^2 R and cools with one time constant:
+// Heat. The I2t model: the winding absorbs the power I^2 R and cools with one time constant.
 //
 //   heat += load^2 - heat / 8192  every 16 ms: a time constant of 131 s
 //
 // Resistance and torque constant follow from the motor line: 3.4 ohm, 30 W at full stall at 10 V. A winding
 // and rotor of this size have a heat capacity of about 5 J/K and may be 80 K above ambient. A cold motor
-// reaches this after about 13 s of full stall. The assumed time constant, winding to case, is two minutes.
-// The steady load for 80 K is then 0.35 of full stall, or 0.8 Nm. The servo's rated torque is 0.97 Nm for
-// short times. These are estimates. Replace the constants below once the bench has measured a motor.
+// reaches this temperature after about 13 s of full stall. The assumed time constant, winding to case, is
+// two minutes. The steady load for 80 K is then 0.35 of full stall, or 0.8 Nm. The servo's rated torque is
+// 0.97 Nm for short times. All of these values are estimates. Replace the constants below once the bench has
+// measured a motor.
 //
 // Stall. The limit is 0.7 of full stall for 1 s while the joint moves less than 0.03 rad. No motion of the
-// robot needs more, and a longer wait would overheat the motor. Below 7 V a motor does not reach this load,
-// and only the heat model acts.
+// robot needs a higher load or a longer stall. A longer stall would overheat the motor. Below 7 V a motor
+// does not reach this load, and only the heat model acts.
 #ifndef KAZ_SHARED_SERVO_PROTECTION_H
 #define KAZ_SHARED_SERVO_PROTECTION_H
 
@@ -36,16 +37,16 @@ extern "C" {
 
 #define KZ_PROTECTION_MS 16  // period for each joint, ticks
 #define KZ_STALL_LOAD 178    // 1/255 of the stall torque at 10 V
-#define KZ_STALL_ANGLE 300   // 100 urad; a joint that moves less stands still
+#define KZ_STALL_ANGLE 300   // 100 urad; a joint that moves less counts as standing still
 #define KZ_STALL_COUNT (1000 / KZ_PROTECTION_MS)
 #define KZ_STALL_REPORTED 6  // value of `stalled` from which KZ_JOINT_STALLED is set
 #define KZ_HEAT_LOAD 89      // 1/255; a motor withstands this load continuously
 // Upper 16 bits of the heat at which motors are switched off: 89^2 * 8192 / 65536.
 #define KZ_HEAT_FULL ((u16)(KZ_HEAT_LOAD * KZ_HEAT_LOAD / 8))
 
-// Updates load, stall and heat of the joints whose turn it is in this tick. Also updates `constrained` of
-// each joint every 4 ms: whether it is near a soft limit (joint_loop.h). Returns 0 or a shutdown request, as
-// kz_joint_loop does. Call it in every tick, after kz_joints_update and a raw drive.
+// Updates load, stall and heat of the joints that are due in this tick. Also updates, every 4 ms for each
+// joint, the flag in `constrained` of a joint near a soft limit (joint_loop.h). Returns 0 or a shutdown
+// request in the format of kz_joint_loop. Call it in every tick, after kz_joints_update and kz_bench_drive.
 u16 kz_protection_update(kz_servo* servo);
 
 #ifdef __cplusplus

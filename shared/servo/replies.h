@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Writes the fields of the reply to an executed request; for a SPLIT_REPLY, their first part. Returns the
-// size in bytes.
+// Writes the fields of the reply to an executed request; for a SPLIT_REPLY, only the first part of the
+// fields. Returns the size in bytes.
 u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* answer, u8* fields);
 
 // Appends the second part of a SPLIT_REPLY to `bytes` bytes of fields. Returns the total size in bytes.
@@ -18,8 +18,8 @@ u8 kz_reply_rest(const kz_servo* servo, const kz_answer* answer, u8* fields, u8 
 // Returns 1 if the request's reply is a SPLIT_REPLY, which takes two ticks to write.
 u8 kz_reply_takes_two(u8 request_type);
 
-// Returns 1 for a LARGE_REPLY or SPLIT_REPLY. Writing one takes so long that the tick must not also start
-// ramps or write another.
+// Returns 1 for a LARGE_REPLY or SPLIT_REPLY. Writing such a reply takes so long that the same tick must not
+// start ramps or write a second large reply.
 u8 kz_reply_is_large(u8 request_type);
 
 // Adds the header to the fields that the caller wrote to sender.body + KZ_HEADER_SIZE, and starts sending.

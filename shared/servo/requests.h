@@ -1,8 +1,8 @@
 // Executes requests and schedules their replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A request is executed in the tick in which its frame ends; only its reply may have to wait. Replies keep
-// the order of the requests. Each reports the state at the time of writing.
+// A request is executed in the tick in which its frame ends; only the reply may have to wait. Replies are
+// sent in the order of the requests. Each reply reports the state at the time when the reply is written.
 #ifndef KAZ_SHARED_SERVO_REQUESTS_H
 #define KAZ_SHARED_SERVO_REQUESTS_H
 
@@ -15,11 +15,13 @@ extern "C" {
 void kz_requests_init(kz_servo* servo);
 
 // Executes the request in servo->receiver, a valid frame, if it is addressed to this board or to all. Queues
-// its reply or refusal, unless it was sent to all boards. A repeated request is answered with the outcome of
-// the first, and not executed again. Exceptions: `stop`, and the part that switches something off.
+// the reply or refusal, unless the request was sent to all boards. A repeated request is not executed again,
+// and its reply reports the outcome of the first execution. Exceptions: a repeated `stop` is executed again,
+// and so is the part of other requests that switches something off.
 void kz_request_received(kz_servo* servo);
 
-// Sets the outcome (kz_outcome, handlers.h) of requests that waited for an action.
+// Sets the outcome of the requests that waited for the end of an action. `outcome` is a kz_outcome
+// (handlers.h).
 void kz_requests_finish(kz_servo* servo, u16 outcome);
 // Returns 1 if nothing is being sent, and no reply must be sent before the pending action.
 u8 kz_requests_leave_room(const kz_servo* servo);

@@ -12,8 +12,8 @@ extern "C" {
 // Advances the link watchdog and counts missed ticks. Call it in every tick, before the joints.
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input);
 
-// Returns the KZ_SHUTDOWN_* of a fault that is present and would soon switch motors off, or KZ_SHUTDOWN_NONE.
-// Checks the board's health and the potentiometers of the joints in the mask.
+// Returns the KZ_SHUTDOWN_* reason of a fault that is present and would soon switch motors off, or
+// KZ_SHUTDOWN_NONE. Checks the board's health and the potentiometers of the joints in the mask.
 u8 kz_active_fault(const kz_servo* servo, u32 mask);
 // Returns nonzero if the cause of the latched shutdown is still present.
 u8 kz_cause_present(const kz_servo* servo);

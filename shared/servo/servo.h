@@ -1,4 +1,4 @@
-// State of the servo tick. Only shared/servo writes it; it is public for comparison and recording (fields.h).
+// State of the servo tick. Only shared/servo writes the state; other code compares and records it (fields.h).
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_SERVO_H
 #define KAZ_SHARED_SERVO_SERVO_H
@@ -14,13 +14,13 @@ extern "C" {
 
 #define KZ_FIRMWARE_VERSION 0x0002  // major * 256 + minor
 
-// Defaults after reset. Those of the gains are in protocol/messages.h.
+// Defaults after a reset. protocol/messages.h has the defaults of the gains.
 #define KZ_RAMP_DEFAULT 60  // 100 urad/ms: 6 rad/s
 #define KZ_WATCHDOG_DEFAULT_MS 90
 
-// Limits of the protection, and for how long a value may exceed them.
-#define KZ_POT_LOWEST 4      // A/D code; below: short or open
-#define KZ_POT_HIGHEST 1019  // above: open or short
+// Limits of the protection. KZ_*_FAULT_MS is the time for which a value may exceed its limit.
+#define KZ_POT_LOWEST 4      // A/D code; lower codes: short or open circuit
+#define KZ_POT_HIGHEST 1019  // higher codes: open or short circuit
 #define KZ_POT_FAULT_MS 20
 #define KZ_SUPPLY_LOWEST_MV 4000    // the servos' original supply is 4.8 V
 #define KZ_SUPPLY_HIGHEST_MV 13000  // the motor drivers take 12 V
@@ -28,21 +28,21 @@ extern "C" {
 #define KZ_TEMPERATURE_HIGHEST_DC 850  // 0.1 degC; the drivers switch off by themselves at 100 degC
 #define KZ_TEMPERATURE_FAULT_MS 20
 #define KZ_REFERENCE_CODE 512
-#define KZ_REFERENCE_TOLERANCE 16  // codes around 512
+#define KZ_REFERENCE_TOLERANCE 16  // maximum difference from KZ_REFERENCE_CODE
 #define KZ_REFERENCE_FAULT_MS 20
 
-// State of one joint.
-// No field needs padding before it on either machine (the H8 aligns to 2 bytes), so offsets are the same on
-// both. A test checks the PC's layout.
+// State of one joint. The order of the fields avoids padding, so offsets are the same on the H8 and on the
+// PC. The H8 aligns to 2 bytes. A test checks the PC's layout.
 //
 //   pot_centre, pot_scale  calibration of the potentiometer (board/table.h)
 //   angle       measured joint angle, 100 urad
 //   rate        speed, 1/64 of 100 urad/ms; first-order filter with coefficient 1/8 per tick
 //   target      end of the ramp, 100 urad
 //   command     setpoint of the loop, 100 urad
-//   ramp_*      linear ramp of `command` to the target. `left` of `time` ticks remain. Each adds `whole`,
-//               and `extra` (+1 or -1) whenever `rest` has used up `room`, which then grows by `time`.
-//               Sums are modulo 2^16.
+//   ramp_*      linear ramp of `command` to the target. `left` of `time` ticks remain. Each tick adds
+//               `whole` to `command`, and subtracts `rest` from `room`. When `room` is used up, the
+//               tick also adds `extra` (+1 or -1) to `command`, and adds `time` to `room`. Sums are
+//               modulo 2^16.
 //   ramp_limit  maximum change of `command` per tick, for ramps that start from now on
 //   lower, upper  soft limits within the mechanical ones, 100 urad
 //   dead_band, friction  as in the message `gains`
@@ -51,11 +51,12 @@ extern "C" {
 //   friction_drive  `friction` in 1/256 of a count of duty
 //   duty        high counts of the PWM, 0..255
 //   forward     direction output
-//   pot_bad_ms  time with the potentiometer out of range, up to KZ_POT_FAULT_MS; also 1 if not measured yet
+//   pot_bad_ms  time with the potentiometer out of range, up to KZ_POT_FAULT_MS; 1 before the first
+//               measurement
 //   pot_input   index into kz_tick_input.analog
 //   mirrored    1: turning the shaft forward decreases the joint angle
 //   constrained KZ_CONSTRAINED_* (joint_loop.h)
-//   on          bit of `enabled`
+//   on          1 if the joint is on, equal to its bit in `enabled`
 //   heat        I2t heat of the motor (protection.h)
 //   stall_angle reference angle of the stall detection, 100 urad
 //   load        torque as a share of the stall torque at 10 V, 0..255
@@ -110,18 +111,19 @@ extern "C" {
 //   silent_ms       time since the last valid request
 //   watchdog_ms     timeout of the link watchdog
 //   supply_mv, supply_lowest_mv, temperature_dc, reference  as in `health_reply`
-//   supply_bad_ms, hot_ms, reference_bad_ms  time out of range, saturated; also 1 if not measured yet
+//   supply_bad_ms, hot_ms, reference_bad_ms  time out of range, saturated; 1 before the first measurement
 //   phase           tick counter for work that is not done in every tick
 //   memory_next     index in `remembered` for the next request
 //   queued          number of entries in `queue`
 //   replying        1 while the sender sends a reply from `queue`
 //   prepared        bytes of the first part of the reply to queue[0], already in the sender's body; the rest
-//                   follows in the next tick. 0: no such part
+//                   follows in the next tick. 0: no part is prepared
 //   tx_throttled    1: this tick is loaded, so large replies wait and few bytes are sent
 //   refuse_busy     1: the request busy_type, busy_sequence must be refused as BUSY
-//   extras          0: no telemetry, unlock, raw drive or action is active, so the tick skips them
+//   extras          0: telemetry, unlock, raw drive and actions are all inactive, and the tick skips them
 //   telemetry_ms    period, 0: no telemetry. telemetry_left_ms: time left of the period
-//   telemetry_selection, telemetry_due  KZ_TELEMETRY_* of every period, and of this one those not sent yet
+//   telemetry_selection, telemetry_due  KZ_TELEMETRY_* frames to send in every period, and the
+//                   frames of the present period that are still to be sent
 //   telemetry_sequence  number of the next frame
 //   telemetry_dropped   frames that were dropped because the line was too slow
 //   unlocked_ms     time left of the bench unlock
@@ -195,8 +197,9 @@ extern "C" {
 
 // An executed or refused request: the data for its reply and for recognizing repetitions.
 //
-//   parameter         mask of joints, or joint, that the reply reports
-//   crc               CRC of the whole body: distinguishes a repetition from another request with that number
+//   parameter         joint, or mask of joints, that the reply reports
+//   crc               CRC of the whole body: distinguishes a repetition from another request with the
+//                     same number
 //   reason, detail    refusal; reason 0: executed; KZ_PENDING (handlers.h): waits for an action
 #define KZ_ANSWER_FIELDS(FIELD) \
   FIELD(u32, parameter)         \
@@ -207,7 +210,7 @@ extern "C" {
   FIELD(u8, detail)             \
   FIELD(u16, spare)
 
-// One more than the limit for other requests, so that `stop` always fits.
+// Size of the queue: one more than the limit for requests other than `stop`, so that `stop` always fits.
 #define KZ_QUEUE (KZ_REQUESTS_UNDER_WAY + 1)
 
 #define KZ_DECLARE_FIELD(type, name) type name;
@@ -221,7 +224,7 @@ typedef struct kz_answer {
 } kz_answer;
 
 typedef struct kz_servo {
-  kz_answer remembered[KZ_REQUESTS_REMEMBERED];  // latest requests, a ring
+  kz_answer remembered[KZ_REQUESTS_REMEMBERED];  // latest requests, as a ring buffer
   kz_answer queue[KZ_QUEUE];                     // requests without a reply yet, oldest first
   KZ_SERVO_FIELDS(KZ_DECLARE_FIELD)
   kz_joint joint[KZ_JOINTS];

@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Switches all motors off and latches `reason` (KZ_SHUTDOWN_*) unless one is latched already. `detail` is the
-// joint that caused it, or KZ_NO_DETAIL.
+// Switches all motors off and latches `reason` (KZ_SHUTDOWN_*) unless a reason is latched already. `detail`
+// is the joint that caused the shutdown, or KZ_NO_DETAIL.
 void kz_shutdown(kz_servo* servo, u8 reason, u8 detail);
 
 // Latches reason and joint like kz_shutdown, without switching anything off.

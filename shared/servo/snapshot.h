@@ -19,7 +19,8 @@ extern "C" {
 #define KZ_RESET_WATCHDOG 1
 #define KZ_RESET_COMMAND 2
 
-// Actions that a tick requests, performed before the next tick. Only while all motors are off.
+// Actions that a tick requests and that are performed before the next tick. A tick requests an action only
+// while all motors are off.
 #define KZ_ACTION_NONE 0
 #define KZ_ACTION_STORE_CALIBRATION 1  // writes pot_centre and pot_scale of the joints to flash
 #define KZ_ACTION_STORE_ADDRESS 2      // writes new_address and new_shared_line to flash
@@ -40,7 +41,7 @@ extern "C" {
 // State of the board before its first tick: identity, self-tests, calibration.
 typedef struct kz_startup {
   u16 image_crc;              // CRC of the application in flash
-  u16 start_8states;          // duration of the start, in units of 8 states
+  u16 start_8states;          // duration of the board's start, in units of 8 states
   u8 reset_cause;             // KZ_RESET_*
   u8 tests_done;              // KZ_TEST_* flags
   u8 tests_failed;            // KZ_TEST_* flags
@@ -56,8 +57,8 @@ typedef struct kz_tick_input {
   u32 tick;                  // number of this tick since reset
   u16 busy_8states;          // length of the previous tick, in units of 8 states
   u16 worst_8states;         // longest tick so far, in units of 8 states
-  u16 missed;                // ticks missed since the previous one
-  u16 calibration_sequence;  // sequence number of the copy in flash, 0 if none is valid
+  u16 missed;                // number of ticks missed since the previous tick
+  u16 calibration_sequence;  // sequence number of the valid copy in flash, 0 without a valid copy
   u16 analog[KZ_ANALOG];     // A/D codes 0..1023, by multiplexer * 8 + input
   u8 erases_a;               // number of erasures of calibration block A
   u8 erases_b;               // number of erasures of calibration block B
@@ -69,10 +70,10 @@ typedef struct kz_tick_input {
   u8 spare;                     // makes the size even
 } kz_tick_input;
 
-// Outputs of a tick. They reach the pins and the serial line at the start of the next tick.
+// Outputs of a tick. The outputs reach the pins and the serial line at the start of the next tick.
 typedef struct kz_tick_output {
-  u8 pw[16];  // PWDR0..15: high counts of 256
-  u8 tmo[2];  // the same for TMO0, TMO1
+  u8 pw[16];  // values of PWDR0..15: high counts per period of 256
+  u8 tmo[2];  // high counts of the outputs TMO0 and TMO1
   u8 p3;      // port data: direction bits (joints.def), other bits 0
   u8 p4;      // direction bits and KZ_P4_ENABLE; the A/D driver adds the multiplexer bits
   u8 p5;

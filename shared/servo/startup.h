@@ -12,8 +12,9 @@ extern "C" {
 // Sets factory values: nominal calibration, default address, no tests done.
 void kz_startup_nominal(kz_startup* startup);
 
-// Records the tests of converter and supply. Only the converter can fail, by its reference: without motor
-// supply the board runs with motors off. `analog` is as in kz_tick_input.
+// Tests the A/D converter by its reference, and the motor supply, and records the results. Only the test of
+// the converter can fail, because a board without motor supply may run with motors off. `analog` has the
+// layout of kz_tick_input.analog.
 void kz_startup_test_analog(kz_startup* startup, const u16* analog);
 
 #ifdef __cplusplus

@@ -1,20 +1,20 @@
 // Log-structured storage of calibration and address in flash: finds the valid copy and plans the next one.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block of flash is a log of lines, written in order and erased as a whole. A copy consists of consecutive
-// lines, one per part, with the same sequence number. The newest complete copy counts. With two blocks, a
-// block is erased only while the other one holds the newest copy. So after a power loss at any time, the old
-// or the new copy is valid.
+// A block of flash is a log of lines, written in order and erased as a whole. A copy of the settings
+// consists of consecutive lines, one per part, with the same sequence number. The newest complete copy is
+// the valid one. With two blocks, a block is erased only while the other one holds the newest copy. So after
+// a power loss at any time, the old or the new copy is valid.
 //
-// The functions work on images of the blocks, also on the PC. firmware/memory.c and the native engine write
-// the lines.
+// The functions work on memory images of the blocks, so they also run on the PC. firmware/memory.c and the
+// native engine write the lines.
 //
 // Layout of a line, big-endian:
 //   u16  sequence number
 //   u8   part
-//   u8   erasures of its block
+//   u8   number of erasures of the line's block
 //   24 bytes of data
-//   u8   erasures of the other block: keeps its count if power fails during an erasure
+//   u8   number of erasures of the other block (not lost if power fails while erasing that block)
 //   u8   0xFF
 //   u16  kz_crc16 (start 0xFFFF) of the 30 bytes before
 #ifndef KAZ_SHARED_SERVO_STORE_H
@@ -32,7 +32,7 @@ extern "C" {
 #define KZ_STORE_LINES 32  // lines per block
 #define KZ_STORE_BLOCK (KZ_STORE_LINE * KZ_STORE_LINES)
 #define KZ_STORE_DATA 24        // bytes of user data per line
-#define KZ_STORE_ENDURANCE 100  // erasures of a block that the chip guarantees
+#define KZ_STORE_ENDURANCE 100  // number of erasures that the chip guarantees for a block
 
 #define KZ_CALIBRATION_BLOCKS 2
 #define KZ_CALIBRATION_PARTS 3  // lines per copy, 6 joints each
@@ -42,13 +42,13 @@ extern "C" {
 // Contents of a log, as found by kz_store_scan.
 typedef struct kz_store {
   u16 sequence;  // sequence number of the newest copy; 0: no copy
-  u16 last;      // newest number of any valid line, also of incomplete copies; 0: no valid line
+  u16 last;      // newest sequence number of all valid lines, complete copy or not; 0: no line
   u8 blocks;     // 1 or 2
   u8 parts;      // lines per copy
   u8 block;      // block of the newest copy, 0 if there is no copy
   u8 line;       // first line of the newest copy
-  u8 used[2];    // lines of each block up to the last one that is not blank
-  u8 erases[2];  // erasures of each block, saturated at 255
+  u8 used[2];    // number of lines of each block up to the last line that is not blank
+  u8 erases[2];  // number of erasures of each block, saturated at 255
 } kz_store;
 
 // Destination of the next copy.
@@ -59,12 +59,13 @@ typedef struct kz_store_plan {
   u8 erase;  // 1: erase the block first
 } kz_store_plan;
 
-// Scans a log with `parts` lines per copy. `images` are its `blocks` (1 or 2) blocks, 1 KB each.
+// Scans a log with `parts` lines per copy. `images` points to the `blocks` (1 or 2) blocks of the log, 1 KB
+// each.
 void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts);
 
-// Plans the next copy. It follows the used lines of the newest copy's block if there is room. Otherwise it
-// begins the other block, which must be erased first. A log with one block is erased when full. It then has
-// no valid copy until the new one is written.
+// Plans the next copy. The copy follows the used lines of the newest copy's block if there is room.
+// Otherwise the copy begins the other block, which must be erased first. If the log has only one block, that
+// block is erased when full. The log then has no valid copy until the new copy is written.
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
 // Writes part `part` of the planned copy to `line`: 32 bytes, to be programmed at line plan->line + part.
@@ -75,11 +76,12 @@ void kz_store_encode(u8* line, const kz_store* store, const kz_store_plan* plan,
 // Returns the data of a part of the newest copy: KZ_STORE_DATA bytes in `images`. Requires sequence != 0.
 const u8* kz_store_data(const kz_store* store, const u8* const* images, u8 part);
 
-// Packs the calibration of joints 6 part .. 6 part + 5 as data of a line. The arrays have KZ_JOINTS elements.
+// Packs the calibration of the joints from 6 * part to 6 * part + 5 as data of a line. The arrays have
+// KZ_JOINTS elements.
 void kz_store_pack_calibration(u8* data, u8 part, const s16* centre, const s16* scale);
 
-// Copy the stored calibration, or address and shared_line, to `startup`. Without a valid copy or with an
-// invalid address, `startup` keeps its values (kz_startup_nominal).
+// The two load functions copy the stored calibration, or address and shared_line, to `startup`. If there is
+// no valid copy, or the address is invalid, `startup` keeps the values from kz_startup_nominal.
 void kz_store_load_calibration(const kz_store* store, const u8* const* images, kz_startup* startup);
 void kz_store_pack_address(u8* data, u8 address, u8 shared_line);
 void kz_store_load_address(const kz_store* store, const u8* const* images, kz_startup* startup);

@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Call it in every tick while telemetry_ms is not 0. At the end of a period its frames become due. Frames of
-// the previous period that have not started are dropped and counted.
+// Call it in every tick while telemetry_ms is not 0. At the start of each period, the frames of that period
+// become due. Frames of the previous period that have not been started are dropped and counted.
 void kz_telemetry_update(kz_servo* servo);
 
 // Ends telemetry. Frames that are due are not sent.

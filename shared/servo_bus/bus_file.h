@@ -1,7 +1,7 @@
-// Reads bus.json, which assigns servos on a bus to the joints of a robot. It stands beside the robot's URDF.
+// Reads bus.json, the file beside a robot's URDF that assigns servos on a bus to the robot's joints.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The virtual bus and hosts of real buses read it. docs/reference/servo-bus.md specifies its format.
+// The virtual bus and hosts of real buses read this file. docs/reference/servo-bus.md specifies the format.
 #pragma once
 
 #include <map>
@@ -18,7 +18,7 @@ struct BusServo {
   int id = 0;
   const Model* model = nullptr;  // never null in a parsed file
   double zero = 0;               // sensor step at joint angle 0
-  bool reversed = false;         // steps decrease with the joint angle
+  bool reversed = false;         // steps decrease as the joint angle increases
 
   // Convert between joint angle (rad) and sensor steps, without wrapping.
   double steps_at(double angle) const { return zero + sign() * angle * model->steps_per_rad(); }
@@ -41,12 +41,12 @@ struct BusFile {
   std::vector<BusServo> servos;
 };
 
-// Parses the text of a bus.json. `path` only names the file in errors. Returns Fault::usage for invalid text.
-// Duplicate ids are valid, so that a virtual bus can have this fault.
+// Parses the text of a bus.json. `path` only names the file in errors. Returns Fault::usage for invalid
+// text. Duplicate ids are valid, so that a virtual bus can simulate this fault.
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text);
 // Returns the path of bus.json beside the URDF.
 std::string bus_file_path(const std::string& urdf_path);
-// Reads and parses bus.json beside the URDF. Returns Fault::usage if it is missing or invalid.
+// Reads and parses bus.json beside the URDF. Returns Fault::usage if the file is missing or invalid.
 Result<BusFile> load_bus_file(const std::string& urdf_path);
 
 // Returns `text` with the zeros (sensor steps) of the joints in `zeros` replaced; other values are kept.

@@ -19,12 +19,12 @@ struct CorpusRow {
   std::uint16_t address = 0;
   std::uint8_t size = 0, sign_bit = 0;
   bool writable = false, eeprom = false;
-  std::optional<int> factory;  // empty: the register changes by itself
+  std::optional<int> factory;  // nullopt: the register changes by itself
   int min = 0, max = 0;
   std::string what;
 };
 
-// Returns the corpus of a known model. Fails the test if its file is missing.
+// Returns the corpus of a known model. Fails the test if the file of the corpus is missing.
 inline std::vector<CorpusRow> corpus_of(const std::string& model) {
   const std::string folder(name_of(find_model(model)->protocol));
   std::ifstream file("shared/" + folder + "/corpus/" + model + ".csv");

@@ -30,10 +30,10 @@ struct Register {
   int initial = 0;       // factory value
   int min = 0, max = 0;  // range of writable values
   std::string_view unit;
-  std::string_view effect;       // in brackets if not simulated
+  std::string_view effect;       // in brackets if the effect is not simulated
   std::string_view source;       // letters, explained in the .def file
-  int count = 1;                 // number of consecutive registers of this kind
-  int initial_step = 0;          // difference of the factory values of consecutive ones
+  int count = 1;                 // number of consecutive registers that this entry describes
+  int initial_step = 0;          // difference between factory values of consecutive registers
   std::string_view values = {};  // "0 1 3": the only writable values; empty: all from min to max
 
   // Address after the register.
@@ -42,7 +42,7 @@ struct Register {
   bool allows(int value) const;
 };
 
-// Factory value that differs between models with a common register table.
+// Factory value of one model, if models with a common register table have different factory values.
 struct Change {
   std::string_view model, name;
   int initial = 0;
@@ -62,7 +62,7 @@ struct Model {
   int position_p_unit = 0;       // DYNAMIXEL: divisor of `position_p_gain`
   double current_unit_a = 0;     // DYNAMIXEL: unit of current, A; 0: not measured
   double free_rpm_per_volt = 0;  // DYNAMIXEL: no-load speed
-  std::span<const long> bauds;   // index: code in the register `baud_rate`
+  std::span<const long> bauds;   // baud rates by their code in the register `baud_rate`
   std::span<const Register> registers;  // sorted by address
 
   // Returns the register with this name, or null.

@@ -3,7 +3,7 @@
 //
 //   time_constant dT/dt = ambient + kelvin_per_watt P - T,  P = drop_volts * sum |motor current|
 //
-// Solved exactly for constant currents. Units: K, s, W.
+// The equation is solved exactly for constant currents. Units: K, s, W.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,8 @@ class DriverHeat {
   explicit DriverHeat(const DriverParams& params)
       : params_(params), celsius_(params.ambient_celsius) {}
 
-  // Advances by `seconds`. `amperes`: constant sum of the magnitudes of the motors' currents.
+  // Advances by `seconds`. `amperes` is the sum of the magnitudes of the motor currents, constant during this
+  // time.
   void advance(double seconds, double amperes) {
     const double end =
         params_.ambient_celsius + params_.kelvin_per_watt * params_.drop_volts * amperes;

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Each axis adds white noise to the measured quantity, filters the sum by a first-order low-pass, and applies
-// offset, scale and saturation. The offset is a constant of the part plus a first-order Gauss-Markov process
+// offset, scale and saturation. The offset is the sum of a constant, which differs between parts, and a
+// first-order Gauss-Markov process
 //
 //   x' = e x + sigma sqrt(1 - e^2) n,  e = exp(-1 ms / time)
 //
 // that starts in its stationary distribution. The filter is exact for an input that is constant within a
-// millisecond. White noise of one-sided density N, sampled at 1 kHz, is normal with sigma N sqrt(1000 / 2),
-// since its bandwidth is half the sampling rate.
+// millisecond. White noise of one-sided density N, sampled at 1 kHz, has a normal distribution with sigma N
+// sqrt(1000 / 2). The reason is that the bandwidth of the samples is half the sampling rate.
 #pragma once
 
 #include <array>
@@ -31,7 +32,7 @@ class Imu {
   // Processes the motion during the millisecond that ends with `tick`. Ticks must increase.
   void advance(std::int64_t tick, const ImuMotion& motion);
 
-  // Takes over the filtered motion of `other`, but keeps its own errors.
+  // Copies the filtered motion of `other`, but not the sensor errors of `other`.
   void follow(const Imu& other);
 
   // Returns the output as a fraction of AVCC, 0..1. Axes: 0 yaw rate (AN3), 1 forward (AN4), 2 left (AN5).
@@ -50,7 +51,7 @@ class Imu {
  private:
   struct Axis {
     ImuAxisParams params;
-    bool real = false;  // has its errors
+    bool real = false;  // true if the sensor has errors
     double offset = 0, sigma = 0, follow = 1, filtered = 0;
     double stay = 1, stir = 0, wandered = 0;  // per millisecond
   };

@@ -10,15 +10,16 @@
 
 namespace kaz::sim {
 
-// Drawn every tick. Channels 0..KZ_ANALOG-1 are the inputs of the multiplexers.
+// Random numbers drawn in every tick. Channels 0..KZ_ANALOG-1 belong to the inputs of the multiplexers.
 constexpr std::uint64_t kImuNoise = KZ_ANALOG;       // three channels
 constexpr std::uint64_t kImuWander = kImuNoise + 3;  // three channels
-// Constants, drawn at tick 0.
+// Random numbers drawn only at tick 0.
 constexpr std::uint64_t kImuOffset = 1000;     // three channels
 constexpr std::uint64_t kPotLinearity = 2000;  // eight per joint
 constexpr std::uint64_t kPotMounting = 3000;   // one per joint
 
-// Returns an error that varies between parts: normal with a sigma of half the limit, clamped to +-limit.
+// Returns a constant sensor error that differs between parts. Its distribution is normal with a sigma of half
+// the limit, clamped to +-limit.
 inline double spread(double limit, std::uint64_t seed, std::uint64_t channel) {
   return std::clamp(0.5 * limit * keyed_normal(seed, 0, channel), -limit, limit);
 }

@@ -6,8 +6,9 @@
 //   x = 1/2 + sign (angle + offset - center) / range
 //
 // with sign and center (pot_centre) from joints.def. On the track the output is x + e(x). The linearity error
-// e is a sum of three half waves that is zero at both ends, as terminal-based linearity is defined. On a
-// terminal the output is 0 or 1. Beyond it the wiper is open, and a pull-up determines the level.
+// e is a sum of three sine half waves. It is zero at both ends of the track, according to the definition of
+// terminal-based linearity. On a terminal the output is 0 or 1. Beyond a terminal the wiper is open, and a
+// pull-up resistor determines the level.
 #pragma once
 
 #include <array>
@@ -23,7 +24,7 @@ double pot_ratio(int joint, double angle_rad);
 class Potentiometer {
  public:
   Potentiometer() = default;
-  // `seed` determines linearity error and offset, which are applied if enabled in `switches`.
+  // `seed` determines linearity error and offset. Both are only applied if enabled in `switches`.
   Potentiometer(int joint, const PotentiometerParams& params, const SensorSwitches& switches,
                 std::uint64_t seed);
 
@@ -36,7 +37,8 @@ class Potentiometer {
   bool opens_ = false;
   double terminal_rad_ = 0, open_level_ = 1;
   double offset_rad_ = 0;
-  std::array<double, 3> waves_{};  // amplitudes; magnitudes add up to at most the linearity error
+  // Amplitudes; the sum of their magnitudes is at most the linearity error.
+  std::array<double, 3> waves_{};
 };
 
 }  // namespace kaz::sim

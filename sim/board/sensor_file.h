@@ -1,4 +1,4 @@
-// The sensor file: parameters of the board's sensors, and switches that make each of them real or ideal.
+// The sensor file (parameters of the board's sensors), and switches that make each sensor real or ideal.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace kaz::sim {
 
-// Noise is one sigma in codes of the A/D converter. By default sensors have no errors and no noise.
+// Noise is given as one sigma, in codes of the A/D converter. By default sensors have no errors and no noise.
 struct PotentiometerParams {
   double noise_codes = 0;
   double linearity = 0;     // maximum deviation, fraction of the range
@@ -22,7 +22,8 @@ struct InputParams {
   double noise_codes = 0;
 };
 
-// First-order heating of the motor drivers. Each bridge dissipates `drop_volts` times its motor's current.
+// Parameters of the first-order heating of the motor drivers. Each bridge dissipates `drop_volts` times its
+// motor's current.
 struct DriverParams {
   double noise_codes = 0;
   double ambient_celsius = 25;
@@ -34,10 +35,10 @@ struct DriverParams {
 // One axis of the gyro (unit: rad/s) or of the accelerometer (unit: m/s^2).
 struct ImuAxisParams {
   double share_per_unit = 0;  // fraction of AVCC per unit; zero is at half of AVCC
-  double zero_offset = 0;     // maximum, in units
+  double zero_offset = 0;     // maximum offset, in units
   double wander = 0;          // drift of the zero about its offset, one sigma, in units
   double wander_time_s = 1;   // correlation time of the drift (1/e)
-  double bandwidth_hz = 40;   // first order, -3 dB
+  double bandwidth_hz = 40;   // bandwidth of the first-order low-pass, -3 dB
   double noise_density = 0;   // one-sided, units per root Hz
   double range = 0;           // in units; the output saturates beyond it
 };
@@ -49,13 +50,13 @@ struct SensorParams {
   ImuAxisParams gyro, accelerometer;
 };
 
-// True: the sensor has its errors. False: it follows its nominal law exactly.
+// If true, the sensor has errors and noise. If false, the sensor's output is the nominal output exactly.
 struct SensorSwitches {
   bool potentiometer = true;  // noise and open wiper beyond the track
   bool pot_as_built = false;  // individual linearity errors and mounting offsets
-  bool supply = true;         // noise; the supply sags in any case
+  bool supply = true;         // noise; the sag of the supply is always simulated
   bool reference = true;      // noise
-  bool temperature = true;    // noise; drivers heat up in any case
+  bool temperature = true;    // noise; the heating of the drivers is always simulated
   bool gyro = true;           // offset, bandwidth, noise, saturation
   bool accelerometer = true;
 
@@ -64,7 +65,7 @@ struct SensorSwitches {
   static SensorSwitches as_built() { return {true, true, true, true, true, true, true}; }
 };
 
-// Named sets of switches, for options and recordings.
+// Names of sets of switches, used in options and recordings.
 enum class SensorSet { nominal, ideal, as_built };
 inline constexpr std::array kSensorSets{SensorSet::nominal, SensorSet::ideal, SensorSet::as_built};
 

@@ -26,15 +26,16 @@ namespace kaz::sim {
 struct ServoBoardOptions {
   std::uint64_t seed = 1;
   SensorParams params = {};     // from sensors.xml
-  SensorSwitches sensors = {};  // which sensors have their errors
-  bool imu = false;             // gyro and accelerometer on AN3..AN5, else grounded
-  double supply_volts = 10.0;   // open-circuit voltage
-  double supply_ohms = 0.15;    // battery, switch and wires
+  SensorSwitches sensors = {};  // which sensors have errors
+  // True: gyro and accelerometer on AN3..AN5; false: these inputs are grounded.
+  bool imu = false;
+  double supply_volts = 10.0;  // open-circuit voltage
+  double supply_ohms = 0.15;   // battery, switch and wires
 };
 
 // Mean output of a motor driver over an interval.
 struct MeanDrive {
-  double duty = 0;       // -1..1, mean over the whole interval, in the joint's direction
+  double duty = 0;       // -1..1, mean over the whole interval; positive in the joint's direction
   bool powered = false;  // the drivers were enabled for more than half of the interval
 };
 
@@ -49,7 +50,7 @@ struct PotFault {
   }
 };
 
-// Returns the duty at the pins, -1..1, in the joint's direction, whether or not the drivers are enabled.
+// Returns the duty at the pins, -1..1, in the joint's direction. The enable signal of the drivers is ignored.
 double duty_of(const PinLevels& pins, std::size_t joint);
 
 class ServoBoard {
@@ -61,27 +62,30 @@ class ServoBoard {
   Mcu& mcu() { return *mcu_; }
   const Mcu& mcu() const { return *mcu_; }
 
-  // Board time. It continues while the power is off.
+  // Returns the board time, which also advances while the power is off.
   States now() const { return now_; }
-  // Runs until `now() >= until`. The last instruction may overshoot by some states. Errors: those of
+  // Runs until `now() >= until`. now() may exceed `until` by part of the last instruction. Errors: those of
   // Mcu::run_until().
   Result<void> run_until(States until);
 
-  // Sets the angles of the output shafts in the joints' directions, rad, by joint number of joints.def. Held
-  // until set again.
+  // Sets the angles of the output shafts, rad, in the joints' directions, indexed by the joint numbers of
+  // joints.def. The values hold until the next call.
   void set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad);
-  // Sets the sum of the motors' supply currents, by which the supply sags. Held until set again.
+  // Sets the sum of the motors' supply currents. This current makes the supply voltage sag. The value holds
+  // until the next call.
   void set_supply_current(double amperes) { supply_current_ = amperes; }
-  // Sets the sum of the magnitudes of the motor currents, which heats the drivers. Held until set again.
+  // Sets the sum of the magnitudes of the motor currents. These currents heat the drivers. The value holds
+  // until the next call.
   void set_motor_current(double amperes);
   double driver_celsius() const { return heat_.celsius(); }
-  // Sets the motion of the board in the last millisecond, for the option `imu`. Call once per millisecond.
+  // Sets the motion of the board in the last millisecond. Call once per millisecond if the option `imu` is
+  // set.
   void set_motion(const ImuMotion& motion);
   const std::optional<Imu>& imu() const { return imu_; }
   double supply_volts() const;
   // Sets the open-circuit voltage of the supply, V.
   void set_supply(double volts) { options_.supply_volts = volts; }
-  // Sets a voltage that is added to the open-circuit voltage, V. Held until set again.
+  // Sets a voltage that is added to the open-circuit voltage, V. The value holds until the next call.
   void set_supply_change(double volts) { supply_change_ = volts; }
   // Held until set again.
   void set_pot_fault(int joint, const PotFault& fault) {
@@ -94,22 +98,22 @@ class ServoBoard {
   const PinLevels& pins() const { return pins_; }
   bool drivers_enabled() const { return (pins_.p4 & KZ_P4_ENABLE) != 0; }
 
-  // Serial line of the chip, in board time. Bytes received while the power is off are lost.
+  // Serial line of the chip. Times are in board time. Bytes that arrive while the power is off are lost.
   void receive(const SerialByte& byte);
   std::vector<SerialByte> take_transmitted();
 
   // Switches the power of the whole board: chip, motors, potentiometers.
   void set_power(bool on);
   bool power() const { return power_; }
-  void reset();  // by the RES pin
-  // Sets the mode pins. Takes effect at the next reset. Error: the mcu has no boot mode.
+  void reset();  // resets the chip by its RES pin
+  // Sets the mode pins. The pins take effect at the next reset. Error: the microcontroller has no boot mode.
   Result<void> set_boot_pins(bool boot) { return mcu_->set_boot_pins(boot); }
 
-  // Archive the complete state, including the chip's.
+  // Save and restore the complete state, including the state of the chip.
   void save(StateWriter& to);
   void restore(StateReader& from);
-  // Save and restore like Mcu::keep() and Mcu::take(). take() continues with the sensor errors and noise of
-  // `seed`; call set_joint_angles() after it.
+  // Save and restore like Mcu::keep() and Mcu::take(). After take(), the sensors have the errors and noise of
+  // `seed`. Call set_joint_angles() after take().
   std::unique_ptr<const Mcu::Kept> keep(StateWriter& to);
   void take(StateReader& from, const Mcu::Kept* kept, std::uint64_t seed);
 
@@ -141,7 +145,8 @@ class ServoBoard {
   PinLevels pins_;
   States integrated_from_ = 0, integrated_to_ = 0;
   States enabled_states_ = 0;
-  std::array<std::int64_t, KZ_JOINTS> duty_states_{};  // sum of signed counts of 256, times states
+  // Time integral of the signed duty: sum of duty in 256ths times duration in states.
+  std::array<std::int64_t, KZ_JOINTS> duty_states_{};
 };
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// For tests: a host at a virtual bus, and buses with servos on free shafts.
+// For tests: a host on a virtual bus, and buses with servos whose shafts turn freely.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@ using Bytes = std::vector<std::uint8_t>;
 using feetech::Instruction;
 using feetech::Packet;
 
-// World with joints that turn at 5 rad/s times the duty of their drive, without mass and friction.
+// World whose joints have no mass and no friction. A joint turns at 5 rad/s times the duty of its drive.
 class ShaftWorld final : public World {
  public:
   explicit ShaftWorld(std::size_t joints) : joints_(joints) {
@@ -59,7 +59,7 @@ class ShaftWorld final : public World {
   Scene scene_;
 };
 
-// Packets of each protocol, as template parameter of HostOnBus.
+// Packet functions of each protocol, used as template parameter of HostOnBus.
 struct FeetechWire {
   using Packet = feetech::Packet;
   using Reader = feetech::PacketReader;
@@ -108,7 +108,7 @@ inline Bytes write_request(const servo_bus::Model& model, int id, const std::str
              : dynamixel::wire_of(DynamixelWire::write(id, reg.address, data));
 }
 
-// Returns a bus at 1 Mbaud with servos of these ids.
+// Returns a bus at 1 Mbaud with servos of the given ids.
 inline std::unique_ptr<VirtualBus> bus_of(const std::vector<int>& ids,
                                           const std::string& model = "sts3215") {
   static const std::map<std::string, double> kVolts{
@@ -149,18 +149,20 @@ class HostOnBus {
   std::vector<Packet> send(const Packet& packet, Time patience = std::chrono::milliseconds(3)) {
     return send(Wire::wire_of(packet), patience);
   }
-  // Returns the data of the answer; nullopt without exactly one answer from this id.
+  // Returns the data of the answer. Returns nullopt unless there is exactly one answer and it is from this
+  // id.
   std::optional<Bytes> read(int id, int address, int length) {
     const auto answers = send(Wire::read(id, address, length));
     if (answers.size() != 1 || answers[0].id != id) return std::nullopt;
     return answers[0].parameters;
   }
-  // Returns the error byte of the answer; -1 without exactly one answer from this id.
+  // Returns the error byte of the answer. Returns -1 unless there is exactly one answer and it is from this
+  // id.
   int write(int id, int address, const Bytes& data) {
     const auto answers = send(Wire::write(id, address, data));
     return answers.size() == 1 && answers[0].id == id ? Wire::error(answers[0]) : -1;
   }
-  // Returns the value of a register; -100000 without an answer.
+  // Returns the value of a register, or -100000 if there is no answer.
   int get(int id, const std::string& name) {
     const servo_bus::Register& reg = *model_.find(name);
     const auto bytes = read(id, reg.address, reg.size);
@@ -170,7 +172,7 @@ class HostOnBus {
     const servo_bus::Register& reg = *model_.find(name);
     return write(id, reg.address, servo_bus::encode(model_, reg, value));
   }
-  // Returns true if the answer has no error bit.
+  // Writes a register. Returns true if the answer has no error bit.
   bool set(int id, const std::string& name, int value) {
     return set_with_error(id, name, value) == 0;
   }

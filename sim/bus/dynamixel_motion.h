@@ -1,14 +1,14 @@
-// Motion control of a virtual DYNAMIXEL: from registers and position sensor to the duty of its motor.
+// Motion control of a virtual DYNAMIXEL: computes the duty of the motor from registers and position sensor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions in pulses, speeds in pulses/s, PWM in units of the registers (885 is 100 %). All are in the
-// direction of the registers, which drive_mode can reverse against the servo's direction.
+// Positions are in pulses, speeds in pulses/s, PWM in units of the registers (885 is 100 %). The sign of all
+// these values is that of the registers; drive_mode can reverse it relative to the servo's direction.
 //
-// Documented: modes, limits, units, the profile, the control laws and the divisors of their gains. The
-// divisor of the XL330's P gain is Rhoban's measurement.
+// Documented by the maker: modes, limits, units, the profile, the control laws and the divisors of the gains.
+// Rhoban measured the divisor of the XL330's P gain.
 //
-// Our choices: the period of 1 ms, and so the units (per ms) of the D, I and feedforward gains. Also the
-// current loop, the current scale of mode 5, and the thresholds of moving_status.
+// Chosen by us: the control period of 1 ms, the current loop, the current scale of mode 5, and the thresholds
+// of moving_status. The control period sets the units (per ms) of the D, I and feedforward gains.
 #pragma once
 
 #include "sim/body/motor/motor_drive.h"
@@ -20,18 +20,19 @@ namespace kaz::sim {
 
 class DynamixelMotion {
  public:
-  // Advances by one step and updates the registers of the motion. `stopped`: the bus watchdog has tripped.
+  // Advances by one step and updates the registers that describe the motion. `stopped` is true if the bus
+  // watchdog has tripped.
   MotorDrive step(RegisterFile& registers, const ServoReading& reading, double step_s,
                   bool stopped);
 
   void power_on(RegisterFile& registers, const ServoReading& reading);
-  // Call after the torque was switched on: holds the present position.
+  // Call after the torque was switched on. The servo then holds the present position.
   void switch_on(RegisterFile& registers);
   // Call after a host has written a goal.
   void goal_written(const RegisterFile& registers);
   // Call after operating_mode was changed: resets gains, profile and goals.
   void mode_written(RegisterFile& registers);
-  // Forgets the turns counted. Returns false, without effect, while `moving` is set.
+  // Sets the number of counted turns to 0. If the register `moving` is set, does nothing and returns false.
   bool clear_turns(RegisterFile& registers);
 
   double duty() const { return duty_; }  // in the servo's direction
@@ -49,11 +50,12 @@ class DynamixelMotion {
   void report(RegisterFile& registers) const;
 
   ServoReading reading_;
-  double origin_ = 0;  // position at which the counted turns begin
+  double origin_ = 0;  // position from which turns are counted
   Trajectory trajectory_;
-  double profile_speed_ = 0, profile_rate_ = 0;  // present motion; speed 0: no profile
-  int shape_ = 0;                                // its profile, as in moving_status
-  double integral_ = 0;                          // PWM
+  double profile_speed_ = 0, profile_rate_ = 0;  // present profile; speed 0: no profile
+  // Shape of the present profile, as in moving_status.
+  int shape_ = 0;
+  double integral_ = 0;  // PWM
   double pwm_ = 0, duty_ = 0;
   bool powered_ = false;
 };

@@ -1,13 +1,15 @@
 // Virtual DYNAMIXEL of the X series (protocol 2.0): receives bytes, returns answers and drives its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The e-Manual leaves some behavior open. docs/reference/servo-bus.md lists all our choices. The main ones:
+// The e-Manual does not define all behavior. docs/reference/servo-bus.md lists all our choices. The main
+// choices:
 //
-// - A packet to this servo with a wrong CRC is answered with that error.
-// - A write with any error changes nothing.
-// - Addresses without a register read 0 if others in the same read have one.
-// - In a sync or bulk read each servo waits for its predecessor's answer, and stays silent without it.
-// - A broadcast ping is answered in the order of the ids, each in its own time slot.
+// - If a packet to this servo has a wrong CRC, the servo answers with the CRC error.
+// - If a write has any error, no register is changed.
+// - Addresses without a register read 0 if other addresses in the same read have a register.
+// - In a sync or bulk read, each servo waits for the answer of the previous servo. If that answer is missing,
+//   the servo does not answer.
+// - A broadcast ping is answered in the order of the ids. Each servo has its own time slot.
 // - In a fast read only the first servo has a return delay.
 #pragma once
 
@@ -32,9 +34,10 @@ class DynamixelServo final : public VirtualServo {
 
   // A longer gap between two bytes ends a packet (e-Manual).
   static constexpr Time kMaxGap = std::chrono::microseconds(1500);
-  // Chosen: duration of a reboot.
+  // Duration of a reboot (chosen by us).
   static constexpr Time kReboot = std::chrono::milliseconds(300);
-  // Chosen: time from one id to the next in answers to a broadcast ping, in addition to the answer's bytes.
+  // Time from one id's slot to the next in answers to a broadcast ping (chosen by us). The duration of the
+  // answer's bytes is added.
   static constexpr Time kPingSlot = std::chrono::milliseconds(1);
 
  private:
@@ -43,7 +46,7 @@ class DynamixelServo final : public VirtualServo {
   struct Block {  // addresses to be read
     std::size_t address = 0, length = 0;
   };
-  struct Item {  // one register of a write, and its index in a row
+  struct Item {  // one register of a write, and the register's index in a row of registers
     const servo_bus::Register* reg;
     int index, value;
   };
@@ -81,22 +84,22 @@ class DynamixelServo final : public VirtualServo {
   DynamixelProtection protection_;
   dynamixel::PacketReader reader_;
   Time last_request_{};
-  Time started_{-1};  // time 0 of realtime_tick; -1: set by the next step
+  Time started_{-1};  // time at which realtime_tick is 0; -1: the next step sets it
   bool has_backup_ = false;
   struct RegWrite {
     std::size_t address;
     std::vector<std::uint8_t> bytes;
-    bool secondary;  // sent to secondary_id
+    bool secondary;  // true if the packet was sent to secondary_id
   };
   std::optional<RegWrite> reg_write_;
-  // This servo's part of a sync or bulk read: it answers after the servo with the id `after`.
+  // This servo's part of a sync or bulk read. The servo answers after the servo with the id `after`.
   struct Turn {
     std::uint8_t after;
     Block block;
   };
   std::optional<Turn> turn_;
-  // This servo's part of a fast read. `heard`: bytes of the common answer so far. `before`, `behind`: number
-  // of its bytes on either side of this servo's part.
+  // This servo's part of a fast read. `heard` contains the bytes of the common answer received so far.
+  // `before` and `behind` are the numbers of bytes of the common answer before and after this servo's part.
   struct FastTurn {
     std::vector<std::uint8_t> heard;
     std::size_t before, behind;

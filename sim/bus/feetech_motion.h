@@ -1,13 +1,14 @@
-// Motion control of a virtual Feetech servo: from registers and position sensor to the duty of its motor.
+// Motion control of a virtual Feetech servo: computes the motor's duty from registers and position sensor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions in steps of the sensor, speeds in steps/s, duty -1..1, all in the servo's direction.
+// Positions are in steps of the sensor, speeds in steps/s, duty -1..1. All are positive in the servo's
+// direction.
 //
-// Documented: modes, units, limits, and an update every millisecond. On an STS3215, Rhoban measured
-// duty = 0.166 P e (e in rad), at most 0.97. docs/reference/servo-bus.md names the sources.
+// Documented by the maker: modes, units, limits, and an update every millisecond. On an STS3215, Rhoban
+// measured duty = 0.166 P e (e in rad), at most 0.97. docs/reference/servo-bus.md names the sources.
 //
-// Our choices: scales of D, I and the speed loop; shape of the profile at its end. A servo whose torque is
-// switched on holds its position until a goal is written.
+// Chosen by us: scales of D, I and the speed loop; shape of the profile near the goal. A servo whose torque
+// is switched on holds its position until a goal is written.
 #pragma once
 
 #include <array>
@@ -22,8 +23,8 @@ namespace kaz::sim {
 
 class FeetechMotion {
  public:
-  // Advances by one step, nominally 1 ms, and updates the registers of the motion. `limit`: maximum duty that
-  // the protection allows, 0..1.
+  // Advances by one step, nominally 1 ms, and updates the registers that describe the motion. `limit` is the
+  // maximum duty that the protection allows, 0..1.
   MotorDrive step(RegisterFile& registers, const ServoReading& reading, double limit,
                   double step_s);
 
@@ -32,7 +33,7 @@ class FeetechMotion {
   void goal_written(const RegisterFile& registers);
   // Makes `position` the present position by setting the register position_offset.
   void set_position(RegisterFile& registers, int position);
-  // Forgets the turns counted since power-on.
+  // Sets the number of turns counted since power-on to 0.
   void reset_turns(const servo_bus::Model& model);
 
   double duty() const { return duty_; }
@@ -52,13 +53,13 @@ class FeetechMotion {
   double turns_origin_ = 0;  // origin of multi-turn positions
   Trajectory trajectory_;
   double steps_goal_ = 0;   // goal of mode 3
-  double timed_speed_ = 0;  // from goal_time; 0: not timed
+  double timed_speed_ = 0;  // speed computed from goal_time; 0: goal_time is not used
   double integral_ = 0;
-  std::array<double, 256> errors_{};  // rad, in the last 256 steps, for D
+  std::array<double, 256> errors_{};  // position errors (rad) in the last 256 steps, for the D term
   std::uint8_t newest_ = 0;
   double duty_ = 0;
   bool powered_ = false;
-  bool goal_known_ = false;  // a goal was written since the torque last went off
+  bool goal_known_ = false;  // true if a goal was written since the torque was last switched off
 };
 
 }  // namespace kaz::sim

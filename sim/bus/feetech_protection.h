@@ -6,13 +6,13 @@
 //   position command.
 // - A current above protection_current for overcurrent_time switches the output off until a new position
 //   command.
-// - A voltage outside its limits switches the output off while it lasts.
+// - The output is off while the voltage is outside its limits.
 // - A temperature above max_temperature switches the torque off.
 //
-// unload_condition selects which of these act. The register `status` shows all of them. The torque is the
-// duty minus the share that the present speed requires. It is 0 for a servo that runs freely at full speed,
-// and the duty for a stalled one. The recovery of a hot servo is not documented. Here the host must switch
-// the torque on again.
+// The register unload_condition selects which of these protections act. The register `status` shows all of
+// them. The torque is computed as the duty minus the share of duty that the present speed requires. So the
+// torque is 0 if the servo runs freely at full speed, and equal to the duty if the servo is stalled. How a
+// hot servo recovers is not documented. In this simulation, the host must switch the torque on again.
 #pragma once
 
 #include "sim/bus/feetech_motion.h"
@@ -22,17 +22,17 @@ namespace kaz::sim {
 
 class FeetechProtection {
  public:
-  // Advances by one step, after FeetechMotion::step() has computed `duty`. Sets `status`, the registers of
-  // voltage, temperature and current, and torque_enable of a hot servo.
+  // Advances by one step, after FeetechMotion::step() has computed `duty`. Sets `status` and the registers of
+  // voltage, temperature and current. If the servo is too hot, clears torque_enable.
   void step(RegisterFile& registers, const ServoReading& reading, double duty, double step_s);
   // Returns the maximum duty for the coming step, 0..1.
   double limit(const RegisterFile& registers) const;
-  // A new position command releases overload and overcurrent.
+  // Call after a new position command, which ends the limitation by overload or overcurrent.
   void goal_written() { overload_s_ = overcurrent_s_ = 0, overloaded_ = overcurrent_ = false; }
   void power_on() { *this = {}; }
 
  private:
-  double overload_s_ = 0, overcurrent_s_ = 0;  // duration so far
+  double overload_s_ = 0, overcurrent_s_ = 0;  // duration of the condition so far
   bool overloaded_ = false, overcurrent_ = false, bad_voltage_ = false;
 };
 

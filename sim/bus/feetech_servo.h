@@ -1,13 +1,14 @@
 // Virtual Feetech servo: receives bytes, returns answers and drives its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Follows the published protocol and register tables (docs/reference/servo-bus.md); the maker's firmware is
-// closed. Our choices where these are silent:
-// - Instructions that are unknown or that the model does not have are not answered.
+// The virtual servo follows the published protocol and register tables (docs/reference/servo-bus.md), because
+// the maker's firmware is closed. Our choices where protocol and tables do not define the behavior:
+// - Unknown instructions, and instructions that the model does not support, are not answered.
 // - Written values are clamped to the register's range.
 // - Writes to read-only registers are answered and change nothing.
 // - Addresses without a register read 0.
-// - In a sync read each servo waits for its predecessor's answer, like in a bulk read of protocol 1.0.
+// - In a sync read, each servo waits for the answer of the previous servo, like in a bulk read of protocol
+//   1.0.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +32,7 @@ class FeetechServo final : public VirtualServo {
 
   // A longer gap between two bytes ends a packet (protocol 1.0).
   static constexpr Time kMaxGap = std::chrono::milliseconds(100);
-  // Duration of a restart (approximate in the manual).
+  // Duration of a restart (the manual gives an approximate value).
   static constexpr Time kRestart = std::chrono::milliseconds(800);
 
  private:
@@ -53,7 +54,7 @@ class FeetechServo final : public VirtualServo {
     std::vector<std::uint8_t> bytes;
   };
   std::optional<RegWrite> reg_write_;
-  // This servo's part of a sync read: it answers after the servo with the id `after`.
+  // This servo's part of a sync read. The servo answers after the servo with the id `after`.
   struct Turn {
     std::uint8_t after, address, length;
   };

@@ -1,11 +1,11 @@
-// One wire shared by a host and servos, simulated bit by bit: which node receives which bytes, and when.
+// One wire shared by a host and servos. Simulates bit by bit which node receives which bytes, and when.
 // SPDX-License-Identifier: Apache-2.0
 //
 // 8 data bits, no parity, one stop bit. The wire is low while any node sends a low bit, so simultaneous
-// senders corrupt each other's bytes where these differ. Each node has a UART with its own baud rate, which
-// samples in the middle of each bit after a falling edge. So bytes at another rate arrive as garbage or with
-// a framing error. A node does not receive its own bytes. Time is simulated. The same calls give the same
-// bytes.
+// senders corrupt each other's bytes where the bytes differ. Each node has a UART with its own baud rate.
+// After a falling edge, the UART samples the middle of each bit. So bytes that were sent at another rate
+// arrive as garbage or with a framing error. A node does not receive its own bytes. Time is simulated. The
+// same calls give the same bytes.
 #pragma once
 
 #include <cstddef>
@@ -24,14 +24,15 @@ class HalfDuplexLine {
  public:
   explicit HalfDuplexLine(std::size_t nodes, double baud = 1e6);
 
-  // Applies to bytes sent or received from now on. Precondition: baud > 0.
+  // Sets the baud rate of a node for bytes sent or received from now on. Precondition: baud > 0.
   void set_baud(std::size_t node, double baud);
-  // Sends the bytes without gaps, beginning at `from` or after the node's earlier bytes. Returns the end of
-  // the last stop bit. Precondition: `from` is not before the last byte returned by next().
+  // Sends the bytes without gaps, beginning at `from` or after the node's earlier bytes, whichever is later.
+  // Returns the end of the last stop bit. Precondition: `from` is not before the last byte returned by
+  // next().
   Time send(std::size_t node, std::span<const std::uint8_t> bytes, Time from);
   // Returns the end of the last byte on the wire or queued; in the past if the wire is idle.
   Time busy_until() const;
-  // Flips one random bit of each byte sent from now on with the probability `share`.
+  // From now on, one random bit of each sent byte is flipped with the probability `share`.
   void set_damage(double share, std::uint64_t seed);
   // Number of bytes with a flipped bit.
   std::uint64_t damaged() const { return damaged_; }
@@ -40,9 +41,10 @@ class HalfDuplexLine {
     std::size_t node = 0;
     std::uint8_t byte = 0;
     bool stop_bit = true;  // false: framing error, `byte` is meaningless
-    Time at{};             // end of the stop bit by the baud rate of this node
+    Time at{};             // end of the stop bit, according to the baud rate of this node
   };
-  // Returns the next byte, in order of time, that any node has received by `until`; else nullopt.
+  // Returns the next byte, in order of time, that any node has received by `until`. Returns nullopt if there
+  // is no such byte.
   std::optional<Received> next(Time until);
 
  private:
@@ -56,11 +58,11 @@ class HalfDuplexLine {
   };
   struct Uart {
     double bit_ns;
-    Time from{};         // falling edges before it are not start bits
+    Time from{};         // falling edges before this time are not start bits
     Time sent_until{};   // end of the node's own bytes
     bool known = false;  // `next` is up to date
     std::optional<Received> next;
-    Time after{};  // `from` once `next` is taken
+    Time after{};  // new value of `from` after `next` was returned
   };
 
   bool level(std::size_t node, Time at) const;

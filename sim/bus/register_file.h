@@ -1,4 +1,4 @@
-// The memory of a virtual servo: registers, EEPROM and the lock.
+// The memory of a virtual servo: registers, EEPROM, and the lock of the EEPROM.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,17 +20,19 @@ class RegisterFile {
 
   const servo_bus::Model& model() const { return *model_; }
   bool has(std::string_view name) const { return model_->find(name) != nullptr; }
-  // Returns `otherwise` if the model has no such register.
+  // Returns the value of a register, or `otherwise` if the model does not have the register.
   int get(std::string_view name, int otherwise = 0) const;
   int get(const servo_bus::Register& reg, int index = 0) const;
-  // Writes a register as the servo itself does, read-only ones too. Clamps the value to the register's range;
-  // in writable DYNAMIXEL registers only to its size. No effect if the model has no such register.
+  // Writes a register like the servo's firmware, which can also write read-only registers. Clamps the value
+  // to the register's range. Exception: in a writable DYNAMIXEL register, the value is only clamped to what
+  // fits the register's size. No effect if the model does not have the register.
   void set(std::string_view name, int value);
-  // Writes the `index`-th register of a row. EEPROM keeps the value without power unless it is locked.
+  // Writes the `index`-th register of a row. An EEPROM register keeps the value without power, unless the
+  // EEPROM is locked.
   void write(const servo_bus::Register& reg, int index, int value);
 
-  // Writes bytes as a Feetech host does. Skips read-only registers and addresses without a register, and
-  // clamps values to their range. Returns the written registers, by address.
+  // Writes bytes that a Feetech host has sent. Skips read-only registers and addresses without a register,
+  // and clamps values to their range. Returns the written registers, by address.
   std::vector<const servo_bus::Register*> write(std::size_t address,
                                                 std::span<const std::uint8_t> bytes);
   // Addresses without a register read 0.
@@ -40,13 +42,13 @@ class RegisterFile {
   void power_on();
   bool locked() const { return get("lock") != 0; }
   using Chosen = std::function<bool(const servo_bus::Register&)>;
-  // Saves all registers for restore(), which loads the chosen ones. Restored EEPROM values stay without
-  // power.
+  // backup() saves all registers. restore() loads the chosen registers from the backup; restored EEPROM
+  // values are kept without power.
   void backup() { backup_ = live_; }
   void restore(const Chosen& chosen);
   // Sets the chosen registers to factory values.
   void reset(const Chosen& chosen);
-  // Stores the present value of a register so that it stays without power, even if EEPROM is locked.
+  // Stores the present value of a register so that the value is kept without power, even if EEPROM is locked.
   void keep(std::string_view name);
 
  private:
@@ -56,7 +58,8 @@ class RegisterFile {
   void copy(const Bytes& from, Bytes& to, const servo_bus::Register& reg) const;
 
   const servo_bus::Model* model_;
-  Bytes live_, stored_, backup_;  // present values, EEPROM without power, values of backup()
+  // Present values; values kept without power; values saved by backup().
+  Bytes live_, stored_, backup_;
 };
 
 }  // namespace kaz::sim

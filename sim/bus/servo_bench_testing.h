@@ -39,8 +39,8 @@ struct ServoBench {
     return {zero + angle * steps_per_rad(), speed * steps_per_rad(), motor.motor_current(),
             motor.case_celsius(), volts};
   }
-  // Runs in steps of 1 ms: I (w1 - w0) / h = row + load, with w1 + softness * row = velocity within the row's
-  // bounds.
+  // Runs for `seconds` in steps of 1 ms. Each step solves I (w1 - w0) / h = row + load. Within the bounds of
+  // the row, w1 + softness * row = velocity holds.
   void run(double seconds) {
     for (int i = 0; i < std::lround(seconds / kStep); ++i) {
       time += std::chrono::milliseconds(1);
@@ -57,7 +57,7 @@ struct ServoBench {
     }
   }
   int get(const std::string& name) const { return servo->registers().get(name); }
-  // Writes a register by a request packet, like a host. Returns the answer.
+  // Sends a request packet that writes a register, and returns the answer.
   std::optional<VirtualServo::Answer> set(const std::string& name, int value) {
     return send(write_request(servo->registers().model(), 1, name, value));
   }
@@ -78,7 +78,7 @@ struct ServoBench {
   JointMotor motor;
   double inertia, zero;
   double angle = 0, speed = 0, load_nm = 0, volts;
-  bool clamped = false;  // a rigid clamp holds the shaft
+  bool clamped = false;  // true if a rigid clamp holds the shaft
   double fastest = 0;    // largest speed so far, rad/s
   int highest = 0;       // largest present_position so far
   Time time{};

@@ -1,10 +1,10 @@
-// Measurements of a virtual servo: shaft and circuit.
+// Measurements of a virtual servo: motion of the shaft, and electrical values.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 namespace kaz::sim {
 
-// Motion and current in the servo's direction.
+// Motion and current are positive in the servo's direction.
 struct ServoReading {
   double steps = 0;      // position sensor, not wrapped; 0 at the start of its first turn
   double speed = 0;      // steps/s

@@ -1,8 +1,8 @@
 // A servo bus in simulated time: host, wire, and servos whose motors drive a robot's joints in a world.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Events on the wire have a resolution of 1 ns. The servos' control loops and the world step with
-// World::step_s(), by default 1 ms. The same calls give the same bytes.
+// Events on the wire have a resolution of 1 ns. The control loops of the servos and the world advance in
+// steps of World::step_s(), by default 1 ms. The same calls give the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -27,21 +27,21 @@ class VirtualBus {
   // Errors: a servo's joint does not exist in the world; a joint of the world has no servo.
   static Result<std::unique_ptr<VirtualBus>> create(std::unique_ptr<World> world,
                                                     const servo_bus::BusFile& file);
-  // Loads world, robot, and the bus.json beside the robot file.
+  // Loads the world file, the robot file, and bus.json in the folder of the robot file.
   static Result<std::unique_ptr<VirtualBus>> load(const std::string& world_path,
                                                   const std::string& robot_path,
                                                   const WorldOptions& options);
 
   Time time() const { return time_; }
-  // Sends bytes from the host, beginning at time() or after its earlier bytes. Returns the end of the
-  // last one.
+  // Sends bytes from the host, beginning at time() or after the host's earlier bytes, whichever is later.
+  // Returns the time at which the last byte ends.
   Time write(std::span<const std::uint8_t> bytes);
   void set_host_baud(long baud);
   // Runs until time() is `until`.
   void advance(Time until);
 
-  // A byte that the host's UART received. Bytes with a framing error, which a serial port drops, are only
-  // counted.
+  // A byte that the host's UART received. Bytes with a framing error are only counted, because a serial port
+  // drops them.
   struct HostByte {
     std::uint8_t byte;
     Time at;  // end of the stop bit
@@ -61,14 +61,14 @@ class VirtualBus {
 
   // Sets the open-circuit voltage of the supply.
   void set_supply_volts(double volts) { supply_volts_ = volts; }
-  // Switches the supply of all servos. Their RAM is lost while it is off.
+  // Switches the supply of all servos on or off. Switching it off clears the RAM of the servos.
   void set_power(bool on);
-  double volts() const;  // at the servos, with the current of the last step
+  double volts() const;  // voltage at the servos, for the current of the last step
 
-  // Turns joint i by hand to an angle (rad) and holds it there while its servo has no torque. If the angle is
-  // beyond a stop, the hand presses against the stop.
+  // Turns joint i by hand to an angle (rad) and holds the joint there while the joint's servo has no torque.
+  // If the angle is beyond a stop, the hand presses against the stop.
   void turn_by_hand(std::size_t i, double angle);
-  void take_hands_off();  // all joints
+  void take_hands_off();  // releases all joints
   // Present angle of joint i, rad.
   double angle(std::size_t i) const { return world_->joints()[servos_[i].joint].angle; }
 
@@ -77,7 +77,7 @@ class VirtualBus {
     servo_bus::BusServo mount;
     std::unique_ptr<VirtualServo> servo;
     std::size_t joint;  // in the world's joint order
-    // Goal and present position of the hand that turns it, rad.
+    // Goal and present position of the hand that turns the joint, rad.
     std::optional<double> hand_goal = std::nullopt;
     double hand = 0;
   };

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Virtual servos follow the published protocols and register tables (docs/reference/servo-bus.md), since the
-// makers' firmware is closed. Our choices where these are silent: feetech_servo.h, dynamixel_servo.h.
+// makers' firmware is closed. Protocols and tables leave some behavior open. Our choices are listed in
+// feetech_servo.h and dynamixel_servo.h.
 #pragma once
 
 #include <cstdint>
@@ -23,15 +24,16 @@ namespace kaz::sim {
 class VirtualServo {
  public:
   virtual ~VirtualServo() = default;
-  // Creates a servo with the model's protocol. `model` must outlive it.
+  // Creates a servo that uses the protocol of `model`. `model` must outlive the servo.
   static std::unique_ptr<VirtualServo> make(const servo_bus::Model& model, int id);
 
   struct Answer {
     std::vector<std::uint8_t> bytes;
     Time delay{};  // from the end of the byte that caused the answer
   };
-  // Processes a byte whose stop bit ended at `now`. Returns an answer if one is due. The caller sends it at
-  // the baud rate before this call; afterwards baud() applies.
+  // Processes a byte whose stop bit ended at `now`. Returns an answer if the servo must send one now. The
+  // caller must send the answer at the baud rate that was set before this call. baud() applies after the
+  // answer.
   virtual std::optional<Answer> take(std::uint8_t byte, Time now) = 0;
   // Processes a byte with a framing error.
   void take_noise(Time now);
@@ -39,16 +41,16 @@ class VirtualServo {
 
   void set_power(bool on, const ServoReading& reading);
   bool power() const { return power_; }
-  // Advances by one step of the world, which ends at `now`. Returns the drive of the motor for this step.
+  // Advances by one step of the world. The step ends at `now`. Returns the drive of the motor for this step.
   MotorDrive step(const ServoReading& reading, double step_s, Time now);
 
-  // Writes a register permanently, as during the setup of a robot.
+  // Writes a register permanently, like the setup of a robot.
   void set_up(std::string_view name, int value);
   RegisterFile& registers() { return registers_; }
   const RegisterFile& registers() const { return registers_; }
   virtual const PacketCounts& counts() const = 0;
   std::uint64_t framing_errors() const { return framing_errors_; }
-  // Number of executed requests to this servo, including broadcasts.
+  // Returns the number of executed requests to this servo, including broadcasts.
   std::uint64_t executed() const { return executed_; }
 
  protected:

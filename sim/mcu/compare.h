@@ -22,29 +22,30 @@ namespace kaz::sim {
 class H8Mcu;
 
 struct CompareOptions {
-  std::string image_path;       // COFF, or an S-record with its symbols in a `.coff` file beside it
+  std::string image_path;       // COFF, or an S-record beside a `.coff` file with its symbols
   std::int64_t ticks = 100000;  // number of ticks to compare
   std::uint64_t seed = 1;
-  std::int64_t state_every = 1;  // interval of comparing the whole servo state, ticks
-  // Engine of the emulator. The default is the one that users run.
+  std::int64_t state_every = 1;  // number of ticks between two comparisons of the whole servo state
+  // Engine of the emulator. The default is the engine that users run.
   h8s::Engine engine = h8s::Engine::translator;
   // Called every 1,000 ticks.
   std::function<void(std::int64_t done, std::int64_t total)> progress;
-  // Polled once per simulated millisecond. True ends the comparison with the report so far.
+  // Polled once per simulated millisecond. If `stop` returns true, the comparison ends and returns the report
+  // so far.
   std::function<bool()> stop;
   std::function<void(H8Mcu&)> prepare_h8;  // for tests: plants a fault in the chip
 };
 
 struct CompareDifference {
-  // For example "output.pw[3]", "state.joint[2].goal", "pins.pw[3]" or "line.byte". In a frame that is being
-  // sent, message and field: "identify_reply.build_id".
+  // For example "output.pw[3]", "state.joint[2].goal", "pins.pw[3]" or "line.byte". For a frame that is being
+  // sent, `field` is the message and its field, such as "identify_reply.build_id".
   std::string field;
-  std::int64_t native = 0, h8 = 0;  // values; in "line.byte" and "line.missing", -1 is no byte
+  std::int64_t native = 0, h8 = 0;  // values; -1 in "line.byte" and "line.missing" means no byte
 };
 
 // Coverage of the traffic, counted in the board's replies. Refused requests alone would cover little.
 struct CompareCoverage {
-  std::map<std::uint8_t, std::int64_t> replies;    // by message type, with telemetry
+  std::map<std::uint8_t, std::int64_t> replies;    // by message type, including telemetry
   std::map<std::uint8_t, std::int64_t> refusals;   // by KZ_REFUSED_*
   std::map<std::uint8_t, std::int64_t> shutdowns;  // replies during a shutdown, by KZ_SHUTDOWN_*
   std::map<std::uint8_t, std::int64_t> actions;    // requested actions, by KZ_ACTION_*
@@ -53,10 +54,10 @@ struct CompareCoverage {
 struct CompareReport {
   std::int64_t ticks = 0;  // ticks compared
   bool stopped = false;    // CompareOptions::stop ended the comparison
-  std::string engine;      // the emulator's engine that ran: "translator"
-  // Instructions of the emulated chip, and those of them that ran as translated host code.
+  std::string engine;      // engine that the emulator used, such as "translator"
+  // Number of instructions of the emulated chip, and number of instructions that ran as translated host code.
   std::int64_t instructions = 0, translated_instructions = 0;
-  // Traffic during these ticks, as seen from the board.
+  // Traffic during the compared ticks, as seen from the board.
   std::int64_t bytes_received = 0, bytes_sent = 0, frames_sent_to_board = 0;
   std::uint16_t worst_busy_8states = 0;
   std::int64_t missed_ticks = 0, resets = 0;
@@ -65,10 +66,10 @@ struct CompareReport {
   CompareCoverage coverage;
   double chip_s = 0;  // simulated time of the chip
 
-  // The first tick that differs, all its differences, and its input.
+  // The first tick that differs, all differences in that tick, and the input of that tick.
   std::optional<std::uint32_t> tick;
   std::vector<CompareDifference> differences;
-  std::string input_hex;  // as laid out in the H8's memory
+  std::string input_hex;  // input in the layout of the H8's memory
 
   bool equal() const { return differences.empty(); }
   // Returns several lines: the differences of the first tick side by side, or the coverage if equal().
@@ -80,8 +81,8 @@ struct CompareReport {
 // stops or does not tick.
 Result<CompareReport> compare_engines(const CompareOptions& options);
 
-// Returns Fault::usage if the image header in the chip's flash has another build id than this program. Every
-// comparison would fail at the build id. An image without a header passes.
+// Returns Fault::usage if the image header in the chip's flash has another build id than this program. With
+// such an image every comparison would fail at the build id. An image without a header passes the check.
 Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path);
 
 }  // namespace kaz::sim

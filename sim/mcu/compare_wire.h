@@ -1,10 +1,10 @@
 // Compares the two engines as whole boards, on the wire and at the pins, in seeded conversations.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The emulated board executes the firmware image, the native board runs the same C. Both receive the same
-// bytes at the same times, and the same voltages. The emulated chip's bytes are decoded from the waveform at
-// TxD0. Replies must be equal byte by byte and begin within one tick of each other. The pins must agree in
-// every millisecond. Differences by design are in wire_differences.h.
+// The emulated board executes the firmware image, the native board runs the same C. Both boards receive the
+// same bytes at the same times, and both have the same input voltages. The emulated chip's bytes are decoded
+// from the waveform at TxD0. Replies must be equal byte by byte and begin within one tick of each other. The
+// pins must agree in every millisecond. wire_differences.h lists the differences by design.
 #pragma once
 
 #include <cstdint>
@@ -27,46 +27,53 @@ struct WireOptions {
   std::int64_t first = 0;  // number of the first conversation to run
   // Called after each conversation.
   std::function<void(std::int64_t done, std::int64_t total)> progress;
-  // Polled before each conversation. True ends the comparison with the report so far.
+  // Polled before each conversation. If `stop` returns true, the comparison ends and returns the report so
+  // far.
   std::function<bool()> stop;
-  // For tests: makes the board that is compared with the emulated one, and plants a fault in the chip.
+  // For tests: `make_other` makes the board that is compared with the emulated board, and `prepare_h8` plants
+  // a fault in the emulated chip.
   std::function<std::unique_ptr<Mcu>(const NativeOptions&)> make_other =
       [](const NativeOptions& o) { return make_native(o); };
   std::function<void(H8Mcu&)> prepare_h8;
 };
 
 struct WireDifference {
-  std::int64_t conversation = 0;  // its number; give it as WireOptions::first to run it alone
-  double ms = 0;                  // since the conversation began
-  std::string what;               // one sentence
-  std::string h8, native;         // both sides; empty if `what` is complete
-  std::string requests;           // the last requests before the difference, oldest first
+  // Number of the conversation. To run only this conversation, set WireOptions::first to this number and
+  // WireOptions::conversations to 1.
+  std::int64_t conversation = 0;
+  double ms = 0;           // time since the conversation began
+  std::string what;        // one sentence
+  std::string h8, native;  // behavior of each board; empty if `what` is complete
+  std::string requests;    // the last requests before the difference, oldest first
 };
 
 struct WireReport {
-  std::string emulator_engine;  // the engine that ran: "translator"
+  std::string emulator_engine;  // engine that the emulator used, such as "translator"
   std::uint64_t seed = 0;
   std::int64_t conversations = 0;
   bool stopped = false;        // WireOptions::stop ended the comparison
-  std::int64_t different = 0;  // conversations with a difference
-  // Conversations that ended early because replies were one tick apart (wire_differences.h).
+  std::int64_t different = 0;  // number of conversations with a difference
+  // Number of conversations that ended early because replies were one tick apart (wire_differences.h).
   std::int64_t ended_early = 0;
   // The first difference of each of the first few conversations that differ.
   std::vector<WireDifference> differences;
-  std::int64_t requests = 0, fewest_requests = 0;  // in total, and fewest in a conversation
-  // Equal frames from the boards, their bytes, and those frames that differ only by design.
+  std::int64_t requests = 0, fewest_requests = 0;  // total number, and fewest in a conversation
+  // Number of equal frames from the boards, number of bytes in these frames, and number of frames that differ
+  // only by design.
   std::int64_t replies = 0, bytes = 0, masked = 0;
-  std::int64_t pins_compared = 0;  // milliseconds
+  std::int64_t pins_compared = 0;  // number of milliseconds compared
   std::int64_t resets = 0;
-  // Largest time between the first bytes of a reply, and between requested resets, on the two boards.
+  // Largest time by which one board was later than the other: for the first byte of a reply, and for a
+  // requested reset.
   States largest_lag = 0;
   States largest_reset_lag = 0;
-  States h8_start = 0;                           // from power-on to the first tick
-  std::map<std::string, std::int64_t> kinds;     // sent, by kind (WireHost::kinds())
-  std::map<std::uint8_t, std::int64_t> by_type;  // replies by message type
+  States h8_start = 0;                           // time from power-on to the first tick
+  std::map<std::string, std::int64_t> kinds;     // items sent, by kind (WireHost::kinds())
+  std::map<std::uint8_t, std::int64_t> by_type;  // number of replies by message type
   double chip_s = 0;                             // simulated time of the chip
 
-  // Limit of `ended_early`; equal() is false above it. Such conversations are rare: 2 in 10,000.
+  // Returns the limit of `ended_early`. Above this limit equal() is false. Conversations that end early are
+  // rare: 2 in 10,000.
   std::int64_t max_ended_early() const { return 1 + conversations / 1000; }
   bool equal() const { return different == 0 && ended_early <= max_ended_early(); }
   std::string text() const;

@@ -1,4 +1,4 @@
-// Names the fields in which two frames differ, as in messages.def.
+// Names the fields in which two frames differ. The names are the names in messages.def.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace kaz::sim {
 
-// Returns the body that `sender` is sending, without stuffing: address, type, sequence number, fields. It is
-// empty if nothing is being sent or the stuffing is invalid.
+// Returns the body that `sender` is sending, without stuffing: address, type, sequence number, fields. The
+// result is empty if nothing is being sent or the stuffing is invalid.
 std::vector<std::uint8_t> sent_body(const kz_sender& sender);
 
 // Returns the fields in which two bodies differ, such as "state_reply.angle[3]" or
-// "state_reply.header.sequence". If the types differ, it returns only "type (NAME, NAME)" with the codes. It
-// returns nothing if the bodies are equal or a type is unknown. Elements that only one body has are omitted,
-// because their mask differs.
+// "state_reply.header.sequence". If the types differ, the only result is "type (NAME, NAME)" with the two
+// type codes. The result is empty if the bodies are equal or a type is unknown. Elements that only one body
+// has are omitted, because the mask field then differs too.
 std::vector<CompareDifference> frame_differences(std::span<const std::uint8_t> native,
                                                  std::span<const std::uint8_t> h8);
 

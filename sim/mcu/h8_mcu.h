@@ -18,11 +18,11 @@ namespace kaz::sim {
 
 class H8Mcu final : public Mcu {
  public:
-  // As make_h8(), with options of the emulator.
+  // Like make_h8(), but with options of the emulator.
   static Result<std::unique_ptr<H8Mcu>> load(const std::string& image_path,
                                              const h8s::Options& options = {});
 
-  // As make_erased_h8(), with options of the emulator.
+  // Like make_erased_h8(), but with options of the emulator.
   static std::unique_ptr<H8Mcu> erased(const h8s::Options& options = {});
 
   std::string name() const override { return to_string(McuKind::h8); }
@@ -77,7 +77,7 @@ class H8Mcu final : public Mcu {
   void tick_ended();
 
   h8s::Chip chip_;
-  States base_ = 0;  // board time minus chip time, which restarts at power-on
+  States base_ = 0;  // board time minus chip time; the chip time restarts at power-on
   bool hung_ = false;
   States hung_at_ = 0;
   PinLevels pins_;

@@ -29,7 +29,7 @@ inline std::vector<std::uint8_t> enable_frame(std::uint8_t sequence, std::uint32
   return frame_of(KZ_TYPE_enable, sequence, fields);
 }
 
-// Moves one joint as fast as its ramp allows. `angle` in 100 urad.
+// Encodes a request that moves one joint as fast as the joint's ramp allows. `angle` is in units of 100 urad.
 inline std::vector<std::uint8_t> target_frame(std::uint8_t sequence, int joint, int angle) {
   std::vector<std::uint8_t> fields(KZ_PAYLOAD_MAX);
   kz_targets message{};
@@ -61,7 +61,7 @@ inline std::vector<std::vector<std::uint8_t>> bodies_of(const std::vector<Serial
   return bodies;
 }
 
-// Analog source: supply at 10 V, every other input at half scale.
+// Analog source for tests: the supply is at 10 V, every other input at half scale.
 inline double quiet_board(int channel, const PinLevels& levels, States) {
   const int input = channel * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
   if (input == KZ_ANALOG_SUPPLY) return 10000.0 / KZ_SUPPLY_FULL_MV;

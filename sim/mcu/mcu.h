@@ -1,8 +1,8 @@
 // Interface of the servo board's microcontroller, seen from its pins.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two engines implement it: `h8` executes the firmware image instruction by instruction, `native` runs the
-// same C compiled for the PC.
+// Two engines implement this interface: `h8` executes the firmware image instruction by instruction, `native`
+// runs the same C code, compiled for the PC.
 #pragma once
 
 #include <algorithm>
@@ -25,11 +25,11 @@ namespace kaz::sim {
 // Time on the board, in periods of its crystal (18.432 MHz) since power was first applied.
 using States = std::int64_t;
 
-// Levels driven by the chip. A pin that is an input, or floats during reset, has the level of the board's
-// pull resistor. This is high for multiplexer selects and low for all others.
+// Levels at the chip's output pins. A pin that is an input, or floats during reset, has the level of the
+// board's pull resistor. The pull resistors are high for the multiplexer selects and low for all other pins.
 struct PinLevels {
   std::array<std::uint16_t, 16> pw{};  // PW0..PW15: high counts out of 256; 256 is constant high
-  std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1, in the same unit
+  std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1: high counts out of 256
   std::uint8_t p3 = 0, p4 = 0x07, p5 = 0, p6 = 0;
   bool operator==(const PinLevels&) const = default;
   template <class A>
@@ -69,10 +69,11 @@ class Mcu {
   virtual States now() const = 0;
 
   // Runs until `now() >= until`. Fails on an undefined instruction, an unmapped access or a stack outside
-  // RAM. The error repeats until the next reset; its message contains the location.
+  // RAM. Each further call returns the same error until the next reset. The error message contains the
+  // location.
   virtual Result<void> run_until(States until) = 0;
 
-  virtual void reset() = 0;        // by the RES pin; RAM is kept
+  virtual void reset() = 0;        // resets by the RES pin; RAM is kept
   virtual void power_cycle() = 0;  // everything except flash is lost
 
   // Sets the mode pins to boot mode or to running from flash. Takes effect at the next reset. Engines other
@@ -81,7 +82,7 @@ class Mcu {
     if (!boot) return {};
     return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; h8 has");
   }
-  // True while the boot ROM runs, false once it has started the downloaded program.
+  // Returns true while the boot ROM runs, and false after the boot ROM has started the downloaded program.
   virtual bool in_boot_rom() const { return false; }
   // Sets the listener for chip errors. With a listener, an error hangs the chip until the next reset instead
   // of failing run_until().
@@ -93,16 +94,19 @@ class Mcu {
   virtual std::array<std::uint8_t, memory_size> memory() const = 0;
   virtual void set_memory(std::span<const std::uint8_t, memory_size> bytes) = 0;
 
-  // Returns the servo's state after the last tick, in the memory layout of this process. Null unless native.
+  // Returns the servo's state after the last tick, in the memory layout of this process. Engines other than
+  // native return null.
   virtual const struct kz_servo* servo() const { return nullptr; }
 
   virtual const PinLevels& pins() const = 0;
-  // Sets the listener for changes of pins, which gets their exact times. Replaces an earlier listener.
+  // Sets the listener for changes of pin levels. The listener gets the exact time of each change. Replaces an
+  // earlier listener.
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
   // Returns the voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the sample time `at`. `levels` contains
-  // the multiplexer selects at that time. Must have no side effects. May depend only on its arguments and on
-  // values that change between runs or in listeners: samples that the program cannot read are not taken.
+  // the multiplexer selects at that time. The function must have no side effects, because samples that the
+  // program cannot read are not taken. The result may depend only on the arguments and on values that change
+  // only between runs or in listeners.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 
@@ -114,19 +118,20 @@ class Mcu {
   // Sets the listener for the end of each tick's computation, to compare the engines and to record.
   virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
 
-  // Sets the listener for resets by the chip's watchdog. The firmware also uses it for requested resets and
-  // for starting the loader. The native engine reports only these.
+  // Sets the listener for resets by the chip's watchdog. The firmware also uses the watchdog for requested
+  // resets and for starting the loader. The native engine reports only these two kinds of reset.
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 
   // Saves or restores the whole state of the chip. Listeners and the analog source are kept. The archive
-  // fails if the engine does not support it or the bytes are not a valid state. The native board is then
-  // unchanged; the h8 board is powered on with undefined flash.
+  // fails if the engine does not support saving, or if the bytes are not a valid state. The native board is
+  // then unchanged; the h8 board is powered on with undefined flash.
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 
-  // save() and restore() for many chips of one process that continue from the same state. The returned object
-  // holds the parts that are slow to read from bytes, `to` the rest. If it is null, `to` holds all. Several
-  // chips may take() from one object concurrently.
+  // save() and restore() for many chips of one process that continue from the same state. The object that
+  // keep() returns holds the parts of the state that are slow to read from bytes, and `to` gets the other
+  // parts. If keep() returns null, `to` gets the whole state. Several chips may call take() with the same
+  // object concurrently.
   struct Kept {
     virtual ~Kept() = default;
   };
@@ -140,9 +145,9 @@ class Mcu {
   }
 };
 
-// Makes an h8 engine with a firmware image: S-record or COFF. The symbols of an S-record are read from a
-// file of the same name ending in `.coff`. Without symbols, reports have no names and on_tick() has no
-// effect. Returns Fault::usage if the image cannot be read.
+// Makes an h8 engine with a firmware image: S-record or COFF. The symbols of an S-record are read from the
+// file with the same name and the extension `.coff`. Without symbols, reports have no names and on_tick() has
+// no effect. Returns Fault::usage if the image cannot be read.
 Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path);
 // Makes an h8 engine with erased flash.
 std::unique_ptr<Mcu> make_erased_h8();

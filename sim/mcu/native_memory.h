@@ -1,9 +1,9 @@
 // Non-volatile memory of the native engine: flash blocks with the logs of calibration and address.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The logs are those of shared/servo/store.h, as in the firmware (firmware/memory.c). Writing applies one
-// pulse after the other, as on the chip. If power is lost during a pulse, only a fraction of its cells
-// changes, in proportion to the elapsed time. A seed selects them.
+// The logs are those of shared/servo/store.h, as in the firmware (firmware/memory.c). A write applies one
+// pulse after the other, as on the chip. If power is lost during a pulse, only a fraction of the pulse's
+// cells changes, in proportion to the elapsed time. A seed selects these cells.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ class NativeMemory {
   void store_address(const kz_servo& servo, States from);
   // Returns the time from which the board does not serve the line.
   States deaf_from() const { return deaf_from_; }
-  // Returns the time at which the write ends if it is not cut.
+  // Returns the time at which the write ends, unless cut() aborts the write.
   States over_at() const { return over_at_; }
   // Returns how long the firmware takes to verify the write and read the log.
   States read_back_states() const { return read_back_; }
@@ -43,11 +43,11 @@ class NativeMemory {
   // Aborts a write in progress, by power loss or reset at time `at`.
   void cut(States at);
 
-  // Blocks EB1 to EB3, as Mcu::memory().
+  // Returns the blocks EB1 to EB3, like Mcu::memory().
   std::span<const std::uint8_t, Mcu::memory_size> bytes() const { return bytes_; }
   void set_bytes(std::span<const std::uint8_t, Mcu::memory_size> bytes);
 
-  // Complete state (archive.hpp).
+  // Serializes the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(bytes_, pulses_, deaf_from_, over_at_, read_back_, wanted_, pulses_done_);
@@ -80,7 +80,7 @@ class NativeMemory {
                const std::array<std::uint8_t, Mcu::memory_size>& of) const;
   void plan(const kz_store& log, int first_block, States from,
             const std::function<void(u8* data, u8 part)>& pack);
-  // Changes the cells that a pulse of `share` (0..1) of the full length changes.
+  // Applies a pulse. `share` (0..1) is the length of the pulse as a fraction of the full length.
   void apply(const Pulse& pulse, double share);
   void advance(States to);
 

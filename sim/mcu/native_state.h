@@ -1,9 +1,10 @@
 // Validates the C structures in a saved state of the native engine.
 // SPDX-License-Identifier: Apache-2.0
 //
-// They are restored as raw memory (archive.hpp, plain()). The firmware's C does not check its own state,
-// because it has no room for that. These functions check each value used as an index, length, mask or
-// divisor, or in a product that must fit 32 bits. Other values may be unusual but are harmless.
+// The structures are restored as raw memory (archive.hpp, plain()). The firmware does not check its own
+// state, because the chip has no memory to spare for such checks. These functions check each value used as an
+// index, length, mask or divisor, or in a product that must fit 32 bits. Other values may be unusual but are
+// harmless.
 #pragma once
 
 #include "shared/servo/servo.h"

@@ -16,14 +16,15 @@
 namespace kaz::sim {
 
 // Damages a frame, which must not be empty, with one of five random faults. It flips a bit, removes a byte,
-// inserts a byte, cuts off the end, or replaces the frame with up to `max_noise` random bytes. The last two
-// leave at least `min_length` bytes. One time in six it returns false and leaves the frame unchanged.
+// inserts a byte, cuts off the end, or replaces the frame with up to `max_noise` random bytes. After a cut or
+// a replacement, the frame has at least `min_length` bytes. In one of six calls, the function returns false
+// and leaves the frame unchanged.
 bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
                   std::uint32_t max_noise);
 
 class RandomRequest {
  public:
-  // `random` must outlive this.
+  // `random` must outlive this object.
   explicit RandomRequest(Random& random) : random_(random) {}
   // Returns the next request as type and fields: a body without address and sequence number.
   std::vector<std::uint8_t> next();

@@ -20,8 +20,8 @@ inline std::vector<std::uint8_t> saved_state(Mcu& mcu) {
   return to.bytes();
 }
 
-// Restores `state` and runs for `states`, with a request. Returns the archive's error, or an empty string if
-// the state was accepted.
+// Restores `state`, sends a request, and runs for `states` states. Returns the archive's error, or an empty
+// string if the state was accepted.
 inline std::string restore_and_run(Mcu& mcu, const std::vector<std::uint8_t>& state, States states) {
   StateReader from(state);
   mcu.restore(from);
@@ -32,10 +32,10 @@ inline std::string restore_and_run(Mcu& mcu, const std::vector<std::uint8_t>& st
   return from.error();
 }
 
-// Replaces every `stride`th byte of a valid state in [begin, end), one at a time. The microcontroller must
-// reject the state or run it without a sanitizer report. Afterwards the valid state must run as before. For
-// the emulated chip only time, memory and pins are compared, because translated code records jumps more
-// rarely.
+// Tries states in which one byte of a valid state is replaced: every `stride`th byte in [begin, end). The
+// microcontroller must reject the state or run it without a sanitizer report. Afterwards the valid state must
+// run as before. For the emulated chip only time, memory and pins are compared, because translated code
+// records jumps more rarely.
 inline void sweep_state(Mcu& mcu, const std::vector<std::uint8_t>& valid, std::size_t begin,
                         std::size_t end, std::size_t stride, States states) {
   ASSERT_LE(end, valid.size());

@@ -1,7 +1,8 @@
 // Generates random inputs for comparing the two engines: host traffic and potentiometer voltages.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Traffic is valid and invalid; joints move plausibly and implausibly. A seed determines both.
+// The traffic is partly valid and partly invalid. The joints move partly plausibly and partly implausibly.
+// The seed of each class determines the generated inputs.
 #pragma once
 
 #include <array>
@@ -23,9 +24,10 @@ class RandomHost {
   RandomHost(const RandomHost&) = delete;
   RandomHost& operator=(const RandomHost&) = delete;
   // Returns the bytes whose transmission starts in the millisecond that begins at `now`, with their arrival
-  // times. Empty while the line is busy with earlier bytes. Call it once per millisecond.
+  // times. The result is empty while the line is busy with earlier bytes. Must be called once per
+  // millisecond.
   std::vector<SerialByte> millisecond(States now);
-  std::int64_t frames() const { return frames_; }  // number sent, valid or not
+  std::int64_t frames() const { return frames_; }  // number of frames sent, valid or invalid
 
  private:
   enum class Phase { orderly, burst, faulty, silent };

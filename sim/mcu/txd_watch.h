@@ -1,8 +1,8 @@
 // Decodes the bytes that the emulated chip sends at TxD0 from the edges at the pin.
 // SPDX-License-Identifier: Apache-2.0
 //
-// It observes the same edges as a recording of the pin (vcd.h). While the pin is not driven, the board's
-// pull-up holds the line at mark.
+// TxdWatch observes the same edges as a recording of the pin (vcd.h). While the pin is not driven, the
+// board's pull-up holds the line at mark.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ namespace kaz::sim {
 
 class TxdWatch {
  public:
-  // `mcu` must outlive this.
+  // `mcu` must outlive this object.
   explicit TxdWatch(H8Mcu& mcu);
   ~TxdWatch();
   TxdWatch(const TxdWatch&) = delete;
@@ -23,7 +23,7 @@ class TxdWatch {
   // Removes and returns the bytes whose stop bit was sampled at least one bit time ago. Times are board
   // times.
   std::vector<DecodedByte> take();
-  // Drops a byte in progress. Call it after a reset or power cut of the chip.
+  // Drops a byte in progress. Must be called after a reset or power cut of the chip.
   void restart();
 
  private:

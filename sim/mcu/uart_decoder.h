@@ -1,9 +1,9 @@
-// Decodes the level of a serial line as an 8N1 receiver, and measures its edges.
+// Decodes the level of a serial line like an 8N1 receiver, and measures the edges of the line.
 // SPDX-License-Identifier: Apache-2.0
 //
-// It is independent of the sending channel: its only input is level changes with their times. Each bit is
-// sampled in its middle, counted from the falling edge of the start bit. Edges of a frame belong at whole bit
-// times; the largest deviation is reported.
+// The decoder is independent of the sending channel: the only input is level changes with their times. Each
+// bit is sampled in its middle, counted from the falling edge of the start bit. The edges of a frame should
+// be at whole bit times; the largest deviation is reported.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct DecodedByte {
   std::uint8_t value = 0;
   States start = 0;            // falling edge of the start bit
   bool framing_error = false;  // the stop bit is low
-  // Largest deviation of its edges from whole bit times. If it starts before the last frame should have
-  // ended, at least that difference.
+  // Largest deviation of the byte's edges from whole bit times. If the byte starts before the previous frame
+  // should have ended, the value is at least the time by which the byte is too early.
   States edge_deviation = 0;
 };
 

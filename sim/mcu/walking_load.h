@@ -17,15 +17,17 @@ namespace kaz::sim {
 
 class WalkingLoad {
  public:
-  // Sets the analog source of `mcu`. `mcu` must outlive this; do not run it after this is destroyed.
+  // Sets the analog source of `mcu`. `mcu` must outlive this object. Do not run `mcu` after this object is
+  // destroyed.
   explicit WalkingLoad(Mcu& mcu);
   WalkingLoad(const WalkingLoad&) = delete;
   WalkingLoad& operator=(const WalkingLoad&) = delete;
 
-  // Runs from power-on to walking: 100 ms of start-up, motors on, 0.5 s of steps. Fails as Mcu::run_until().
+  // Runs from power-on to walking: 100 ms of start-up, motors on, 0.5 s of steps. Fails like
+  // Mcu::run_until().
   Result<void> start();
-  // Runs one millisecond. In every tenth the host sends targets for all joints, and 7 ms later it queries
-  // their states. Fails as Mcu::run_until().
+  // Runs one millisecond. In every tenth the host sends targets for all joints, and 7 ms later the host
+  // queries the states of the joints. Fails like Mcu::run_until().
   Result<void> millisecond();
 
   std::int64_t bytes_to_board() const { return bytes_to_board_; }

@@ -14,8 +14,8 @@ struct WireException {
   const char* h8;      // behavior of the emulated board
   const char* native;  // behavior of the native board
   const char* reason;
-  // Message type and field of a reply that is not compared. Type 0: another difference, which the comparison
-  // avoids or allows for.
+  // Message type of a reply, and the field of it that the comparison leaves out. Type 0: another difference,
+  // which the comparison avoids or allows for.
   std::uint8_t type = 0;
   const char* field = nullptr;
 };

@@ -1,11 +1,11 @@
 // A seeded host for random conversations with a board over its serial line.
 // SPDX-License-Identifier: Apache-2.0
 //
-// It covers the protocol's grammar: requests in and out of range, damaged, in pieces, back to back, for other
-// boards, and with framing errors. Some conversations have telemetry, stores, resets, the loader, or bytes
-// while the board starts. The board does not serve the line during a store, a reset or the loader. These are
-// sent alone: their start depends on how long the CPU was busy, which the native engine does not model
-// (wire_differences.h).
+// The host covers the protocol's grammar: requests in range, out of range, damaged, in pieces, back to back,
+// for other boards, and with framing errors. Some conversations have telemetry, stores, resets, the loader,
+// or bytes while the board starts. The board does not serve the line during a store, a reset or the loader.
+// Requests for these three are sent alone, because their start depends on how long the CPU was busy. The
+// native engine does not model how long the CPU is busy (wire_differences.h).
 #pragma once
 
 #include <array>
@@ -38,16 +38,16 @@ class WireHost {
   // Events besides bytes.
   enum class Event : std::uint8_t { none, reset_pin, power_cycle };
 
-  // Returns the bytes that end in [from, until), ordered by time. The next call's `from` must be this
-  // `until`.
+  // Returns the bytes that end in [from, until), ordered by time. `from` of the next call must be `until` of
+  // this call.
   std::vector<SerialByte> bytes(States from, States until, const WireWindows& windows);
   // Removes and returns an event that is due by `at`. The event drops bytes that are not yet sent.
   Event take_event(States at);
-  // Ends the conversation: requests in progress are completed, no others begin.
+  // Ends the conversation: requests in progress are completed, and no other requests begin.
   void finish() { finished_ = true; }
 
   struct Sent {
-    States at = 0;  // planned end of its last byte
+    States at = 0;  // planned end of the request's last byte
     std::string text;
   };
   const std::vector<Sent>& sent() const { return sent_; }

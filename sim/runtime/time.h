@@ -1,4 +1,4 @@
-// Converts simulated time between states of the board's crystal and nanoseconds of the host.
+// Converts simulated time between states of the board's crystal and nanoseconds.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace kaz::sim {
 
-// Rounds down. 1e9 / 18,432,000 = 15,625 / 288, so a millisecond is exact in both units.
+// Rounds down. 1e9 / 18,432,000 equals 15,625 / 288, so one millisecond is a whole number of both units.
 constexpr Time time_of(States states) {
   return Time(states * 15625 / 288);
 }

@@ -1,11 +1,11 @@
-// Virtual motor stand instead of a robot: each of the board's motors turns a disc of its own.
+// Virtual motor stand, used instead of a robot. Each of the board's motors turns its own disc.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The tools are those of manual measurements. A clamp holds the shaft against a scale, a weight loads it, and
-// a hand turns it by a protractor. A knob sets the supply.
+// The tools are those of manual measurements. A lever clamps the shaft and presses on a scale. A weight loads
+// the shaft. A hand turns the shaft to an angle of a protractor. A knob sets the supply voltage.
 //
 // Each motor has one body with one degree of freedom, so the step is solved in closed form. Motor model
-// (joint_motor.h) and step are those of a robot:
+// (joint_motor.h) and step size are the same as for a robot:
 //
 //   (I/h + c + k h) w1 = I/h w0 + k e + load + T,   T = (velocity - w1) / softness within its bounds
 //
@@ -29,8 +29,8 @@ struct StandOptions {
   MotorParams motor;
   double disc_kgm2 = 4e-4;  // aluminum, 120 mm in diameter, 7 mm thick
   double step_s = 0.001;
-  std::uint64_t seed = 1;    // for the scale's noise
-  double supply_volts = 10;  // open circuit, at the start; make_stand() sets it
+  std::uint64_t seed = 1;    // seed of the random numbers of the scale's noise
+  double supply_volts = 10;  // open-circuit voltage at the start; make_stand() sets it
 };
 
 class MotorStand final : public World {
@@ -41,21 +41,21 @@ class MotorStand final : public World {
   const MotorParams& motor() const { return options_.motor; }
   double first_supply_volts() const { return options_.supply_volts; }
 
-  // ---- Tools. `joint` is a channel of the board.
-  // Clamps the shaft by a lever against a scale, or releases it. Both set the scale to zero.
+  // ---- Tools. `joint` is the number of the board's channel to which the motor is connected. Clamps the
+  // shaft by a lever that presses on a scale, or releases the shaft. Both set the scale to zero.
   void clamp(std::size_t joint, bool on);
-  // Reads the torque of the motor, Nm, in the joint's direction: mean over the last 50 steps in which it was
-  // driven against the clamp. The scale holds this reading; before the first one it reads 0. Sigma 2 mNm,
-  // resolution 1 mNm.
+  // Reads the torque of the motor, Nm, in the joint's direction. The reading is the mean over the last 50
+  // steps in which the motor was driven against the clamp. The scale keeps this reading when the motor stops;
+  // before the first reading it shows 0. The noise has a sigma of 2 mNm, the resolution is 1 mNm.
   double scale_nm(std::size_t joint) const;
-  // Loads the shaft gently with a weight, or removes it (0 Nm).
+  // Loads the shaft gently with a weight of torque `torque_nm`. A torque of 0 removes the weight.
   void press(std::size_t joint, double torque_nm);
   // Turns the shaft by hand to `angle_rad` at 2 rad/s and holds it until release().
   void turn(std::size_t joint, double angle_rad);
   void release(std::size_t joint);
-  // Removes lever, weight and hand from every shaft. Returns how many shafts had one.
+  // Removes lever, weight and hand from every shaft. Returns the number of shafts that had any of these.
   int free_all();
-  // Reads the protractor, rad. Resolution 0.01 degrees.
+  // Returns the angle that the protractor shows, rad. The resolution is 0.01 degrees.
   double protractor_rad(std::size_t joint) const;
 
   double step_s() const override { return options_.step_s; }
@@ -80,11 +80,11 @@ class MotorStand final : public World {
   }
 
  private:
-  static constexpr std::size_t kScaleSteps = 50;  // averaged by the scale
+  static constexpr std::size_t kScaleSteps = 50;  // number of steps over which the scale averages
   struct Shaft {
     bool clamped = false, guided = false, pressing = false;
     double press_nm = 0, goal_rad = 0, guide_rad = 0;
-    // The scale's ring buffer, Nm. `next` is the index of the newest value.
+    // Ring buffer of the scale, Nm. `next` is the index of the newest value.
     std::array<double, kScaleSteps> pressed{};
     std::uint32_t next = 0, count = 0;
     std::int64_t pressed_at = 0;  // step of the newest value

@@ -1,5 +1,5 @@
-// Text commands for the tools of a motor stand, one per line, for use in process or over the control socket.
-// docs/howto/bench.md lists them.
+// Text commands for the tools of a motor stand, one per line. They are used in process or over the control
+// socket. docs/howto/bench.md lists the commands.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,12 +13,12 @@
 
 namespace kaz::sim {
 
-// Creates a simulation of board and motors on a stand. Options of robot, world, eyes and dynamics are
-// ignored; supply_ohms is that of a laboratory supply. Errors: those of make_mcu().
+// Creates a simulation of a board with motors on a stand. The options of robot, world, eyes and dynamics are
+// ignored; supply_ohms is set to that of a laboratory supply. Errors: those of make_mcu().
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand);
 
-// Returns the stand of a simulation, null if it simulates a robot.
+// Returns the stand of a simulation, or null if the simulation has a robot instead of a stand.
 MotorStand* stand_of(Simulation& simulation);
 
 // Executes the command `line` on the simulation's motor stand. Precondition: stand_of() is not null. Errors

@@ -1,4 +1,4 @@
-// Sets of vector instructions for which loops over pixels are compiled.
+// Sets of vector instructions. Loops over pixels are compiled once for each set.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@ namespace kaz::sim {
 // All sets give the same pictures, byte for byte.
 enum class InstructionSet { plain, avx2, avx512 };
 
-// Returns false if the processor or the compiler's target lacks the set.
+// Returns false if the processor lacks the set, or the program was compiled for another kind of processor.
 inline bool is_available(InstructionSet set) {
 #if defined(__x86_64__)
   if (set == InstructionSet::avx2) return __builtin_cpu_supports("avx2") != 0;
@@ -20,7 +20,7 @@ inline bool is_available(InstructionSet set) {
   return set == InstructionSet::plain;
 }
 
-// Returns the widest set that is available.
+// Returns the available set with the widest vectors.
 inline InstructionSet best_instructions() {
   for (const InstructionSet set : {InstructionSet::avx512, InstructionSet::avx2}) {
     if (is_available(set)) return set;

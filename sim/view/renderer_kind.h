@@ -10,8 +10,8 @@
 namespace kaz::sim {
 
 enum class RendererKind {
-  opengl,  // off-screen Mesa: the reference for the other renderer
-  raster,  // our rasterizer: needs no OpenGL, takes a third of the time
+  opengl,  // off-screen Mesa; reference for the other renderer
+  raster,  // the project's own rasterizer; needs no OpenGL and takes a third of the time
 };
 inline constexpr RendererKind kDefaultRenderer = RendererKind::raster;
 inline constexpr std::array kRendererKinds{RendererKind::opengl, RendererKind::raster};

@@ -23,7 +23,8 @@ struct TestScene {
     pose.frames.push_back(Eigen::Isometry3d::Identity());
   }
 
-  // Adds a visual in its own frame at `at` (world, m). Returns the number of the frame.
+  // Adds a visual in a frame of its own. `at` is the position of the frame (world, m). Returns the number of
+  // the frame.
   int add(Shape::Kind kind, const Eigen::Vector3d& size, const Eigen::Vector3d& at,
           const Rgb& color, const std::string& texture = "") {
     Visual visual;
@@ -72,7 +73,7 @@ inline TestScene table_scene() {
   return s;
 }
 
-// View of the standing robot: the eye is 0.3 m above the ground, tilted down by `tilt_rad`.
+// View from an eye of the standing robot: 0.3 m above the ground, tilted down by `tilt_rad`.
 inline View eye_view(int width = 320, double tilt_rad = 0.6) {
   View view;
   view.camera = Pinhole::from_horizontal_view(width, width * 3 / 4, kEyeView_rad);

@@ -22,10 +22,10 @@ using plot::Color, plot::kBlue, plot::kRed, plot::kGreen, plot::kOrange, plot::k
 
 // --- files
 //
-// Each write goes to a temporary file in the same folder, which is then renamed. So readers never see a
-// partial file. Errors name the path and the system's reason.
+// Each function writes to a temporary file in the same folder and then renames the file. Readers therefore
+// never see a partial file. Error messages contain the path and the system's reason.
 
-// Returns Fault::usage if the image is empty or inconsistent, or a side is longer than 32767 px.
+// Returns Fault::usage if the image is empty or inconsistent, or if a side is longer than 32767 px.
 Result<void> write_png(const std::string& path, const Image& image);
 // `quality`: 1..100.
 Result<void> write_jpeg(const std::string& path, const Image& image, int quality = 85);
@@ -33,57 +33,61 @@ Result<void> write_file(const std::string& path, std::span<const std::uint8_t> b
 
 // --- pictures
 //
-// Coordinates are pixels with centers at integers, as in vision/image/frame.h.
+// Coordinates are in pixels. Pixel centers are at integers, as in vision/image/frame.h.
 
-// Draws a mask in white on black. With `picture`: shows its colors where the mask is set, and a darkened gray
-// copy elsewhere.
+// Draws a mask in white on black. With `picture`: shows the colors of `picture` where the mask is set, and a
+// darkened gray copy of `picture` elsewhere.
 Image mask_picture(const vision::Mask& mask);
 Image mask_picture(const vision::Mask& mask, const Image& picture);
 
 void draw_circle(Image& image, double u, double v, double radius_px, Color color,
                  double width_px = 2);
-// Leaves a gap in the middle, so that the marked point stays visible.
+// Draws a crosshair with a gap in the middle, so that the marked point stays visible.
 void draw_crosshair(Image& image, double u, double v, double size_px, Color color,
                     double width_px = 1.5);
-// Draws a polyline. `corners`: (u, v).
+// Draws a line through several points. `corners`: (u, v) of each point.
 void draw_line(Image& image, std::span<const std::pair<double, double>> corners, Color color,
                double width_px = 2);
-// Draws several polylines, later ones on top.
+// Draws several lines, each through several points; later lines cover earlier lines.
 void draw_lines(Image& image, std::span<const std::vector<std::pair<double, double>>> lines,
                 Color color, double width_px = 2);
-// (u, v): left end of the text's baseline.
+// Draws text. (u, v) is the left end of the text's baseline.
 void draw_text(Image& image, double u, double v, const std::string& text, double size_px,
                Color color);
 
-// Enlarges a picture by nearest neighbor, for small camera pictures beside large ones.
+// Enlarges a picture by copying the nearest pixel, for small camera pictures beside large pictures.
 Image enlarge(const Image& image, int factor);
 
-// Scales a picture to any size, with a smoothing filter. Returns an empty image if a side is not positive.
+// Scales a picture to any width and height with a smoothing filter. Returns an empty image if a side is not
+// positive.
 Image resize(const Image& image, int width, int height);
 
-// Adds a white frame, so that a picture in a picture stands out.
+// Adds a white frame of this width, so that a picture inside another picture stands out.
 inline constexpr int kFrame_px = 2;
 Image framed(const Image& image);
 
-// Copies `part` into `image`, with its upper left corner at column `left` of row `top`. Clips the rest.
+// Copies `part` into `image`. The upper left corner of `part` goes to column `left` of row `top`. Pixels
+// outside `image` are discarded.
 void paste(Image& image, const Image& part, int left, int top);
 
 struct Panel {
   Image image;
   std::string caption;
 };
-// Arranges panels in rows of `columns`, each scaled to `height_px`, with captions below.
+// Arranges panels in rows with `columns` panels each. Each panel is scaled to `height_px` and has its caption
+// below.
 Image compose(std::span<const Panel> panels, int columns, int height_px);
-// Stacks images vertically on white, left-aligned, without gaps: results of compose() have a margin already.
+// Stacks images vertically on white, left-aligned. Adds no gaps, because results of compose() already have a
+// margin.
 Image stack(std::span<const Image> images);
 
 // --- plots
 
 using plot::HorizontalLine, plot::LinePlot, plot::PlotPage, plot::Series, plot::Span;
 
-// `scale`: pixels for each px of the page.
+// `scale`: number of picture pixels for each px of the page.
 Image plot_picture(const PlotPage& page, int scale);
-// Draws at scale 2, which is sharp on dense screens.
+// Draws at scale 2, so that the plot is sharp on high-resolution screens.
 Result<void> write_plot_png(const std::string& path, const PlotPage& page);
 Result<void> write_plot_svg(const std::string& path, const PlotPage& page);
 

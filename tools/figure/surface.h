@@ -17,7 +17,8 @@ struct CairoDeleter {
 using Surface = std::unique_ptr<cairo_surface_t, CairoDeleter>;
 using Context = std::unique_ptr<cairo_t, CairoDeleter>;
 
-// Surfaces are 24-bit RGB. Check cairo_surface_status(): surfaces without memory are in an error state.
+// Makes a 24-bit RGB surface. Check cairo_surface_status(): if the memory allocation failed, the surface is
+// in an error state.
 Surface blank_surface(int width, int height, Color color);
 Surface surface_from(const Image& image);
 Image image_from(cairo_surface_t* surface);

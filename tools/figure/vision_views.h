@@ -9,20 +9,22 @@
 
 namespace kaz::figure {
 
-// Red up to 0.2 m, green at 0.7 m, blue from 3 m on, on a logarithmic scale. Black where depth is unknown.
+// Draws depth on a logarithmic scale: red up to 0.2 m, green at 0.7 m, blue from 3 m on. Pixels of unknown
+// depth are black.
 vision::Image depth_picture(const vision::DepthImage& depth);
-// Tints the floor green and other segments in other colors, on their left picture.
+// Tints the segments on the left picture of their pair: the floor green, other segments in other colors.
 vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes);
 
-// The same with all segments in one color, as in figure 6 (A) of the paper.
+// Tints all segments in one color, as in figure 6 (A) of the paper.
 vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes,
                             Color color);
 
-// Hue shows the direction, saturation the length of the flow, up to `longest_px`. Gray where unknown.
+// Hue shows the direction of the flow. Saturation shows the length of the flow, up to `longest_px`. Pixels of
+// unknown flow are gray.
 vision::Image flow_picture(const vision::FlowImage& flow, double longest_px);
-// Draws arrows on `left`, the later picture, enlarged by `factor`. Each arrow ends at the present position of
-// a point and is `stretch` times as long as its flow. Points are `spacing_px` apart in the flow image. Those
-// that moved less than 0.5 px have no arrow.
+// Draws flow arrows on `left`, the later picture of the flow, enlarged by `factor`. Each arrow ends at the
+// present position of a point. The arrow is `stretch` times as long as the flow of the point. The points are
+// `spacing_px` apart in the flow image. Points that moved less than 0.5 px have no arrow.
 vision::Image flow_arrows(const vision::Image& left, const vision::FlowImage& flow, int factor,
                           int spacing_px, double stretch);
 

@@ -23,26 +23,28 @@
 
 namespace kaz::tools {
 
-// Every numeric option must use one of these validators (tests/system/command_line/numbers_test.cpp). CLI11
-// accepts nan, even in its Range, infinity and hexadecimal fractions. It saturates values that are too large.
+// Every numeric option must use one of these validators (tests/system/command_line/numbers_test.cpp). Without
+// these validators, CLI11 accepts nan (even in CLI::Range), infinity and hexadecimal fractions, and silently
+// clamps values that are too large for the type.
 
 // Accepts a finite decimal number.
 CLI::Validator number();
-// Accepts a number above 0. The message of CLI11's own check would contain the largest double.
+// Accepts a number above 0. The error message of CLI11's own check would contain the largest double.
 CLI::Validator positive();
-// Accepts `min` to `max`, inclusive. The integral overload also accepts hexadecimal, 0x10. `unit` is for help
-// and errors, if the option's type has none (values.cpp).
+// Accepts `min` to `max`, inclusive. The overload for integers also accepts hexadecimal numbers such as 0x10.
+// `unit` appears in help and errors; use it if the option's type has no unit (values.cpp).
 CLI::Validator between(double min, double max, const std::string& unit = "");
 template <std::integral T>
 CLI::Validator between(T min, T max);
 
-// Accepts only digits, at most 18. CLI11 would read 1e3 as 1, and 99999999999999999999 as the type's maximum.
+// Accepts only digits, at most 18 digits. CLI11 would read 1e3 as 1, and 99999999999999999999 as the maximum
+// of the type.
 CLI::Validator whole_number();
-// Accepts 1 to `max`, only digits.
+// Accepts 1 to `max`, written with digits only.
 CLI::Validator whole_number_above_zero(std::int64_t max = 999'999'999'999'999'999);
 
-// Accepts the names of `values` and replaces each by its number. CLI11's own transformer would also print the
-// numbers.
+// Accepts the names of `values` and replaces each name by its number. CLI11's own transformer would also
+// print the numbers in help texts.
 template <class T>
 CLI::Validator one_of(const std::map<std::string, T>& values) {
   std::vector<std::string> names;
@@ -76,14 +78,14 @@ CLI::Validator between(T min, T max) {
                                 : parse_number<T>(text);
         if (!number || *number < min || *number > max)
           return "give a whole number from " + std::to_string(min) + " to " + std::to_string(max);
-        text = std::to_string(*number);  // CLI11 would take 010 for octal
+        text = std::to_string(*number);  // CLI11 would read 010 as an octal number
         return std::string();
       },
       range_notation(min, max));
 }
 
-// Adds an option whose values are the names of an enum. `to`: a T, whose value is the default, or a
-// std::optional<T> without default. It must outlive `verb`.
+// Adds an option whose values are the names of an enum. `to` is a T or a std::optional<T>. The value of a T
+// is the default; a std::optional<T> has no default. `to` must outlive `verb`.
 template <class T, std::size_t N, class To>
 CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::array<T, N>& values,
                         To& to, const std::string& description) {
@@ -95,16 +97,16 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::arra
   return option;
 }
 
-// These functions add options to `verb`. Their variables must outlive it.
+// These functions add options to `verb`. The variables for the values must outlive `verb`.
 
 // Adds --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --no-imu, --dynamics,
 // --physics-step, --supply, --eyes, --eye-width, --renderer and --seed.
 void add_sim_options(CLI::App& verb, BackendOptions& options);
-// Adds --imu and --no-imu. The default is the value of `imu`.
+// Adds --imu and --no-imu. The default is the present value of `imu`.
 void add_imu(CLI::App& verb, bool& imu);
-// Adds --set NAME=VALUE, which may be repeated. `text`: description, without an example.
+// Adds --set NAME=VALUE. Users may repeat the option. `text`: description, without an example.
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text);
-// Adds --motor-file, --motor and --disc, for the motors on a virtual motor stand.
+// Adds --motor-file, --motor and --disc, the options for the motors on a virtual motor stand.
 void add_motor_options(CLI::App& verb, BackendOptions& options);
 // Descriptions of the values of --robot (host/link/port_address.h).
 inline constexpr const char* kPortText =
@@ -118,15 +120,15 @@ inline constexpr const char* kRobotText =
     "rfc2217:HOST:PORT[@BAUD]; several boards: boards:FILE, which lists the joints of each board; "
     "or a servo bus: feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]";
 
-// Adds --robot KIND:PATH, for verbs that need a port. Older scripts call it --port.
+// Adds --robot KIND:PATH, for verbs that need a port. --port is an alias for older scripts.
 CLI::Option* add_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);
-// The same as a required option, whose value may also be positional.
+// Like add_port(), but the option is required and its value may also be positional.
 void add_required_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);
 // Adds --address N, for every verb that opens a port.
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address);
 // Adds --record-pictures, for verbs that record.
 void add_record_pictures(CLI::App& verb, BackendOptions& options);
-// Adds IMAGE, --format and --at. `max_address`: maximum address of a raw image's first byte.
+// Adds IMAGE, --format and --at. `max_address`: maximum address for the first byte of a raw image.
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,
                        std::uint32_t max_address);
 

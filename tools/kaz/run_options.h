@@ -16,20 +16,20 @@ struct RunArguments {
   SessionOptions session;
   std::vector<std::string> settings;  // NAME=VALUE
   std::string duration;               // s
-  std::string color;                  // file
+  std::string color;                  // path of a file
   std::string goal;                   // for navigate
-  std::string poses;                  // file, for play
-  std::string memory;                 // file
+  std::string poses;                  // path of a file, for play
+  std::string memory;                 // path of a file
   WatchArguments watch;
 };
 
-// Adds the options that both verbs describe in the same way. `arguments` must outlive `verb`.
+// Adds the options whose descriptions are the same for both verbs. `arguments` must outlive `verb`.
 void add_run_options(CLI::App& verb, RunArguments& arguments);
 CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::string& text);
-// Adds --out DIR. `more`: end of its description.
+// Adds --out DIR. `more`: text at the end of the option's description.
 void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more);
-// Reads the files, checks the settings and runs the behavior. Returns as run_session(); wrong settings are
-// Fault::usage.
+// Reads the files, checks the settings and runs the behavior. Returns the result of run_session(), or
+// Fault::usage for invalid settings.
 Result<bool> run_behavior(RunArguments arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Verbs of the command line. Each adds itself to the program, and sets the action when it is chosen.
+// Verbs of the command line. Each verb adds itself to the program. A chosen verb sets the action to run.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,11 +10,11 @@
 
 namespace kaz::tools {
 
-// Runs after the whole command line has been parsed. The fault of an Error is the exit status
-// (shared/base/result.hpp).
+// The action runs after the whole command line has been parsed. If the action returns an Error, the fault of
+// the Error determines the exit status (shared/base/result.hpp).
 using Action = std::function<Result<Outcome>()>;
 
-// Declares add_NAME of each verb, which verb_NAME.cpp defines.
+// Declares add_NAME for each verb. The file verb_NAME.cpp defines this function.
 #define KAZ_VERB(name, interrupt) void add_##name(CLI::App& program, Action& action);
 #include "tools/kaz/verbs.def"
 #undef KAZ_VERB

@@ -1,4 +1,4 @@
-// Publishes the results of vision in a run to viewers.
+// Publishes the vision results of a run to viewers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace kaz::tools {
 
-// Publishes pictures of the modules that run, as in `kaz vision run`: /vision/depth, /vision/flow and
-// /vision/floor. The ball is an annotation of the left eye's picture. Pictures without subscribers are not
+// Publishes pictures for the running modules, as in `kaz vision run`: /vision/depth, /vision/flow and
+// /vision/floor. The ball is an annotation on the left eye's picture. Pictures without subscribers are not
 // drawn.
 class VisionChannels final : public VisionWatcher {
  public:

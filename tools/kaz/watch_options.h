@@ -1,4 +1,4 @@
-// Options --view, --view-wait, --view-open and --pace, and runs with viewers.
+// Options --view, --view-wait, --view-open and --pace, and functions that run with viewers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,14 +19,14 @@ namespace kaz::tools {
 struct WatchArguments {
   bool view = false, wait = false, open = false;
   std::string where;  // ADDRESS:PORT; empty: the default
-  double pace = 0;    // maximum simulated time over real time; 0: no limit
+  double pace = 0;    // maximum ratio of simulated time to real time; 0: no limit
 };
 
-// `paced`: also adds --pace. It needs a verb whose time is not that of a clock. `arguments` must outlive
-// `verb`.
+// Adds the options. With `paced`, also adds --pace, which is only valid for a verb that does not follow a
+// real clock. `arguments` must outlive `verb`.
 void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced = true);
-// Call run_session(), serve(), run_bench(), monitor() and run_campaign(), with a server for viewers if --view
-// is given.
+// These functions call run_session(), serve(), run_bench(), monitor() and run_campaign(). If --view is given,
+// these functions also run a server for viewers.
 Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session);
 Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve);
 Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench);

@@ -14,19 +14,22 @@ namespace kaz::lockstep {
 using JointLines = std::array<host::JointCalibration, KZ_JOINTS>;
 
 struct CalibratedJoints {
-  JointLines stops, all;  // from the stops only; from stops and floor
-  // Standard deviation of the angles by `all`: root mean square over the joint's range, and maximum.
+  JointLines stops, all;  // calibration from the stops only; calibration from stops and floor
+  // Standard deviation of the joint angles with calibration `all`: root mean square over the joint's range,
+  // and maximum.
   std::array<double, KZ_JOINTS> expected_rad{}, worst_rad{};
-  double worst_residual = 0;  // largest residual of an equation, in units of its sigma
-  double seconds = 0;         // simulated duration
+  // Largest residual of an equation, divided by the standard deviation of the equation.
+  double worst_residual = 0;
+  double seconds = 0;  // simulated duration of the calibration
 };
 
-// Calibrates a suspended robot on its stops, then one of the same seed on the floor of options.world_path.
-// Uses no ground truth. Returns Fault::failed if a stop cannot be read; else errors of robot and board.
+// Calibrates a suspended robot on its stops. Then calibrates a robot with the same seed on the floor of
+// options.world_path. Uses no ground truth. Returns Fault::failed if a stop cannot be read. Also returns
+// errors of robot and board.
 Result<CalibratedJoints> calibrate_joints(const sim::SimulationOptions& options);
 
-// Calibrates the same robot and stores the calibration. Returns its board's flash in hexadecimal, for
-// SimulationOptions::memory.
+// Calibrates the same robot and stores the calibration on its board. Returns the contents of the board's
+// flash in hexadecimal, for SimulationOptions::memory.
 Result<std::string> calibrated_memory(const sim::SimulationOptions& options);
 
 }  // namespace kaz::lockstep

@@ -1,4 +1,4 @@
-// An emulated board on a bench in simulated time, for tests that flash it while faults occur.
+// An emulated board on a bench in simulated time. Tests flash the board while faults occur.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,19 +17,19 @@ namespace kaz::lockstep {
 // Link, clock and reset of one emulated board. Waiting advances simulated time in steps of 1/8 ms.
 class FlashBench final : public host::Link, public host::Clock, public host::BoardReset {
  public:
-  // `image`: path of kaz.mot; empty: an erased chip. Aborts if the image cannot be loaded.
+  // `image`: path of kaz.mot; empty: the chip is erased. Aborts the program if the image cannot be loaded.
   explicit FlashBench(const std::string& image = "", const h8s::Options& options = {},
                       std::uint64_t seed = 1);
 
-  // --- faults; times are those of now()
+  // --- faults; times are on the scale of now()
   void cut_power_at(Time when, Time length) { cut_at_ = when, cut_length_ = length; }
-  // From then on, read() and write() return Fault::environment.
+  // From `when` on, read() and write() return Fault::environment.
   void unplug_at(Time when) { unplug_at_ = when; }
-  // Faults of the line. Not owned; null: none.
+  // Sets the faults of the line; null: no faults. `faults` must outlive this object.
   void set_faults(const faults::Schedule* faults) { line_.set_faults(faults); }
-  // Called when the program counter enters the application, at the end of that step.
+  // Sets a function that is called if the program counter enters the application, at the end of that step.
   void on_application(std::function<void()> listener) { on_application_ = std::move(listener); }
-  // Latency of the adapter, in each direction.
+  // Sets the latency of the adapter in each direction.
   void set_latency(Time latency);
 
   // --- host::Clock, host::Link, host::BoardReset
@@ -43,9 +43,9 @@ class FlashBench final : public host::Link, public host::Clock, public host::Boa
 
   h8s::Chip& chip() { return mcu_->chip(); }
   sim::H8Mcu& mcu() { return *mcu_; }
-  // Removes all faults, waits 200 ms, and drops unread bytes.
+  // Removes all faults, waits 200 ms, and discards unread bytes.
   void repair();
-  // Returns the CRC of the image that runs, from its reply to `identify`. nullopt: no reply.
+  // Returns the CRC of the running image, from the reply to `identify`. nullopt: the board did not reply.
   std::optional<std::uint16_t> running_image();
 
  private:

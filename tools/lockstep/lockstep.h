@@ -1,11 +1,11 @@
-// The host's link, clock and camera over a simulation in the same process.
+// Link, clock and camera that connect the host to a simulation in the same process.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Host and simulation do not depend on each other; this module connects them.
+// Host and simulation do not depend on each other; this module connects the two.
 //
-// Waiting advances the simulation: sleep_until() and read() step it by whole milliseconds, until the time
-// is reached or bytes have arrived. No wall clock is read. Single-threaded. The simulation must outlive all
-// of these objects.
+// Waiting advances the simulation. sleep_until() and read() step the simulation by whole milliseconds until
+// the given time is reached or bytes have arrived. No wall clock is read. Single-threaded. The simulation
+// must outlive all objects of this file.
 #pragma once
 
 #include "host/link/link.h"
@@ -37,7 +37,7 @@ class LockstepLink final : public host::Link {
   sim::Simulation& simulation_;
 };
 
-// Keeps the simulation's eyes open as long as it exists.
+// Keeps the simulation's eyes open during the lifetime of this object.
 class LockstepCamera final : public vision::Camera {
  public:
   explicit LockstepCamera(sim::Simulation& simulation);

@@ -1,10 +1,11 @@
-// Fits the motor model to a bench report, so that the same bench on the simulated stand measures the same.
+// Fits the motor model to a bench report. A bench on the simulated stand then gives the same measurements.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Method: indirect inference (C. Gourieroux, A. Monfort, E. Renault 1993, "Indirect Inference", Journal of
-// Applied Econometrics 8). A formula estimates each parameter from the measurements. The bench biases these
-// estimates by a few percent: A/D codes, duty steps, a motor that warms up. So the bench also runs on the
-// model, with the same formulas. Each round corrects the model's parameters by the ratio of both estimates.
+// Applied Econometrics 8). A formula estimates each parameter from the measurements. A/D codes, duty steps
+// and the warming motor bias these estimates by a few percent. Therefore the bench also runs on the model,
+// with the same formulas. Each round multiplies the model's parameters by the ratio of the estimates from
+// measurement and model.
 #pragma once
 
 #include <functional>
@@ -18,16 +19,19 @@
 namespace kaz::lockstep {
 
 struct FittedParam {
-  std::string name, unit;  // as in the motor file
+  std::string name, unit;  // name and unit in the motor file
   double before = 0, after = 0;
-  bool measured = false;  // false: not determined by the report, and unchanged
+  // False: the report does not determine the parameter, and its value is unchanged.
+  bool measured = false;
 };
 
 // Difference between model and measurement.
 struct Gap {
-  std::string name, unit;  // those of a measurement, or "curve of <plot>"
-  double measured = 0;     // NaN for curves
-  // Values of the model before and after the fit. For curves: root mean square difference from the measured.
+  // Name and unit of a measurement; for a curve, the name is "curve of <plot>".
+  std::string name, unit;
+  double measured = 0;  // NaN for curves
+  // Values of the model before and after the fit. For a curve: root mean square of the difference from the
+  // measured curve.
   double before = 0, after = 0;
 };
 
@@ -35,23 +39,26 @@ struct MotorFit {
   sim::MotorParams motor;
   std::vector<FittedParam> params;
   std::vector<Gap> gaps;
-  std::vector<hil::Plot> plots;  // each with three curves: measured, before, after
+  std::vector<hil::Plot> plots;  // each plot has three curves: measured, before, after
   int rounds = 0;
   double last_change = 0;  // largest relative change of a parameter in the last round
 };
 
 struct MotorFitOptions {
-  std::string joint;       // joint in the report; empty: its only one
+  std::string joint;       // name of the joint in the report; empty: the only joint of the report
   sim::MotorParams start;  // the model before the fit
-  // The simulated board: microcontroller and image, sensors, seed. Use h8 for the report of a real board:
-  // the bench also measures the firmware's timing, some 0.1 ms of a start.
+  // Options of the simulated board: microcontroller and image, sensors, seed. Use h8 for the report of a real
+  // board. The bench also measures delays of the firmware, about 0.1 ms when a motor starts, and only h8
+  // simulates these delays.
   sim::SimulationOptions board;
   int max_rounds = 6;
-  std::function<void(double share, const std::string& what)> progress;  // share: 0..1; may be null
+  // `share`: progress, 0..1. May be null.
+  std::function<void(double share, const std::string& what)> progress;
 };
 
-// Returns Fault::usage if the report has no motor, no parameter can be determined, or its disc and supply are
-// missing or invalid. A report of several joints needs `joint`. Else errors of the simulation.
+// Fits the model to the report `measured`. Returns Fault::usage if the report has no motor, no parameter can
+// be determined, or the report's disc and supply are missing or invalid. Also returns Fault::usage if the
+// report has several joints and options.joint is empty. Other errors come from the simulation.
 Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptions& options);
 
 }  // namespace kaz::lockstep

@@ -1,4 +1,4 @@
-// The host's side of a recording: bytes in both directions, pictures, and entries of the behavior.
+// Data of a recording on the host's side: bytes in both directions, pictures, and entries of the behavior.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -27,21 +27,22 @@ struct RecordedRun {
     std::string json;
   };
 
-  std::vector<sim::SerialByte> to_board;  // with times of arrival at the board
-  std::vector<sim::SerialByte> to_host;   // with times of departure from the board
+  std::vector<sim::SerialByte> to_board;  // each byte has the time of its arrival at the board
+  std::vector<sim::SerialByte> to_host;   // each byte has the time of its departure from the board
   std::vector<Pair> pairs;                // in order of exposure
   std::vector<Thought> thoughts;
-  sim::States end = 0;         // end of the last step that is recorded completely
-  bool cut_off = false;        // the run went on after `end`
-  std::string interrupted_by;  // signal that cut it off, such as "SIGINT"; empty: none
-  std::uint64_t seed = 1;      // seed of the line faults
+  sim::States end = 0;   // end of the last completely recorded step
+  bool cut_off = false;  // the run went on after `end`
+  // Signal that interrupted the run, such as "SIGINT"; empty: no signal.
+  std::string interrupted_by;
+  std::uint64_t seed = 1;  // seed of the line faults
   faults::Schedule faults;
   bool has_pictures = false;
   vision::CameraModel camera;  // valid if has_pictures
   Time camera_latency{};
 
-  // Decodes a recording. `name` identifies it in errors. Returns Fault::usage if a chunk is damaged, a
-  // message does not fit its schema, a pair is incomplete, or no step is recorded completely.
+  // Decodes a recording. `name` identifies the recording in error messages. Returns Fault::usage if a chunk
+  // is damaged, a message does not fit its schema, a pair is incomplete, or no step is recorded completely.
   static Result<RecordedRun> of(const sim::McapRecording& recording,
                                 const std::string& name = "the recording");
 };

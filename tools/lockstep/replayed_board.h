@@ -1,9 +1,10 @@
-// Replays a recording as a board and its eyes, so that the host runs against it as against the simulation.
+// Replays a recording as a board with eyes. The host uses this board in the same way as the simulation.
 // SPDX-License-Identifier: Apache-2.0
 //
-// step() advances time by one millisecond, as in the simulation. Bytes of the board and pictures arrive at
-// their recorded times. Every byte from the host is compared with the recorded one, and so is its arrival
-// time, to the state. Line faults act on the bytes again, with the recorded seed. Single-threaded.
+// step() advances time by one millisecond, like the simulation. Pictures, and bytes from the board, arrive at
+// their recorded times. Every byte from the host is compared with the recorded byte. The arrival times must
+// also be equal, with a resolution of one state of the crystal. Line faults change the bytes again, with the
+// recorded seed. Single-threaded.
 #pragma once
 
 #include <deque>
@@ -21,8 +22,8 @@ namespace kaz::lockstep {
 // First difference between the host and the recording.
 struct HostDifference {
   Time time{};
-  std::string where;          // such as "byte 1234 to the board" or "the end"
-  std::string recorded, now;  // descriptions of both
+  std::string where;          // position, such as "byte 1234 to the board" or "the end"
+  std::string recorded, now;  // descriptions of the recorded and the present byte or entry
 };
 
 class ReplayedBoard {
@@ -32,8 +33,8 @@ class ReplayedBoard {
   ReplayedBoard(const ReplayedBoard&) = delete;
   ReplayedBoard& operator=(const ReplayedBoard&) = delete;
 
-  // Advances by one millisecond. Returns Fault::failed at the end of the recording, or if the host has sent
-  // something else. Later calls return the same error.
+  // Advances by one millisecond. Returns Fault::failed at the end of the recording, or if the host's bytes
+  // differ from the recorded bytes. Later calls return the same error.
   Result<void> step();
   Time time() const;
   const std::optional<Error>& error() const { return error_; }
@@ -42,16 +43,18 @@ class ReplayedBoard {
   void write(std::span<const std::uint8_t> bytes) { line_.write(bytes, now_); }
   std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
   // Returns the next pair that has reached the host by now. Returns Fault::usage if a picture is invalid or
-  // the recording has none.
+  // the recording has no pictures.
   Result<std::optional<vision::StereoPair>> next_pair();
-  // Compares an entry of the behavior with the recorded one.
+  // Compares an entry of the behavior with the recorded entry.
   void think(const std::string& json);
 
-  // Call it when the host has ended: detects recorded bytes and entries that the host did not produce.
+  // Call this function after the host has ended. Detects recorded bytes and entries that the host did not
+  // produce.
   void finish();
-  // First difference in the bytes to the board, or in the end of the run.
+  // First difference in the bytes to the board, or between the ends of both runs.
   const std::optional<HostDifference>& difference() const { return difference_; }
-  // First difference in the behavior's entries. It may precede the difference in bytes that it causes.
+  // First difference in the behavior's entries. This difference may cause the difference in bytes, and then
+  // precedes that difference.
   const std::optional<HostDifference>& other_thought() const { return other_thought_; }
 
  private:
@@ -63,7 +66,7 @@ class ReplayedBoard {
   const RecordedRun& run_;
   sim::SerialLine line_;
   sim::States now_ = 0;
-  // Numbers of items of the run that have been processed.
+  // Numbers of processed items of the run.
   std::size_t compared_ = 0, given_ = 0, exposed_ = 0, thought_ = 0;
   std::vector<std::uint8_t> sent_;  // bytes that reached the board
   std::deque<const RecordedRun::Pair*> arriving_;
@@ -103,8 +106,8 @@ class ReplayCamera final : public vision::Camera {
   ReplayedBoard& board_;
 };
 
-// Describes the byte at `offset` in the bytes from a host, and its message: "0x3a in `enable` #12 mask=0x3,
-// frame 00 05 01 ...".
+// Describes the byte at `offset` in the bytes from a host, and the message that contains the byte: "0x3a in
+// `enable` #12 mask=0x3, frame 00 05 01 ...".
 std::string byte_in_words(std::span<const std::uint8_t> sent, std::size_t offset);
 
 }  // namespace kaz::lockstep

@@ -1,4 +1,4 @@
-// A simulated motor stand, and the host's connection to its board and tools.
+// A simulated motor stand, and the host's connection to the stand's board and tools.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,8 +13,8 @@ namespace kaz::lockstep {
 
 class StandBackend {
  public:
-  // `simulation`: from make_stand(). `pressing_s`: time for which the bench presses against the scale.
-  // `interrupt` ends all waits; it may be null and must outlive this object.
+  // `simulation`: result of make_stand(). `pressing_s`: time for which the bench presses against the scale.
+  // `interrupt` ends all waits. `interrupt` may be null and must outlive this object.
   explicit StandBackend(std::unique_ptr<sim::Simulation> simulation, double pressing_s = 0.1,
                         const host::Interrupt* interrupt = nullptr);
 

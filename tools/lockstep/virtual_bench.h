@@ -1,8 +1,9 @@
 // A virtual servo board on a test bench, in simulated time, for tests of the board alone.
 // SPDX-License-Identifier: Apache-2.0
 //
-// It has no robot: each joint is a freely turning motor, a first-order lag of its drive. So it is fast, and
-// tests can disturb every input of the board. Waiting advances time in steps of 1/8 ms.
+// The bench has no robot: each joint is a freely turning motor, modeled as a first-order lag of its drive.
+// The bench is therefore fast, and tests can disturb every input of the board. Waiting advances time in steps
+// of 1/8 ms.
 #pragma once
 
 #include <array>
@@ -53,7 +54,7 @@ class VirtualBench final : public hil::Bench, public host::Link, public host::Cl
   sim::States off_ = 0;  // total time without power
   bool power_ = true;
   std::array<Joint, KZ_JOINTS> joints_{};
-  std::array<std::optional<int>, KZ_ANALOG> held_{};  // codes of set_analog()
+  std::array<std::optional<int>, KZ_ANALOG> held_{};  // A/D codes that set_analog() has set
 };
 
 }  // namespace kaz::lockstep

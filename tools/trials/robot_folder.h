@@ -1,4 +1,4 @@
-// A temporary folder with modified copies of a robot's files. Its object owns and removes it.
+// A temporary folder with modified copies of a robot's files. A RobotFolder owns its folder and removes it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,19 +14,20 @@ namespace kaz::trials {
 
 // Formats a number with nine significant digits.
 std::string digits(double value);
-// Replaces each number that stands between `before` and the next quote by change(number).
+// Replaces each number between the text `before` and the next quotation mark by change(number).
 std::string with_numbers(const std::string& text, const std::string& before,
                          const std::function<double(double)>& change);
-// Multiplies mass and inertia tensor of each <inertial> of a URDF by factor(number). The number counts from 0
-// in file order.
+// Multiplies the mass and the inertia tensor of each <inertial> of a URDF by a factor. The argument of
+// `factor` is the number of the <inertial> in file order, from 0.
 std::string with_masses(const std::string& urdf,
                         const std::function<double(std::uint64_t)>& factor);
 
 class RobotFolder {
  public:
   using Change = std::function<std::string(const std::string&)>;
-  // Copies kaz.urdf, motor.xml, camera.json and sensors.xml from the folder `robot`, applies `changes` by
-  // file name, and writes `world` as world.sdf. Errors: a file cannot be read or written.
+  // Copies kaz.urdf, motor.xml, camera.json and sensors.xml from the folder `robot`. Applies to each file the
+  // entry of `changes` with the file's name. Writes `world` to world.sdf. Fails if a file cannot be read or
+  // written.
   static Result<RobotFolder> make(const std::string& robot,
                                   const std::map<std::string, Change>& changes,
                                   const std::string& world);
@@ -38,8 +39,8 @@ class RobotFolder {
   std::string robot() const { return folder_ / "kaz.urdf"; }
   std::string camera() const { return folder_ / "camera.json"; }
   std::filesystem::path folder() const { return folder_; }
-  // Calls `keep` with name and contents of each file, to make permanent copies. Errors: a file cannot be
-  // read, and those of `keep`.
+  // Calls `keep` with the name and the contents of each file, to make permanent copies. Fails if a file
+  // cannot be read or `keep` returns an error.
   using Keep = std::function<Result<void>(const std::string& name, const std::string& contents)>;
   Result<void> each(const Keep& keep) const;
 

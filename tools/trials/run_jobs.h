@@ -9,8 +9,9 @@
 
 namespace kaz::trials {
 
-// Calls work(i) once for each i in 0..count-1 on `threads` threads. Each function that work() returns runs
-// under a lock, to store the result and report progress. Returns their first error; no job starts after it.
+// Calls work(i) once for each i in 0..count-1, on `threads` threads. work() returns a function that stores
+// the result and reports progress. These functions run under a lock. run_jobs() returns the first error of a
+// function and starts no job after the error.
 Result<void> run_jobs(std::size_t count, int threads,
                       const std::function<std::function<Result<void>()>(std::size_t)>& work);
 

@@ -13,20 +13,21 @@ struct Interval {
 };
 
 // Wilson's 95 % confidence interval of a proportion: E. B. Wilson, "Probable inference, the law of
-// succession, and statistical inference", J. Am. Stat. Assoc. 22 (1927). 0 to 1 if n is 0.
+// succession, and statistical inference", J. Am. Stat. Assoc. 22 (1927). If n is 0, the interval is 0 to 1.
 Interval wilson(std::uint64_t successes, std::uint64_t n);
 
-// Quantile q (0..1) by nearest rank: the smallest value that is at least as large as a fraction q of the
-// values. 0 without values.
+// Quantile q (0..1) by nearest rank. At least a fraction q of all values is less than or equal to the
+// quantile; the quantile is the smallest value with this property. Returns 0 without values.
 double quantile(std::vector<double> values, double q);
 
 struct Summary {
   double mean = 0;
-  double sigma = 0;  // sample standard deviation, n - 1 degrees of freedom; 0 for a single value
+  // Sample standard deviation with n - 1 degrees of freedom; 0 for a single value.
+  double sigma = 0;
   double max = 0;
 };
 
-// Returns zeros without values.
+// All members of the result are 0 if there are no values.
 Summary summarize(const std::vector<double>& values);
 
 // Signed errors of one quantity. Every statistic is 0 without values.
@@ -39,7 +40,7 @@ class Errors {
   double sigma() const;  // population standard deviation, divisor n
   double rms() const;
   double max() const;  // largest absolute value
-  // Percentile of the absolute values; `fraction`: 0..1. Rank: fraction (n - 1), rounded.
+  // Percentile of the absolute values; `fraction`: 0..1. The rank is fraction (n - 1), rounded.
   double percentile(double fraction) const;
 
  private:

@@ -1,4 +1,4 @@
-// For tests: a blocking WebSocket viewer, by Boost.Beast.
+// For tests: a viewer with blocking WebSocket calls, made with Boost.Beast.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,7 +24,7 @@ class Client {
         {boost::asio::ip::make_address("127.0.0.1"), port});
   }
 
-  // Opens the WebSocket. Returns the chosen subprotocol; nullopt: the handshake was refused.
+  // Opens the WebSocket. Returns the chosen subprotocol. nullopt: the server refused the handshake.
   std::optional<std::string> open(const std::string& offered, const std::string& target = "/") {
     socket_.set_option(boost::beast::websocket::stream_base::decorator(
         [&](boost::beast::websocket::request_type& request) {
@@ -48,7 +48,7 @@ class Client {
     socket_.write(boost::asio::buffer(bytes));
   }
 
-  // Returns the next message; nullopt: the connection has ended.
+  // Returns the next message. nullopt: the connection has ended.
   std::optional<Bytes> next() {
     boost::beast::flat_buffer buffer;
     boost::system::error_code error;
@@ -58,7 +58,8 @@ class Client {
     return Bytes(data, data + buffer.size());
   }
   bool is_text() const { return socket_.got_text(); }
-  // Returns the next text with that `op` and skips messages before it. Null: the connection has ended.
+  // Returns the next text message with this `op`; skips other messages before it. Null: the connection has
+  // ended.
   nlohmann::json next_op(const std::string& op) {
     while (const auto message = next()) {
       if (!is_text()) continue;
@@ -67,14 +68,14 @@ class Client {
     }
     return nullptr;
   }
-  // Returns the next binary message with that opcode and skips messages before it.
+  // Returns the next binary message with this opcode; skips other messages before it.
   std::optional<Bytes> next_frame(std::uint8_t opcode) {
     while (auto message = next()) {
       if (!is_text() && !message->empty() && message->front() == opcode) return message;
     }
     return std::nullopt;
   }
-  // Returns the number of a channel; waits until it is advertised.
+  // Returns the number of a channel. Waits until the server has advertised the channel.
   std::uint32_t channel(const std::string& topic) {
     while (!channels_.contains(topic)) {
       const auto object = next_op("advertise");
@@ -97,7 +98,7 @@ inline std::string get(const std::string& path) {
   return "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n";
 }
 
-// Returns the whole answer to `request`, up to the end of the connection.
+// Returns the whole answer to `request`. Reads until the connection ends.
 inline std::string answer(std::uint16_t port, const std::string& request) {
   boost::asio::io_context io;
   boost::asio::ip::tcp::socket socket(io);

@@ -1,11 +1,11 @@
-// Access control of the server: decides the answer to an HTTP request, without a socket.
+// Access control of the server: computes the answer to an HTTP request, without a socket.
 // SPDX-License-Identifier: Apache-2.0
 //
-// - The Host header must name this machine. A web page that points its own name at this address (DNS
-//   rebinding) sends that name.
+// - The Host header must name this machine. In a DNS rebinding attack, the name of a foreign web page
+//   resolves to this machine's address. The browser then sends the foreign name in the Host header.
 // - A request with the token may view and control, whatever its Origin.
 // - A request without a token gets the files of the page, which are the same on every machine. With
-//   Access::open it may also view, unless its Origin is a web page of another server.
+//   Access::open, such a request may also view, unless its Origin is a web page of another server.
 // - A request with a wrong token only gets the files of the page, even with Access::open.
 #pragma once
 
@@ -19,34 +19,35 @@
 namespace kaz::watch {
 
 struct ServedFile {
-  std::string type;  // "text/html"
+  std::string type;  // MIME type such as "text/html"
   Bytes bytes;
 };
 
 struct Access {
-  std::string token;               // value of `token=` in the address; empty: matches no request
-  bool open = false;               // viewing needs no token
-  std::vector<std::string> names;  // names of this machine, besides IP addresses and "localhost"
-  std::map<std::string, ServedFile> page;   // public; by path: "/index.html"
-  std::map<std::string, ServedFile> robot;  // for viewers: "/robot/kaz.urdf"
+  std::string token;  // expected value of `token=` in the address; empty: matches no request
+  bool open = false;  // true: viewing needs no token
+  // Names of this machine; IP addresses and "localhost" are always valid.
+  std::vector<std::string> names;
+  std::map<std::string, ServedFile> page;   // public files by path, such as "/index.html"
+  std::map<std::string, ServedFile> robot;  // files for viewers by path, such as "/robot/kaz.urdf"
 };
 
-// Headers that are missing or repeated are empty.
+// If a header is missing or repeated, its member is empty.
 struct HttpRequest {
   std::string_view method, target, host, origin, subprotocols;
-  bool upgrade = false;  // to a WebSocket
+  bool upgrade = false;  // true: the client requests a WebSocket
 };
 
 struct Answer {
   unsigned status = 200;             // 101: the connection becomes a viewer
-  std::string_view sentence;         // reason of a refusal, with status 400 or more
-  const ServedFile* file = nullptr;  // with status 200
+  std::string_view sentence;         // reason of a refusal, if status is 400 or more
+  const ServedFile* file = nullptr;  // file to send, if status is 200
   bool any_origin = false;           // web pages of other servers may read the file
   bool control = false;              // the viewer has the token
-  std::string_view subprotocol;      // with status 101: one of kSubprotocols
+  std::string_view subprotocol;      // one of kSubprotocols, if status is 101
 };
 
-// Pure function. The answer points into `access` and into constants.
+// Pure function. The pointers and views in the answer refer to `access` and to constants.
 Answer answer_to(const HttpRequest& request, const Access& access);
 
 }  // namespace kaz::watch

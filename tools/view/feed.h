@@ -1,4 +1,4 @@
-// Derives channels for viewers from the recorded ones: poses, joint states, board state and pictures.
+// Derives channels for viewers from the recorded channels: poses, joint states, board state and pictures.
 // SPDX-License-Identifier: Apache-2.0
 //
 // docs/howto/watch.md lists the channels.
@@ -23,40 +23,43 @@
 namespace kaz::watch {
 
 struct FeedOptions {
-  double rate_hz = 30;  // rate of poses and states, in the run's time
-  // The recorded channels contain the robot's description, world and poses.
+  double rate_hz = 30;  // rate of poses and states, in the time of the run
+  // True: the recorded channels contain the robot's description, world and poses.
   bool recorded_robot = false;
-  // A robot without recorded poses hangs in the air. Else it stands on the floor.
+  // Used for a robot without recorded poses. True: the robot hangs in the air. False: the robot stands on the
+  // floor.
   bool hangs = false;
 };
 
 class Feed {
  public:
-  // `server` must outlive this object. Errors: those of the robot file.
+  // `server` must outlive this object. Fails if the robot file cannot be loaded.
   static Result<Feed> create(Server& server, const std::string& robot_path,
                              const FeedOptions& options = {});
 
-  // Whether message() uses a recorded channel. Channels `for_viewers` may be skipped while there is no
-  // viewer. The wire and poses are always used: frames are counted from the beginning.
+  // Whether message() uses a recorded channel. Channels with `for_viewers` may be skipped as long as there is
+  // no viewer. Channels of the wire and of poses are always used, because frames are counted from the
+  // beginning.
   enum class Use { never, for_viewers, always };
   static Use use_of(std::string_view topic);
-  // Processes a message of a recorded channel. Call it always on the same thread.
+  // Processes a message of a recorded channel. All calls must come from the same thread.
   void message(std::string_view topic, std::uint64_t time_ns, std::span<const std::uint8_t> data);
-  // Publishes the calibration of a pair and, with `pixels`, its pictures as JPEG in the channels of recorded
-  // pictures; 16 pairs per second at most. Waits until the pair is rendered. Call it on one thread, which may
-  // run concurrently with the other functions.
+  // Publishes the calibration of a pair. With `pixels`, also publishes the pictures of the pair as JPEG in
+  // the channels of recorded pictures, at most 16 pairs per second. Waits until the pair is rendered. Call
+  // this function on one thread only; this thread may run concurrently with the other functions.
   void pictures(const vision::StereoPair& pair, bool pixels);
   bool wants_pictures() const;
-  // Adds a channel for derived pictures. This and the next three functions may be called on any thread, but
-  // wants_picture() on only one at a time.
+  // Adds a channel for derived pictures. Any thread may call this function and the next three functions. Only
+  // one thread at a time may call wants_picture().
   std::uint32_t add_pictures(const std::string& topic);
-  // Returns whether the channel has subscribers and its next picture is due, at most 8 per second. After
-  // true, the picture counts as sent.
+  // Returns whether the channel has subscribers and its next picture is due. At most 8 pictures per second
+  // are due. If the function returns true, the picture counts as sent.
   bool wants_picture(std::uint32_t channel, const vision::FrameInfo& info);
   void picture(std::uint32_t channel, const vision::FrameInfo& info, const vision::Image& image);
-  // Publishes an annotation of the left eye's picture that marks the ball, or removes the mark.
+  // Publishes an annotation of the left eye's picture that marks the ball. Without a ball, removes the mark.
   void ball(const vision::FrameInfo& info, const vision::BallObservation& ball);
-  // Resets the derived state, for jumps of a player. Call it on the thread of message().
+  // Resets the derived state after a player has jumped to another time. Call this function on the thread of
+  // message().
   void restart();
 
  private:
@@ -88,23 +91,24 @@ class Feed {
   Channels channels_{};
   std::optional<std::uint64_t> next_ns_;
   bool hangs_ = false;
-  bool posed_ = false;              // the recorded channels contain poses
-  bool has_truth_ = false;          // false: only the board's angles are known, as at a port
+  bool posed_ = false;      // true: the recorded channels contain poses
+  bool has_truth_ = false;  // false: only the board's angles are known, as for a robot at a port
   std::vector<std::uint8_t> data_;  // buffer for a message
 
   std::array<double, KZ_JOINTS> angle_{}, torque_{}, target_{}, measured_{}, duty_{};
-  // Line of one board. A joint belongs to the line on which its target was last set.
+  // State of the serial line to one board. A joint belongs to the line that last set the joint's target.
   struct Line {
     std::array<kz_receiver, 2> receivers{};
   };
   std::vector<Line> lines_;
   std::uint32_t frames_to_board_ = 0, frames_to_host_ = 0, frames_damaged_ = 0;
-  double worst_tick_ = 0;  // share of a tick's time
+  double worst_tick_ = 0;  // slowest tick that the board reported, as a fraction of the tick period
   std::array<std::size_t, KZ_JOINTS> line_of_{};
   std::uint16_t status_ = 0;
   double supply_v_ = 0;
-  std::uint64_t next_picture_ns_ = 0;                    // used by pictures() only
-  std::map<std::uint32_t, std::uint64_t> next_made_ns_;  // by channel; used by wants_picture() only
+  std::uint64_t next_picture_ns_ = 0;  // accessed by pictures() only
+  // By channel; accessed by wants_picture() only.
+  std::map<std::uint32_t, std::uint64_t> next_made_ns_;
 };
 
 }  // namespace kaz::watch

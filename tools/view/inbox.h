@@ -12,15 +12,16 @@
 
 namespace kaz::watch {
 
-// Copied once, on publication. Queue, log and all viewers share it.
+// The data are copied once, at publication. The queue, the log and all viewers share the copy.
 struct Message {
-  static constexpr std::uint32_t kEveryone = 0xffffffff;  // a whole frame for every viewer
+  // Channel number of a message that is a complete frame for every viewer.
+  static constexpr std::uint32_t kEveryone = 0xffffffff;
 
   std::uint32_t channel = kEveryone;
   std::uint64_t time_ns = 0;
-  bool kept = false;      // later viewers get the channel's newest one
-  bool observed = false;  // passed to the server's handler
-  bool text = false;      // with kEveryone: a text frame, not a binary one
+  bool kept = false;      // true: later subscribers also get the newest message of the channel
+  bool observed = false;  // true: the message is passed to the server's handler
+  bool text = false;      // with kEveryone: true for a text frame, false for a binary frame
   Bytes data;
 
   // Approximate memory in bytes.
@@ -28,15 +29,16 @@ struct Message {
 };
 using SharedMessage = std::shared_ptr<const Message>;
 
-// Thread-safe. Its mutex is only held for a few instructions, never while a viewer is served.
+// Thread-safe. The mutex is held only for a few instructions, never during work for a viewer.
 class Inbox {
  public:
   explicit Inbox(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  // Returns false if the queue is full. Then the message is dropped, but the newest kept message of each
-  // channel still waits beside the queue. An empty queue takes a message of any size.
+  // Adds a message. Returns false if the queue is full. The message is then dropped. However, for each
+  // channel with `kept`, the newest message still waits in a separate map. An empty queue takes a message of
+  // any length.
   bool put(SharedMessage message);
-  // Empties the queue and returns its messages, the oldest first.
+  // Empties the queue and returns its messages, oldest first.
   std::deque<SharedMessage> take();
   bool empty() const;
 
@@ -44,8 +46,9 @@ class Inbox {
   const std::size_t most_bytes_;
   mutable std::mutex mutex_;
   std::deque<SharedMessage> queue_;
-  std::size_t bytes_ = 0;                            // in queue_
-  std::map<std::uint32_t, SharedMessage> overflow_;  // kept messages newer than those in queue_
+  std::size_t bytes_ = 0;  // total length of the messages in queue_
+  // Kept messages that are newer than those in queue_.
+  std::map<std::uint32_t, SharedMessage> overflow_;
 };
 
 }  // namespace kaz::watch

@@ -11,15 +11,16 @@
 namespace kaz::watch {
 
 struct PlayOptions {
-  ViewOptions view;                                 // pace: initial speed; 0: 1
-  std::function<void(const std::string&)> on_open;  // called with the page's address; may be null
+  ViewOptions view;  // view.pace is the initial speed; 0 stands for 1
+  // Called with the address of the page; may be null.
+  std::function<void(const std::string&)> on_open;
 };
 
-// Returns the text that the page shows until a picture arrives. If the recording has none, it says how to
-// record some. Names in the recording that are longer than 64 bytes are left out.
+// Returns the text that the page shows until a picture arrives. If the recording has no pictures, the text
+// says how to record pictures. Names in the recording that are longer than 64 bytes are left out.
 std::string no_pictures_text(const sim::McapRecording& recording);
 
-// Plays until PlayOptions::view.stopped returns true. Errors: those of open_server() (view.h).
+// Plays until PlayOptions::view.stopped returns true. Returns the errors of open_server() (view.h).
 Result<void> play(const sim::McapRecording& recording, const PlayOptions& options);
 
 }  // namespace kaz::watch

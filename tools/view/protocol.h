@@ -1,4 +1,4 @@
-// Foxglove's WebSocket protocol: parses requests of viewers, and encodes frames for them.
+// Foxglove's WebSocket protocol: parses requests of viewers, and encodes frames for viewers.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sources: https://github.com/foxglove/ws-protocol (`foxglove.websocket.v1`), and the protocol of Foxglove's
@@ -44,7 +44,7 @@ struct Playback {
   double speed = 1;  // 0.01 to 100
   bool seek = false;
   std::uint64_t seek_ns = 0;
-  std::string request;  // identifier, repeated in the PlaybackState that answers
+  std::string request;  // identifier; repeated in the PlaybackState that answers the request
 };
 
 struct PlaybackState {
@@ -56,8 +56,8 @@ struct PlaybackState {
   std::string request;
 };
 
-// Channel for actions by hand, which viewers publish: JSON, {"do": LINE}. LINE is an action of HandAct
-// (sim/runtime/simulation/hand_player.h), or a request for the behavior or the pace (view.h).
+// Channel on which viewers publish manual actions as JSON, {"do": LINE}. LINE is an action of HandAct
+// (sim/runtime/simulation/hand_player.h), or a request to change the behavior or the pace (view.h).
 inline constexpr std::string_view kHandTopic = "/hand";
 inline constexpr std::size_t kLongestLine = 32 << 10;
 
@@ -75,31 +75,32 @@ struct Request {
   };
   Kind kind = Kind::subscribe;
   std::vector<Subscription> subscribe;
-  std::vector<std::uint32_t> unsubscribe;  // subscriptions
-  std::string uri;                         // URI of an asset
+  std::vector<std::uint32_t> unsubscribe;  // numbers of subscriptions
+  std::string uri;                         // URI of the requested asset
   std::uint32_t asset_request = 0;
   Playback playback;
   std::vector<std::uint32_t> advertise;    // numbers of the viewer's channels on kHandTopic
-  std::vector<std::uint32_t> unadvertise;  // channels
-  std::uint32_t published = 0;             // channel of a publication
-  std::string line;                        // published line
-  std::vector<std::string> parameters;     // names; empty: all
-  std::string parameters_request;          // identifier, repeated in the reply
+  std::vector<std::uint32_t> unadvertise;  // numbers of the viewer's channels
+  std::uint32_t published = 0;             // number of the channel on which the viewer published
+  std::string line;                        // published line of text
+  std::vector<std::string> parameters;  // names of the requested parameters; empty: all parameters
+  std::string parameters_request;       // identifier of the request; repeated in the reply
 };
 
-// Parse a request. Return Fault::usage with one sentence for the viewer.
+// Parse a request. If the request is invalid, return Fault::usage with one sentence for the viewer.
 Result<Request> parse_text(std::string_view text);
 Result<Request> parse_binary(std::span<const std::uint8_t> bytes);
 
-// Returns the first of kSubprotocols in the list of a handshake, "a, b". Empty: none of them.
+// Returns the first of kSubprotocols that a handshake's list, such as "a, b", contains. Empty: the list
+// contains none of kSubprotocols.
 std::string_view chosen_subprotocol(std::string_view offered);
 
-// Returns whether a subprotocol has this opcode for frames of a server. Only the SDK's has the state of a
-// player.
+// Returns whether a subprotocol has frames from the server with this opcode. Only the subprotocol of the SDK
+// has frames with the state of a player.
 bool understands(std::string_view subprotocol, std::uint8_t opcode);
 
-// `capabilities`: as named in the SDK's protocol. Those that the other protocol lacks are left out for it,
-// and so are the times of a recording.
+// `capabilities`: names of the SDK's protocol. For the other protocol, capabilities that it lacks are left
+// out, and so are the times of a recording.
 std::string server_info(const std::string& name, const std::string& session,
                         std::string_view subprotocol, std::vector<std::string> capabilities,
                         std::uint64_t start_ns, std::uint64_t end_ns);
@@ -108,10 +109,10 @@ std::string parameter_values(const std::map<std::string, std::string>& values,
                              const std::string& request);
 enum class StatusLevel : std::uint8_t { info = 0, warning = 1, error = 2 };
 std::string status(StatusLevel level, const std::string& sentence);
-// Returns the beginning of a message's frame. Its data follow.
+// Returns the first part of a message frame. The data of the message must follow.
 Bytes message_head(std::uint32_t subscription, std::uint64_t time_ns);
 Bytes time_frame(std::uint64_t time_ns);
-// Returns the beginning of an answer to fetchAsset. Without an error, the file's bytes follow.
+// Returns the first part of an answer to fetchAsset. If `error` is empty, the bytes of the file must follow.
 Bytes asset_head(std::uint32_t request, const std::string& error);
 Bytes playback_frame(const PlaybackState& state);
 

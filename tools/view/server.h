@@ -1,13 +1,14 @@
 // HTTP and WebSocket server on one port: serves the page, the robot's files, and the channels of a run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Threads. The threads of a run publish. publish() copies a message into a bounded queue and returns, without
-// waiting for a viewer or the server. The server's own thread does the rest. Only it accesses connections,
-// subscriptions, and the log of the newest messages. Each viewer reads that log at its own pace. A slow
-// viewer misses messages and delays nobody.
+// Threads. The threads of a run publish messages. publish() copies a message into a bounded queue and
+// returns, without waiting for a viewer or the server. The server's own thread does the rest. Only this
+// thread accesses connections, subscriptions, and the log of the newest messages. Each viewer reads the log
+// at the viewer's own pace. A slow viewer misses messages and delays nobody.
 //
-// Memory. A message is stored once, for any number of viewers. Queue and log are bounded. A viewer only has a
-// few pending answers to its own requests; the server reads no more requests until it takes them.
+// Memory. A message is stored once, for any number of viewers. Queue and log are bounded. Each viewer has
+// only a small queue of answers to its own requests. If the viewer does not receive these answers, the server
+// reads no more of its requests.
 #pragma once
 
 #include <cstdint>
@@ -25,20 +26,23 @@ namespace kaz::watch {
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 8765;  // 0: any
+  std::uint16_t port = 8765;  // TCP port; 0: any free port
   std::string name = "kaz";
   Access access;
-  std::map<std::string, std::string> parameters;  // readable by viewers
-  bool hands = false;                             // viewers may publish on kHandTopic
-  std::uint64_t start_ns = 0, end_ns = 0;         // range of a played recording; end 0: a live run
+  std::map<std::string, std::string> parameters;  // parameters that viewers can read
+  bool hands = false;                             // true: viewers may publish on kHandTopic
+  // Time range of a played recording; end_ns is 0 for a live run.
+  std::uint64_t start_ns = 0, end_ns = 0;
   std::size_t most_connections = 64;
-  std::size_t most_queued = 4 << 20;  // bytes between publish() and the server's thread
-  std::size_t most_logged = 8 << 20;  // bytes in the log
+  // Maximum bytes in the queue between publish() and the server's thread.
+  std::size_t most_queued = 4 << 20;
+  std::size_t most_logged = 8 << 20;  // maximum bytes in the log
 };
 
 class Server {
  public:
-  // Returns Fault::usage if the address is not numeric, Fault::environment if it cannot be bound.
+  // Returns Fault::usage if the address is not numeric, Fault::environment if the server cannot listen at the
+  // address.
   static Result<std::unique_ptr<Server>> open(ServerOptions options);
   ~Server();
   Server(const Server&) = delete;
@@ -46,49 +50,51 @@ class Server {
 
   std::uint16_t port() const;
 
-  // All functions below may be called on any thread.
+  // Any thread may call the functions below.
 
-  // Adds a channel and returns its number. An existing topic keeps its number. `derived`: not in recordings;
-  // a viewer more than half a second behind misses its messages.
+  // Adds a channel and returns its number. If the topic exists, returns the number of the existing channel.
+  // `derived`: recordings do not contain the channel; a viewer that is more than half a second behind misses
+  // messages of the channel.
   std::uint32_t add_channel(Channel channel, bool derived = false);
   // Returns whether a viewer has subscribed to the channel.
   bool wanted(std::uint32_t channel) const;
   struct Publication {
-    bool kept = false;      // later subscribers get the newest one at once
-    bool observed = false;  // passed to the handler of on_message()
+    bool kept = false;      // true: later subscribers get the newest message at once
+    bool observed = false;  // true: the message is passed to the handler of on_message()
   };
-  // Publishes a message; never waits. Does nothing if it is neither wanted, kept nor observed. If the queue
-  // is full, drops the message.
+  // Publishes a message; never waits. Does nothing if the message is neither wanted, kept nor observed. If
+  // the queue is full, drops the message.
   void publish(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data,
                Publication how);
   void publish(std::uint32_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data) {
     publish(channel, time_ns, data, {});
   }
-  // Publishes the run's time. A viewer gets the newest one after everything else.
+  // Publishes the time of the run. Each viewer gets the newest time after all other messages.
   void publish_time(std::uint64_t time_ns);
   void publish_playback(const PlaybackState& state);
   // Sends an error message to all viewers.
   void publish_error(const std::string& sentence);
 
-  // The next three functions set handlers, which run on the server's thread. After they return, the previous
-  // handler is not called any more. Handlers must not call them.
+  // The next three functions set handlers. The server's thread calls the handlers. After one of these
+  // functions has returned, the previous handler is not called any more. Handlers must not call these
+  // functions.
 
-  // Called when a viewer with the token controls the player.
+  // Sets the handler for a viewer with the token that controls the player.
   void on_playback(std::function<void(const Playback&)> handler);
-  // Called when a viewer with the token publishes a line on kHandTopic (ServerOptions::hands). The viewer
-  // gets the returned error.
+  // Sets the handler for a line that a viewer with the token publishes on kHandTopic (ServerOptions::hands).
+  // If the handler returns an error, the viewer gets this error.
   void on_hand(std::function<Result<void>(const std::string& line)> handler);
-  // Called for each observed message.
+  // Sets the handler for observed messages.
   void on_message(std::function<void(std::string_view topic, std::uint64_t time_ns,
                                      std::span<const std::uint8_t> data)>
                       handler);
 
-  std::size_t viewers() const;        // open WebSocket connections
-  std::size_t subscriptions() const;  // total over all viewers
-  // Returns the number of messages that the queue dropped, plus those that slow viewers missed.
+  std::size_t viewers() const;        // number of open WebSocket connections
+  std::size_t subscriptions() const;  // total number of subscriptions of all viewers
+  // Returns the number of messages that the queue dropped or slow viewers missed.
   std::uint64_t left_out() const;
   std::uint64_t cpu_ns() const;  // CPU time of the server's thread
-  // Waits until viewers have everything that was published, at most `seconds`.
+  // Waits until all viewers have received everything that was published, for at most `seconds`.
   void drain(double seconds) const;
 
   struct Impl;
@@ -98,10 +104,10 @@ class Server {
   std::unique_ptr<Impl> impl_;
 };
 
-// Returns 32 random hexadecimal digits.
+// Returns a new token: 32 random hexadecimal digits.
 std::string make_token();
 
-// Nice value of threads that work for viewers, so that the run has priority.
+// Nice value of threads that work for viewers. The run thus has priority over these threads.
 inline constexpr int kViewNice = 10;
 
 }  // namespace kaz::watch

@@ -1,4 +1,4 @@
-// State that the connections of a server share. Only for server.cpp and viewer.cpp.
+// State that all connections of a server share. Only server.cpp and viewer.cpp may include this file.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,7 +24,7 @@ class Viewer;
 
 inline constexpr std::size_t kMostChannels = 256;
 
-// A list of channels that only grows. Thread-safe; reading takes no lock.
+// A list of channels; channels are never removed. Thread-safe; reading takes no lock.
 class Channels {
  public:
   struct Offered {
@@ -42,7 +42,7 @@ class Channels {
   std::atomic<std::size_t> size_{0};
 };
 
-// Counts a connection during its lifetime. Only for the server's thread.
+// Counts a connection during the lifetime of the connection. Use this class on the server's thread only.
 class Counted {
  public:
   explicit Counted(std::size_t& count) : count_(count) { ++count_; }
@@ -61,48 +61,49 @@ struct Server::Impl {
       : options(std::move(given)), session(make_token()), inbox(options.most_queued) {}
 
   void accept();
-  // Moves messages from the inbox to the viewers, now or every few milliseconds.
+  // Moves messages from the inbox to the viewers, now or once every few milliseconds.
   void take();
   void take_regularly();
 
-  // Accessed by all threads.
+  // All threads access the members below.
   const ServerOptions options;
   const std::string session;
   Inbox inbox;
   Channels channels;
-  std::array<std::atomic<int>, kMostChannels> wanted{};  // subscriptions by channel
+  std::array<std::atomic<int>, kMostChannels> wanted{};  // number of subscriptions of each channel
   std::atomic<std::size_t> viewer_count{0}, subscription_count{0};
   std::atomic<std::uint64_t> left_out{0};
   std::atomic<std::uint64_t> time_ns{kNoTime};
   static constexpr std::uint64_t kNoTime = ~std::uint64_t{0};
-  std::mutex handlers;  // guards the next three; held while one is called
+  std::mutex handlers;  // guards the three handlers below; held during the call of a handler
   std::function<void(const Playback&)> on_playback;
   std::function<Result<void>(const std::string&)> on_hand;
   std::function<void(std::string_view, std::uint64_t, std::span<const std::uint8_t>)> on_message;
 
-  // Only accessed by the server's thread.
+  // Only the server's thread accesses the members below.
   struct Logged {
     SharedMessage message;
-    std::uint64_t number = 0;  // index among all messages taken
+    std::uint64_t number = 0;  // index of the message among all messages taken from the inbox
     Clock::time_point at;
   };
   struct Kept {
     SharedMessage message;
     std::uint64_t number = 0;
   };
-  // Positions in the log are log_begin, log_begin + 1, ...
+  // The positions of the messages in the log are log_begin, log_begin + 1, ...
   std::deque<Logged> log;
   std::uint64_t log_begin = 0, taken = 0;
   std::size_t log_bytes = 0;
-  std::array<Kept, kMostChannels> newest;  // by channel
-  SharedMessage newest_for_everyone;       // the player's state
+  std::array<Kept, kMostChannels> newest;  // newest message of each channel
+  SharedMessage newest_for_everyone;       // newest state of the player
   std::set<Viewer*> viewers;
   std::size_t connections = 0;
 
-  // Its handlers own viewers, which refer to the members above. So it must be destroyed first.
+  // The handlers of `io` own viewers, and viewers refer to the members above. Therefore `io` must be
+  // destroyed first.
   boost::asio::io_context io{1};
   boost::asio::ip::tcp::acceptor acceptor{io};
-  boost::asio::steady_timer next_accept{io};  // retry after a failure to accept
+  boost::asio::steady_timer next_accept{io};  // next attempt after a failure to accept a connection
   boost::asio::steady_timer next_take{io};
   std::thread thread;
 

@@ -1,4 +1,4 @@
-// Textures of the renderer as files for the page.
+// Textures of the renderer as files for the viewer page.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,9 +10,9 @@
 
 namespace kaz::watch {
 
-// Returns files by path: "/textures/NAME.png" for each of sim::kTextureNames, and "/textures.json", which is
-// {NAME: length of one period on a surface, m}. Row 0 of a picture is at v = 0 of the surface. Each call
-// returns the same bytes.
+// Returns files by path: "/textures/NAME.png" for each name in sim::kTextureNames, and "/textures.json". The
+// JSON file contains {NAME: length of one period on a surface, m}. Row 0 of a picture is at v = 0 on the
+// surface. Each call returns the same bytes.
 Result<std::map<std::string, ServedFile>> texture_files();
 
 }  // namespace kaz::watch

@@ -16,29 +16,30 @@
 
 namespace kaz::watch {
 
-// Only for the server's thread. It sends one frame at a time and chooses the next one only after that. So it
-// queues nothing but answers to its own requests.
+// Use this class on the server's thread only. A viewer sends one frame at a time. The next frame is chosen
+// only after the previous frame was sent. Only the answers to the viewer's own requests are therefore queued.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
-  // `answer`: from answer_to(), with status 101.
+  // `answer`: result of answer_to() with status 101.
   Viewer(Server::Impl& server, boost::asio::ip::tcp::socket socket,
          std::shared_ptr<Counted> counted, const Answer& answer);
   ~Viewer() { leave(); }
   void begin(const boost::beast::http::request<boost::beast::http::empty_body>& request);
 
-  // Sends the next frame, unless one is being sent.
+  // Sends the next frame, unless a frame is being sent.
   void write();
   bool writing() const { return writing_; }
-  // Called before the log drops its oldest message. Skips it if the viewer has not read it.
+  // Called before the log drops its oldest message. If the viewer has not yet read this message, skips the
+  // message.
   void miss(std::uint64_t position, const Server::Impl::Logged& logged);
 
  private:
   using Error = boost::system::error_code;
   struct Subscribed {
     std::uint32_t id = 0;
-    std::uint64_t from = 0;  // number of the first message to send from the log
+    std::uint64_t from = 0;  // number of the first log message to send
   };
-  // `rest` points into memory that `owner` or the server's options own.
+  // `rest` points into memory of `owner` or of the server's options.
   struct Frame {
     bool text = false;
     Bytes head;
@@ -76,15 +77,16 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   boost::asio::steady_timer greeting_{server_.io};
   boost::beast::flat_buffer buffer_;
   int wrong_requests_ = 0;
-  std::set<std::uint32_t> own_channels_;               // on kHandTopic, as the viewer numbers them
+  // Numbers of the viewer's channels on kHandTopic, chosen by the viewer.
+  std::set<std::uint32_t> own_channels_;
   std::map<std::uint32_t, Subscribed> subscriptions_;  // by channel
 
   bool here_ = false, reading_ = false, writing_ = false;
-  Frame frame_;                  // being sent
-  std::deque<Frame> answers_;    // to the viewer's requests
+  Frame frame_;                  // frame being sent
+  std::deque<Frame> answers_;    // answers to the viewer's requests
   std::size_t announced_ = 0;    // number of advertised channels
-  std::set<std::uint32_t> new_;  // channels whose kept message was not sent yet
-  std::uint64_t position_ = 0;   // next position in the log
+  std::set<std::uint32_t> new_;  // channels whose kept message has not been sent yet
+  std::uint64_t position_ = 0;   // next position to read in the log
   std::uint64_t sent_time_ns_ = Server::Impl::kNoTime;
 };
 

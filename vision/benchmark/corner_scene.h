@@ -1,4 +1,4 @@
-// The depth image for benchmarks of plane finders.
+// Depth image for benchmarks of plane finders.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace kaz::vision {
 
-// Returns floor, wall, and front and top of a box, with 0.2 px of disparity noise.
+// Returns the depth image of a floor, a wall, and the front and top of a box, with 0.2 px of disparity noise.
 inline DepthImage corner_scene(int width) {
   std::vector<int> patch;
   DepthImage image = test_corner().truth(test_camera(width, width * 3 / 4), patch);

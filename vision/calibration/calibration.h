@@ -1,8 +1,9 @@
-// Calibration of the two eyes: lenses, rotations of the cameras, and the rectified camera.
+// Calibration of the two eyes: lenses, rotations of the cameras, and the camera model after rectification.
 // SPDX-License-Identifier: Apache-2.0
 //
-// OpenCV's conventions throughout: pinhole, Brown-Conrady distortion (Brown 1966, in the order k1 k2 p1 p2
-// k3), rectification by a rotation of each camera. Pixel centers at integers.
+// The conventions are those of OpenCV: pinhole, Brown-Conrady distortion, rectification by a rotation of each
+// camera. The coefficients of the distortion (Brown 1966) have the order k1 k2 p1 p2 k3. Pixel centers at
+// integers.
 #pragma once
 
 #include <array>
@@ -15,15 +16,15 @@
 
 namespace kaz::vision {
 
-// One camera: maps a direction (x/z, y/z) in its frame to a pixel and back. Parameters in px.
+// One camera: maps a direction (x/z, y/z) in the camera's frame to a pixel and back. Parameters in px.
 struct Lens {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   std::array<double, 5> distortion{};  // k1 k2 p1 p2 k3
 
   Eigen::Vector2d distort(const Eigen::Vector2d& direction) const;
   Eigen::Vector2d pixel(const Eigen::Vector2d& direction) const;
-  // Inverse of pixel(), by Newton's method to 1e-12. Valid where distortion is monotonic in the angle. The
-  // lenses of this project satisfy this over their whole picture.
+  // Inverse of pixel(), by Newton's method to 1e-12. Valid where distortion is monotonic in the angle. For
+  // the lenses of this project, distortion is monotonic in the whole picture.
   Eigen::Vector2d direction(const Eigen::Vector2d& pixel) const;
 };
 
@@ -34,13 +35,14 @@ struct StereoCalibration {
   };
   int width = 0, height = 0;  // picture size, raw and rectified
   Eye left, right;
-  CameraModel rectified;  // both eyes; baseline along +x of the rectified left frame
+  // Camera model of both eyes; baseline along +x of the rectified left frame.
+  CameraModel rectified;
 
   // Transform from the left camera's frame to the right one's (m), as cv::stereoCalibrate returns it.
   Eigen::Matrix3d right_from_left() const;
   Eigen::Vector3d left_origin_in_right() const;
-  // Returns the calibration in the YAML form of cv::FileStorage, which OpenCV's tools read
-  // (calibration_file.h lists the keys).
+  // Returns the calibration as YAML of cv::FileStorage, which OpenCV's tools can read. calibration_file.h
+  // lists the keys.
   std::string yaml() const;
 };
 

@@ -3,9 +3,9 @@
 //
 // Keys: image_width, image_height, camera_matrix_left, distortion_coefficients_left (and _right). R and T are
 // the transform from the left to the right camera (m), as cv::stereoCalibrate returns it. R1, R2, P1, P2 and
-// Q are the rectification. M1, D1, M2 and D2 of OpenCV's stereo sample are also accepted in place of the long
-// names. A file without R1, R2, P1 and P2 is rectified with cv::stereoRectify (CALIB_ZERO_DISPARITY, alpha 0:
-// hardly any black edges).
+// Q are the rectification. The short names M1, D1, M2 and D2 of OpenCV's stereo sample are also accepted. A
+// file without R1, R2, P1 and P2 is rectified with cv::stereoRectify (CALIB_ZERO_DISPARITY, alpha 0: hardly
+// any black edges).
 #pragma once
 
 #include <string>
@@ -16,30 +16,30 @@
 
 namespace kaz::vision {
 
-// Reads a calibration. Errors name the file and the key. Rejected are:
+// Reads a calibration. Errors name the file and the key. Errors:
 // - missing, repeated or non-finite values.
 // - lenses with more than five non-zero coefficients.
 // - matrices that are not rotations.
-// - eyes above each other or exchanged.
-// - R and T that do not fit R1, R2 and P2.
+// - eyes that are above each other or exchanged.
+// - R and T that contradict R1, R2 and P2.
 Result<StereoCalibration> read_calibration(const std::string& path);
-// Does the same for the content of a file; `name` is used in errors.
+// Like read_calibration(), but for the content of a file. Errors contain `name`.
 Result<StereoCalibration> parse_calibration(const std::string& content, const std::string& name);
 
 enum class CalibrationFormat { yaml, json };
-// Returns the format for the ending of a file name: .yml, .yaml or .json. Others are an error.
+// Returns the format for the ending of a file name: .yml, .yaml or .json. Error: any other ending.
 Result<CalibrationFormat> calibration_format(const std::string& path);
 
-// Returns the content of a calibration file, with 17 digits per number. `notes` are additional keys, for
-// example how it was made. `date` becomes calibration_time, the key of OpenCV's calibration sample; empty: no
-// such key.
+// Returns the content of a calibration file, with 17 digits per number. `notes` are additional keys and
+// numbers, for example on how the calibration was made. `date` is written as calibration_time, a key of
+// OpenCV's calibration sample. If `date` is empty, the key is left out.
 std::string calibration_text(const StereoCalibration& calibration, CalibrationFormat format,
                              const std::vector<std::pair<std::string, double>>& notes = {},
                              const std::string& date = "");
 
 // Computes rectified_from_camera and `rectified` from the lenses and the transform from the left camera to
-// the right one, x_right = R x_left + T (m). Errors: eyes in one place, above each other or exchanged; lenses
-// that cannot be rectified.
+// the right one, x_right = R x_left + T (m). Errors: the eyes are at the same position, above each other or
+// exchanged; the lenses cannot be rectified.
 Result<void> rectify_pair(StereoCalibration& calibration, const Eigen::Matrix3d& right_from_left,
                           const Eigen::Vector3d& left_origin_in_right);
 

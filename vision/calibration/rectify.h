@@ -1,4 +1,4 @@
-// Rectifies pictures of real lenses to those of two parallel pinholes.
+// Rectifies pictures of real lenses to pictures of two parallel pinhole cameras.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,10 +7,10 @@
 
 namespace kaz::vision {
 
-// Returns the table that maps the picture of one eye to that of a pinhole.
+// Returns the table that maps the raw picture of one eye to the picture of a pinhole camera.
 Remap rectification(const StereoCalibration& calibration, const StereoCalibration::Eye& eye);
 
-// Rectifies pairs of one calibration, in place of cv::initUndistortRectifyMap and cv::remap.
+// Rectifies stereo pairs by one calibration. Used in place of cv::initUndistortRectifyMap and cv::remap.
 class Rectifier {
  public:
   explicit Rectifier(const StereoCalibration& calibration);

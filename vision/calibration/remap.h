@@ -16,7 +16,7 @@ namespace kaz::vision {
 
 class Remap {
  public:
-  // Source position of a pixel, px, and the factor of its code, 0 to 1. Positions more than half a pixel
+  // Source position of a pixel (px), and the factor on its code (0 to 1). Positions more than half a pixel
   // outside the source give black.
   struct Place {
     double u = 0, v = 0, gain = 1;
@@ -35,15 +35,15 @@ class Remap {
   Size source() const { return source_; }
 
   std::vector<Columns> all_rows() const;
-  // Returns, by row of the source, the columns that are read for the columns `wanted` of each row of the
-  // result. Columns in between are included.
+  // Returns, for each row of the source, the range of columns that is read to compute the columns `wanted` of
+  // each row of the result.
   std::vector<Columns> sources(std::span<const Columns> wanted) const;
 
-  // Computes columns of row `v` in 64ths of a code, three numbers per column. `out` is the position of column
-  // 0. The number after the last column is also overwritten.
+  // Computes columns of row `v` in 64ths of a code, three numbers per column. `out` points to the numbers of
+  // column 0. One number after the last column is also overwritten.
   void row(std::span<const std::uint8_t> source_rgb, int v, Columns columns,
            std::uint16_t* out) const;
-  // The same without vectors, for other processors and for tests.
+  // Like row(), but without SIMD, for other processors and for tests.
   void row_plain(std::span<const std::uint8_t> source_rgb, int v, Columns columns,
                  std::uint16_t* out) const;
   // Computes the whole picture with rounded codes. Resizes `rgb`, which must not be the source.
@@ -59,13 +59,14 @@ class Remap {
   const Tap* taps_of(int v) const {
     return taps_.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(size_.width);
   }
-  // For rows that do not use the last pixel, and at least one column.
+  // Only for rows that do not use the last pixel of the source. `columns` must not be empty.
   void row_sse2(const std::uint8_t* source_rgb, int v, Columns columns, std::uint16_t* out) const;
   void row_avx2(const std::uint8_t* source_rgb, int v, Columns columns, std::uint16_t* out) const;
 
   Size size_, source_;
   std::vector<Tap> taps_;
-  // 1 for rows that use the last pixel of the source: vectors would read beyond it.
+  // 1 for rows that use the last pixel of the source, where vector loads would read beyond the end of the
+  // source.
   std::vector<std::uint8_t> at_end_;
 };
 

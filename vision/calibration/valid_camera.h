@@ -8,8 +8,8 @@
 
 namespace kaz::vision {
 
-// For models from files, sockets and recordings. The numbers of a valid model are finite and small enough
-// that computations with them stay finite.
+// Use for models from files, sockets and recordings. The numbers of a valid model are finite, and so small
+// that computations with these numbers stay finite.
 inline bool valid_camera(const CameraModel& c) {
   constexpr int kMaxSide = 16384;
   constexpr double kMaxFocal = 1e6, kMaxBaseline_m = 10;

@@ -1,11 +1,11 @@
 // Finds a ball of known radius and color in one picture: direction and distance.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The outline of a sphere is a circle on the sphere of directions (a cone of rays), but an ellipse in a wide
-// picture. Unit rays r to the outline satisfy n . r = cos(alpha), with the axis n and the half angle alpha. A
-// least-squares fit of these three numbers is exact in perspective. It needs only part of the outline, so a
-// ball cut off at the edge of the picture is also measured. The distance of the center is radius /
-// sin(alpha).
+// The rays to the outline of a ball form a circular cone, but the outline in the picture is an ellipse. Unit
+// rays r to the outline satisfy n . r = cos(alpha), with the axis n and the half angle alpha. A least-squares
+// fit of n and alpha (three numbers) is exact in perspective. The fit needs only part of the outline, so a
+// ball that is cut off at the edge of the picture can also be measured. The distance to the center is radius
+// / sin(alpha).
 #pragma once
 
 #include <optional>
@@ -21,9 +21,10 @@ struct BallOptions {
   double radius_m = 0.020;
   ColorRange color = ColorRange::red_ball();
   int min_area = 12;  // pixels; smaller regions are noise
-  // Balls with less confidence are not reported. This is the highest threshold whose sum of missed, wrong and
-  // false detections is within a standard error of the minimum. Test pictures had whole, cut and half hidden
-  // balls, and red and orange clutter (docs/explanation/vision.md).
+  // Balls with less confidence are not reported. The default was chosen on test pictures of whole, cut off
+  // and half hidden balls among red and orange clutter (docs/explanation/vision.md). The number of missed,
+  // wrong and false detections was measured for each threshold. The default is the highest threshold with a
+  // number within one standard error of the minimum.
   double min_confidence = 0.68;
 };
 
@@ -38,10 +39,11 @@ struct BallObservation {
   double distance_m = 0;  // lens to center
   // 0 to 1: geometric mean of three factors.
   // - The share of the region's outline that lies on the cone.
-  // - The ratio of the areas of region and cone.
-  // - The share of the mixed colors along the edge that the cone explains (ball_edge.h; 0.25 without a fit).
-  // It is lower if under a third of the circumference is visible. It is also lower if motion blur exceeds a
-  // sixth of the radius, because the distance is then uncertain.
+  // - The ratio of the region's area to the area of the cone in the picture.
+  // - How well the cone explains the mixed colors along the edge (EdgeFit::explained in ball_edge.h; 0.25
+  //   without a fit).
+  // The confidence is reduced if less than a third of the circumference is visible. It is also reduced if
+  // motion blur exceeds a sixth of the radius, because the distance is then uncertain.
   double confidence = 0;
   // Set, with `found` false, if the picture could not be searched: camera gone, no pixels, wrong size.
   std::optional<Error> error;
@@ -55,9 +57,9 @@ class BallDetector {
       : options_(options), extractor_(options.color) {}
 
   // Searches one picture and copies `info` into the result. The candidate with the highest confidence wins.
-  // If the posture is known, a candidate whose size fits a ball on the floor precedes others. The result has
-  // an error if the image is empty, its size differs from the camera model, or a focal length is not
-  // positive.
+  // If the posture is known, candidates whose size fits a ball on the floor are preferred to all others. The
+  // result has an error if the image is empty, its size differs from the camera model, or a focal length is
+  // not positive.
   BallObservation detect(const Image& image, const FrameInfo& info);
 
   // Returns the color mask of the last detect(), for display.

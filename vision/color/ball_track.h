@@ -1,17 +1,18 @@
 // Tracks the ball: position and velocity from observations that arrive late and in any order.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Kalman filter of position and velocity in a fixed frame (foot, or the trunk of a standing robot), z up, m
-// and m/s. The process model is nearly constant velocity (Y. Bar-Shalom, X. R. Li, T. Kirubarajan,
+// A Kalman filter estimates position and velocity in a fixed frame (foot, or the trunk of a standing robot),
+// z up, m and m/s. The process model is nearly constant velocity (Y. Bar-Shalom, X. R. Li, T. Kirubarajan,
 // "Estimation with Applications to Tracking and Navigation", 2001, section 6.2.2). If the floor height is
-// given, gravity acts on a ball that is clearly above the floor or moves upwards. At the floor it bounces,
-// and its saltation matrix carries the covariance through the bounce (N. Kong et al., "Saltation Matrices",
-// 2023). A ball on the floor stays there and slows down.
+// given, gravity acts on a ball that is clearly above the floor or moves upwards. At the floor, a falling
+// ball bounces, and a saltation matrix transforms the covariance (N. Kong et al., "Saltation Matrices",
+// 2023). A ball on the floor stays on the floor and slows down.
 //
-// The errors of an observation at distance D follow from those of the outline. Across the ray, the error s_c
-// of the center (px) and s_p of the posture (rad) cause D sqrt((s_c / f)^2 + s_p^2). Along the ray, the error
-// s_r of the radius (px) causes D^2 s_r / (f r), since radius_px = f r / D. So the direction is accurate, and
-// the error of the distance grows with its square. Units: m, s, px, rad.
+// The position errors of an observation at distance D follow from the errors of the outline. Across the ray,
+// the errors s_c of the center (px) and s_p of the posture (rad) cause the position error D sqrt((s_c / f)^2
+// + s_p^2). Along the ray, the error s_r of the radius (px) causes the position error D^2 s_r / (f r),
+// because radius_px = f r / D. Here f is the focal length (px) and r the ball's radius (m). So the direction
+// is accurate, and the error of the distance grows with the square of the distance. Units: m, s, px, rad.
 #pragma once
 
 #include <deque>
@@ -29,13 +30,14 @@ struct BallTrackOptions {
   double radius_m = 0.020;
   double centre_error_px = 0.3, radius_error_px = 0.2;  // standard deviations
   double posture_error_rad = 0.003;
-  // Power density of the unmodeled acceleration (process noise), m^2/s^3. With 0.5 the track follows a ball
-  // that reverses within 50 ms, as in a hand. A free ball needs a tenth of it.
+  // Power density of the unmodeled acceleration (process noise), m^2/s^3. With 0.5, the track follows a ball
+  // that a hand moves back and forth, reversing within 50 ms. For a free ball, a tenth of this value is
+  // enough.
   double acceleration_psd = 0.5;
-  double initial_speed_m_s = 1;  // standard deviation before the second observation
+  double initial_speed_m_s = 1;  // standard deviation of the speed before the second observation
   double gate = 8;               // Mahalanobis distance above which an observation is an outlier
   Time lost_after = std::chrono::milliseconds(500);
-  // An observation that is older than the newest by more than this means that the clock was set back.
+  // If an observation is older than the newest observation by more than this time, the clock was set back.
   Time latest_late = std::chrono::seconds(1);
   std::optional<double> floor_m;  // height of the floor; without it, gravity is not modeled
   double restitution = 0.6;
@@ -50,9 +52,9 @@ struct BallState {
   Eigen::Matrix3d velocity_covariance() const { return covariance.bottomRightCorner<3, 3>(); }
 };
 
-// Returns the covariance of an observed position in the fixed frame, m^2. With the unit ray r and the errors
-// above, it is s_across^2 I + (s_along^2 - s_across^2) r r^T. `in_eye` is the position in the optical frame,
-// m.
+// Returns the covariance of an observed position in the fixed frame, m^2. The covariance is s_across^2 I +
+// (s_along^2 - s_across^2) r r^T. Here r is the unit ray, and s_across and s_along are the position errors
+// given at the top of this file. `in_eye` is the position in the optical frame, m.
 Eigen::Matrix3d ball_covariance(const Eigen::Vector3d& in_eye, double focal_px,
                                 const Eigen::Matrix3d& fixed_from_eye,
                                 const BallTrackOptions& options);
@@ -60,13 +62,14 @@ Eigen::Matrix3d ball_covariance(const Eigen::Vector3d& in_eye, double focal_px,
 class BallTrack {
  public:
   enum class Taken {
-    started,    // first observation, or first after a loss
-    used,       // used as the newest
-    late,       // inserted by exposure time; later observations were processed again
+    started,    // first observation, or first observation after the ball was lost
+    used,       // used; newest observation of the track
+    late,       // inserted by exposure time; the observations after it were processed again
     restarted,  // the ball jumped: two consistent outliers started a new track
-    new_clock,  // far older than the newest: the clock was set back, a new track started
-    outlier,    // not used
-    refused,    // no ball, not finite, repeated, or older than the history of the track
+    // Far older than the newest observation: the clock was set back and a new track started.
+    new_clock,
+    outlier,  // not used
+    refused,  // not used: no ball, not finite, repeated, or older than the history of the track
   };
 
   explicit BallTrack(const BallTrackOptions& options = {}) : options_(options) {}
@@ -82,11 +85,11 @@ class BallTrack {
   bool seen(Time t) const { return known() && between(t, latest()) <= options_.lost_after; }
   int gaps() const { return gaps_; }  // number of times that the clock was set back
 
-  // Predicts the state at `t`; requires known(). Before the history it is the first state.
+  // Predicts the state at `t`; requires known(). If `t` is before the history, returns the first state.
   BallState at(Time t) const;
-  // Predicts a position for the gaze; requires known(). As at(), but with the velocity v (covariance P)
-  // scaled by m / (1 + m), m = v^T P^-1 v. A velocity within its noise hardly counts, so the gaze rests on a
-  // resting ball.
+  // Predicts the position at which to direct the gaze; requires known(). Like at(), but with the velocity v
+  // scaled by m / (1 + m). Here m = v^T P^-1 v, and P is the covariance of v. A velocity that is smaller than
+  // its standard deviation has little effect, so the gaze does not jitter around a ball at rest.
   Eigen::Vector3d aim(Time t) const;
   bool in_flight(Time t) const;
 

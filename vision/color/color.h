@@ -6,8 +6,8 @@
 //   Y = 0.299 R + 0.587 G + 0.114 B            lightness, 0 to 255.
 //   I = 0.596 R - 0.274 G - 0.322 B            orange against blue, -152 to 152.
 //   Q = 0.211 R - 0.523 G + 0.312 B            purple against green, -133 to 133.
-// Brightness moves the color of a surface along a ray from black, so Y, I and Q shrink together. The hue
-// atan2(Q, I) and the saturation hypot(I, Q) / Y do not change, so they also select the shaded side of a
+// If a surface is darker, Y, I and Q decrease by the same factor. The hue atan2(Q, I) and the saturation
+// hypot(I, Q) / Y do not change. Bounds on hue and saturation therefore also select the shaded side of a
 // ball.
 #pragma once
 
@@ -30,11 +30,12 @@ struct ColorRange {
   double y_min = 0, y_max = 255;
   double i_min = -153, i_max = 153;
   double q_min = -134, q_max = 134;
-  // Wedge of hue in the IQ plane, rad; hue_min < hue_max < hue_min + pi. Off if both are 0.
+  // Range of hue, a wedge in the IQ plane, rad; hue_min < hue_max < hue_min + pi. If both are 0, hue is not
+  // checked.
   double hue_min = 0, hue_max = 0;
-  // Minimum of chroma over lightness, hypot(I, Q) / Y: 0 is gray, 2.1 pure red. Needs a wedge. Chroma is
-  // measured along the middle of the wedge, which is less than hypot(I, Q) by a share of up to 1 - cos(half
-  // its width).
+  // Lower bound of the saturation, the ratio chroma / lightness: 0 for gray, 2.1 for pure red. Only used
+  // together with a range of hue. As chroma, the component of (I, Q) along the middle of the wedge is used.
+  // This component is smaller than hypot(I, Q) by a share of up to 1 - cos(half the width of the wedge).
   double saturation_min = 0;
 
   // Returns the range of the red ball: hue within 14 degrees of pure red (19.5 degrees), vivid, not almost
@@ -42,9 +43,9 @@ struct ColorRange {
   static ColorRange red_ball();
 };
 
-// A ColorRange as up to ten half-spaces of RGB in integers. A pixel is selected if r R + g G + b B >=
-// threshold for each. Coefficients are rounded to 1/128 and the threshold to an integer. So 16-bit arithmetic
-// never overflows, and every machine extracts the same mask.
+// A ColorRange in the form of up to ten half-spaces of RGB with integer coefficients. A pixel is selected if
+// r R + g G + b B >= threshold for every half-space. Coefficients are rounded to 1/128 and the threshold to
+// an integer. So 16-bit arithmetic never overflows, and every machine extracts the same mask.
 class ColorExtractor {
  public:
   struct HalfSpace {
@@ -55,7 +56,8 @@ class ColorExtractor {
 
   // Writes the mask of an image; an empty image gives an empty mask. Reuses the memory of `mask`.
   void extract(const Image& image, Mask& mask) const;
-  // The same, optionally without the CPU's wide vectors, for a test that compares both.
+  // Like extract() above. If `vectors` is false, the CPU's wide vectors are not used; a test compares both
+  // results.
   void extract(const Image& image, Mask& mask, bool vectors) const;
   bool contains(std::uint8_t r, std::uint8_t g, std::uint8_t b) const;
   std::span<const HalfSpace> half_spaces() const { return {half_spaces_.data(), count_}; }

@@ -13,20 +13,20 @@ struct PictureRegion {
 
 struct LearnedColor {
   ColorRange range;
-  double inside = 0;   // share of the region's pixels that are in the range
-  double outside = 0;  // share of all other pixels; 0 if nothing else has the color
+  double inside = 0;   // share of the region's pixels that are in the color range
+  double outside = 0;  // share of all other pixels that are in the color range
 
-  // Hardly any object covers a larger share of a picture, unless it is near. Above it, the thresholds select
-  // everything.
+  // Maximum plausible `outside`. A larger share means that the thresholds select nearly everything, since
+  // only a very near object covers that much of a picture.
   static constexpr double kLargestObject = 0.25;
   bool too_common() const { return outside > kLargestObject; }
 };
 
 // Learns from a region that should lie within the object. At least half of its pixels must have one hue
-// (within 0.6 rad of the mean direction of chroma). The hue range covers 98 % of these, plus 0.06 rad on each
-// side for the noise of other pictures. 98 % of them exceed some saturation and lightness. The minimum is 0.8
-// of this saturation and 0.5 of this lightness, for the shaded side. Gray objects have no hue, which is an
-// error.
+// (within 0.6 rad of the mean direction of chroma). The hue range covers 98 % of the pixels with this hue,
+// plus 0.06 rad on each side for the noise of other pictures. The minimum saturation is 0.8 of the value that
+// 98 % of these pixels exceed. The minimum lightness is 0.5 of the value that 98 % exceed. The factors
+// include the shaded side. Error: a gray object, which has no hue.
 Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region);
 
 }  // namespace kaz::vision

@@ -1,4 +1,4 @@
-// Least-squares cone of rays: the outline of a sphere in perspective.
+// Fits a cone to rays by least squares. The rays to the outline of a sphere form a cone.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,23 +14,24 @@ struct Cone {
   double half_angle = 0;                            // rad
 };
 
-// Fits a cone to rays. It starts with the least median of distances among cones through three rays each. Then
-// Gauss-Newton minimizes the angles between rays and cone, with Tukey's weights. Rays off by more than about
-// five times the spread (at least `noise_rad`) do not count. Returns nullopt if the rays do not determine a
-// cone of 0.05 to 85 degrees.
+// Fits a cone to rays. The initial cone goes through three of the rays. Several such cones are tried, and the
+// one with the smallest median distance to all rays is used. Then Gauss-Newton minimizes the angles between
+// rays and cone, with Tukey's weights. A ray has no weight if its angle exceeds about five times the spread
+// of the angles (at least `noise_rad`). Returns nullopt if the rays do not determine a cone with a half angle
+// of 0.05 to 85 degrees.
 std::optional<Cone> fit_cone(std::span<const Eigen::Vector3d> unit_rays, double noise_rad);
 
 // Returns the angle (rad) by which a ray lies outside the cone; negative inside.
 double angle_outside(const Cone& cone, const Eigen::Vector3d& unit_ray);
 
-// Half axes of the ellipse in which a pinhole camera of focal length 1 sees the cone: across = sin(a) /
-// sqrt(A), along = cos(a) sin(a) / A. A = cos^2(a) - sin^2(t), where a is the half angle and t the angle
-// between the axes of cone and camera.
+// Half axes of the ellipse that a cone forms in the image of a pinhole camera with focal length 1. Let a be
+// the half angle, t the angle between the axes of cone and camera, and A = cos^2(a) - sin^2(t). Then across =
+// sin(a) / sqrt(A) and along = cos(a) sin(a) / A.
 struct EllipseAxes {
   double across, along;
 };
 
-// Returns nullopt if the cone reaches 90 degrees off the optical axis.
+// Returns nullopt if a ray of the cone is 90 degrees or more off the optical axis.
 std::optional<EllipseAxes> ellipse_axes(const Cone& cone);
 
 }  // namespace kaz::vision

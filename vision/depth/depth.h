@@ -1,19 +1,21 @@
 // Depth from a rectified stereo pair: disparity, depth, and points in the optical and the foot frame.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Block matching on pictures filtered by a horizontal derivative, so that exposure and shading cancel out (K.
-// Konolige, "Small vision systems", ISRR 1997). A match is accepted only if it passes three tests.
+// Block matching on pictures filtered by a horizontal derivative, so that differences of exposure and shading
+// cancel out (K. Konolige, "Small vision systems", ISRR 1997). A match is accepted only if it passes three
+// tests.
 // - The block has enough texture (`min_texture`), and not only edges along the rows (depth_aperture.h).
-// - Its cost is lower than that of any other disparity by `uniqueness_percent`.
-// - Matching the right picture against the left one finds it again (left-right check).
+// - The cost of every other disparity, except the two neighboring ones, is higher by at least
+//   `uniqueness_percent`.
+// - Matching the right picture against the left picture finds the same match (left-right check).
 // Other pixels have no depth. The costs of the neighboring disparities give the subpixel part.
 //
 // Extension for slanted surfaces: a block of a slanted surface, such as the floor, contains several
-// disparities. Matching returns that of its strongest edges, wherever they are in the block. Therefore the
-// largest slanted planes are fitted to the disparities (depth_slants.h). The right picture is warped by each
-// plane, which makes the plane fronto-parallel, and is matched again. Matches within 1 px of the plane
-// replace the first ones if their cost is at most 25 % higher (kMaxCost_percent, depth_rows.h). This does not
-// need the posture.
+// disparities. Matching returns the disparity of the strongest edges, wherever these edges are in the block.
+// Therefore the largest slanted planes are fitted to the disparities (depth_slants.h). For each plane, the
+// right picture is warped so that the plane becomes fronto-parallel, and is matched again. A new match within
+// 1 px of the plane replaces the first match if the new cost is at most 25 % higher (kMaxCost_percent,
+// depth_rows.h). This extension does not need the posture.
 //
 // A point at depth z appears d = fx baseline / z pixels further left in the right picture. Frames: optical (x
 // right, y down, z forward, origin at the left lens) and foot, as in frame.h. Units: m, px.
@@ -34,13 +36,14 @@ namespace kaz::vision {
 
 struct DepthOptions {
   // Minimum measurable depth, m. The range of disparities is fx baseline / nearest_m, rounded up to a
-  // multiple of 16 px. It determines the computing time.
+  // multiple of 16 px. This range determines the computing time.
   double nearest_m = 0.14;
   int block_px = 15;  // side of the compared blocks; odd, 5..21
-  // Minimum sum of absolute codes of the filtered picture over a block of 15 x 15; scaled with the block's
-  // area. Noise of 1.6 codes alone sums up to 1000. Below that, a match is as likely by chance.
+  // Minimum sum of the absolute codes of the filtered picture over a block of 15 x 15 px. For other block
+  // sizes the value is scaled by the area. Noise of 1.6 codes alone gives a sum of 1000, and a match of mere
+  // noise means nothing.
   int min_texture = 1000;
-  int uniqueness_percent = 10;  // minimum margin of the costs of all other disparities
+  int uniqueness_percent = 10;  // minimum margin by which the costs of other disparities are higher
   int left_right_px = 1;        // tolerance of the left-right check, px; negative: no check
   // Maximum number of slanted planes, such as the floor, that are matched again (see above); 0: none.
   int slants = 2;
@@ -81,9 +84,10 @@ class DepthFinder {
   DepthFinder& operator=(DepthFinder&&) noexcept;
 
   // Reuses the memory of `depth`, whose contents are undefined after an error. Errors:
-  // - a picture that is empty, truncated, not larger than two blocks, or larger than 8192 pixels a side.
-  // - pictures that differ in size, or from the size of the camera model.
-  // - a picture of one color from edge to edge, as with a covered lens or without light.
+  // - a picture that is empty, truncated, not larger than two blocks a side, or larger than 8192 pixels a
+  //   side.
+  // - pictures of different sizes, or of another size than the camera model.
+  // - a picture of one uniform color, for example because the lens is covered or there is no light.
   // - a camera model without focal length or baseline.
   // - options out of range, including a nearest_m at which the pictures do not overlap.
   Result<void> find(const StereoImages& pair, const FrameInfo& info, DepthImage& depth);
@@ -101,9 +105,9 @@ struct PointCloud {
   std::vector<Eigen::Vector3f> points;  // m
 };
 
-// Computes points in the optical frame of the left eye.
+// Computes the points in the optical frame of the left eye.
 void point_cloud(const DepthImage& depth, PointCloud& cloud);
-// Computes points in the foot frame at the exposure. Error: the posture at the exposure is unknown.
+// Computes the points in the foot frame at the exposure. Error: the posture at the exposure is unknown.
 Result<void> point_cloud_before_foot(const DepthImage& depth, PointCloud& cloud);
 
 }  // namespace kaz::vision

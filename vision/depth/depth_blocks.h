@@ -1,11 +1,11 @@
-// Block matching of two rectified images: the disparity of minimum difference per pixel.
+// Block matching of two rectified images. Finds, for each pixel, the disparity with the smallest difference.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The cost is the sum of absolute differences (SAD) over the block, computed as a running sum over rows and
-// columns. All disparities of a pixel are side by side and fill the SIMD vectors. Winners of the left image,
-// and of the right one (along the diagonals of the cost volume), are found in one pass. It goes row by row,
-// so that later steps find them in the cache. All sums are 16-bit integers, so results are bit-identical with
-// and without SIMD.
+// columns. The sums of all disparities of a pixel are adjacent in memory and fill the SIMD vectors. One pass
+// finds the winners (best disparities) of the left image, and those of the right image along the diagonals of
+// the cost volume. The pass goes row by row, so that the winners are still in the cache for later steps. All
+// sums are 16-bit integers, so results are bit-identical with and without SIMD.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@
 
 namespace kaz::vision {
 
-// Maximum side. Its sum is at most 21 x 21 x 62, which fits 16 bits.
+// Maximum side of a block. The sum over such a block is at most 21 x 21 x 62, which fits 16 bits.
 constexpr int kLargestBlock = 21;
 
 // A picture filtered by the horizontal 3 x 3 Sobel derivative, clamped to +-kFilterCap, plus kFilterCap.
 struct FilteredPicture {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> code;  // with kVectorMargin more bytes
+  std::vector<std::uint8_t> code;  // followed by kVectorMargin more bytes
 
   void filter(const std::uint8_t* grey, int w, int h, bool vectors);
   const std::uint8_t* row(int v) const {
@@ -30,15 +30,16 @@ struct FilteredPicture {
   }
 };
 
-// The right image as the matcher reads it. Rows are mirrored, so that increasing disparities are adjacent in
-// memory. Columns without texture follow beyond the left border.
+// The right image in the form that the matcher reads. Rows are mirrored, so that increasing disparities are
+// adjacent in memory. Each row ends with columns without texture, which stand for pixels beyond the left
+// border.
 struct MirroredPicture {
   int width = 0, height = 0, disparities = 0;
   std::vector<std::uint8_t> code;
 
   void mirror(const FilteredPicture& picture, int n, bool vectors);
-  // Warps by the plane d = a u + b v + c. Points on the plane get disparity 0, so that blocks on it are
-  // compared as if they were fronto-parallel.
+  // Warps by the plane d = a u + b v + c. Points on the plane get disparity 0, so that blocks on the plane
+  // are compared as fronto-parallel blocks.
   void warp(const FilteredPicture& picture, double a, double b, double c, int n, bool vectors);
   std::size_t pitch() const { return static_cast<std::size_t>(width + disparities); }
   const std::uint8_t* row(int v) const { return &code[static_cast<std::size_t>(v) * pitch()]; }
@@ -60,8 +61,9 @@ class BlockMatcher {
   // row().
   void begin(const FilteredPicture& left, const MirroredPicture& right,
              const BlockOptions& options);
-  // Matches row v where `wanted` is not 0, except half a block at both ends of the row. `wanted` is read up
-  // to kVectorMargin beyond the row. Rows must increase and be half a block or more inside the picture.
+  // Matches the pixels of row v where `wanted` is not 0, except half a block at both ends of the row. Up to
+  // kVectorMargin bytes of `wanted` beyond the row are read. Successive calls must have increasing v. Row v
+  // must be at least half a block from the upper and lower border.
   const MatchedRow& row(int v, const std::uint8_t* wanted);
 
  private:
@@ -70,14 +72,15 @@ class BlockMatcher {
   BlockOptions options_;
   BlockRow sums_{};
   MatchedRow matched_{};
-  int first_ = 0, next_ = 0;  // picture rows: first in the sums, next to enter
+  // Picture rows: the first row in the sums, and the next row to be added.
+  int first_ = 0, next_ = 0;
   std::vector<std::int16_t> columns_, window_, windows_, winners_, place_;
   std::vector<std::uint32_t> claims_;
   std::vector<std::uint8_t> zero_;
 };
 
 // Computes a texture mask: 1 where the sum of absolute derivatives over a block is at least `min_sum`, else
-// 0. It has kVectorMargin bytes more than the picture.
+// 0. The mask has kVectorMargin bytes more than the picture.
 class BlockTexture {
  public:
   void find(const FilteredPicture& picture, int block, int min_sum, bool vectors,

@@ -1,4 +1,4 @@
-// Writes depth in file formats of other programs: 16-bit PNG and PLY point cloud.
+// Converts depth to file formats that other programs read: 16-bit PNG and PLY point cloud.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace kaz::vision {
 
-// Returns the content of a 16-bit gray PNG: depth along the optical axis in mm, rounded. 0 where depth is
-// unknown or beyond 65.535 m, as in RGB-D data sets and ROS (REP 118). Error: an empty depth image.
+// Returns the content of a 16-bit gray PNG: depth along the optical axis in mm, rounded. A pixel is 0 if its
+// depth is unknown or above 65.535 m, as in RGB-D data sets and ROS (REP 118). Error: an empty depth image.
 Result<std::vector<std::uint8_t>> depth_png(const DepthImage& depth);
 
 // Returns the content of a binary little-endian PLY: x y z in m as floats, red green blue as bytes. Unknown
-// points are left out. `colors` is the left picture. Error: sizes that differ.
+// points are left out. `colors` is the left picture. Error: `cloud` and `colors` have different sizes.
 Result<std::vector<std::uint8_t>> points_ply(const PointCloud& cloud, const Image& colors);
 
 }  // namespace kaz::vision

@@ -25,8 +25,8 @@ struct GreyPair {
 
 class StereoMatcher {
  public:
-  // Writes one disparity (px) per pixel of the left image; 0: unknown. `disparities`, the size of their
-  // range, must be a multiple of 16.
+  // Writes one disparity (px) per pixel of the left image; 0: unknown. `disparities` is the number of
+  // disparities that are compared, a multiple of 16.
   void match(const GreyPair& pair, int disparities, const MatchOptions& options,
              std::vector<float>& disparity);
 
@@ -40,7 +40,7 @@ class StereoMatcher {
   std::vector<std::uint8_t> textured_, fixed_, wanted_;
   std::vector<std::int16_t> cost_;  // cost of each disparity found, by pixel
 
-  // Replaces disparities near the plane by those of blocks slanted like it.
+  // Replaces disparities near the plane by the disparities of blocks that are slanted like the plane.
   void slant(const DisparityPlane& plane, const MatchOptions& options,
              std::vector<float>& disparity);
 };

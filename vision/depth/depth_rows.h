@@ -10,25 +10,26 @@
 
 namespace kaz::vision {
 
-// Winners by column: the disparity d of minimum cost, its cost C(d), and C(d - 1) and C(d + 1). `in_doubt` is
-// the number of disparities, d included, with costs up to the uniqueness threshold doubt(). Valid only where
-// a winner was wanted.
+// Winners by column: the disparity d of minimum cost C(d), with the costs C(d), C(d - 1) and C(d + 1).
+// `in_doubt` is the number of disparities, including d, with costs up to the uniqueness threshold doubt().
+// Only valid for columns where a winner was wanted.
 struct RowWinners {
   std::int16_t *disparity, *cost, *before, *after, *in_doubt;
 };
 
-// One step of the running sums: the row of both pictures that enters the blocks, and the one that leaves.
+// One step of the running sums: the row of both pictures that enters the blocks, and the row that leaves the
+// blocks.
 struct BlockRow {
   int width, disparities, half;
   const std::uint8_t *left, *right;            // entering rows; right: mirrored
-  const std::uint8_t *left_gone, *right_gone;  // leaving rows; all 0 where none leaves
+  const std::uint8_t *left_gone, *right_gone;  // leaving rows; all 0 if no row leaves yet
   std::int16_t* columns;  // per column and disparity: sum over the rows of the block
   std::int16_t* window;   // per disparity: sum over the block; INT16_MAX at both ends
   std::int16_t* windows;  // window of each column, if there are 16 disparities
   // With vectors, disparity d is at place[d] in `columns` and `window`.
   const std::int16_t* place;
-  // By column of the mirrored right picture: C(d) << 16 | d of the best winner that matches there. The
-  // smallest d wins between equal costs. All ones before the first.
+  // By column of the mirrored right picture: C(d) << 16 | d of the best winner that matches this column.
+  // Between equal costs, the smallest d wins. All bits are 1 before the first winner.
   std::uint32_t* claims;
   int doubt_share;             // uniqueness margin in 65536ths
   bool full;                   // the block has all its rows, so winners are found
@@ -43,7 +44,7 @@ inline int doubt(int min_cost, int share) {
   return limit < INT16_MAX ? limit : INT16_MAX - 1;
 }
 
-// The winner d of the left picture's column u claims the pixel of the right picture that it matches.
+// Records the winner d of the left picture's column u as a claim to the matched pixel of the right picture.
 // Branch-free, because branch prediction fails here.
 [[gnu::always_inline]] inline void claim(const BlockRow& r, int u, int d, int min_cost) {
   std::uint32_t& other = r.claims[r.width - 1 - u + d];
@@ -51,7 +52,7 @@ inline int doubt(int min_cost, int share) {
       std::min(other, static_cast<std::uint32_t>(min_cost) << 16 | static_cast<std::uint32_t>(d));
 }
 
-// A row with its winners, as judge() reads it.
+// A matched row and its winners: input of judge().
 struct MatchedRow {
   int width, half, disparities, doubt_share, left_right_px;
   RowWinners winners;
@@ -62,9 +63,9 @@ struct MatchedRow {
 // Computes the subpixel disparity (px) of the winner d of column u, and returns whether the match is good.
 // SAD costs rise linearly on both sides of the minimum. With p = C(d - 1) and q = C(d + 1) the disparity is
 // therefore d + (p - q) / (2 (max(p, q) - C(d))). A match is good if all of these hold:
-// - It is wanted, and d is not at an end of the range.
+// - A match is wanted at column u, and d is not at an end of the range.
 // - No disparity except d - 1 and d + 1 is in doubt.
-// - The winner of the right picture there is within `left_right_px` of d.
+// - The winner of the matched pixel of the right picture is within `left_right_px` of d.
 inline bool judge(const MatchedRow& r, int u, float& disparity) {
   const RowWinners& w = r.winners;
   const int d = w.disparity[u], c = w.cost[u], p = w.before[u], q = w.after[u];
@@ -77,26 +78,28 @@ inline bool judge(const MatchedRow& r, int u, float& disparity) {
          (std::abs(other - d) <= r.left_right_px);
 }
 
-// Writes the disparities (px) of good matches of fronto-parallel blocks, else 0, and all costs. A match is
-// not good if its block extends beyond the left border of the right picture.
+// For fronto-parallel blocks, writes the disparity (px) of each good match, 0 for other pixels, and the costs
+// of all pixels. A match is not good if its block extends beyond the left border of the right picture.
 void take_row(const MatchedRow& row, float* disparity, std::int16_t* cost, bool vectors);
 
 constexpr int kAround = 16;  // number of disparities compared around a plane
-// Results further off the plane are not on it, so their slant is unknown.
+// Maximum distance of a slanted match from the plane. A farther match is not on the plane, so its slant is
+// unknown.
 constexpr float kOn_px = 1;
-// Fronto-parallel results further off belong to another object.
+// Maximum distance of a fronto-parallel match from the plane. A farther match belongs to another object.
 constexpr float kNear_px = 3;
-// Largest cost of a slanted block relative to the fronto-parallel one. The latter is the minimum over all
-// disparities, the former over kAround. With noise, the minimum of more values is smaller.
+// Maximum cost of a slanted block relative to the cost of the fronto-parallel block. Above 100, because the
+// fronto-parallel cost is the minimum of more values (all disparities, not only kAround), which is smaller in
+// noise.
 constexpr int kMaxCost_percent = 125;
 
-// Marks the pixels of row v where the plane is possible. Returns whether it marks any.
+// Marks in `wanted` the pixels of row v that may lie on the plane. Returns whether any pixel is marked.
 bool near_row(const DisparityPlane& plane, int v, const float* disparity,
               const std::uint8_t* textured, int width, std::uint8_t* wanted, bool vectors);
 
-// Takes good matches of blocks slanted like the plane: on the plane, they replace disparity and cost. Points
-// of the plane have disparity kAround / 2 in the warped picture. Undoes the warp: the disparity is the
-// residual disparity plus that of the plane at the warped pixel.
+// Evaluates the matches of blocks that are slanted like the plane. A good match on the plane replaces
+// disparity and cost of its pixel. In the warped picture, points of the plane have disparity kAround / 2. To
+// undo the warp, the plane's disparity at the warped pixel is added to the residual disparity.
 void take_slanted_row(const MatchedRow& row, const DisparityPlane& plane, int v, float* disparity,
                       std::int16_t* cost, bool vectors);
 

@@ -10,7 +10,8 @@
 namespace kaz::vision {
 
 void match_row_avx2(const BlockRow& row);
-// These two return the first column that is left to do, since vectors do not fill the row.
+// take_row_avx2() and take_slanted_row_avx2() process whole vectors only. They return the first column that
+// remains to be processed.
 int take_row_avx2(const MatchedRow& row, float* disparity, std::int16_t* cost);
 int take_slanted_row_avx2(const MatchedRow& row, const DisparityPlane& plane, int v,
                           float* disparity, std::int16_t* cost);

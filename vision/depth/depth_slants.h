@@ -11,13 +11,14 @@ namespace kaz::vision {
 class SlantFinder {
  public:
   // Returns up to `max_planes` planes with at least a tenth of the sampled pixels as inliers, largest first.
-  // Only planes whose slant over `block` px has an effect are returned. A disparity of 0 is unknown. Pixel
-  // coordinates count from the image corner. The same image gives the same planes, valid until the next call.
+  // Planes with so little slant over `block` px that a second matching has no effect are left out. A
+  // disparity of 0 is unknown. Pixel coordinates count from the image corner. The same image gives the same
+  // planes. The result is valid until the next call.
   const std::vector<DisparityPlane>& find(const std::vector<float>& disparity, int width,
                                           int height, int block, int max_planes, bool vectors);
 
  private:
-  // Positions and disparities (px) of the sampled pixels that are on no plane yet.
+  // Positions and disparities (px) of the sampled pixels that do not belong to a plane yet.
   std::vector<float> u_, v_, d_;
   std::vector<DisparityPlane> planes_;
 

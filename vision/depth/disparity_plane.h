@@ -1,8 +1,9 @@
 // Planes in a disparity image, and their least-squares fit.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ray of pixel (u, v) is (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy). Its disparity is d = fx B / z with
-// the baseline B. Division by z D / (fx B) makes the plane n . p = D linear in the pixel:
+// The ray of pixel (u, v) is (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy). The disparity of a point at depth z
+// is d = fx B / z with the baseline B. Division by z D / (fx B) makes the equation n . p = D of a plane
+// linear in the pixel coordinates:
 //
 //   d = B/D (nx (u - cx) + ny fx/fy (v - cy) + nz fx)
 //
@@ -20,7 +21,7 @@ struct DisparityPlane {
   float a = 0, b = 0, c = 0;
 
   float at(float u, float v) const { return a * u + b * v + c; }
-  // Returns B/D n, dimensionless, in the optical frame. Its direction is that of the normal.
+  // Returns the vector B/D n, which is parallel to the normal n. Dimensionless, optical frame.
   Eigen::Vector3d scaled_normal(const CameraModel& camera) const {
     return {a, b * camera.fy / camera.fx, c / camera.fx};
   }

@@ -16,10 +16,11 @@
 
 namespace kaz::vision {
 
-// A rectangle: points corner + s along + t across, 0 <= s, t <= 1; m, optical frame.
+// A rectangle: all points corner + s along + t across with 0 <= s <= 1 and 0 <= t <= 1. Units m, optical
+// frame.
 struct TestPatch {
   Eigen::Vector3d corner, along, across;
-  double contrast = 60;  // amplitude of the texture, codes; 0: one color
+  double contrast = 60;  // amplitude of the texture, codes; 0: uniform color
   std::uint64_t seed = 1;
 
   Eigen::Vector3d normal() const { return along.cross(across).normalized(); }
@@ -60,14 +61,15 @@ class TestStereoScene {
     return best;
   }
 
-  // Renders gray as RGB with 2 x 2 rays per pixel. `sigma`: noise in codes, generated from `seed`.
+  // Renders gray pictures in RGB format with 2 x 2 rays per pixel. `sigma` is the standard deviation of the
+  // noise (codes), `seed` the seed of the noise.
   StereoImages pictures(const CameraModel& camera, double sigma, std::uint64_t seed) const {
     return {picture(camera, 0, sigma, mix64(seed)),
             picture(camera, camera.baseline_m, sigma, mix64(seed + 1))};
   }
 
-  // Returns the true disparity (px) of the left picture, 0 where a ray hits nothing. `patch`: index of the
-  // rectangle per pixel, or -1.
+  // Returns the true disparity (px) of each pixel of the left picture, or 0 if the ray hits no rectangle.
+  // Writes to `patch` the index of the rectangle at each pixel, or -1.
   DepthImage truth(const CameraModel& camera, std::vector<int>& patch) const {
     DepthImage depth{test_info(camera), camera.width, camera.height, {}};
     patch.clear();
@@ -143,8 +145,8 @@ class TestStereoScene {
   }
 };
 
-// A floor `height` m below the lens, a wall, and front and top of two boxes. The lens looks `tilt` rad below
-// the horizon.
+// A scene with a floor `height` m below the lens, a wall, and the fronts and tops of two boxes. The lens
+// looks `tilt` rad below the horizon.
 inline TestStereoScene test_room(double height = 0.3, double tilt = 0.6) {
   const Eigen::Vector3d down(0, std::cos(tilt), std::sin(tilt)),
       ahead(0, -std::sin(tilt), std::cos(tilt)), right = Eigen::Vector3d::UnitX();
@@ -158,7 +160,7 @@ inline TestStereoScene test_room(double height = 0.3, double tilt = 0.6) {
   return s;
 }
 
-// A floor 0.3 m below the lens, a wall 1 m ahead, and the front and top of a box.
+// A scene with a floor 0.3 m below the lens, a wall 1 m ahead, and the front and top of a box.
 inline TestStereoScene test_corner() {
   const double tilt = 0.5;
   const Eigen::Vector3d down(0, std::cos(tilt), std::sin(tilt)),

@@ -1,4 +1,4 @@
-// Detects swapped left and right pictures, as of cameras that are plugged in the wrong way round.
+// Detects swapped left and right pictures, for example from cameras that are plugged in the wrong way round.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,16 +6,17 @@
 
 namespace kaz::vision {
 
-// `unclear`: both orders give hardly any or similar depth (darkness, a repeating pattern), or the pair cannot
-// be compared (errors of DepthFinder).
+// `unclear`: both orders give hardly any depth, or similar amounts of it (darkness, a repeating pattern), or
+// DepthFinder returns an error.
 enum class EyeOrder : std::uint8_t { unclear, as_named, swapped };
 
-// Compares the depth of a pair as it is with that of the exchanged pair. In swapped pictures objects are
-// further right in the right one, where no depth is searched. Costs twice one small depth image.
+// Compares the depth of the pair with the depth of the exchanged pair. If pictures are swapped, objects are
+// further right in the right picture, where matching does not search. Computes two small depth images.
 EyeOrder eye_order(const StereoImages& pair, const FrameInfo& info,
                    const DepthOptions& options = {});
 
-// Verdict on a whole run. A single pair may be judged wrongly, and pictures may be disturbed for a while.
+// Decides for a whole run whether the cameras are swapped. The decision for a single pair may be wrong, and
+// pictures may be disturbed for a while.
 class SwappedCameras {
  public:
   static constexpr int kFirst = 5;
@@ -23,10 +24,10 @@ class SwappedCameras {
 
   explicit SwappedCameras(const DepthOptions& options = {}) : options_(options) {}
 
-  // Evaluates the first kFirst pairs, then one per kInterval of exposure time. Returns at once for others.
+  // Evaluates the first kFirst pairs, then one pair per kInterval of exposure time. Other pairs are ignored.
   void look(const StereoImages& pair, const FrameInfo& info);
-  // Returns true if at least two thirds of the clear pairs are swapped. Fewer than three swapped pairs count
-  // only if they are half of all evaluated pairs.
+  // Returns true if at least two thirds of the clear pairs are swapped. If there are fewer than three swapped
+  // pairs, they must also be at least half of all evaluated pairs.
   bool found() const;
 
  private:
@@ -35,7 +36,7 @@ class SwappedCameras {
   int looked_ = 0, as_named_ = 0, swapped_ = 0;
 };
 
-// Message for the user if found().
+// Message for the user if found() returns true.
 inline constexpr const char* kSwappedCameras =
     "left and right look exchanged: the pairs have depth only the other way round; exchange the "
     "pictures or cameras, or calibrate them as they are";

@@ -2,11 +2,12 @@
 // Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The pose from the joint angles has errors: noise and quantization of the potentiometers, backlash and sway
-// of the soles. They amount to several px of flow over the whole image, while independent motion affects only
-// a part of it. A small rigid motion xi = (rotation, translation) therefore corrects the pose. It is found by
-// iteratively reweighted least squares (Gauss-Newton) on the flow. Weights are Tukey's biweight with c =
-// 4.685 and a scale from the median residual. A Gaussian prior represents the accuracy of the posture.
+// The pose from the joint angles has errors: noise and quantization of the potentiometers, backlash, and sway
+// of the soles. These errors cause several px of flow over the whole image, whereas independent motion
+// affects only a part of the image. A small rigid motion xi = (rotation, translation) therefore corrects the
+// pose. Iteratively reweighted least squares (Gauss-Newton) on the flow determine xi. The weights are Tukey's
+// biweight with c = 4.685; the scale comes from the median residual. A Gaussian prior represents the accuracy
+// of the posture.
 //
 // Frames: optical frames of the earlier and the later image (frame.h). Units: m, rad, px.
 #pragma once
@@ -18,13 +19,13 @@
 
 namespace kaz::vision {
 
-// One sample of FlowSamples, with the same units.
+// One sample of FlowSamples, in the units of FlowSamples.
 struct FlowSample {
   Eigen::Vector2d at, flow;
   double min_inverse_depth, max_inverse_depth;
 };
 
-// Standard deviations of the relative pose that the postures give, per axis.
+// Standard deviations, per axis, of the relative pose computed from the postures.
 struct PostureError {
   double rotation_rad, translation_m;
 };
@@ -38,7 +39,7 @@ class EgoMotion {
   }
   // Computes the flow (px) of a static point at pixel (u, v): pi(R r + w t) - (u, v). Here r is the ray of
   // the pixel, w the inverse depth (1/m) and pi the projection. Returns false if the point is behind the
-  // later camera, or its depth there is below 5 % of the earlier one.
+  // later camera, or if its depth has decreased to less than 5 %.
   bool flow(double u, double v, double inverse_depth, Eigen::Vector2d& px) const {
     const Eigen::Vector3d p = later_.linear() * ray(u, v) + inverse_depth * later_.translation();
     if (p.z() < 0.05) return false;
@@ -50,8 +51,9 @@ class EgoMotion {
 
   // Computes the residual (px) of a sample. Its interval of inverse depth maps to a line segment of static
   // flows. The residual is the vector from the nearest point of that segment to the measured flow. `epipolar`
-  // is the unit vector along the segment if that point is inside it, so depth explains this direction. It is
-  // zero at an end point. Returns false if flow() does for an end of the interval.
+  // is the unit vector along the segment if the nearest point is inside the segment: a change of depth
+  // explains errors in this direction. `epipolar` is zero if the nearest point is an end point. Returns false
+  // if flow() returns false for an end of the interval.
   bool residual(const FlowSample& sample, Eigen::Vector2d& px, Eigen::Vector2d& epipolar) const;
   // Computes residual() for all samples.
   void residuals(const FlowSamples& samples, FlowResiduals& found) const {
@@ -62,7 +64,8 @@ class EgoMotion {
     Eigen::Vector3d rotation_rad{0, 0, 0}, translation_m{0, 0, 0};  // in the later optical frame
     double spread_px = 0;  // robust standard deviation of the residuals, per axis
   };
-  // Refines this ego-motion and returns the correction. With fewer than 50 samples it corrects nothing.
+  // Refines this ego-motion and returns the correction. The correction is zero if there are fewer than 50
+  // samples.
   Correction correct(const FlowSamples& samples, const PostureError& error);
 
  private:

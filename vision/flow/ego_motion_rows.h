@@ -13,7 +13,7 @@
 
 namespace kaz::vision {
 
-// Measured flow at pixels of the earlier image (px) and the interval of inverse depth there (1/m).
+// Measured flow at pixels of the earlier image (px) and the interval of inverse depth at these pixels (1/m).
 struct FlowSamples {
   std::vector<double> u, v, flow_u, flow_v, min_inverse_depth, max_inverse_depth;
 
@@ -31,8 +31,8 @@ struct FlowSamples {
   FlowSamples every(std::size_t stride) const;
 };
 
-// EgoMotion::residual() of each sample, px. `valid` is 0 where it returned false, else 1. `free` is 1 where
-// the nearest static flow is inside the segment, whose unit direction is `epipolar`, else 0.
+// EgoMotion::residual() of each sample, px. `valid` is 0 where residual() returned false, else 1. `free` is 1
+// where the nearest static flow is inside the segment, whose unit direction is `epipolar`, else 0.
 struct FlowResiduals {
   std::vector<double> u, v, length, epipolar_u, epipolar_v, valid, free;
 };
@@ -40,7 +40,7 @@ void find_residuals(const FlowSamples& samples, const CameraModel& camera,
                     const Eigen::Isometry3d& later, FlowResiduals& residuals, bool vectors = true);
 
 // Sums over the samples: H = sum w J^T J (lower triangle) and b = sum w J^T residual. The weight is w = (1 -
-// r)^2 for r = |residual|^2 / cutoff2 below 1, else 0. They are added in the order of the samples.
+// r)^2 for r = |residual|^2 / cutoff2 below 1, else 0. The terms are added in the order of the samples.
 struct NormalEquations {
   Eigen::Matrix<double, 6, 6> h;
   Eigen::Matrix<double, 6, 1> b;

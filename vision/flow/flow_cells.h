@@ -11,14 +11,17 @@
 namespace kaz::vision {
 
 constexpr int kFlowSmall = 4;  // reduction factor of the finest pictures of the search
-constexpr int kFlowPatch = 7;  // side of a patch, small pixels; odd. The inverse search uses 8
-// Variance of the difference of two small pictures, codes^2, for noise of 2 codes per full pixel.
+// Side of a patch, small pixels; must be odd (the inverse search uses 8).
+constexpr int kFlowPatch = 7;
+// Variance of the difference of two small pictures, codes^2, if the full pictures have a noise of 2 codes.
 constexpr float kFlowNoise2 = 0.5F;
 
-// Products of each small pixel and their sums over patches. Quantities: gradient (gx, gy), brightness q,
-// change d along the flow, weight w. The products are, in this order:
+// Products of quantities at each small pixel, and the sums of these products over patches. Quantities:
+// gradient (gx, gy), brightness q, change d of the brightness along the flow, weight w. The products, in this
+// order:
 //   gx gx, gx gy, gy gy, gx d, gy d, d d, d, w, gx, gy, q, q q.
-// The weight w is 1 where the flow stays inside the picture. All products are 0 where it does not.
+// The weight w is 1 where the flow stays inside the picture. All products are 0 where the flow leaves the
+// picture.
 class FlowProducts {
  public:
   static constexpr std::size_t kCount = 12;
@@ -32,8 +35,8 @@ class FlowProducts {
   void set_row(int y, const float* up, const float* row, const float* down, const float* there,
                const float* compared);
   // Returns sums over the patches around the pixels of row y, one row per product, valid until the next call.
-  // Pixels beyond the edge have weight 0. It adds up columns first, then along the row. Running sums would
-  // accumulate rounding errors.
+  // Pixels beyond the edge have weight 0. Each sum is computed anew, first down the columns, then along the
+  // row, because running sums would accumulate rounding errors.
   Rows sum_row(int y);
   // Returns 1 for each pixel of row y that was compared, else 0.
   const float* compared(int y) const { return plane(7) + at(y) + kFlowPatch / 2; }
@@ -57,8 +60,8 @@ struct FlowCertaintyRow {
   float *xx, *xy, *yy;
 };
 
-// Validates the cells of a row by weighted means <> over their patches and writes their certainty. Units:
-// small px and gray codes.
+// Validates the cells of a row and writes their certainty. <x> is the weighted mean of x over the patch of a
+// cell. Units: small px and gray codes.
 // - Structure tensor G = (xx xy; xy yy), smaller eigenvalue `lesser` = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2
 //   + xy^2).
 // - Residual variance s^2 (`unlike`) = <d d> - <d>^2, brightness variance (`varies`) = <q q> - <q>^2.

@@ -24,14 +24,14 @@ inline ImageView image_view(const GreyPicture& picture) {
   return {picture.width, picture.height, 1, picture.pixels};
 }
 
-// Minimum side. Smaller images contain no patch at the coarsest level.
+// Minimum side of an image. In a smaller image, no patch fits into the coarsest pyramid level.
 inline constexpr int kSmallestFlow_px = 64;
 
-// Checks both images. Errors are those of FlowFinder::find(), except for options.
+// Checks both images. Errors: those of FlowFinder::find(), except the errors of options.
 Result<void> check_flow_pair(const ImageView& before, const FrameInfo& info_before,
                              const ImageView& after, const FrameInfo& info_after);
-// Returns `image` as gray: a view of its own pixels if it is gray, else of `memory`, which receives the
-// converted pixels.
+// Returns `image` as a gray picture. If `image` is gray, the result refers to the pixels of `image`.
+// Otherwise the converted pixels are written to `memory`, and the result refers to `memory`.
 cv::Mat flow_grey(const ImageView& image, cv::Mat& memory);
 
 }  // namespace kaz::vision

@@ -1,5 +1,5 @@
-// Scales pictures down to a quarter for the search, and its flow up to one vector per pixel. Internal to
-// vision/flow.
+// Reduces pictures to a quarter for the flow search, and enlarges the found flow to one vector per pixel.
+// Internal to vision/flow.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,13 +9,13 @@
 
 namespace kaz::vision {
 
-// Reduces a gray picture to the means of squares of 4 x 4 pixels. Halves round to even, as in cv::resize with
-// INTER_AREA. Width and height must be multiples of 4; rows have no padding.
+// Reduces a gray picture: each result pixel is the mean of a square of 4 x 4 pixels. Halves are rounded to
+// even, as by cv::resize with INTER_AREA. Width and height must be multiples of 4. Rows have no padding.
 void quarter(const std::uint8_t* grey, int width, int height, std::uint8_t* to);
 
-// Interpolates a flow of small pixels, (right, down) each, bilinearly at the centers of the full picture's
-// pixels, and multiplies it by `factor`. Bit-identical to cv::resize with INTER_LINEAR: first along the rows,
-// then down the columns, each as a (1 - s) + b s.
+// Enlarges the flow of a small picture, stored as (right, down) per pixel. The flow is interpolated
+// bilinearly at the pixel centers of the full picture and multiplied by `factor`. Bit-identical to cv::resize
+// with INTER_LINEAR: first along the rows, then down the columns, each as a (1 - s) + b s.
 class FlowEnlarger {
  public:
   struct Size {
@@ -27,7 +27,7 @@ class FlowEnlarger {
 
  private:
   struct Tap {
-    int at;        // index of the first of two
+    int at;        // index of the first of the two interpolated values
     float a0, a1;  // weights
   };
   static std::vector<Tap> taps(int small, int full);
@@ -35,7 +35,8 @@ class FlowEnlarger {
 
   Size small_, full_;
   std::vector<Tap> across_, down_;
-  std::vector<float> rows_;  // rows of the small flow, already as wide as the full picture
+  // Rows of the small flow, interpolated to the width of the full picture.
+  std::vector<float> rows_;
 };
 
 }  // namespace kaz::vision

@@ -1,4 +1,4 @@
-// Photometric error of a flow, and flow and center of a moving region from two images. Internal to vision/.
+// Flow, photometric error and center of a moving region from two images. Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -36,20 +36,21 @@ struct GreyReader {
 };
 
 // Returns the mean squared difference of gray codes (codes^2) between the pixels within `reach` of (u, v) and
-// the later image displaced by `flow_px`. NaN if they leave the later image.
+// the later image displaced by `flow_px`. Returns NaN if the displaced pixels leave the later image.
 double misfit(const GreyReader& before, const GreyReader& after, int u, int v, int reach,
               const Eigen::Vector2d& flow_px);
 
-// Refines `flow_px` as one translation for all pixels of the squares of `side` px with these upper left
-// corners. Gauss-Newton on the brightness difference (B. Lucas, T. Kanade 1981) with Geman-McClure weights at
-// 12 codes. Returns false if the texture is insufficient, or the result is more than 3 px from the initial
-// value or outside the image.
+// Refines `flow_px`, one translation for all pixels of several squares. The squares have sides of `side` px,
+// and `corners` are their upper left corners. Method: Gauss-Newton on the brightness difference (B. Lucas, T.
+// Kanade 1981), with Geman-McClure weights of scale 12 codes. Returns false if the texture is insufficient,
+// or the result is more than 3 px from the initial value or outside the image.
 bool refine_flow(const GreyReader& before, const GreyReader& after,
                  std::span<const Eigen::Vector2i> corners, int side, Eigen::Vector2d& flow_px);
 
-// Finds the center of the pixels in the box (left, top)..(right, bottom) that move by `flow_px` rather than
-// by the static `rest_px`. An object of uniform color shows this only at its leading and trailing edges; both
-// count. Returns false if no pixel does.
+// Finds the center of the pixels in the box (left, top)..(right, bottom) that move by `flow_px`. Pixels that
+// move by `rest_px`, the flow of a static point, are excluded. In an object of uniform color, only pixels at
+// the leading and trailing edges show this motion; both edges count. Returns false if no pixel moves by
+// `flow_px`.
 bool moved_middle(const GreyReader& before, const GreyReader& after, int left, int top, int right,
                   int bottom, const Eigen::Vector2d& flow_px, const Eigen::Vector2d& rest_px,
                   Eigen::Vector2d& middle);

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Corners: J. Shi, C. Tomasi, "Good Features to Track", CVPR 1994. Tracking: the pyramidal Lucas-Kanade
-// method (J.-Y. Bouguet, 2000). Both are OpenCV's. It tracks fewer points than dense flow, but more
-// accurately: 0.1 px at corners. Units: px, pixel centers at integers.
+// method (J.-Y. Bouguet, 2000). OpenCV implements both. Sparse flow has fewer points than dense flow, but is
+// more accurate: 0.1 px at corners. Units: px, pixel centers at integers.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@ namespace kaz::vision {
 
 struct SparseFlowOptions {
   int max_points = 200;
-  double min_quality = 0.01;     // minimum corner quality, as a share of the best
+  double min_quality = 0.01;     // minimum corner quality, as a share of the best corner's quality
   double min_separation_px = 8;  // minimum distance between corners
   int window_px = 15;            // side of the compared window; odd, 5..51
   int levels = 3;                // pyramid levels above the full picture, 0..8
@@ -51,13 +51,14 @@ class SparseFlow {
   SparseFlow(SparseFlow&&) noexcept;
   SparseFlow& operator=(SparseFlow&&) noexcept;
 
-  // Tracks the corners of the earlier picture, best first. A picture without corners gives no points. Errors
-  // are those of FlowFinder::find(), and options out of range.
+  // Tracks the corners of the earlier picture, best first. A picture without corners gives no points. Errors:
+  // those of FlowFinder::find(), and options out of range.
   Result<void> find(const Image& before, const FrameInfo& info_before, const Image& after,
                     const FrameInfo& info_after, FlowPoints& flow);
   Result<void> find(const GreyPicture& before, const FrameInfo& info_before,
                     const GreyPicture& after, const FrameInfo& info_after, FlowPoints& flow);
-  // Tracks the given points and keeps their order. A point outside the picture is lost. Errors as find().
+  // Tracks the given points and keeps their order. A point outside the picture is lost. Errors: those of
+  // find().
   Result<void> follow(const GreyPicture& before, const FrameInfo& info_before,
                       const GreyPicture& after, const FrameInfo& info_after,
                       const std::vector<Eigen::Vector2f>& points, FlowPoints& flow);

@@ -1,8 +1,8 @@
 // Camera images and their frame information.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every vision result carries the frame information of its image. Regardless of latency, it is located
-// relative to the camera pose at the exposure, not at the time of the result.
+// Every vision result contains the frame information of its image. Regardless of latency, positions in the
+// result are relative to the camera pose at the exposure, not to the pose when the result is delivered.
 //
 // Optical frame: x right, y down, z forward, origin at the lens. Foot frame: x forward, y left, z up, origin
 // at the sole of the supporting foot. Units: m, rad, s. Source: paper, section 4.1.
@@ -52,7 +52,7 @@ struct FrameInfo {
   Eigen::Isometry3d foot_from_eye = Eigen::Isometry3d::Identity();  // left optical frame
 };
 
-// A pair as the camera delivers it. The pixels may still be in transfer; `images.get()` waits for them.
+// A stereo pair from a camera. The pixels may still be in transfer; `images.get()` waits for them.
 struct StereoPair {
   FrameInfo info;
   std::shared_future<std::shared_ptr<const StereoImages>> images;

@@ -1,5 +1,5 @@
-// Suppresses OpenCV's error output, in the whole process, during its lifetime. Errors are still exceptions.
-// Internal to vision/.
+// Suppresses OpenCV's error output in the whole process while an OpenCvQuiet object exists. OpenCV still
+// reports errors as exceptions. Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,8 +1,8 @@
 // Reads pictures from files: PNG, JPEG, PPM and PGM.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A truncated or damaged file is an error. OpenCV's imread would return part of the picture, and its library
-// loads a hundred others at every program start.
+// A truncated or damaged file is an error. OpenCV's imread is not used: it returns part of a damaged picture,
+// and its library loads about a hundred other libraries at every program start.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,11 @@ inline constexpr int kLargestPictureSide = picture::kMaxSide;  // px
 // Reads a picture. Gray becomes RGB with equal components, transparency is ignored, 16 bits become 8. Errors
 // name the file and the defect.
 Result<Image> read_picture(const std::string& path);
-// Does the same for the content of a file; `name` is used in errors.
+// Like read_picture(), but for the content of a file. Errors contain `name`.
 Result<Image> decode_picture(std::span<const std::uint8_t> bytes, const std::string& name);
 
-// Checks the first bytes for PNG, JPEG, PPM or PGM. Returns false if the file cannot be read.
+// Returns true if the first bytes of the file are those of a PNG, JPEG, PPM or PGM. Returns false if the file
+// cannot be read.
 bool looks_like_picture(const std::string& path);
 
 }  // namespace kaz::vision

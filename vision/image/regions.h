@@ -27,11 +27,11 @@ struct Region {
   std::vector<Run> runs;                         // from top to bottom, left to right
 };
 
-// Labels connected components by runs of pixels and union-find. The cost is about that of reading the mask
-// once.
+// Labels connected components by runs of pixels and union-find. The computing time is about the time to read
+// the mask once.
 class RegionFinder {
  public:
-  // Returns all regions of at least `min_area` pixels, largest first. Equal areas are in the order of a scan
+  // Returns all regions of at least `min_area` pixels, largest first. Regions of equal area are in scan order
   // from the top. The result is valid until the next call.
   std::span<const Region> find(const Mask& mask, int min_area = 1);
 
@@ -42,8 +42,8 @@ class RegionFinder {
 
   std::vector<Run> runs_;
   std::vector<int> parent_;     // union-find over runs
-  std::vector<int> row_start_;  // first run of each row, and the end
-  std::vector<int> area_;       // by root run: its area, then its region number
+  std::vector<int> row_start_;  // index of the first run of each row; last entry: number of runs
+  std::vector<int> area_;       // by root run: area of the region, later the region number
   std::vector<Region> regions_;
 };
 

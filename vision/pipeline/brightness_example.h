@@ -12,7 +12,7 @@ struct Brightness {
   double left = 0, right = 0;  // mean code, 0..255
 };
 
-// Creates a module with the name "brightness". Its result is a Brightness.
+// Creates the module "brightness", whose result has the type Brightness.
 std::unique_ptr<Module> make_brightness_module();
 
 }  // namespace kaz::vision

@@ -1,10 +1,10 @@
 // Interface of a vision module, and the frame that it processes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A module takes a stereo pair and results of other modules on the same pair, and computes its own result.
-// The frame contains all of them and the frame information (frame.h), so the inputs of a module always belong
-// to one frame. Your own modules implement the same interface as those of modules.h. A pipeline (pipeline.h)
-// runs them.
+// A module computes one result from a stereo pair and the results of other modules for that pair. A Frame
+// contains the pair, the results and the frame information (frame.h), so the inputs of a module always belong
+// to one frame. Your own modules implement the same interface as the modules of modules.h. A pipeline
+// (pipeline.h) runs the modules.
 #pragma once
 
 #include <any>
@@ -23,16 +23,16 @@ namespace kaz::vision {
 class Frame {
  public:
   const FrameInfo& info() const { return pair_.info; }
-  // True for the first frame, after a gap in the sequence, and if the camera's clock stepped back. Modules
-  // that compare frames must then start again.
+  // True for the first frame, for the first frame after a gap in the sequence, and if the camera's clock
+  // stepped back. A module that compares frames must start again if this is true.
   bool after_gap() const { return after_gap_; }
   // The rectified pictures. Available in Module::look(), and in a subscriber that receives a value.
   const StereoImages& images() const { return *images_; }
   std::shared_ptr<const StereoImages> shared_images() const { return images_; }
 
-  // Returns the result of `module` on this frame. Available in look() for the modules of needs(), and in a
-  // subscriber for its module and the modules that this one needs. Throws std::logic_error if there is no
-  // such result or it is not a T.
+  // Returns the result of `module` for this frame. Module::look() may read the results of the modules in
+  // needs(). A subscriber may read the result of the module to which it subscribed, and the results that this
+  // module needs. Throws std::logic_error if the result does not exist or is not a T.
   template <class T>
   const T& of(std::string_view module) const {
     const T* value = std::any_cast<T>(find(module));
@@ -75,12 +75,13 @@ class Module {
   virtual std::string name() const = 0;
   // Names of the modules whose results look() reads.
   virtual std::vector<std::string> needs() const { return {}; }
-  // Declared latency. In lockstep, the result arrives this simulated time after the last needed result (or
-  // after the pair), however long the computation takes.
+  // Declared latency. In lockstep, the result is delivered this much simulated time after the last needed
+  // result (or after the pair if no result is needed). The real computing time has no effect.
   virtual Time latency() const = 0;
   // Processes one frame. Called on the module's own thread for one frame at a time, in order of arrival. The
-  // result has a copyable type that is the same for all frames. Subscribers and dependent modules receive an
-  // error in place of the result. Exceptions become errors.
+  // type of the result must be copyable and the same for all frames. If look() returns an error, subscribers
+  // receive the error in place of the result, and dependent modules fail for this frame. An exception in
+  // look() becomes an error.
   virtual Result<std::any> look(const Frame& frame) = 0;
 };
 

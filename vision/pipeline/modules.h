@@ -1,14 +1,16 @@
-// The vision modules of Kaz, for a pipeline.
+// Creates the vision modules of Kaz for a pipeline.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Names, results and needed modules:
-// - color: BallObservation, the ball by its color in the left picture.
+// - color: BallObservation, the ball that is detected by its color in the left picture.
 // - depth: DepthImage.
-// - flow: FlowImage of the left picture since the previous frame. Its width is 0 if flow is unavailable.
+// - flow: FlowImage, the optical flow from the previous left picture to the present one. The width of the
+//   flow image is 0 if flow is unavailable.
 // - planes: PlaneSegments. Needs depth.
-// - floor: PlaneSegments with the edges of the floor refined on the left picture. Needs planes and depth.
-// - moving: MovingRegions, independent motion. It has 0 cells across if the flow or its first picture is
-//   unavailable. Needs flow and depth.
+// - floor: PlaneSegments in which the edges of the floor are refined with the left picture. Needs planes and
+//   depth.
+// - moving: MovingRegions, the independently moving objects. `cells_across` is 0 if the flow or the earlier
+//   picture is unavailable. Needs flow and depth.
 //
 // The default latencies for lockstep come from measured runs.
 #pragma once
@@ -35,8 +37,8 @@ inline constexpr Time kFloorLatency = std::chrono::milliseconds(10);
 std::unique_ptr<Module> make_color_module(const BallOptions& options, Time latency = kColorLatency);
 std::unique_ptr<Module> make_depth_module(const DepthOptions& options,
                                           Time latency = kDepthLatency);
-// Gives no flow for the first frame, after a step back of the camera's clock, and if the previous frame is
-// more than `longest` ago.
+// The flow image is empty for the first frame and after the camera's clock stepped back. The flow image is
+// also empty if the previous frame is more than `longest` ago.
 std::unique_ptr<Module> make_flow_module(const FlowOptions& options, Time latency = kFlowLatency,
                                          Time longest = std::chrono::milliseconds(200));
 std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,
@@ -44,7 +46,7 @@ std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,
 std::unique_ptr<Module> make_floor_module(const FloorEdgeOptions& options,
                                           Time latency = kFloorLatency);
 
-// Gives an error if the posture at either exposure is unknown.
+// The module returns an error if the posture at either exposure is unknown.
 std::unique_ptr<Module> make_independent_motion_module(const IndependentMotionOptions& options,
                                                        Time latency = kMovingLatency);
 

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // As in the paper (section 4.1), a module broadcasts its result and the frame information to dependent
-// modules. There are two paces.
-// - Lockstep: every frame is processed. A result is delivered exactly its declared latency after its inputs,
-//   in simulated time. The same run gives the same results at the same times.
-// - Real time: results are delivered when they are done. A module that is busy when frames arrive continues
-//   with the newest one. It drops the older ones, also for dependent modules, and counts them.
+// modules. A pipeline runs at one of two paces.
+// - Lockstep: every frame is processed. In simulated time, a result is delivered exactly the module's
+//   declared latency after the inputs. Repeating a run gives the same results at the same times.
+// - Real time: results are delivered as soon as they are computed. If frames arrive while a module is busy,
+//   the module continues with the newest frame. The module drops and counts the older frames, which are also
+//   dropped for dependent modules.
 #pragma once
 
 #include <cstdint>
@@ -30,11 +31,11 @@ struct PipelineOptions {
 struct ModuleStatistics {
   std::string name;
   std::uint64_t delivered = 0, failed = 0;
-  // Frames not processed because a newer one replaced them, here or in a needed module.
+  // Frames that were not processed because a newer frame replaced them, in this module or in a needed module.
   std::uint64_t dropped = 0;
   // Wall-clock computing time of the last thousand frames, s.
   double computing_median_s = 0, computing_p95_s = 0, computing_max_s = 0;
-  // Time from exposure to delivery, in host time (simulated in lockstep), s.
+  // Time from exposure to delivery, s, in host time (in lockstep: simulated time).
   double age_median_s = 0, age_p95_s = 0, age_max_s = 0;
 };
 
@@ -48,7 +49,7 @@ struct Delivery {
 };
 
 // All calls must come from one thread, on which subscribers are also called. The destructor stops the
-// modules, even while pixels are still pending. Undelivered results are discarded.
+// modules, even if pixels have not arrived yet. Undelivered results are discarded.
 class Pipeline {
  public:
   explicit Pipeline(const PipelineOptions& options);
@@ -56,27 +57,27 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  // Adds a module; only before the first submit(). Errors: the name exists already, or a needed module was
-  // not added before.
+  // Adds a module. Call before the first submit(). Errors: the name exists already, or a needed module has
+  // not been added yet.
   Result<void> add(std::unique_ptr<Module> module);
   bool has(std::string_view module) const;
 
-  // Calls `use(frame, value, error)` for each frame that was not dropped; either value or error is null.
-  // Error: no such module. If the module's results are not of type T, `use` receives errors.
+  // Calls `use(frame, value, error)` for each frame that was not dropped. Exactly one of value and error is
+  // null. Error: no module has this name. If the module's results are not of type T, `use` receives errors.
   template <class T>
   Result<void> subscribe(const std::string& module,
                          std::function<void(const Frame&, const T*, const Error*)> use);
-  // Calls `use` for each delivery.
+  // Calls `use` for each delivered result.
   void log(std::function<void(const Delivery&)> use);
 
-  // Passes a pair to the modules. Never blocks, even if its pixels are not available yet.
+  // Passes a pair to the modules. Never blocks, even if the pair's pixels are not available yet.
   void submit(StereoPair pair);
-  // Delivers all results that are ready and returns their number. In lockstep it waits for results that are
-  // due but not yet computed. `now` is host time.
+  // Delivers all results that are ready and returns their number. In lockstep, poll() waits for results that
+  // are due but not yet computed. `now` is host time.
   std::size_t poll(Time now);
 
-  // Waits until all frames are processed, and delivers all results regardless of their due time. For the end
-  // of a stream, and for files. Blocks forever if the pixels of a pair never arrive.
+  // Waits until all frames are processed, and delivers all results regardless of their due time. Use finish()
+  // at the end of a stream, and for files. Blocks forever if the pixels of a pair never arrive.
   std::size_t finish();
 
   // Returns one entry per module, in the order of add().

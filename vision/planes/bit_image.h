@@ -1,4 +1,4 @@
-// Binary images with one bit per pixel: 64 pixels are processed at a time. Internal to vision/planes.
+// Binary images with one bit per pixel. Operations process 64 pixels at a time. Internal to vision/planes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -25,7 +25,7 @@ class BitImage {
   void dilate(int reach);
   void erode(int reach);
   void invert();
-  // Union with, or difference from, an image of the same size.
+  // Computes the union with `other`, or the difference from it. Both images must have the same size.
   void join(const BitImage& other);
   void remove(const BitImage& other);
 

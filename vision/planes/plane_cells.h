@@ -1,4 +1,4 @@
-// Reduces a depth image to square cells with mean position and disparity.
+// Reduces a depth image to square cells, each with a mean position and a mean disparity.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,7 +14,7 @@ namespace kaz::vision {
 struct Cell {
   float u = 0, v = 0;  // mean position of pixels with depth, px from the principal point
   float d = 0;         // mean disparity of these pixels, px
-  // At least a quarter of its pixels have depth, and they belong to one surface.
+  // True if at least a quarter of the cell's pixels have depth and these pixels belong to one surface.
   bool usable = false;
 };
 

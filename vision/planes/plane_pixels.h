@@ -20,7 +20,7 @@ class PlanePixels {
   int planes() const { return static_cast<int>(planes_.size()); }
 
   // Labels each pixel with the nearest plane in disparity, among the planes of its cell and of the adjacent
-  // cells. It must be within `tolerance` (px). Also describes the segments.
+  // cells. Planes farther than `tolerance` (px) are ignored. Also computes the geometry of the segments.
   void assign(const DepthImage& depth, float tolerance, PlaneSegments& found);
 
  private:
@@ -50,7 +50,8 @@ class PlanePixels {
   std::vector<DisparityPlane> planes_;
   std::vector<int> plane_of_;            // plane of each segment
   std::vector<std::vector<int>> cells_;  // cells of each segment
-  std::vector<std::uint16_t> mask_;      // per cell: bit set of the planes that are near
+  // Per cell: bit set of the planes in this cell and in adjacent cells.
+  std::vector<std::uint16_t> mask_;
   std::vector<std::vector<std::uint8_t>> segment_at_;  // per plane and cell: segment + 1; 0: none
   std::vector<Sums> sums_;
   std::vector<float> square_;  // per column of a run of cells

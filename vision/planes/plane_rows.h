@@ -1,5 +1,5 @@
-// The two pixel loops of plane segmentation, with the processor's widest vectors or, for tests, without.
-// Results are the same.
+// The two pixel loops of plane segmentation. They use the processor's widest vectors; for tests, vectors can
+// be disabled. Results are the same.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,8 @@
 
 namespace kaz::vision {
 
-constexpr float kMaxDisparity_px = 1e9F;  // values from here on, or not above 0, are unknown
+// Disparities at or above this value, or not above 0, are unknown.
+constexpr float kMaxDisparity_px = 1e9F;
 
 // Statistics of the known disparities of each pixel column over several rows.
 struct ColumnSums {
@@ -22,8 +23,8 @@ struct ColumnSums {
 void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,
              bool vectors = true);
 
-// Labels the pixels of a row. Those within `tolerance` of the disparity start + slope x get the label, others
-// 0. Adds to the sum of squared residuals and the count of each column.
+// Labels the pixels of a row. Pixels within `tolerance` of the disparity start + slope x get the label, other
+// pixels 0. Adds the labeled pixels to each column's count and sum of squared residuals.
 struct RowPlane {
   float start, slope, tolerance;
   std::uint8_t label;

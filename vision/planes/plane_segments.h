@@ -1,21 +1,22 @@
-// Finds plane segments in a depth image, their geometry, and which of them are the floor.
+// Finds plane segments in a depth image, computes their geometry, and determines which ones are floor.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The paper finds the floor with the Plane Segment Finder (section 4.1; K. Okada, S. Kagami, M. Inaba, H.
 // Inoue, "Plane segment finder: algorithm, implementation and applications", ICRA 2001). This is a randomized
-// three-dimensional Hough transform, followed by a fit to the regions of a plane. We did not have that text
-// and follow the description in the paper.
-// 1. Three neighboring points, drawn at random, define a plane. They give one vote for the direction of its
-//    normal and its distance from the eye.
-// 2. A peak of votes is a plane, which is fitted to the points on it.
-// 3. Connected points on it are a segment. The remaining points vote again for further planes.
-// 4. Floor segments agree with the plane under the sole of the supporting foot, from the posture at the
-//    exposure.
+// three-dimensional Hough transform, followed by a fit to the regions of a plane. We had no access to the
+// text of Okada et al. and follow the description in the paper.
+// 1. Three neighboring points, drawn at random, define a plane. Each triple gives one vote for the direction
+//    of the plane's normal and the plane's distance from the eye.
+// 2. A peak of votes is taken as a plane. The plane is fitted to the points near it.
+// 3. Connected points on the plane form a segment. The remaining points vote again for further planes.
+// 4. A segment is floor if it agrees with the plane under the sole of the supporting foot. This plane is
+//    computed from the posture at the exposure.
 //
-// Differences: points are means over squares of about 1/80 of the picture's width. Planes are fitted in
-// disparity, and so are distances from them, because stereo noise is the same near and far there. A plane in
-// space is d = a u + b v + c in disparity. Each plane has its own round of votes, so that the floor does not
-// hide a small one. Pixels, not squares, are assigned to the nearest plane.
+// Differences from the paper: points are means over squares with sides of about 1/80 of the picture's width.
+// Planes are fitted, and distances from planes are measured, in disparity, because stereo noise in disparity
+// is the same for near and far points. A plane in space is d = a u + b v + c in disparity. Each plane has its
+// own round of votes, so that the floor does not hide a small plane. At the end, single pixels instead of
+// squares are assigned to the nearest plane.
 //
 // Units: m, px, rad. Frame: optical frame of the left eye (frame.h).
 #pragma once
@@ -32,14 +33,16 @@
 namespace kaz::vision {
 
 struct PlaneOptions {
-  std::uint64_t seed = 1;     // seed of the random draws; the same seed gives the same segments
-  int triples = 1500;         // number of draws for the first plane; a third for each further one
+  std::uint64_t seed = 1;  // seed of the random draws; the same seed gives the same segments
+  // Number of draws for the first plane; each further plane gets a third of this number.
+  int triples = 1500;
   int max_planes = 8;         // 1..16
   double tolerance_px = 0.6;  // maximum distance of a point from its plane, in disparity
   double min_share = 0.006;   // minimum size of a segment, as a share of the picture
-  // Tolerances between floor and the plane under the sole: errors of posture and calibration.
+  // Maximum differences between a floor segment and the plane under the sole. The causes are errors of
+  // posture and calibration.
   double floor_angle_rad = 0.10;
-  double floor_height_m = 0.02;  // height of the middle of the segment
+  double floor_height_m = 0.02;  // difference in height of the middle of the segment
 };
 
 struct PlaneSegment {
@@ -48,22 +51,24 @@ struct PlaneSegment {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double distance_m = 0;  // from the eye, > 0
   double error_px = 0;    // rms distance of the segment's pixels from the plane, in disparity
-  double error_m = 0;     // the same perpendicular to the plane
+  double error_m = 0;     // rms distance perpendicular to the plane
   int pixels = 0;
   int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, inclusive, px
-  // Middle of the points, and unit directions of their largest and smallest spread in the plane. The extents
-  // length_m and width_m in these directions count from middle to middle of the outermost squares. So the
-  // segment is up to one and a half squares longer on each side.
+  // `middle` is the mean of the points; `along` and `across` are the unit directions of their largest and
+  // smallest spread in the plane. The extents in these directions, length_m and width_m, are measured between
+  // the middles of the outermost squares. So the real segment is longer by up to one and a half squares on
+  // each side.
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   Eigen::Vector3d along = Eigen::Vector3d::UnitX(), across = Eigen::Vector3d::UnitY();
   double length_m = 0, width_m = 0;
-  bool floor = false;  // agrees with the sole; false if the posture is unknown
+  // True if the segment agrees with the plane under the sole; false if the posture is unknown.
+  bool floor = false;
 };
 
 struct PlaneSegments {
   FrameInfo info;  // frame information of the pair
   int width = 0, height = 0;
-  // In the order in which their planes were found, the largest segment of each plane first.
+  // Sorted by the order in which the planes were found; within a plane, the largest segment is first.
   std::vector<PlaneSegment> segments;
   std::vector<std::uint8_t> label;  // per pixel: 0: none; n: segments[n - 1]
 
@@ -84,7 +89,8 @@ class PlaneSegmentFinder {
 
   // Reuses the memory of `found`, whose contents are undefined after an error. It is not an error if no plane
   // is found. Disparities that are not above 0 or not finite count as unknown. Errors:
-  // - a depth image under 32 or over 8192 pixels a side, or whose data does not match its size.
+  // - a depth image with less than 32 or more than 8192 pixels a side, or with data that does not match its
+  //   size.
   // - a camera model without focal length or baseline.
   // - options out of range.
   Result<void> find(const DepthImage& depth, PlaneSegments& found);

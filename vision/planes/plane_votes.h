@@ -1,4 +1,4 @@
-// Finds plane candidates by a randomized Hough transform: local triples of cells vote for planes.
+// Finds plane candidates by a randomized Hough transform. Triples of neighboring cells vote for planes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,13 +12,14 @@
 
 namespace kaz::vision {
 
-// Accumulator of votes. The normal has 24 x 24 bins of the octahedral map, about 6 degrees each. The distance
-// from the camera has 50 bins of 12 %, from 2 cm to 8 m. Optical frame.
+// Accumulator of votes. There are 24 x 24 bins for the direction of the normal (octahedral map, about 6
+// degrees per bin). There are 50 bins for the distance from the camera, 2 cm to 8 m, each 12 % wide. Optical
+// frame.
 class PlaneVotes {
  public:
-  // Samples triples of cells where `open` is set. Returns up to 6 planes with the most votes, best first, of
-  // which no two are in adjacent bins. `open_cells` lists the open cells. The result is valid until the next
-  // call.
+  // Samples triples of cells where `open` is set. Returns up to 6 planes with the most votes, best first. No
+  // two of these planes are in adjacent bins. `open_cells` lists the cells where `open` is set. The result is
+  // valid until the next call.
   std::span<const DisparityPlane> count(const CellGrid& grid, std::span<const std::uint8_t> open,
                                         std::span<const int> open_cells, const CameraModel& camera,
                                         int triples, Random& random);
@@ -29,7 +30,7 @@ class PlaneVotes {
     std::array<std::int16_t, 3> bin;
     Eigen::Vector3f plane;  // scaled normal
   };
-  // With a border of empty bins, so that each bin has neighbors.
+  // The accumulator has a border of empty bins, so that each bin has neighbors.
   static constexpr int kPitch = kSides + 2, kBins = kPitch * kPitch * (kDistances + 2);
   static std::size_t index(const Vote& vote) {
     return static_cast<std::size_t>(((vote.bin[2] + 1) * kPitch + vote.bin[1] + 1) * kPitch +

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Flooding by a priority queue (F. Meyer, "Color image segmentation", IPA 1992). The color difference of two
-// pixels is the largest of the three channels. Undecided pixels beside a marker wait in one FIFO queue per
-// color difference. They get the marker of their neighbors, or become the line between both. The order of
-// neighbors, and so each pixel of the result, is that of OpenCV's cv::watershed, with which the test
-// compares. The frame of the picture is also a line.
+// pixels is the largest difference of the three channels. Undecided pixels beside a marker wait in one FIFO
+// queue per color difference. A pixel from a queue gets the marker of its neighbors, or becomes part of the
+// line if its neighbors have different markers. The order of neighbors is the same as in OpenCV's
+// cv::watershed, so every pixel of the result is the same; a test compares both. The outermost pixels of the
+// picture also belong to the line.
 #pragma once
 
 #include <array>
@@ -33,7 +34,7 @@ class Watershed {
 
   int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> label_;
-  // By pixel: the next one in its queue, -1 at its end. A pixel is queued only once.
+  // By pixel: the next pixel in the same queue, or -1 for the last pixel. A pixel is queued only once.
   std::vector<std::int32_t> next_;
   std::array<std::int32_t, 256> head_{}, tail_{};  // by color difference; head -1: empty
 };

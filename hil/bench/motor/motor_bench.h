@@ -1,8 +1,9 @@
 // Measurements of one motor: group `motor` of measurements.def.
 // SPDX-License-Identifier: Apache-2.0
 //
-// They use the host's Robot and a Stand, so they are the same for a real board and the emulated one. Without
-// a stand, those that need it are left out. docs/howto/bench.md describes each.
+// The measurements use the host's Robot and a Stand, so they run in the same way on a real and on an
+// emulated board. Without a stand, measurements that need a stand are left out. docs/howto/bench.md
+// describes each measurement.
 #pragma once
 
 #include <functional>
@@ -17,10 +18,10 @@ namespace kaz::hil {
 struct MotorBenchOptions {
   int joint = 2;
   std::string filter;  // regular expression for a measurement's name; empty: all
-  // Gains of the control loop, the same for every joint: the board's defaults, not the smaller ones of the
-  // hands.
+  // Gains of the control loop, the same for every joint: the board's default gains, not the smaller gains of
+  // the hands.
   host::Gains gains;
-  double supply_volts = 10;  // supply of the stand, unless a measurement sets its own
+  double supply_volts = 10;  // supply voltage of the stand, unless a measurement sets another
   // `share`: completed share, 0 to 1.
   std::function<void(double share, const std::string& what)> progress;
 };
@@ -28,20 +29,21 @@ struct MotorBenchOptions {
 // Returns connection options with a link watchdog that is long enough for the tools of a stand.
 host::ConnectOptions bench_connection();
 
-// Error (usage): not a regular expression, or it matches no measurement of a motor.
+// Error (usage): the filter is not a regular expression, or matches no measurement of a motor.
 Result<void> check_motor_filter(const std::string& filter);
 
 // Runs the measurements. `stand` may be null. The robot must be connected with a link watchdog of 0.5 s or
-// more, and all motors must be off. A failure is entered as failed, and the next measurement follows. If the
-// motor turns against its potentiometer, the others are left out. Errors: link or stand are gone
-// (environment); no such joint or filter (usage).
+// more, and all motors must be off. A measurement that fails is entered as failed, and the next measurement
+// follows. If a motor turns in the opposite direction to its potentiometer, the other measurements are left
+// out. Errors: link or stand are gone (environment); no such joint or filter (usage).
 Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptions& options,
                          BenchJudge& judge);
 
-// The parts, in the order in which they run. Each enters the measurements after which it is named.
+// The parts of the bench, in the order in which they run. Each part enters the measurements after which the
+// function is named.
 //
-// Enters `direction`; a correct one only with `enter_good`. Returns false if the motor turns against its
-// potentiometer. A loop must then not be closed on it.
+// Enters `direction`; if the direction is correct, only with `enter_good`. Returns false if the motor turns
+// in the opposite direction to its potentiometer. In that case no control loop may be closed on this motor.
 bool measure_direction(MotorOnBench& motor, BenchJudge& judge, bool enter_good);
 void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge);  // pot.noise
 void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge);   // pot.* except noise

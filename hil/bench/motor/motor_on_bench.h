@@ -1,4 +1,4 @@
-// Drives one motor on the bench, open-loop or by its control loop, and records what its potentiometer
+// Drives one motor on the bench, open-loop or by its control loop, and records what the potentiometer
 // measures.
 // SPDX-License-Identifier: Apache-2.0
 //
@@ -27,8 +27,9 @@ using Trace = std::vector<Sample>;
 
 class MotorOnBench {
  public:
-  // `stand` may be null. The robot's link watchdog must be 0.5 s or more. The joint gets `gains` and the
-  // limits that it has after a reset. The destructor restores its own.
+  // `stand` may be null. The robot's link watchdog must be 0.5 s or more. The constructor sets the joint's
+  // gains to `gains` and the limits to those after a reset. The destructor restores the previous gains and
+  // limits.
   MotorOnBench(host::Robot& robot, Stand* stand, int joint, const host::Gains& gains);
   ~MotorOnBench();
   MotorOnBench(const MotorOnBench&) = delete;
@@ -44,26 +45,27 @@ class MotorOnBench {
   double upper_rad() const { return upper_; }
   double middle_rad() const { return 0.5 * (lower_ + upper_); }
 
-  // Switches all motors off and clears a latched shutdown. The common state before each measurement.
+  // Switches all motors off and clears a latched shutdown. Each measurement starts from this state.
   void come_to_rest();
   // Sets the stand's supply. Throws Failed if the board, with its motors off, reads another voltage.
   void set_supply(double volts);
   void wait(double length_s);
-  // Moves there by the loop, then switches the motor off.
+  // Moves the joint to the angle by the control loop, then switches the motor off.
   void go_to(double angle_rad);
-  // Throws Failed if the board has no valid reading of the potentiometer. It then keeps the last angle, which
-  // looks like a reading without noise.
+  // Throws Failed if the board has no valid reading of the potentiometer. The board then keeps the last
+  // angle, which looks like a reading without noise.
   void check_potentiometer();
-  // Returns the code, 0 to 1023, of an angle by the current calibration.
+  // Returns the potentiometer code, 0 to 1023, of an angle. Uses the current calibration.
   double potentiometer_code(double angle_rad);
-  // Returns the line errors since the last call: "on the line 3 replies did not come"; empty: none.
+  // Returns the line errors since the last call: "on the line 3 replies did not come"; empty: no errors.
   std::string take_line_trouble();
   // Samples the potentiometer every 5 ms with the motor off.
   Trace watch(double length_s);
-  // Drives with a duty of -1 to 1, rounded to 1/255, for `length_s`. With `within_rad` above 0, it ends when
-  // the shaft is that close to the limit ahead. Then the motor is off, and sampling continues for `after_s`.
+  // Drives with a duty of -1 to 1, rounded to 1/255, for `length_s`. With `within_rad` above 0, the drive
+  // ends when the shaft is that close to the limit ahead. After the drive, the motor is off, and sampling
+  // continues for `after_s`.
   Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
-  // The same, but ends as soon as the angle is `enough_rad` from `from_rad` on either side.
+  // Like drive(), but ends as soon as the angle differs from `from_rad` by `enough_rad` in either direction.
   Trace nudge(double duty, double length_s, double from_rad, double enough_rad);
   // Drives without sampling, to continue the previous drive.
   void keep_driving(double duty, double length_s);
@@ -76,7 +78,8 @@ class MotorOnBench {
   Sine follow(double middle_rad, double amplitude_rad, double hertz, double length_s);
 
  private:
-  // Throws Failed after a refusal, since the board is there, and Lost if the board is gone.
+  // For an error, throws Failed if the board still answers, as after a refusal, and Lost if the board is
+  // gone.
   template <class T>
   T or_throw(Result<T> result) {
     if (result) return sure(std::move(result));
@@ -89,9 +92,9 @@ class MotorOnBench {
   template <class Enough>
   Trace drive_until(double duty, double length_s, double after_s, Enough enough);
   void forget_telemetry();
-  // Collects samples until `until` on the host's clock, or until `enough` returns true. Frames with a board
-  // time before `until_s` (s after begin_tick) are awaited a little longer, because a busy machine reads them
-  // late.
+  // Collects samples until `until` on the host's clock, or until `enough` returns true. Waits a little
+  // longer for frames with a board time before `until_s` (s after begin_tick), because a busy machine reads
+  // such frames late.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 
@@ -100,7 +103,8 @@ class MotorOnBench {
   int joint_;
   host::Gains gains_, own_gains_;
   double lower_ = 0, upper_ = 0;
-  std::optional<host::Limits> own_limits_;  // if they differed
+  // Previous limits; nullopt: equal to the limits after a reset.
+  std::optional<host::Limits> own_limits_;
   bool listening_ = false;
   Time unlocked_until_{};
   bool link_lost_ = false;

@@ -1,8 +1,8 @@
 // Interface to the tools of a motor test stand: supply, clamp and scale, weight, protractor, a disc.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Angles and torques are positive in the joint's positive direction, rad and Nm at the output shaft. Errors
-// come from the tools: no such stand, interrupted.
+// Angles and torques are positive in the joint's positive direction, rad and Nm at the output shaft. All
+// errors are errors of the tools: no such stand, interrupted.
 #pragma once
 
 #include <functional>
@@ -22,35 +22,37 @@ class Stand {
   virtual Result<double> disc_kgm2() = 0;
   // Sets the voltage of the supply without load.
   virtual Result<void> set_supply(double volts) = 0;
-  // Holds the shaft by a lever against a scale, which is set to zero, or frees it.
+  // If `on`, holds the shaft by a lever against a scale and sets the scale to zero. Otherwise frees the
+  // shaft.
   virtual Result<void> clamp(int joint, bool on) = 0;
-  // Announces that the motor will press, in the joint's positive or negative direction.
+  // Announces that the motor will press against the scale, in the joint's positive or negative direction.
   virtual Result<void> prepare_press(int joint, bool positive) = 0;
-  // Returns the torque with which the motor has pressed since then, at the end of its drive.
+  // Returns the torque with which the motor pressed since prepare_press(), at the end of the drive.
   virtual Result<double> scale_nm(int joint) = 0;
-  // Lays a weight gently on the shaft; 0: lifts it off.
+  // Lays a weight gently on the shaft; torque 0 lifts the weight off.
   virtual Result<void> press(int joint, double torque_nm) = 0;
   // Turns the shaft by hand to about this angle and holds it until let_go(). Returns the angle of the
   // protractor.
   virtual Result<double> turn(int joint, double angle_rad) = 0;
   virtual Result<void> let_go(int joint) = 0;
-  // Prepares a bench: frees every shaft, regardless of how an interrupted bench left it, and sets the supply.
+  // Prepares the stand for a bench: frees every shaft, which an interrupted bench may have left clamped, and
+  // sets the supply.
   virtual Result<void> put_back(double supply_volts) = 0;
-  // Time that the motor must press for the scale to be read.
+  // Duration of a press that is long enough to read the scale, s.
   virtual double pressing_s() const = 0;
-  // Time in which the shaft comes to rest after press().
+  // Time in which the shaft comes to rest after press(), s.
   virtual double settling_s() const = 0;
 };
 
-// A stand that executes the commands of docs/howto/bench.md: the simulator, in process or through its control
-// socket.
+// A stand that executes the commands of docs/howto/bench.md: the simulator, in this process or through the
+// control socket.
 class CommandStand final : public Stand {
  public:
   using Query = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
   // Returns a Query that parses the replies of `query`, as a control socket sends them. A reply that is not
-  // JSON has no readings.
+  // JSON is treated as a reply without readings.
   static Query parsed(std::function<Result<std::string>(const std::string& line)> query);
-  // `pressing_s`: duration of a press; the virtual scale needs 0.05 s. `clock` must outlive this object.
+  // `pressing_s`: duration of a press, s; the virtual scale needs 0.05 s. `clock` must outlive this object.
   CommandStand(std::string name, Query query, host::Clock& clock, double pressing_s = 0.1)
       : name_(std::move(name)), query_(std::move(query)), clock_(clock), pressing_s_(pressing_s) {}
 
@@ -93,7 +95,7 @@ class ManualStand final : public Stand {
   Result<double> turn(int joint, double angle_rad) override;
   Result<void> let_go(int joint) override;
   Result<void> put_back(double supply_volts) override { return set_supply(supply_volts); }
-  // Shorter than the second after which the board detects a stall.
+  // Must be shorter than 1 s, because the board then detects a stall.
   double pressing_s() const override { return 0.7; }
   double settling_s() const override { return 0.1; }
 

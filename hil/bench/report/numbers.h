@@ -10,8 +10,8 @@ namespace kaz::hil {
 
 // Returns the shortest text that parses to the same number; "inf", "-inf"; empty for NaN.
 std::string exact_text(double value);
-// Returns a readable number with four digits, or with two digits of its error if this is known; "none" for
-// NaN.
+// Returns a readable number with four digits, or, if the error is known, rounded to two digits of the error;
+// "none" for NaN.
 std::string value_text(double value, double error = 0);
 // Returns "0.94 to 0.999", "at most 1", "at least 4" or "none".
 std::string limits_text(double low, double high);

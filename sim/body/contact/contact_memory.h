@@ -3,13 +3,15 @@
 //
 // A rubber sole yields elastically before it slips. Friction without memory accumulates the error of every
 // step, so that even a standing robot drifts. Here a contact point has a tangential spring and damper with
-// the same softness as along its normal. It slips when the spring force exceeds mu times the normal force (as
-// in Cundall & Strack, Geotechnique 29(1), 1979). Solver rows for the two tangents t:
+// the same softness as in the normal direction. The point slips if the spring force exceeds mu times the
+// normal force (as in Cundall & Strack, Geotechnique 29(1), 1979). The solver has one row for each of the two
+// tangents t:
 //
 //     t (v_a - v_b) = -erp / h t shear - softness f,   |f| <= mu N
 //
-// Here f is the force on a along t; erp and softness are those for the step h (contact_surface.h). The spring
-// has kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear. World frame, m.
+// Here f is the force on a along t; erp and softness are the values for the step h (contact_surface.h). The
+// stiffness of the spring is kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear.
+// World frame, m.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +24,15 @@ namespace kaz::sim {
 
 class ContactMemory {
  public:
-  // Before a step: matches the contacts with those of the last step and takes over their shear. Points match
-  // if they belong to the same pair of shapes and are less than 3 mm apart.
+  // Call before a step. Matches the contacts with the contacts of the last step and copies the shear of
+  // matching points. Points match if they belong to the same pair of shapes and are less than 3 mm apart.
   void recall(std::span<const Touch> touches);
   static bool has_shear(const Touch& touch) { return touch.surface.softness > 0; }
-  // Displacement of a relative to b in the tangent plane, m, world axes. `touch`: index into recall()'s list.
+  // Displacement of a relative to b in the tangent plane, m, world axes. `touch` is an index into the list
+  // passed to recall().
   const Eigen::Vector3d& shear(std::size_t touch) const { return points_[touch].shear; }
-  // After the step: integrates the shear and limits it by mu times the normal force. `velocity`: of a
-  // relative to b at the point, m/s.
+  // Call after the step. Integrates the shear and limits the spring force to mu times the normal force.
+  // `velocity` is the velocity of a relative to b at the point, m/s.
   void remember(std::size_t touch, const Eigen::Vector3d& velocity, double normal_n, double step_s);
 
   template <class A>
@@ -52,7 +55,7 @@ class ContactMemory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d shear = Eigen::Vector3d::Zero();
-    double limit = 0;  // maximum shear per N of normal force, over kErpStep: m / (N s)
+    double limit = 0;  // maximum shear per N of normal force, divided by kErpStep: m / (N s)
   };
   std::vector<Point> points_, before_;
 };

@@ -19,8 +19,8 @@ class ContactModel {
   // A link of `robot` does not collide with its three nearest ancestors.
   explicit ContactModel(const RobotModel& robot);
 
-  // Adds the collision shapes of one link, except meshes. `body`: its number for Contacts::place(), or -1 if
-  // it is fixed in the world at `pose`.
+  // Adds the collision shapes of one link, except meshes. `body` is the link's number for Contacts::place(),
+  // or -1 if the link is fixed in the world at `pose`.
   void add_robot_link(const RigidLink& link, int robot_link, int body,
                       const Eigen::Isometry3d& pose);
   void add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose);
@@ -29,18 +29,20 @@ class ContactModel {
     Shape::Kind kind = Shape::Kind::box;
     int body = -1;                                   // -1: fixed
     double radius = 0;                               // m, bounding sphere
-    Eigen::Vector3d size = Eigen::Vector3d::Zero();  // as Shape::size
+    Eigen::Vector3d size = Eigen::Vector3d::Zero();  // like Shape::size
     Eigen::Vector3d half = Eigen::Vector3d::Zero();  // boxes: half lengths
     Eigen::Vector3d at =
-        Eigen::Vector3d::Zero();  // from the body's center of mass, or in the world
-    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // in the body's axes, or in the world's
+        Eigen::Vector3d::Zero();  // position from the body's center of mass; if fixed: in the world
+    // Orientation in the body's axes; if fixed: in the world.
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Surface surface;
   };
   // All shapes of one body, or one fixed shape.
   struct Part {
     int body = -1;
     std::size_t first = 0, count = 0;  // range of geoms()
-    // Bounding sphere, m: from the body's center of mass in its axes, or in the world.
+    // Bounding sphere, m. The center is relative to the body's center of mass, in the body's axes; for a
+    // fixed shape in the world frame.
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double radius = 0;
   };
@@ -60,7 +62,7 @@ class ContactModel {
   const std::vector<Part>& fixed() const { return fixed_; }
   // Pairs of indices into robot() that may collide.
   const std::vector<std::pair<std::size_t, std::size_t>>& selves() const { return selves_; }
-  // Name of the link to which the shape belongs; of objects "model/link".
+  // Name of the link to which the shape belongs; for objects "model/link".
   const std::string& name(std::uint32_t shape) const { return names_[shape]; }
 
  private:
@@ -71,7 +73,7 @@ class ContactModel {
 
   std::size_t bodies_ = 0;
   std::vector<Geom> geoms_;
-  std::vector<std::string> names_;  // by geom: name of its link
+  std::vector<std::string> names_;  // by geom: name of the geom's link
   std::vector<Plane> planes_;
   std::vector<Part> robot_, objects_, fixed_;
   std::vector<int> robot_link_;  // by index into robot_

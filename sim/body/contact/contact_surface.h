@@ -8,7 +8,8 @@
 
 namespace kaz::sim {
 
-// Step for which ERP (error reduction parameter) and softness (ODE's CFM) of contacts and stops are given, s.
+// Reference step, s. ERP (error reduction parameter) and softness (ODE's CFM) of contacts and stops are given
+// for this step.
 constexpr double kErpStep = 1e-3;
 // Fraction of the penetration depth that is corrected in a step of kErpStep (ODE's ERP).
 constexpr double kContactErp = 0.2;
@@ -17,8 +18,8 @@ constexpr double kContactErp = 0.2;
 //
 //   erp = h k / (h k + c),  cfm = 1 / (h k + c),  k = erp / (kErpStep softness),  c = (1 - erp) / softness
 //
-// with k in N/m and c in N s/m. These functions return ERP and softness of the same spring and damper for a
-// step of step_s.
+// with k in N/m and c in N s/m. The following functions convert ERP and softness, given for kErpStep, to a
+// step of step_s with the same spring and damper.
 constexpr double erp_for(double step_s, double erp) {
   const double spring = erp * (step_s / kErpStep);
   return spring / (spring + (1 - erp));
@@ -27,12 +28,12 @@ constexpr double softness_for(double step_s, double erp, double softness) {
   return softness / (erp * (step_s / kErpStep) + (1 - erp));
 }
 
-// Penetration that is not corrected, so that resting bodies keep their contacts, m.
+// Depth of penetration that is not corrected, so that resting bodies keep their contacts, m.
 constexpr double kContactLayer = 2e-4;
 // Maximum velocity at which penetrating bodies are separated, m/s.
 constexpr double kContactMaxCorrection = 0.2;
 
-// Returns the parameters of a pair of surfaces by the rule at Surface.
+// Returns the combined parameters of a pair of surfaces. The rules are documented at Surface.
 inline Surface joined(const Surface& a, const Surface& b) {
   const Surface& livelier = a.restitution >= b.restitution ? a : b;
   return {.mu = std::min(a.mu, b.mu),

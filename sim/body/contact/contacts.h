@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Broad phase: a scene has few shapes, so there is no tree or grid. Each link or object has one bounding
-// sphere. Two spheres, or a sphere and a plane, are rejected by distance. The robot's own pairs that may
-// collide are listed once. Narrow phase: ODE's colliders. They test two boxes only if no face normal of
-// either is a separating axis (Gottschalk et al., SIGGRAPH 1996). Pairs of fixed or sleeping bodies are
-// skipped.
+// sphere. Two spheres, or a sphere and a plane, are skipped if they are too far apart. The pairs of robot
+// links that may collide are listed in advance. Narrow phase: ODE's colliders. Two boxes are passed to ODE
+// only if no face normal of either box is a separating axis (Gottschalk et al., SIGGRAPH 1996). Pairs of
+// fixed or sleeping bodies are skipped.
 //
-// A Contacts object is working memory. Only hints, which save time but do not change results, outlive a step.
-// So each thread has one object for all its worlds, which stays in the processor's cache.
+// A Contacts object is working memory. Only hints are kept from step to step; hints save time but do not
+// change results. So each thread has one Contacts object for all its worlds, and the object stays in the
+// processor's cache.
 #pragma once
 
 #include <array>
@@ -25,9 +26,10 @@ namespace kaz::sim {
 struct Touch {
   int body_a = -1, body_b = -1;            // -1: fixed; never both
   std::uint32_t shape_a = 0, shape_b = 0;  // indices into ContactModel::geoms()
-  Eigen::Vector3d at, normal;              // normal: unit vector along the force of b on a
-  double depth = 0;                        // penetration
-  Surface surface;                         // combined parameters of the pair
+  // `normal` is a unit vector in the direction of the force of b on a.
+  Eigen::Vector3d at, normal;
+  double depth = 0;  // penetration
+  Surface surface;   // combined parameters of the pair
 };
 
 class Contacts {
@@ -37,7 +39,7 @@ class Contacts {
 
   // Begins a search among the shapes of `model`, which must exist until the next begin().
   void begin(const ContactModel& model);
-  // Sets the pose of a body in the world frame: axes of its link and center of mass. To be called for each
+  // Sets the pose of a body in the world frame: axes of the body's link, and center of mass. Call for each
   // body that can move. Sleeping bodies collide only with bodies that are awake.
   void place(int body, const Eigen::Matrix3d& axes, const Eigen::Vector3d& com, bool awake) {
     bodies_[static_cast<std::size_t>(body)] = {axes, com, awake};
@@ -54,7 +56,7 @@ class Contacts {
     Eigen::Vector3d com = Eigen::Vector3d::Zero();
     bool awake = false;
   };
-  // World pose of a moving geom, computed on demand. Valid if its round is the current one.
+  // World pose of a moving geom, computed on demand. Valid if the member `round` equals round_.
   struct Pose {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -71,13 +73,13 @@ class Contacts {
   struct Sphere {
     double x = 0, y = 0, z = 0, radius = 0;
   };
-  // The face that separated two boxes last time, which is tried first (temporal coherence). A wrong hint only
-  // costs time.
+  // The face that separated two boxes last time. This face is tried first (temporal coherence). A wrong hint
+  // only costs time.
   struct Hint {
     std::uint32_t a = 0, b = 0;
     int face = 0;
   };
-  // ODE's geoms, one of each kind. They take size and pose of the shape under test.
+  // One ODE geom of each kind. Each test sets the geom to the size and pose of the tested shape.
   using OdeShapes = std::array<OdeGeomHandle, 5>;
 
   Contacts();
@@ -94,7 +96,7 @@ class Contacts {
   const ContactModel* model_ = nullptr;
   std::vector<Touch> touches_;
   std::vector<Body> bodies_;
-  std::uint64_t round_ = 0;  // counts begin(), over all worlds of the thread
+  std::uint64_t round_ = 0;  // number of calls of begin(), for all worlds of the thread
   std::vector<Pose> poses_;  // by geom
   std::vector<Part> robot_, objects_, fixed_;
   std::vector<Sphere> spheres_;  // by index into robot_

@@ -22,10 +22,11 @@ struct OdeDelete {
   }
 };
 
-// Destroying an ODE world destroys its bodies and joints. Shapes on bodies must be destroyed before.
+// Destroying an ODE world destroys its bodies and joints. Shapes attached to bodies must be destroyed before
+// the world.
 using OdeWorldHandle = std::unique_ptr<dxWorld, OdeDelete<dWorldDestroy>>;
-// Runs the steps of a world. ODE's default implementation is shared by all worlds and cannot run two steps at
-// a time.
+// Runs the steps of a world. Each world has its own, because ODE's default implementation is shared by all
+// worlds and cannot run two steps at a time.
 using OdeThreadingHandle =
     std::unique_ptr<dxThreadingImplementation, OdeDelete<dThreadingFreeImplementation>>;
 using OdeGeomHandle = std::unique_ptr<dxGeom, OdeDelete<dGeomDestroy>>;
@@ -35,7 +36,7 @@ inline Eigen::Vector3d to_eigen(const dReal* v) {
   return {v[0], v[1], v[2]};
 }
 
-// ODE stores rotation matrices as 3 rows of 4.
+// ODE stores a rotation matrix as 3 rows of 4 numbers.
 inline Eigen::Matrix3d rotation_to_eigen(const dReal* r) {
   return Eigen::Map<const Eigen::Matrix<dReal, 3, 4, Eigen::RowMajor>>(r).leftCols<3>();
 }

@@ -55,8 +55,8 @@ class Folder {
   std::filesystem::path path_;
 };
 
-// SDF text of a world with a floor (mu 0.5) and `models`. The robot starts at y = -3 m, away from the models.
-// `gravity`: "x y z", m/s^2.
+// Returns the SDF text of a world with a floor (mu 0.5) and `models`. The robot starts at y = -3 m, away from
+// the models. `gravity` is "x y z" in m/s^2.
 inline std::string world_text(const std::string& gravity, const std::string& models) {
   return R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">
@@ -70,7 +70,7 @@ inline std::string world_text(const std::string& gravity, const std::string& mod
          "</world></sdf>\n";
 }
 
-// Loads a world with Kaz. On an error the test fails and the result is null.
+// Loads a world with the robot Kaz. On an error, the test fails and the result is null.
 inline std::unique_ptr<World> load_or_fail(const std::string& world, const WorldOptions& options) {
   auto loaded = World::load(world, kRobot, options);
   if (!loaded) {

@@ -11,8 +11,9 @@
 
 namespace kaz::sim {
 
-// Contact parameters of a shape. A pair of shapes has the smaller mu, the sum of the softnesses, the larger
-// rolling resistance, and the larger restitution with its threshold.
+// Contact parameters of a shape. A pair of shapes has the smaller mu, the sum of both softnesses, the larger
+// rolling resistance and the larger restitution. The bounce threshold is that of the shape with the larger
+// restitution.
 struct Surface {
   double mu = 1.0;                // Coulomb friction
   double softness = 0;            // m/s per N, compliance (ODE's contact CFM)
@@ -33,14 +34,15 @@ struct RigidLink {
   Eigen::Vector3d com = Eigen::Vector3d::Zero();      // m, link's frame
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // kg m^2, about com, link's axes
   std::vector<CollisionShape> collisions;
-  std::vector<Visual> visuals;  // `in_frame` is in the link's frame, `frame` is not set yet
+  // `in_frame` is relative to the link's frame; `frame` is not set yet.
+  std::vector<Visual> visuals;
 };
 
 // Merges `part`, fixed at pose `in_link`, into `link`: mass, inertia, collision and visual shapes.
 void weld(RigidLink& link, const RigidLink& part, const Eigen::Isometry3d& in_link);
 
-// Returns the axis-aligned bounding box of the shape in the parent frame of `pose`. It is empty for planes
-// and meshes.
+// Returns the axis-aligned bounding box of the shape in the parent frame of `pose`. The box is empty for
+// planes and meshes.
 Eigen::AlignedBox3d extent(const Shape& shape, const Eigen::Isometry3d& pose);
 
 // Returns true if mass and principal moments are positive, and no principal moment exceeds the sum of the

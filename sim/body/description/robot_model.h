@@ -1,4 +1,4 @@
-// Robot model from a URDF, in the form that the dynamics uses.
+// Robot model, loaded from a URDF, in the form that the dynamics use.
 // SPDX-License-Identifier: Apache-2.0
 //
 // docs/reference/robot.md specifies the accepted files. Links at fixed joints are merged into their parent
@@ -22,7 +22,8 @@ namespace kaz::sim {
 struct RobotLink {
   RigidLink rigid;
   int parent = -1;  // index into RobotModel::links, always smaller than the link's own
-  int joint = -1;   // index into RobotModel::joints of the joint that moves it; -1: root link
+  // Index into RobotModel::joints of the joint that moves this link; -1: root link.
+  int joint = -1;
   // Pose in the root link's frame at the zero posture.
   Eigen::Isometry3d at_zero = Eigen::Isometry3d::Identity();
 };
@@ -31,7 +32,8 @@ struct RobotJoint {
   std::string name;
   int child = 0;                                    // index into RobotModel::links
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector, root link's frame, zero posture
-  double lower = 0, upper = 0;                      // rad, software limits; stops: stop_margin.h
+  // Rad, software limits; mechanical stops are beyond them (stop_margin.h).
+  double lower = 0, upper = 0;
 };
 
 // Frame of a URDF link, fixed to a link of the model.
@@ -43,8 +45,9 @@ struct RobotFrame {
 struct RobotModel {
   std::string name;
   std::vector<RobotLink> links;  // parents before children; the root is first
-  bool fixed_base = false;       // the root link is named `world` and never moves
-  // Revolute joints: Kaz's in the order of shared/board/joints.def, those of other robots in file order.
+  bool fixed_base = false;       // true if the root link is named `world`; it then never moves
+  // Revolute joints. Kaz's joints are in the order of shared/board/joints.def, joints of other robots in file
+  // order.
   std::vector<RobotJoint> joints;
   std::map<std::string, RobotFrame> frames;  // by link name, including merged links
 

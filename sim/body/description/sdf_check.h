@@ -1,4 +1,4 @@
-// Validates a world file. Unsupported elements are errors, so that none is silently ignored.
+// Validates a world file. Unsupported elements are errors, so that no element is silently ignored.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

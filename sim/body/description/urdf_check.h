@@ -13,11 +13,11 @@ namespace kaz::sim {
 // A root link with this name is fixed at the robot's start pose in the world.
 inline constexpr const char* kFixedRoot = "world";
 
-// File contents that the parser does not return.
+// Contents of the URDF file that urdfdom does not return.
 struct UrdfFacts {
   std::vector<std::string> revolute;       // joint names in file order
-  std::map<std::string, double> friction;  // mu by link name; only links that define it
-  std::string text;                        // the validated bytes, for the parser
+  std::map<std::string, double> friction;  // mu by link name; contains only links that define mu
+  std::string text;                        // the validated file contents, to be parsed by urdfdom
 };
 
 // Checks the file against the URDF subset in docs/reference/robot.md. Errors name file and line.

@@ -15,7 +15,8 @@ namespace kaz::sim {
 // Velocity change of an object at a given time.
 struct Kick {
   double time_s = 0;
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, world axes, added to the object's
+  // m/s, world axes, added to the object's velocity.
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
 // Impulse on a link of the robot at its center of mass.
@@ -25,7 +26,8 @@ struct Push {
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes
 };
 
-inline constexpr double kFirstStep = 0.005;  // m, rise of a foot in the robot's first step
+// M; a foot that rises by this height makes the robot's first step.
+inline constexpr double kFirstStep = 0.005;
 
 // A link of a world model.
 struct WorldBody {
@@ -40,11 +42,11 @@ struct WorldModel {
   Eigen::Vector3d gravity{0, 0, -9.81};
   std::vector<WorldBody> bodies;
   Light light;
-  // Start pose of the robot: the point between its soles, x forward.
+  // Start pose of the robot: the origin is the point between the soles, x is forward.
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
   std::vector<Push> pushes;  // on the robot, sorted by time
-  // Links of the robot. The times of pushes count from its first step, when one of these links has risen by
-  // kFirstStep. If empty, they count from the start.
+  // Names of robot links. The robot's first step is when one of these links has risen by kFirstStep; times of
+  // pushes count from the first step. If `feet` is empty, times of pushes count from the start.
   std::vector<std::string> feet;
 };
 

@@ -16,14 +16,14 @@ namespace kaz::sim {
 
 class XmlFile {
  public:
-  // Fails if the file cannot be read, exceeds 16 MiB, is not well-formed XML in UTF-8, has a document type,
-  // or has another root element.
+  // Reads and parses a file. Errors: the file cannot be read, exceeds 16 MiB, or is not well-formed XML in
+  // UTF-8. Further errors: the file has a document type declaration, or its root element is not `root_name`.
   static Result<XmlFile> load(const std::string& path, const std::string& root_name);
 
   const std::string& path() const { return path_; }
   const tinyxml2::XMLElement& root() const { return *document_->RootElement(); }
 
-  // Returns the error "path:line: message". Control characters in `message` become blanks.
+  // Returns the error "path:line: message". Control characters in `message` are replaced by spaces.
   tl::unexpected<Error> error(int line, const std::string& message) const;
   tl::unexpected<Error> error(const tinyxml2::XMLElement& at, const std::string& message) const {
     return error(at.GetLineNum(), message);
@@ -34,8 +34,8 @@ class XmlFile {
   // Returns the value of a required attribute that must be one finite number.
   Result<double> number(const tinyxml2::XMLElement& element, const char* name) const;
 
-  // Checks the attribute `name`, if present: at most 200 bytes, without & < > " ' and control characters.
-  // Names appear in one-line messages, JSON and XML.
+  // Checks the attribute `name`, if present: at most 200 bytes, no control characters, and none of the
+  // characters & < > " '. Reason: names are used in one-line messages, JSON and XML.
   Result<void> check_name(const tinyxml2::XMLElement& element) const;
 
   // Rejects text between the children of an element that may contain only elements.

@@ -1,8 +1,8 @@
 // A gear motor on a hinge, as one implicit row of the constraint solver.
 // SPDX-License-Identifier: Apache-2.0
 //
-// All quantities refer to the output shaft, in SI units. The rotor has its own angle and speed u. The joint,
-// with its potentiometer, follows behind the backlash b. An implicit Euler step is
+// All quantities refer to the output shaft, in SI units. The rotor has its own angle and speed u. Between
+// rotor and joint is the backlash b; the potentiometer measures the joint's angle. An implicit Euler step is
 //
 //   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
 //
@@ -10,16 +10,17 @@
 // J is the rotor's inertia, h the step and T the torque on the joint.
 //
 // At the end of a step the flanks do not overlap. Let d >= 0 be the gap to the flank that pushes forward and
-// w_new the joint's speed after the step. Then u_new - w_new <= d/h and T >= 0 are complementary: one of them
-// is an equation. For the solver this is one row
+// w_new the joint's speed after the step. Then u_new - w_new <= d/h and T >= 0 are complementary: at least
+// one of both holds with equality. In the solver, this condition is the row
 //
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //
-// and its mirror image for the other flank. Free and engaged are two solutions of the same row. So a flank
-// never pulls, and flanks meet without bounce within the step. The row is implicit in back-EMF and rotor
-// inertia, because explicit torques are unstable on links as light as these. It belongs to the flank that
-// would be closer to the rotor after the step. If the joint passes the other flank, the rotor's angle is
-// reset to it. This changes an angle but no speed, and so adds no energy.
+// and the mirror image of this row for the other flank. The solution of the row can be a free or an engaged
+// flank. So a flank never pulls, and flanks meet within the step without bouncing. The row is implicit in
+// back-EMF and rotor inertia, because explicit torques are unstable on links as light as these. Each step has
+// a row only for the flank that would be closer to the rotor after the step. If the joint passes the other
+// flank, the rotor's angle is set to the position of that flank. This correction changes an angle but no
+// speed, so it adds no energy.
 //
 // Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //
@@ -35,7 +36,7 @@
 
 namespace kaz::sim {
 
-// Each step: prepare(), solve the constraints with the row, finish().
+// For each step, call prepare(), solve the constraints with the row, then call finish().
 class JointMotor {
  public:
   JointMotor(const MotorParams& params, double step_s);
@@ -45,19 +46,21 @@ class JointMotor {
     double velocity = 0;  // rad/s
     double softness = 0;  // rad/s per Nm
     double max = 0;       // Nm
-    double min = 0;       // Nm; -max, or one of both is 0 and the other practically unlimited
+    // Nm; either min = -max, or one of min and max is 0 and the other is practically unlimited.
+    double min = 0;
   };
-  // Returns the torque (Nm) on a joint that a rigid obstacle holds at rest in the coming step. `row`: result
-  // of prepare().
+  // Returns the torque (Nm) that the motor applies in the coming step if a rigid obstacle holds the joint at
+  // rest. `row`: result of prepare().
   double pressing(const Row& row) const;
 
   // Computes the row for the coming step from the joint's present angle and velocity (rad, rad/s). The duty
-  // is clamped to -1..1; one that is not finite counts as 0.
+  // is clamped to -1..1. A duty that is not finite counts as 0.
   Row prepare(const MotorDrive& drive, double supply_volts, double angle, double velocity);
   // Updates rotor, current and heat after the step, from the joint's new velocity and the torque of the row.
   void finish(double velocity, double torque);
 
-  // A, drawn from the supply in the last step. Negative while braking feeds back, 0 while the bridge is open.
+  // Current drawn from the supply in the last step, A. Negative if the motor brakes and feeds current back; 0
+  // if the bridge is open.
   double supply_current() const { return state_.duty * state_.current; }
   double motor_current() const { return state_.current; }  // A; positive: drives forward
   double winding_celsius() const { return heat_.winding_celsius(); }
@@ -73,10 +76,10 @@ class JointMotor {
   friend constexpr Regime last_value(Regime) { return Regime::backward; }
   struct State {
     Regime regime = Regime::held;
-    bool stopped = true;  // just stopped: the holding angle is not set yet
+    bool stopped = true;  // true if the rotor just stopped and the holding angle is not set yet
     double rotor_angle = 0, rotor_speed = 0;
     double torque = 0, torque_before = 0;  // Nm, in the last two steps
-    double press = 0;                      // Nm, on the joint when the rotor stopped
+    double press = 0;                      // Nm, torque on the joint when the rotor stopped
     double duty = 0, current = 0;
     double copper_watts = 0, friction_watts = 0;
     double winding_celsius = 0, case_celsius = 0;

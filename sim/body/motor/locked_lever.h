@@ -10,21 +10,23 @@ struct LockedLever {
   double duty = 1;
   double supply_volts = 10;  // open-circuit voltage of the source
   double supply_ohms = 0;    // resistance between source and driver
-  // Duration. The motor starts cold and at rest, without a gap to the driving flank.
+  // Duration of the test. The motor starts cold and at rest, and the driving flank already touches.
   double seconds = 0.05;
-  // Switches the drive off 100 ms before the end and on again 50 ms later. A motor whose torque falls
-  // while it presses is held by its static friction. The restart measures the torque that it can lift.
+  // Switches the drive off 100 ms before the end and on again 50 ms later. Reason: if the torque of a
+  // pressing motor falls, static friction holds the rotor and the lever shows too high a torque. After the
+  // restart, the lever shows the torque that the motor can really apply.
   bool anew = false;
 };
 
 struct LeverReading {
   double torque_nm = 0;
-  double terminal_volts = 0;  // at the driver, under load
+  double terminal_volts = 0;  // voltage at the driver, under load
   double supply_amperes = 0;
   double winding_celsius = 0;
 };
 
-// Runs the test in steps of 1 ms, as for the robot. Returns the readings at its end.
+// Runs the test in steps of 1 ms, like a simulation of the robot. Returns the readings at the end of the
+// test.
 LeverReading measure_locked_lever(const MotorParams& motor, const LockedLever& bench);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// For tests: an inertia on a motor's output shaft, with the row solved in closed form.
+// For tests: an inertia on a motor's output shaft. The motor's row is solved in closed form.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace kaz::sim::test {
 
-// Loads a motor of Kaz. On an error the test fails.
+// Loads a motor of the robot Kaz. On an error, the test fails.
 inline MotorParams motor_params(const std::string& name = "s9204-jskd04") {
   const auto params = load_motor_file("shared/robot/kaz/motor.xml", name);
   if (!params) {

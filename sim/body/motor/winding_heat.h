@@ -5,9 +5,9 @@
 //   C_c dT_c/dt = (T_w - T_c) / R_wc + friction - (T_c - T_air) / R_ca
 //
 // Source: Hendershot and Miller, "Design of Brushless Permanent-Magnet Motors", on thermal circuits (lumped
-// network). The copper's resistance grows linearly with T_w. Demagnetization by heat is not modeled. It
-// depends on the material: about 0.2 %/K for ferrite, half of that for neodymium. Units: J/K, K/W, W, s,
-// degrees Celsius.
+// network). The copper's resistance grows linearly with T_w. The weakening of the magnets by heat is not
+// modeled. It depends on the material: about 0.2 %/K for ferrite, 0.1 %/K for neodymium. Units: J/K, K/W, W,
+// s, degrees Celsius.
 #pragma once
 
 #include <algorithm>
@@ -23,9 +23,9 @@ class WindingHeat {
   explicit WindingHeat(std::shared_ptr<const MotorParams> params)
       : params_(std::move(params)), winding_(params_->air_celsius), case_(params_->air_celsius) {}
 
-  // Applies the heat (W) of the copper and of gear and brushes for step_s. Explicit Euler is sufficient,
-  // since the step is 1e-5 of the shortest time constant. Without heat parameters in the motor file the motor
-  // stays cold.
+  // Applies the heat of the copper (`copper_watts`) and of gear and brushes (`friction_watts`) during step_s.
+  // Explicit Euler is sufficient, because a step is 1e-5 of the shortest time constant. Without heat
+  // parameters in the motor file the motor stays cold.
   void take(double copper_watts, double friction_watts, double step_s) {
     if (params_->winding_heat_capacity == 0) return;
     const double to_case = (winding_ - case_) / params_->winding_to_case;
@@ -33,7 +33,7 @@ class WindingHeat {
     winding_ += step_s * (copper_watts - to_case) / params_->winding_heat_capacity;
     case_ += step_s * (to_case + friction_watts - to_air) / params_->case_heat_capacity;
   }
-  // Present resistance over the resistance at `air_celsius`.
+  // Ratio of the present resistance to the resistance at `air_celsius`.
   double resistance_ratio() const {
     return 1 + params_->copper_per_kelvin * (winding_ - params_->air_celsius);
   }

@@ -1,9 +1,9 @@
-// World on the Open Dynamics Engine, double precision. Settings: docs/reference/robot.md, "Dynamics".
+// World that uses ODE in double precision. docs/reference/robot.md, "Dynamics", documents the settings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// QuickStep shuffles its rows with ODE's global random generator. Each world keeps its own generator state
-// and installs it for its step, under a lock. So worlds may be stepped in different threads, but QuickSteps
-// run one at a time.
+// QuickStep shuffles its rows with ODE's global random generator. Each world keeps its own generator state.
+// For each step, the world locks the global generator and sets it to this state. So worlds may be stepped in
+// different threads, but only one QuickStep runs at a time.
 #pragma once
 
 #include <deque>
@@ -20,7 +20,7 @@ namespace kaz::sim {
 
 class OdeWorld final : public StagedWorld {
  public:
-  // `iterations`: of QuickStep; 0 selects ODE's exact solver.
+  // `iterations` is the number of iterations of QuickStep; 0 selects ODE's exact solver.
   OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
            const WorldOptions& options, int iterations);
   OdeWorld(const OdeWorld& other);  // builds ODE's objects anew and copies the state
@@ -42,12 +42,13 @@ class OdeWorld final : public StagedWorld {
  private:
   struct Joint {
     dJointID hinge = nullptr, motor = nullptr;
-    dJointFeedback feedback{}, bearing{};            // reactions of `motor` and `hinge`
+    // `feedback`: reactions of `motor`; `bearing`: reactions of `hinge`.
+    dJointFeedback feedback{}, bearing{};
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // in the child's frame
     dBodyID child = nullptr;
     int link = 0, parent = -1;       // numbers of the child and its parent
     double lower = 0, upper = 0;     // mechanical stops, rad
-    std::optional<double> pressing;  // Nm, against a stop in the current step
+    std::optional<double> pressing;  // Nm, motor torque against a stop in the current step
   };
   struct Watched {
     Touch touch;

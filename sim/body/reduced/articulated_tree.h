@@ -1,14 +1,14 @@
-// Dynamics of a tree of rigid links in reduced coordinates: one per joint, six for a floating base. Joints
-// cannot drift apart by construction.
+// Dynamics of a tree of rigid links in reduced coordinates: one coordinate per joint, and six for a floating
+// base. By construction, joints cannot drift apart.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sources: R. Featherstone, "Rigid Body Dynamics Algorithms" (2008): composite-rigid-body inertia
 // (6.2), recursive Newton-Euler bias (5.3).
 //
-// All spatial quantities are in world axes about one point, the present origin P of the root. So inertias and
-// forces of links are added without transforms. The coordinates v begin with the angular velocity of the
-// root and the velocity of P (world axes, rad/s and m/s), unless the base is fixed. The joint rates (rad/s)
-// follow in the order of links, parents first.
+// All spatial quantities are in world axes about the same point P, the present origin of the root link. So
+// inertias and forces of links can be added without transforms. For a floating base, the velocity vector v
+// begins with the angular velocity of the root (rad/s) and the velocity of P (m/s), world axes. Then follow
+// the joint rates (rad/s) in the order of links, parents first.
 //
 //   M(q) dv/dt + c(q, v) = tau
 //
@@ -32,7 +32,7 @@ struct Spatial {
 
 class ArticulatedTree {
  public:
-  // `root`: world pose of the root link. `held`: fixes the base even if the model has a floating one.
+  // `root`: world pose of the root link. `held` fixes the base even if the model's base is floating.
   ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3d& root, bool held);
 
   int dofs() const { return dofs_; }
@@ -40,18 +40,20 @@ class ArticulatedTree {
   int dof_of_joint(int joint) const { return fixed_->dof_of_joint[index(joint)]; }
   int link_of_dof(int dof) const { return dof - root_dofs_ + 1; }
 
-  // State. `angle` (rad) has the joints only, `velocity` all coordinates.
+  // State. `angle` (rad) contains only the joints, `velocity` all coordinates.
   Eigen::Vector3d root_at;  // m, world
   Eigen::Quaterniond root_turn;
-  std::vector<double> angle;  // by coordinate - root_dofs()
+  std::vector<double> angle;  // indexed by coordinate - root_dofs()
   std::vector<double> velocity;
 
-  // Forward kinematics: poses, joint axes and inertias. Call after each change of root pose or angle.
+  // Forward kinematics: computes poses, joint axes and inertias. Call after each change of root pose or
+  // `angle`.
   void place();
   const Eigen::Matrix3d& axes(int link) const { return links_[index(link)].axes; }
   Eigen::Vector3d origin(int link) const { return root_at + links_[index(link)].origin; }
   Eigen::Vector3d com(int link) const { return root_at + links_[index(link)].com; }
-  // Velocity of a point (world frame, m) fixed to a link, world axes, m/s. Valid after velocities().
+  // Returns the velocity (m/s, world axes) of a point that is fixed to a link. `point` is in the world frame,
+  // m. Valid after velocities().
   Eigen::Vector3d velocity_at(int link, const Eigen::Vector3d& point) const;
   Eigen::Vector3d angular_velocity(int link) const { return links_[index(link)].twist.angular; }
   // Computes the links' twists from `velocity`.
@@ -62,15 +64,15 @@ class ArticulatedTree {
     Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
   };
   Momentum momentum();
-  // Changes the velocity of a floating base, but no joint's, so that momentum() becomes `to`. No effect on a
-  // fixed base.
+  // Changes the velocity of a floating base so that momentum() becomes `to`. Joint velocities stay unchanged.
+  // No effect on a fixed base.
   void set_momentum(const Momentum& to);
   Eigen::Vector3d mass_centre() const;  // m, world
   double mass() const { return mass_; }
   double kinetic_energy();  // J
 
   // Computes M for the present pose (composite-rigid-body algorithm). `row(i)` must return a pointer to row
-  // i. Only the diagonal and the columns of ancestors are written.
+  // i. In each row, only the diagonal and the columns of ancestors are written.
   template <class Row>
   void mass_matrix(Row row) const {
     const std::span<const Inertia> composites = composite();
@@ -78,18 +80,20 @@ class ArticulatedTree {
       write_mass_row(i, composites[i], row(fixed(i).dof));
     for (int i = 0; i < root_dofs_; ++i) write_root_row(i, row(i));
   }
-  // Computes c(q, v), N m and N: the generalized forces that keep the coordinates unaccelerated under gravity
+  // Computes c(q, v) in N m and N: the generalized forces at which, under gravity, no coordinate accelerates
   // (recursive Newton-Euler with zero acceleration). `c` must have dofs() entries.
   void bias(const std::vector<double>& velocity, const Eigen::Vector3d& gravity,
             std::vector<double>& c);
 
   // Computes the spatial force transmitted to each link through its parent joint, for motion at `velocity`
-  // with `acceleration` (recursive Newton-Euler). `forces`, by link: external forces without gravity in,
-  // joint forces out. The entry of the root is the force that the base would need.
+  // with `acceleration` (recursive Newton-Euler). `forces` has one entry per link. On entry, it contains the
+  // external forces without gravity, on return the joint forces. The root's entry is then the force needed at
+  // the base for this motion.
   void joint_forces(const std::vector<double>& velocity, const std::vector<double>& acceleration,
                     const Eigen::Vector3d& gravity, std::vector<Spatial>& forces);
 
-  // Range of joint coordinates that includes a link's joint and all its ancestors, without the root's six.
+  // Range of coordinates that includes the joint of a link and the joints of all its ancestors, but not the
+  // root's six coordinates.
   struct Span {
     int first = 0, end = 0;
   };
@@ -99,11 +103,13 @@ class ArticulatedTree {
   int carrier_of_dof(int dof) const {
     return fixed(index(fixed(index(dof - root_dofs_ + 1)).parent)).dof;
   }
-  // out += J^T force for a force (N, or N s) at a point of a link; both in the world frame.
+  // Computes out += J^T force for a force (N, or impulse in N s) at a point of a link. `force` and `point`
+  // are in the world frame.
   void add_force(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& force,
                  double* out) const;
-  // Adds `sign` times the link's geometric Jacobian about P (angular, linear) to columns of six. The column
-  // of joint coordinate i is at columns + 6 (i - first); the root's six are not written.
+  // Adds `sign` times the link's geometric Jacobian about P to `columns`. Each column has six numbers
+  // (angular, linear). The column of joint coordinate i begins at columns + 6 (i - first). The columns of the
+  // root's six coordinates are not written.
   void add_motions(int link, double sign, int first, double* columns) const;
 
  private:
@@ -135,11 +141,11 @@ class ArticulatedTree {
   struct Link {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(), com = Eigen::Vector3d::Zero();
-    Spatial motion;  // motion subspace S: the joint at unit rate
+    Spatial motion;  // motion subspace S: motion of the link if its joint turns at 1 rad/s
     Inertia inertia;
     Spatial twist;
   };
-  // Working memory of one computation, by link. Each thread has one for all trees.
+  // Working memory of one computation, by link. Each thread has one Scratch for all trees.
   struct Scratch {
     std::vector<Inertia> composite;
     std::vector<Spatial> acceleration, force;

@@ -1,15 +1,16 @@
-// Symmetric positive definite block matrix of a kinematic tree and free bodies, and its sparse factors.
+// Symmetric positive definite block matrix for a kinematic tree and free bodies, with sparse factors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block has the coordinates of a floating base, of a chain of joints between two forks of the robot, or of
-// one free body. The inertia couples a chain to its ancestors. Contacts couple the touching bodies. Coupled
-// blocks form an island, and islands are solved independently.
+// A block consists of the coordinates of a floating base, of a chain of joints between two forks of the
+// robot, or of one free body. The inertia couples the block of a chain to the blocks of its ancestors.
+// Contacts couple the blocks of touching bodies. Coupled blocks form an island. Islands are solved
+// independently.
 //
-// Two matrices have this pattern: the inertia M, and H = M plus the stiffness of the rows in a Newton
-// iteration. H is factored as L^T L from the last coordinate to the first, so that branches cause no fill-in
-// in each other (R. Featherstone, "Rigid Body Dynamics Algorithms", 6.5: branch-induced sparsity). A chain on
-// the root without contacts is calm. Its factors and its Schur complement in the root's block are reused
-// while its active set stays the same.
+// Two matrices have this structure: the inertia M, and H, which is M plus the stiffness of the rows in a
+// Newton iteration. H is factored as L^T L from the last coordinate to the first, so that branches cause no
+// fill-in in each other (R. Featherstone, "Rigid Body Dynamics Algorithms", 6.5: branch-induced sparsity). A
+// chain that is attached to the root and has no contacts is called calm. The factors of a calm chain and its
+// Schur complement in the root's block are reused until its active set changes.
 //
 // No allocation once the maximum numbers of coordinates and blocks are reached. All sums have a fixed order.
 #pragma once
@@ -26,29 +27,31 @@ class BlockMatrix {
   };
   struct Island {
     Range blocks;       // in order_
-    bool calm = false;  // has calm blocks
+    bool calm = false;  // true if the island has calm blocks
   };
 
-  // Removes all blocks. The blocks added next must cover the coordinates in ascending order, each once.
+  // Removes all blocks. The calls of add_block() that follow must cover each coordinate once, in ascending
+  // order.
   void begin(int coordinates);
-  // Adds a block and returns its index. `carrier`: the parent block, or -1. M couples a block to all its
-  // ancestors.
+  // Adds a block and returns the block's index. `carrier` is the index of the parent block, or -1. M couples
+  // a block to all its ancestors.
   int add_block(int first, int length, int carrier);
   int block_of(int coordinate) const { return block_of_[at(coordinate)]; }
   int island_of(int coordinate) const { return blocks_[at(block_of(coordinate))].island; }
-  void couple(int block_a, int block_b);  // for bodies in contact
-  // Marks a block with contacts, which is never calm.
+  void couple(int block_a, int block_b);  // call for the blocks of two bodies in contact
+  // Marks a block as having contacts. Such a block is never calm.
   void touch(int block) { blocks_[at(block)].calm = false; }
-  // Computes fill-in, islands and calm blocks. Call after the last of the calls above.
+  // Computes fill-in, islands and calm blocks. Call after the last call of add_block(), couple() and touch().
   void close();
 
   int size() const { return size_; }
-  // Row i of M, lower triangle. The caller writes the columns of the row's own block and of its ancestors.
+  // Returns row i of M (lower triangle). The caller writes the columns of the row's own block and of its
+  // ancestor blocks.
   double* inertia_row(int i) { return inertia_.data() + row(i); }
   double inertia(int i) const { return inertia_[row(i) + at(i)]; }
 
   const std::vector<Island>& islands() const { return islands_; }
-  // Coordinates of the k-th block of an island.
+  // Returns the coordinates of the k-th block of an island.
   const Range& block(const Island& island, int k) const {
     return blocks_[at(order_[at(island.blocks.first + k)])].range;
   }
@@ -70,15 +73,15 @@ class BlockMatrix {
       }
     }
   }
-  // out = M x for an island's coordinates.
+  // Computes out = M x for an island's coordinates.
   void multiply(const Island& island, const double* x, double* out) const;
-  // Sets H = M for an island. `keep`: its calm blocks stay factored.
+  // Sets H = M for an island. If `keep`, the factors of the island's calm blocks are kept.
   void load(const Island& island, bool keep);
-  // Row i of H, lower triangle; entries above the diagonal may be written and are never read.
+  // Returns row i of H (lower triangle). Entries above the diagonal may be written but are never read.
   double* row_of(int i) { return matrix_.data() + row(i); }
   void factor_calm(const Island& island);  // factors the calm blocks, for reuse by load()
   void factor(const Island& island);       // factors the other blocks
-  // x = H^-1 x, after factor().
+  // Computes x = H^-1 x. Call after factor().
   void back_solve(const Island& island, double* x) const;
 
  private:
@@ -86,7 +89,7 @@ class BlockMatrix {
     Range range;
     int carrier = -1, island = -1;
     bool calm = true;
-    Range below;  // in below_: coordinates of the coupled blocks before it
+    Range below;  // range of below_ with the coordinates of the coupled blocks before this block
   };
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::size_t row(int i) const { return at(i) * at(size_); }
@@ -102,7 +105,8 @@ class BlockMatrix {
   std::vector<int> block_of_, order_;
   std::vector<Block> blocks_;
   std::vector<Range> couplings_;  // pairs of blocks from couple()
-  std::vector<char> coupled_;     // with fill-in, by block and earlier block
+  // Coupling of blocks, including fill-in; indexed by block and earlier block.
+  std::vector<char> coupled_;
   std::vector<Range> below_;
   std::vector<Island> islands_;
 };

@@ -8,7 +8,8 @@
 
 namespace kaz::sim {
 
-// Angular momentum is the state variable, so that it is conserved to the last bit in flight.
+// The state contains angular momentum instead of angular velocity, so that angular momentum is exactly
+// constant in flight.
 class FreeBody {
  public:
   FreeBody(const RigidLink& link, const Eigen::Isometry3d& start);
@@ -23,13 +24,14 @@ class FreeBody {
 
   Eigen::Matrix3d inertia() const { return axes_ * inertia_ * axes_.transpose(); }  // world axes
 
-  // Advances by one step with the velocities after the step's impulses. `flight`: no contact acted.
+  // Advances by one step. The arguments are the velocities after the step's impulses. `flight` is true if no
+  // contact acted on the body.
   void advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
                bool flight, double step_s);
   void stop();
 
   bool awake = true;
-  double left_s = SleepRule{}.after_s;  // remaining time at rest before it sleeps
+  double left_s = SleepRule{}.after_s;  // remaining time at rest before the body is put to sleep
 
   // Archives the complete state (archive.hpp).
   template <class A>

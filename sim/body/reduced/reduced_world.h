@@ -1,18 +1,20 @@
-// World in reduced coordinates: joints without drift, implicit motors, friction cones, one solve for all
-// contacts.
+// World in reduced coordinates. Joints do not drift, motors are implicit, friction has cones, and all
+// contacts are solved together.
 // SPDX-License-Identifier: Apache-2.0
 //
-// docs/explanation/dynamics.md has the formulation. One step of h seconds, from q and v:
+// docs/explanation/dynamics.md has the formulation. A step of h seconds from coordinates q and velocities v:
 //   1. Find the contacts (contacts.h) and compute the row of each joint's motor (joint_motor.h).
 //   2. Solve for the velocities by Newton's method (velocity_solver.h). The bias c is taken at the midpoint
-//      velocity, extrapolated from the last step. This makes the velocity-dependent forces second order.
-//   3. q += h v. A robot in flight uses the midpoint velocity of its root, a free body in flight the mean of
-//      old and new v.
-//   4. Set the robot's momentum to its old value plus the impulses of contacts and gravity, so that it does
-//      not drift. This changes the root's velocity by terms of h^2.
+//      velocity, extrapolated from the last step. This makes the velocity-dependent forces accurate to second
+//      order.
+//   3. Set q += h v. For a robot in flight, the root's part of v is replaced by its midpoint velocity. For a
+//      free body in flight, v is replaced by the mean of old and new v.
+//   4. Set the robot's momentum to the old momentum plus the impulses of contacts and gravity, so that errors
+//      of the momentum do not accumulate. This changes the root's velocity by terms of h^2.
 //
-// Members are the state that lasts from step to step; clone() copies them. A step computes in Work, one per
-// thread. Many worlds that step in turn share it, and it stays in the processor's cache.
+// The members of ReducedWorld are the state that is kept from step to step; clone() copies them. The
+// temporary data of a step is in Work. Each thread has one Work for all its worlds, so Work stays in the
+// processor's cache.
 #pragma once
 
 #include <memory>
@@ -57,7 +59,7 @@ class ReducedWorld final : public StagedWorld {
     int dof = 0;
     double lower = 0, upper = 0;  // rad, mechanical stops
   };
-  // Impulses of a contact in the last step: stored friction of hard contacts (velocity_solver.h) and rolling.
+  // Impulses of a contact in the last step: friction of hard contacts (velocity_solver.h), and rolling.
   // ContactMemory stores the shear of soft contacts.
   struct Memory {
     std::uint32_t shape_a = 0, shape_b = 0;
@@ -69,18 +71,19 @@ class ReducedWorld final : public StagedWorld {
       for (int k = 0; k < 3; ++k) a(at[k], impulse[k], moment[k]);
     }
   };
-  struct Chain {  // chain of joints: a block of the solver's matrix
+  struct Chain {  // chain of joints, which is a block of the solver's matrix
     int first = 0, length = 0, carrier = -1;
   };
   struct Layout {  // constant, shared by all clones
     std::vector<Joint> joints;
     std::vector<Chain> chains;
   };
-  struct Meeting {                                    // two bodies in contact
-    int body_a = -1, body_b = -1, pair = -1;          // pair: in the solver; -1: neither can move
-    Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m, reference point of their motion
+  struct Meeting {  // two bodies in contact
+    // `pair` is the index in the solver; -1: neither body can move.
+    int body_a = -1, body_b = -1, pair = -1;
+    Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m, reference point of the relative motion
   };
-  struct Push {  // contact point of the solver; its impulse acts on body_a
+  struct Push {  // contact point of the solver; the point's impulse acts on body_a
     std::size_t touch = 0;
     Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // normal, two tangents
   };
@@ -93,10 +96,11 @@ class ReducedWorld final : public StagedWorld {
     std::vector<double> bias, halfway, acceleration;  // by coordinate of the tree
     std::vector<double> momentum, velocity;           // by coordinate of the solver
     std::vector<Spatial> outer;                       // by link: external force
-    std::vector<int> coordinate_of;  // by object: first of six (angular, linear); -1: asleep
+    // By object: first of its six coordinates (angular, linear); -1: asleep.
+    std::vector<int> coordinate_of;
     std::vector<Meeting> meetings;
     std::vector<Push> pushes;  // by point of the solver
-    std::vector<bool> flies;   // by object: no contacts
+    std::vector<bool> flies;   // by object: true if it has no contacts
   };
 
   template <class A>
@@ -135,7 +139,7 @@ class ReducedWorld final : public StagedWorld {
 
   ArticulatedTree tree_;
   std::shared_ptr<const Layout> layout_;
-  std::vector<FreeBody> objects_;  // by body number - robot_links_
+  std::vector<FreeBody> objects_;  // indexed by body number - robot_links_
   std::vector<Memory> memory_;
   ContactMemory shear_;
   Effort effort_;

@@ -19,12 +19,13 @@ inline double dot_six(const double* a, const double* b) {
   return (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5]);
 }
 
-// Length six (a floating base or a free body) is the common case and has unrolled code.
+// Returns the dot product of two vectors of length n. The common length 6 (a floating base or a free body)
+// has unrolled code.
 inline double dot_range(const double* a, const double* b, int n) {
   return n == 6 ? dot_six(a, b) : dot(a, b, n);
 }
 
-// to += by * from
+// Computes to += by * from.
 inline void add_range(double by, const double* __restrict from, double* __restrict to, int n) {
   if (n == 6) {
     for (int i = 0; i < 6; ++i) to[i] += by * from[i];

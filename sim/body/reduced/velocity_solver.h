@@ -1,8 +1,8 @@
 // Velocity-level solver: inertia, motors, joint stops and contacts with Coulomb friction in one solve.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The unknowns are the velocities v after the step. Every row (motor, stop or contact) is compliant: its
-// impulse is a function of its velocity u = J v alone. The solution satisfies
+// The unknowns are the velocities v after the step. Every row (motor, stop or contact) is compliant: the
+// impulse of a row depends only on the row's velocity u = J v. The solution satisfies
 //
 //   M v - p - sum J^T l(J v) = 0                    (p: momentum after the step without the rows)
 //
@@ -10,29 +10,31 @@
 //   normal        l_n = max(0, (target - u_n) / softness)
 //   friction      l_t = l_t of the last step - u_t / give, projected onto the disc |l_t| <= mu l_n
 //
-// Friction has a cone, not a pyramid, in series with a spring whose stretch is kept from step to step.
+// Friction uses a cone, not a pyramid. In series with the friction is a spring whose stretch is kept from
+// step to step.
 //
-// For fixed radii mu l_n this is the gradient of a convex, piecewise smooth function, quadratic where no
-// contact slips. Newton's method with an exact line search converges in few iterations, even if many points
-// share a load. After each iteration the radii are updated from l_n. This is Coulomb's law without the
-// artifact of the convex cone, where friction lifts a sliding body. If the radii do not converge in a dozen
-// iterations, Newton's method continues with the radii as functions of v (coupled_newton.cpp). If this fails
-// too, the solver follows the path of growing friction (friction_path.cpp).
+// For fixed radii mu l_n, the left side of the first equation is the gradient of a convex, piecewise smooth
+// function of v. The function is quadratic where no contact slips. Newton's method with an exact line search
+// converges in few iterations, even if many points share a load. After each iteration the radii are updated
+// from l_n. The result satisfies Coulomb's law and avoids an artifact of convex formulations, in which
+// friction lifts a sliding body. If the radii do not converge in a dozen iterations, Newton's method
+// continues with the radii as functions of v (coupled_newton.cpp). If this fails too, the solver follows the
+// path of growing friction (friction_path.cpp).
 //
-// All contact points of a pair of bodies act on one relative motion of six components. Their stiffness is
-// therefore summed in 6 x 6 first and then mapped to the coordinates.
+// All contact points of a pair of bodies act on the same relative motion, which has six components. The
+// stiffness of the points is therefore summed in a 6 x 6 matrix first and then mapped to the coordinates.
 //
 // Sources: the primal Newton solver of E. Todorov et al., MuJoCo ("Computation: solver algorithms"), and the
 // regularized friction of A. Castro et al., "An unconstrained convex formulation of compliant contact", IEEE
-// T-RO 39(2), 2023. In contrast to the latter, the normal force is that of the current iteration, not of the
-// last step. In addition the stretch is kept, so that sticking contacts do not creep.
+// T-RO 39(2), 2023. Differences from Castro et al.: the friction limit uses the normal force of the current
+// iteration, not of the last step. The stretch of the spring is kept, so that sticking contacts do not creep.
 //
-// Limits: hard contacts have a tangential compliance `give` too, kGive times the mobility of the bodies. With
-// 1 N a ball of 15 g shifts by 7 micrometers and no further. Points that could carry the same friction (a
-// sole on the floor) share it like parallel springs: in proportion to 1 / give, within their discs. If
-// friction and normal force amplify each other without bound (a jamming wedge between almost massless
-// bodies), the solver may find no solution. The number of iterations is bounded, and residual() returns the
-// remaining change.
+// Limitations: hard contacts also have a tangential compliance `give`, which is kGive times the mobility of
+// the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by 7 micrometers. Contact points
+// of the same bodies (a sole on the floor) share the friction force like parallel springs. The shares are
+// proportional to 1 / give, within the friction discs of the points. If friction and normal force amplify
+// each other without bound (a jamming wedge between almost massless bodies), the solver may find no solution.
+// The number of iterations is bounded, and residual() returns the velocity change in the last iteration.
 #pragma once
 
 #include <algorithm>
@@ -53,7 +55,7 @@ class VelocitySolver {
 
   using Motion = Eigen::Matrix<double, 6, 1>;   // angular velocity, velocity of the reference point
   using Impulse = Eigen::Matrix<double, 6, 1>;  // normal, two tangents, two rolling, spin
-  // A range of coordinates that a relative motion depends on.
+  // A range of coordinates on which a relative motion depends.
   struct Segment {
     int first = 0, length = 0;
     // +1, -1: the six coordinates are the motion or its negative. 0: the Jacobian is in columns().
@@ -66,8 +68,9 @@ class VelocitySolver {
     double target = 0;                                    // m/s, normal velocity
     double softness = 0;                                  // m/s per N s, above 0
     double mu = 0;
-    double give = 0;     // tangential compliance, m/s per N s; 0: kGive times the bodies' mobility
-    double rolling = 0;  // rolling resistance, m; 0: no moments
+    // Tangential compliance, m/s per N s; 0: use kGive times the bodies' mobility.
+    double give = 0;
+    double rolling = 0;                // rolling resistance, m; 0: no moments
     Impulse before = Impulse::Zero();  // impulse of the last step, N s and N m s
   };
   // Row on one coordinate, with a bounded impulse.
@@ -79,39 +82,39 @@ class VelocitySolver {
     double min = 0, max = 0;  // N s or N m s
   };
 
-  // Removes all rows. The caller then writes the system's blocks and inertia to matrix().
+  // Removes all rows. After begin(), the caller writes the blocks and the inertia of the system to matrix().
   void begin(int coordinates);
   BlockMatrix& matrix() { return matrix_; }
 
-  // Adds the relative motion of two bodies and returns its index. `segments`: at most three that are not
-  // empty, in ascending order of coordinates.
+  // Adds the relative motion of two bodies and returns its index. At most three of `segments` may be
+  // non-empty. They must be in ascending order of coordinates.
   int add_pair(std::span<const Segment> segments);
-  // Jacobian of the pair: six numbers for each coordinate of the segments that are not plain, initially 0.
-  // The pointer is valid until the next add_pair().
+  // Returns the Jacobian of the pair: six numbers, initially 0, for each coordinate of the segments with
+  // `plain` = 0. The pointer is valid until the next add_pair().
   double* columns(int pair) {
     return columns_.data() + pairs_[static_cast<std::size_t>(pair)].pool;
   }
   void add_point(const Point& point);
   void add_bounded(const Bounded& row) { bounded_.push_back(row); }
 
-  // Call after the last row and before multiply() and solve().
+  // Call after the last row was added and before multiply() and solve().
   void close();
-  // out = M x.
+  // Computes out = M x.
   void multiply(const double* x, double* out) const;
-  // Solves for `v`, which contains the initial guess. `momentum`: p above. Each island iterates until no
-  // velocity changes by more than `tolerance` (m/s or rad/s). `max_steps` limits the iterations with fixed
-  // radii; the fallbacks have limits of their own.
+  // Solves for `v`, which contains the initial guess on entry. `momentum` is p of the formula at the top of
+  // this file. Each island iterates until no velocity changes by more than `tolerance` (m/s or rad/s).
+  // `max_steps` limits the iterations with fixed radii; the fallback methods have their own limits.
   void solve(std::span<const double> momentum, std::span<double> v, double tolerance,
              int max_steps);
 
   std::size_t points() const { return points_.size(); }
   const Impulse& impulse(std::size_t point) const { return points_[point].impulse; }
-  // Relative velocity along the point's rows after the step, m/s and rad/s.
+  // Returns the relative velocity along the rows of a contact point after the step, m/s and rad/s.
   const Impulse& velocity(std::size_t point) const { return points_[point].velocity; }
-  // Impulse of a bounded row, N s or N m s.
+  // Returns the impulse of a bounded row, N s or N m s.
   double bounded(std::size_t row) const { return bounded_impulse_[row]; }
-  // Over all islands in the last solve(): most iterations, and largest velocity change in the final iteration
-  // (m/s or rad/s).
+  // Maxima over all islands in the last solve(): number of iterations, and velocity change in the final
+  // iteration (m/s or rad/s).
   int steps() const { return steps_; }
   double residual() const { return residual_; }
 
@@ -130,10 +133,11 @@ class VelocitySolver {
     double firmness = 0, moment_firm = 0;  // 1 / give, for forces and for moments
     double length_t = 0, length_r = 0;  // radii of the friction discs in this iteration, N s, N m s
     Impulse velocity, change, impulse;
-    std::uint8_t pattern = 0,
-                 factored = 0;  // active set (pattern_of()) now and when H was factored
+    // Active set (pattern_of()): present one, and the one for which H was factored.
+    std::uint8_t pattern = 0, factored = 0;
   };
-  // Ends of an island's members in the lists below. They begin where those of the previous island end.
+  // End indices of an island's members in the member lists (pair_list_ and the following lists). Members of
+  // an island begin where the members of the previous island end.
   struct Members {
     int pairs = 0, points = 0, bounded = 0;
   };
@@ -178,8 +182,8 @@ class VelocitySolver {
   static void add_coupled_stiffness(const Contact& contact, Stiffness& k);
   void assemble_coupled(std::span<const int> coordinates);
   double merit() const;
-  // Solves from v and returns the number of iterations. `left`: velocity change in the last iteration; if
-  // above `tolerance`, v is not a solution.
+  // Solves with the initial guess v and returns the number of iterations. `left` receives the velocity change
+  // in the last iteration. If `left` is above `tolerance`, v is not a solution.
   int solve_coupled(std::span<const double> momentum, std::span<double> v, double tolerance,
                     double& left);
   // friction_path.cpp
@@ -201,8 +205,8 @@ class VelocitySolver {
   std::vector<double> requested_before_,
       gone_before_;  // change_ of the last iteration before and after accelerate()
   std::vector<double> scratch_;
-  // Working memory of solve_coupled(): H, Jacobian of a pair and its product with the stiffness, index of
-  // each coordinate in H.
+  // Working memory of solve_coupled(): H, the Jacobian of a pair, the product of Jacobian and stiffness, and
+  // the index of each coordinate in H.
   Eigen::MatrixXd coupled_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_, product_;
   std::vector<Eigen::Index> place_;
@@ -213,12 +217,12 @@ class VelocitySolver {
   // The island being solved.
   std::size_t island_ = 0;
   std::span<const int> its_pairs_, its_points_, its_bounded_;
-  double start_slope_ = 0, curve_ = 0;  // inertial parts of the slope along the change
-  // Active rows of calm blocks when these were factored, and the island to which they belong.
+  double start_slope_ = 0, curve_ = 0;  // inertial parts of the slope along the search direction
+  // Active rows of the calm blocks at the time of their factorization, and the island of these blocks.
   std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
-  double relaxation_ = 1;  // factor on updates of the friction radii
+  double relaxation_ = 1;  // factor on the updates of the friction radii
   int steps_ = 0;
   double residual_ = 0;
 };

@@ -1,9 +1,10 @@
 // Puts resting ODE bodies to sleep until a moving body touches them.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The rule is ODE's "auto disable" with one sample: a body in contact that stays below both speed thresholds
-// for SleepRule::after_s is stopped. ODE's own counters can be neither read nor set, so a restored world
-// would not continue like the saved one. The counters of this class are part of the saved state.
+// The rule is ODE's "auto disable" with one sample. A body in contact is put to sleep after its speeds have
+// been below both thresholds for SleepRule::after_s. ODE's own counters cannot be saved and restored, so a
+// restored world would not continue exactly like the saved world. The counters of this class are part of the
+// saved state.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +15,8 @@
 namespace kaz::sim {
 
 struct SleepRule {
-  double linear = 0.003, angular = 0.15;  // m/s, rad/s; above either one a body stays awake
+  // m/s, rad/s; a body with a speed above either threshold stays awake.
+  double linear = 0.003, angular = 0.15;
   double after_s = 0.25;
 };
 

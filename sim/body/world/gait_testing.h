@@ -1,4 +1,4 @@
-// Walking on the spot as joint angles over time: the load of the benchmarks.
+// Computes the joint angles of walking on the spot, which is the workload of the benchmarks.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The trunk rolls about the hips. Each foot swings for 0.3 of a cycle and lifts 10 mm. The hips are 0.145 m
@@ -16,7 +16,8 @@ namespace kaz::sim::bench {
 
 using Angles = std::array<double, KZ_JOINTS>;  // rad, by joint number of joints.def
 
-// `walk`: 0 stands in the walking crouch, 1 lifts the feet fully. `phase`: in cycles of 1 s.
+// Returns the joint angles at `phase`, in cycles of 1 s. `walk` scales the motion: 0 stands in the walking
+// crouch, 1 lifts the feet fully.
 inline Angles walking_angles(double walk, double phase) {
   constexpr double kBone = 0.065, kHipHeight = 0.145, kAnkleHeight = 0.030;
   constexpr double kLean = 3 * kDegree, kRoll = 16 * kDegree, kLift = 0.010, kHipSide = 0.033;
@@ -34,7 +35,7 @@ inline Angles walking_angles(double walk, double phase) {
     const double into = (from - std::floor(from)) / kSwing;
     const double lift = into < 1 ? walk * kLift * (1 - std::cos(2 * M_PI * into)) / 2 : 0;
     const double up = (left ? kHipSide : -kHipSide) * std::sin(roll);
-    const double forward = -up * std::sin(kLean);  // the ankle from the hip
+    const double forward = -up * std::sin(kLean);  // position of the ankle relative to the hip
     const double down = kHipHeight + up * std::cos(kLean) - lift - kAnkleHeight;
     const double leg = std::min(std::hypot(forward, down), 2 * kBone);
     const double knee = std::acos(leg * leg / (2 * kBone * kBone) - 1);

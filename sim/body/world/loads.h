@@ -1,8 +1,8 @@
-// Force readings: external contact force on each link, reaction force in each joint.
+// Force readings: the external contact force on each link and the reaction force in each joint.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Means over the last step, in the link's axes at the step's beginning, like the readings of a six-axis
-// force-torque sensor in the link.
+// Readings are means over the last step, like those of a six-axis force-torque sensor in the link. The axes
+// are those of the link at the beginning of the step.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,7 +16,8 @@ struct LinkForce {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm, about the link's origin, link's axes
   double pressure = 0;                               // N, sum of the normal forces; 0: no contact
   // Center of pressure, m, link's frame: mean of the contact points weighted by their normal forces. For a
-  // flat sole on the floor it is the ZMP, about which the contact moment is parallel to the floor's normal.
+  // flat sole on the floor, the center of pressure is the zero moment point (ZMP). The contact moment about
+  // this point is parallel to the floor's normal.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 
   // Adds a contact point with the force `push` (N) and the moment `turn` (Nm, about the point `at`). All
@@ -24,7 +25,7 @@ struct LinkForce {
   //
   //   f = R^T push, r = R^T (at - o);  force += f, moment += r x f + R^T turn, pressure += normal
   //
-  // Until finish(), `centre` is the sum of normal r.
+  // Until finish(), `centre` is the sum of (normal r) over the points.
   void add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
            const Eigen::Vector3d& turn, double normal);
   // Call once after the last add().
@@ -40,8 +41,8 @@ struct LinkForce {
   }
 };
 
-// Reaction of the parent on the child link at the child link's origin, in the child's axes. Bearing, motor
-// and stop are included, so the moment along the axis is the joint torque.
+// Force and moment that the parent link exerts on the child link, at the child's origin, in the child's axes.
+// Bearing, motor and stop are included, so the moment along the joint axis is the joint torque.
 struct JointLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm

@@ -10,12 +10,12 @@
 
 namespace kaz::sim::test {
 
-// Rods: mass (kg), length between joints (m), and inertia (kg m^2) about the center of mass in the middle,
-// across the rod and along it.
+// Rods: mass (kg), length between joints (m), and inertia (kg m^2) across the rod and along it. The center of
+// mass is in the middle.
 constexpr double kRodMass = 0.1, kRodLength = 0.2, kRodInertia = 4e-4, kRodSlim = 2e-5;
-constexpr double kFreeRotor = 5e-4;  // kg m^2, as in Kaz's motor; turns with the joint
+constexpr double kFreeRotor = 5e-4;  // kg m^2, rotor inertia of Kaz's motor; turns with the joint
 
-// Motor without friction, backlash and heat. With an open bridge only its rotor inertia acts.
+// Motor without friction, backlash and heat. With an open bridge, only the rotor inertia acts.
 inline MotorParams free_motor() {
   MotorParams motor;
   motor.name = "free";
@@ -26,8 +26,8 @@ inline MotorParams free_motor() {
   return motor;
 }
 
-// Appends a link to the chain. `at`: its origin in the root's frame at the zero posture. All links but the
-// first get a joint with this axis and these limits (rad).
+// Appends a link to the chain. `at` is the link's origin in the root's frame at the zero posture. Every link
+// except the first gets a joint with the given axis and limits (rad).
 inline void add_link(RobotModel& robot, const RigidLink& rigid, const Eigen::Vector3d& at,
                      const Eigen::Vector3d& axis, double lower, double upper) {
   RobotLink link;
@@ -43,7 +43,7 @@ inline void add_link(RobotModel& robot, const RigidLink& rigid, const Eigen::Vec
   robot.links.push_back(link);
 }
 
-// Robot that consists only of a fixed base.
+// Returns a robot that consists only of a fixed base.
 inline RobotModel fixed_place() {
   RobotModel robot;
   robot.name = "place";
@@ -63,8 +63,8 @@ inline RigidLink rod(const std::string& name) {
   return link;
 }
 
-// Chain of `count` rods, rod0 and so on, that hangs from a fixed base at the zero posture. Joints turn about
-// y. If `crossed`, those of rod0, rod2 and so on turn about x.
+// Returns a chain of `count` rods, named rod0, rod1 and so on. In the zero posture, the chain hangs from a
+// fixed base. Joints turn about y. If `crossed`, the joints of rod0, rod2 and so on turn about x.
 inline RobotModel chain(int count, bool crossed) {
   RobotModel robot = fixed_place();
   for (int i = 0; i < count; ++i) {
@@ -104,7 +104,7 @@ inline RigidLink ball(const std::string& name, double mass, double radius, const
   return link;
 }
 
-// Robot with one free link. Unlike objects of the world it never sleeps.
+// Returns a robot with one free link. Unlike an object of the world, this link never sleeps.
 inline RobotModel lone(const RigidLink& link) {
   RobotModel robot;
   robot.name = link.name;
@@ -112,7 +112,7 @@ inline RobotModel lone(const RigidLink& link) {
   return robot;
 }
 
-// World with only a floor at z = 0.
+// Returns a world with only a floor at z = 0.
 inline WorldModel floor_of(const Surface& surface, const Eigen::Vector3d& gravity) {
   WorldModel world;
   world.gravity = gravity;

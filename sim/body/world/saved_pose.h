@@ -1,5 +1,5 @@
-// Limits of poses and velocities in a saved state. Beyond them, solver or collision detection may not
-// terminate.
+// Limits of poses and velocities in a saved state. Beyond these limits, the solver or the collision detection
+// may not terminate.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,11 +9,12 @@
 
 namespace kaz::sim {
 
-// m. A body that has left the floor falls far less in a day.
+// Returns whether a position (m) is within the limits. The limit is far above the distance that a body falls
+// in a day.
 inline bool is_saved_place(const Eigen::Vector3d& at) {
   return at.cwiseAbs().maxCoeff() < 1e11;
 }
-// m/s or rad/s.
+// Returns whether a velocity (m/s or rad/s) is within the limits.
 inline bool is_saved_motion(const Eigen::Vector3d& velocity) {
   return velocity.cwiseAbs().maxCoeff() < 1e7;
 }

@@ -1,7 +1,7 @@
 // The constant part of a world: numbered bodies, names, scene, shapes, kicks and pushes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Built once, then shared by all clones of a world, also across threads.
+// A StageModel is built once and then shared by all clones of a world, also across threads.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,8 @@ struct StageModel {
   // move.
   StageModel(const WorldModel& world, const RobotModel& robot, const WorldOptions& options);
 
-  // Numbers: robot links as in RobotModel::links, then the objects that can move.
+  // Bodies are numbered: first the robot's links in the order of RobotModel::links, then the objects that can
+  // move.
   struct Body {
     RigidLink rigid;    // without visuals and collision shapes
     bool moves = true;  // false: fixed at `start`
@@ -42,13 +43,16 @@ struct StageModel {
   std::vector<Body> bodies;
   ContactModel contacts;
   std::vector<std::string> joint_order, link_order;
-  std::map<std::string, RobotFrame> link_frames;           // by link name
-  std::map<std::string, Eigen::Isometry3d> fixed_objects;  // by model: world pose of the first link
-  std::map<std::string, int> objects;  // by movable model: number of its first link
-  std::vector<Kick> kicks;             // latest first: the next one is at the end
-  std::vector<Kick> pushes;            // the same; steps count from the robot's first step
-  std::vector<int> feet;               // links whose rise is the robot's first step
-  std::vector<int> frames;             // by scene frame - 1: number of the body
+  std::map<std::string, RobotFrame> link_frames;  // by link name
+  // By model name: world pose of the model's first link.
+  std::map<std::string, Eigen::Isometry3d> fixed_objects;
+  std::map<std::string, int> objects;  // by name of a movable model: body number of its first link
+  // Sorted by time, latest first: the next kick is the last element.
+  std::vector<Kick> kicks;
+  // Sorted like `kicks`; step numbers count from the robot's first step.
+  std::vector<Kick> pushes;
+  std::vector<int> feet;    // links; the robot's first step is when one of them rises
+  std::vector<int> frames;  // body numbers, indexed by scene frame - 1
   Scene scene;
   int head_frame = -1;  // scene frame of the link with both eyes; -1: none
 

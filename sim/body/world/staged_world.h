@@ -1,8 +1,9 @@
-// Base class of simulated worlds, independent of the solver: bodies, scene, names, kicks, motors and
-// readings.
+// Base class of simulated worlds. Contains everything that does not depend on the solver: bodies, scene,
+// names, kicks, motors and readings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Constant data is in a StageModel, which all clones share. The members here are the state of one world.
+// Constant data is in a StageModel, which all clones share. The members of StagedWorld are the state of one
+// world.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +18,9 @@
 
 namespace kaz::sim {
 
-// ERP of a stop for a step of 1 ms (contact_surface.h), and its compliance in rad/s per Nm. A stop yields by
-// 1 mrad at the motor's 2.4 Nm, like plastic on steel. At a rigid stop, the residual of an iterative solver
-// would make the joint bounce.
+// ERP of a joint stop for a step of 1 ms (contact_surface.h), and compliance of the stop in rad/s per Nm.
+// With these values, a stop yields by 1 mrad at the motor's maximum torque of 2.4 Nm, like plastic on steel.
+// If stops were rigid, the residual of an iterative solver would make the joint bounce.
 constexpr double kStopErp = 0.2;
 constexpr double kStopSoftness = 0.08;
 
@@ -66,25 +67,26 @@ class StagedWorld : public World {
   const std::vector<Body>& bodies() const { return model_->bodies; }
   // World pose of the link's frame, for bodies that move.
   virtual Eigen::Isometry3d moving_pose(int body) const = 0;
-  // Adds `velocity` (m/s, world axes) to that of an object and wakes it.
+  // Adds `velocity` (m/s, world axes) to the velocity of an object and wakes the object.
   virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
-  Eigen::Isometry3d body_pose(int body) const;  // link frame of any body
+  Eigen::Isometry3d body_pose(int body) const;  // pose of the link's frame, for every body
   // Applies the kicks and pushes that are due at the current step.
   void kick_due();
-  // Applies those of `kicks` that are due at `step`, and updates `left`, the number that remain.
+  // Applies the elements of `kicks` that are due at `step`, and updates `left`, the number of remaining
+  // elements.
   void take_due(const std::vector<StageModel::Kick>& kicks, std::size_t& left, std::int64_t step);
   bool has_stepped() const;  // one of the model's feet has risen by kFirstStep
   // Computes each motor's row from the present joint states.
   void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
   // Updates the motors with the joint states after the step.
   void finish_motors();
-  // Validity checks of one step. Each sets diagnostics_.failure if it returns false.
+  // Validity checks of one step. A check that fails sets diagnostics_.failure and returns false.
   static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m, per step
   bool drives_are_numbers();
   bool joint_can_turn(std::size_t joint, double velocity);
   bool body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
                      const Eigen::Vector3d& angular);
-  void break_down(const std::string& why);  // sets diagnostics_.failure, unless it is set
+  void break_down(const std::string& why);  // sets diagnostics_.failure if it is empty
   void read_motors();                       // copies currents and temperatures to the joint states
   // Archives the state of this class.
   template <class A>
@@ -122,7 +124,7 @@ class StagedWorld : public World {
     if constexpr (A::reading) {
       diagnostics_.failure.clear();  // failed worlds are not saved
       joint_loads_.clear();
-      read_motors();  // readings that are not archived
+      read_motors();  // restores readings that are not archived
     }
   }
 
@@ -134,7 +136,7 @@ class StagedWorld : public World {
   std::size_t robot_links_;
   std::size_t kicks_left_ = 0;  // number of the model's kicks not yet applied
   std::size_t pushes_left_ = 0;
-  std::int64_t first_step_ = -1;  // when a foot of the model had risen; -1: not yet
+  std::int64_t first_step_ = -1;  // step in which a foot of the model had risen; -1: not yet
   std::vector<JointMotor> motors_;
   std::vector<JointMotor::Row> rows_;  // by motor, for the current step
   std::vector<JointState> joint_states_;
@@ -154,12 +156,13 @@ struct WorldFiles {
   RobotModel robot;
   MotorParams motor;  // without backlash and heat if WorldOptions::ideal_motors
 };
-// Loads world, robot, and the motor.xml beside the robot file. Errors name file and line.
+// Loads the world file, the robot file, and motor.xml in the folder of the robot file. Errors name file and
+// line.
 Result<WorldFiles> read_world_files(const std::string& world_path, const std::string& robot_path,
                                     const WorldOptions& options);
 
-// Builds a world with the dynamics that the options name. Errors: unknown dynamics, step out of range, feet
-// or pushes on links that do not exist, pushes on a fixed link.
+// Builds a world with the dynamics engine selected by the options. Errors: unknown dynamics, step out of
+// range, a foot or a push names a link that does not exist, a push on a fixed link.
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
                                                 const MotorParams& motor,
                                                 const WorldOptions& options);

@@ -22,58 +22,62 @@
 namespace kaz::sim {
 
 struct JointState {
-  double angle = 0;     // rad, at the output shaft, which the potentiometer measures
+  double angle = 0;     // rad, at the output shaft; the potentiometer measures this angle
   double velocity = 0;  // rad/s
-  double torque = 0;    // Nm, of the motor on the joint in the last step, with friction
-  double current = 0;   // A, through the motor, mean over the last step
+  // Nm, torque of the motor (including friction) on the joint in the last step.
+  double torque = 0;
+  double current = 0;  // A, through the motor, mean over the last step
   double winding_celsius = 0;
-  double case_celsius = 25;  // motor case
+  double case_celsius = 25;  // temperature of the motor's case
 };
 
 // Readings of an ideal inertial sensor at the robot's link `imu`, in the axes of that link. If the robot has
-// no such link, the sensor is at the root link's origin. The angular velocity is that at the end of the last
-// step, the acceleration is the mean over it.
+// no such link, the sensor is at the root link's origin. The angular velocity is the value at the end of the
+// last step, the specific force is the mean over the last step.
 struct ImuState {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
-  Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    // acceleration minus gravity, m/s^2
+  // Acceleration minus the acceleration of gravity, m/s^2.
+  Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();
 };
 
 // Contact point between two shapes.
 struct ContactPoint {
-  std::string a, b;                                 // links; of objects "model/link"
+  std::string a, b;                                 // names of the links; for objects "model/link"
   Eigen::Vector3d at = Eigen::Vector3d::Zero();     // world frame, m
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on `a`, world axes, mean over a step
 };
 
 // Convergence and failure of the solver since the start.
 struct SolverDiagnostics {
-  std::string failure;  // why stepping stopped, one sentence; else empty
+  std::string failure;  // one sentence that says why stepping stopped; empty if it did not
   std::int64_t unconverged_steps = 0;
   double max_residual = 0;         // largest remaining velocity change, m/s or rad/s
   double first_s = 0, last_s = 0;  // times of the first and last unconverged step
-  double drift = 0;                // sum of residual times step, m or rad
-  // m or rad. A drift up to this limit is far below the resolution of the potentiometers.
+  double drift = 0;                // sum of (residual times step size), m or rad
+  // Largest negligible drift, m or rad. This is far below the resolution of the potentiometers.
   static constexpr double kNegligibleDrift = 1e-4;
-  // Returns one sentence: which steps, how large the error, and whether the result can be trusted. Empty if
-  // all steps converged.
+  // Returns one sentence that says which steps did not converge, how large the error is, and whether the
+  // result can be trusted. Empty if all steps converged.
   std::string summary() const;
 };
 
 struct WorldOptions {
   std::uint64_t seed = 1;
-  double step_s = 0.001;             // above 0, at most 0.01
-  std::string dynamics = "reduced";  // "reduced"; ODE: "exact" or "quickN", N from 1 to 1000
-  bool hung = false;                 // suspended: root link fixed, feet clear of the ground
-  std::string motor = "";            // name in motor.xml beside the URDF; "": the file's default
-  bool ideal_motors = false;         // without backlash and heat
+  double step_s = 0.001;  // step size, s; above 0, at most 0.01
+  // "reduced", or with ODE "exact" or "quickN" with N from 1 to 1000.
+  std::string dynamics = "reduced";
+  bool hung = false;  // suspended: root link fixed, feet clear of the ground
+  // Name of a motor in the motor.xml beside the URDF; "": the file's default motor.
+  std::string motor = "";
+  bool ideal_motors = false;  // motors without backlash and heat
 };
 
 // A world may be used in one thread at a time. Different worlds, clones included, may be used in different
 // threads.
 class World {
  public:
-  // Loads a world (SDF) and a robot (URDF, with motor.xml beside it). Errors: an invalid file (with its
-  // line), invalid options, or a robot that starts inside a model.
+  // Loads a world (SDF), a robot (URDF), and motor.xml in the folder of the robot file. Errors: an invalid
+  // file (the message contains the line), invalid options, or a robot that starts inside a model.
   static Result<std::unique_ptr<World>> load(const std::string& world_path,
                                              const std::string& robot_path,
                                              const WorldOptions& options);
@@ -81,26 +85,27 @@ class World {
 
   virtual double step_s() const = 0;
   virtual double time_s() const = 0;
-  // Advances by step_s(). `drives`: one per joint, in joint order; missing ones count as an open bridge.
-  // Does nothing once diagnostics().failure is set.
+  // Advances by step_s(). `drives` has one entry per joint, in joint order. Missing entries count as an open
+  // bridge. Does nothing once diagnostics().failure is set.
   virtual void step(std::span<const MotorDrive> drives, double supply_volts) = 0;
   virtual std::span<const JointState> joints() const = 0;
   virtual std::span<const std::string> joint_order() const = 0;  // names, in the order of joints()
-  virtual double supply_current_a() const = 0;                   // sum over the motors, last step
+  // Sum of the motors' supply currents in the last step, A.
+  virtual double supply_current_a() const = 0;
   virtual const ImuState& imu() const = 0;
   // External contact forces on the robot's links in the last step, in the order of link_order(). Empty if
   // this world does not measure them.
   virtual std::span<const LinkForce> link_forces() const { return {}; }
   virtual std::span<const std::string> link_order() const { return {}; }
-  // Reaction forces in the joints in the last step, in joint order. Empty unless watch_loads(true) was in
-  // effect, which costs time and does not change the motion.
+  // Reaction forces in the joints in the last step, in joint order. Empty unless watch_loads(true) was called
+  // before the step. Watching loads takes computing time but does not change the motion.
   virtual void watch_loads(bool on) { static_cast<void>(on); }
   virtual std::span<const JointLoad> joint_loads() const { return {}; }
 
   virtual const Scene& scene() const = 0;
   virtual ScenePose pose() const = 0;
   // Index in pose() of the link that carries `left_eye` and `right_eye`, -1 for a robot without eyes. The
-  // optical centers of the cameras are given in its frame (sim/view/camera.h).
+  // optical centers of the cameras are given in the frame of this link (sim/view/camera.h).
   virtual int head_frame() const = 0;
 
   // Ground truth, for tests, measurements and evaluation only. World frame.
@@ -109,16 +114,16 @@ class World {
   // Position of the first link of a model. Error: no such model.
   virtual Result<Eigen::Vector3d> object_position(const std::string& model) const = 0;
   virtual double largest_joint_gap_m() const = 0;  // largest joint constraint error since the start
-  virtual std::string dynamics() const = 0;        // the engine, as in WorldOptions
-  // Returns true if diagnostics() counts unconverged steps.
+  virtual std::string dynamics() const = 0;        // name of the engine, as in WorldOptions
+  // Returns true if this kind of world counts unconverged steps in diagnostics().
   virtual bool measures_convergence() const { return false; }
-  // ODE reports no residual, so its worlds set only `failure`.
+  // ODE reports no residual, so worlds that use ODE set only `failure`.
   virtual const SolverDiagnostics& diagnostics() const {
     static const SolverDiagnostics none;
     return none;
   }
-  // Contacts of the last step. Empty unless watch_contacts(true) was in effect, which costs time and does not
-  // change the motion.
+  // Contacts of the last step. Empty unless watch_contacts(true) was called before the step. Watching
+  // contacts takes computing time but does not change the motion.
   virtual void watch_contacts(bool on) { static_cast<void>(on); }
   virtual std::vector<ContactPoint> contacts() const { return {}; }
 
@@ -144,8 +149,8 @@ class World {
     return fail(Fault::usage, "this kind of world cannot be cloned; load another one");
   }
 
-  // Save and restore the state carried from step to step. restore() needs a world built from the same files
-  // and options. Worlds that cannot be saved fail the archive.
+  // Save and restore the state that is kept from step to step. restore() needs a world built from the same
+  // files and options. Worlds that cannot be saved fail the archive.
   virtual void save(StateWriter& to) { to.refuse("this kind of world cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this kind of world cannot be restored"); }
 };

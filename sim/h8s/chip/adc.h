@@ -14,14 +14,14 @@ class Machine;
 
 class Adc {
  public:
-  // Register accesses, by the low 16 bits of the address: FFE0..FFE9, and KBCOMP at FEE4.
+  // Register accesses. `address` has the low 16 bits of the address: FFE0..FFE9, or FEE4 for KBCOMP.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
-  // Like read(), when no event is due.
+  // Like read(), but may only be called if no event is due.
   std::uint8_t read_now(std::uint32_t address);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
   void reset(Machine& m, States at);
-  // Must be called when the DTC has read a result and remains active: clears ADF.
+  // Must be called after the DTC has read a result, if the DTC remains active. Clears ADF.
   void taken_by_dtc(Machine& m, States at) {
     adf_.drop(0x80);
     update(m, at);
@@ -38,11 +38,10 @@ class Adc {
   void advance(Machine& m, States to) {
     if (next_ <= to) convert(m, to);
   }
-  // Returns whether conversions may be computed later than their time: in scan mode, until they are read or
-  // an output of the chip changes.
+  // Returns whether conversions may be computed after they end. This is so in scan mode, until the program
+  // reads a result or an output of the chip changes.
   bool may_wait() const { return scan(); }
-  // Processes the next event and those after it up to `to`, until `ended` is set. Sets `at` to the time of
-  // each.
+  // Processes all events up to the time `to`, until `ended` is set. Sets `at` to the time of each event.
   void run_events(Machine& m, States to, States& at, const bool& ended);
   // Starts a conversion if ADCR.TRGS selects `source`: 2 is the 8-bit timer, 3 the ADTRG pin.
   void trigger(Machine& m, unsigned source, States at);
@@ -55,7 +54,7 @@ class Adc {
   }
 
  private:
-  // Duration of each conversion in scan mode after the first, states.
+  // Duration of each conversion after the first in scan mode, states.
   static constexpr States kScanSlow = 256, kScanFast = 128;
 
   bool scan() const { return (adcsr_ & 0x10) != 0; }
@@ -70,7 +69,7 @@ class Adc {
   void finish(Machine& m);
   void update(Machine& m, States at);
 
-  std::uint8_t adcsr_ = 0;  // without ADF
+  std::uint8_t adcsr_ = 0;  // ADCSR without ADF
   std::uint8_t adcr_ = 0x3f, kbcomp_ = 0, temp_ = 0;
   StickyFlags adf_;
   std::array<std::uint16_t, 4> data_{};  // ADDRA..ADDRD: result << 6

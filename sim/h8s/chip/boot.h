@@ -1,9 +1,9 @@
 // Boot ROM: loads a program into RAM over a serial channel (hardware manual, boot mode).
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ROM's instructions are not known, so this is a model of its steps and their times. Its bytes pass
-// through the serial channel bit by bit, like those of any program. The CPU is stopped until the loaded
-// program starts.
+// The ROM's instructions are not known, so this class models the steps of the ROM and their times. The ROM's
+// bytes pass through the serial channel bit by bit, like the bytes of any program. The CPU is stopped until
+// the loaded program starts.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class BootRom {
  public:
   // Must be called at a reset with mode pins that select boot mode.
   void enter(Machine& m, States at);
-  // Must be called at a reset or power cut. A running erase pulse has its partial effect.
+  // Must be called at a reset or power cut. If an erase pulse is running, the pulse has a partial effect.
   void leave(Machine& m, States at);
   bool active() const { return step_ != Step::off; }
   bool measuring() const { return step_ == Step::measure; }
@@ -27,7 +27,7 @@ class BootRom {
   States next_event() const { return wake_; }
   void advance(Machine& m, States to);
 
-  // Inputs of the bit rate measurement: a whole byte, or an edge at RxD. A byte without bit_states is
+  // Inputs of the bit rate measurement: a whole byte, or an edge at RxD. A byte whose bit_states is 0 is
   // ignored.
   void heard(Machine& m, const ReceivedByte& byte);
   void edge(Machine& m, bool level, States at);
@@ -49,7 +49,7 @@ class BootRom {
     count_low,
     load,    // receives the program
     check,   // waits until the last echo is sent
-    erase,   // checks the blocks and erases those that are not blank
+    erase,   // checks the blocks and erases each block that is not blank
     answer,  // sends H'AA, then starts the program
     halted,  // sends H'FF and stops
   };
@@ -65,12 +65,12 @@ class BootRom {
 
   Step step_ = Step::off;
   States wake_ = kNever;
-  States low_since_ = kNever;                // falling edge at RxD
-  std::int32_t sending_ = -1;                // byte waiting for the transmitter; -1: none
-  std::int32_t answers_ = 0;                 // number of H'AA to send before the program starts
-  std::uint32_t expected_ = 0, stored_ = 0;  // bytes of the program
+  States low_since_ = kNever;  // time of the falling edge at RxD
+  std::int32_t sending_ = -1;  // byte waiting for the transmitter; -1: none
+  std::int32_t answers_ = 0;   // number of H'AA bytes to send before the program starts
+  std::uint32_t expected_ = 0, stored_ = 0;  // program size; bytes stored
   std::uint32_t block_ = 0;                  // flash block that is checked or erased
-  States pulse_from_ = kNever;               // start of the erase pulse
+  States pulse_from_ = kNever;               // start time of the erase pulse
 };
 
 }  // namespace kaz::h8s

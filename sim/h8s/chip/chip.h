@@ -27,14 +27,14 @@ enum class Port { p1 = 1, p2, p3, p4, p5, p6, p7 };
 // Reason for which run_until or step returned.
 struct Stop {
   enum class Reason {
-    reached,                 // now() >= until
-    breakpoint,              // a code hook returned HookAction::stop; its instruction has not run
-    undefined_instruction,   // or an instruction fetch outside flash and RAM
+    reached,     // now() >= until
+    breakpoint,  // a code hook returned HookAction::stop; the hook's instruction has not run
+    undefined_instruction,   // undefined instruction, or fetch outside flash and RAM
     unmapped_access,         // data access outside flash, RAM and I/O
     stack_outside_ram,       // push, pop, call, return or exception with ER7 outside RAM
     undefined_register_use,  // only with Options::stop_on_misuse
-    asleep_forever,          // SLEEP, and no enabled source can end it
-    requested,               // Chip::request_stop, at the next instruction boundary
+    asleep_forever,          // SLEEP that no enabled interrupt source can end
+    requested,               // Chip::request_stop was called before this instruction boundary
   };
   friend constexpr Reason last_value(Reason) { return Reason::requested; }
   Reason reason = Reason::reached;
@@ -46,7 +46,8 @@ struct Stop {
   }
 };
 
-// Output levels of a port; bit n is pin n. Pins that are not `driven` are inputs: their bit of `level` is 0.
+// Output levels of a port; bit n is pin n. A pin whose bit in `driven` is 0 is an input, and its bit in
+// `level` is 0.
 struct PortOutput {
   std::uint8_t level = 0;
   std::uint8_t driven = 0;
@@ -57,8 +58,9 @@ struct PortOutput {
 struct OutputChange {
   enum class Unit { port, pwm, timer, serial };
   Unit unit = Unit::port;
-  // port: 1..6, or 0 for all; pwm: channel 0..15, or -1 for all; timer: 0, 1 (TMO0, TMO1); serial: channel 0,
-  // 1 whose frame begins at TxD, or whose clocks begin at SCK.
+  // Unit::port: port number 1..6, or 0 for all ports. Unit::pwm: channel 0..15, or -1 for all channels.
+  // Unit::timer: 0 (TMO0) or 1 (TMO1). Unit::serial: channel 0 or 1; a frame begins at TxD of the channel, or
+  // clock pulses begin at SCK of the channel.
   int index = 0;
   States at = 0;
 };
@@ -66,13 +68,13 @@ struct OutputChange {
 // Input of Chip::receive: a byte that arrives at RxD.
 struct ReceivedByte {
   std::uint8_t value = 0;
-  States at = 0;  // end of its last stop bit
+  States at = 0;  // end of the byte's last stop bit
   bool framing_error = false;
   bool parity_error = false;
-  bool multiprocessor = false;  // multiprocessor bit, if SMR.MP enables one
-  // Bit time of the sender, states; 0: same as the channel's. If it differs, a channel with 10-bit frames
-  // samples the sender's waveform at its own bit times (line_rate.h). The boot ROM's rate measurement ignores
-  // bytes with 0.
+  bool multiprocessor = false;  // value of the multiprocessor bit, if SMR.MP enables that bit
+  // Bit time of the sender, states. 0: the sender has the bit time of the channel. If the two bit times
+  // differ, a channel with 10-bit frames samples the sender's waveform at the channel's bit times
+  // (line_rate.h). The boot ROM's bit rate measurement ignores a byte whose bit_states is 0.
   States bit_states = 0;
   template <class A>
   void transfer(A& a) {
@@ -93,8 +95,8 @@ constexpr ResetCause last_value(ResetCause) {
   return ResetCause::watchdog;
 }
 
-// Use of a register that the manual forbids or leaves undefined. Execution continues unless
-// Options::stop_on_misuse is set. Equal uses are counted in one entry.
+// A register access that the manual forbids, or whose effect the manual leaves undefined. Execution continues
+// unless Options::stop_on_misuse is set. Repetitions of the same misuse are counted in one entry.
 struct Misuse {
   std::uint32_t address = 0;  // address of the register or memory
   std::uint32_t pc = 0;       // address of the instruction
@@ -110,16 +112,16 @@ struct Misuse {
 // Result of Chip::call.
 struct CallResult {
   std::uint32_t er0 = 0;
-  States states = 0;  // from the first instruction to the end of RTS
+  States states = 0;  // duration from the first instruction to the end of RTS
 };
 
 // Numbers of erase and program operations since the chip was created (hardware manual, "ROM").
 struct FlashStatistics {
   struct Block {
-    std::int64_t erasures = 0;  // erase pulses that changed cells, which wears the block
+    std::int64_t erasures = 0;  // number of erase pulses that changed cells; each wears the block
     std::int64_t erase_pulses = 0, program_pulses = 0;
-    std::int64_t weak_pulses = 0;   // pulses shorter than the manual's minimum
-    std::int64_t reprogrammed = 0;  // pulses that programmed a bit that was already 0
+    std::int64_t weak_pulses = 0;   // number of pulses shorter than the manual's minimum
+    std::int64_t reprogrammed = 0;  // number of pulses that programmed a bit that was already 0
     template <class A>
     void transfer(A& a) {
       a(erasures, erase_pulses, program_pulses, weak_pulses, reprogrammed);
@@ -140,8 +142,8 @@ class Machine;
 class Observer;
 class InputLog;
 
-// Addresses have 24 bits, 16 in normal mode; higher bits are ignored. Times are states since power-on. A chip
-// must be used by one thread at a time; different chips are independent.
+// Addresses have 24 bits, or 16 bits in normal mode. Higher bits are ignored. Times are numbers of states
+// since power-on. Only one thread at a time may use a chip. Different chips are independent.
 class Chip {
  public:
   explicit Chip(const Options& options = {});
@@ -149,14 +151,16 @@ class Chip {
   Chip(Chip&&) noexcept;
   Chip& operator=(Chip&&) noexcept;
 
-  // Returns a second chip in the same state, without callbacks, hooks, observers and analog source.
+  // Returns a second chip in the same state. The second chip has no callbacks, hooks, observers or analog
+  // source.
   Chip clone() const;
-  // Returns a snapshot of the complete state, to restore into this or another chip. Callbacks and hooks are
-  // not part of it: restore() keeps those of the chip.
+  // Returns a snapshot of the complete state, for restore() of this or another chip. The snapshot contains no
+  // callbacks and hooks: the chip that restores it keeps its own callbacks and hooks.
   std::shared_ptr<const Chip> save() const;
   void restore(const Chip& saved);
-  // Write and read the complete state as bytes, for files. Only the same build may read it, into a chip with
-  // the same options. If the reader reports an error, the chip is powered on with undefined flash contents.
+  // Write and read the complete state as bytes, for files. Only the build that wrote the bytes can read them,
+  // and only into a chip with the same options. If the reader reports an error, the chip is powered on with
+  // undefined flash contents.
   void write_state(StateWriter& to) const;
   void read_state(StateReader& from);
 
@@ -164,13 +168,13 @@ class Chip {
   // -------
 
   // Writes the image's segments to flash at their load addresses and fills the rest of the flash with 0xff.
-  // Does not reset. Error, without any change: a segment outside the flash.
+  // Does not reset the chip. Error: a segment is outside the flash; nothing is then written.
   Result<void> load(const Image& image);
-  // Loads a program that starts at its entry point instead of by reset. Writes every section to its run
-  // address in flash or RAM and sets PC to `entry`. Other memory is unchanged. Must be called after power_on.
-  // Error: a section outside flash and RAM; earlier sections are written.
+  // Loads a program that starts at its entry point, without a reset. Writes every section to its run address
+  // in flash or RAM and sets PC to `entry`. Other memory is unchanged. Must be called after power_on. Error:
+  // a section is outside flash and RAM; the sections before that section have then been written.
   Result<void> place(const Image& image, std::uint32_t entry);
-  // Sets the symbols for reports, as for an S-record image whose symbols are in a COFF file.
+  // Sets the symbols that reports use. An S-record image has no symbols; they can come from a COFF file.
   void set_symbols(SymbolTable symbols);
   const SymbolTable& symbols() const;
 
@@ -185,38 +189,40 @@ class Chip {
   void set_mode_pins(int mode);
   // Returns true from a reset in boot mode until the boot ROM starts the downloaded program.
   bool in_boot_rom() const;
-  // Runs whole instructions until now() >= until or a stop. After an error stop each further call returns the
-  // same stop until a reset.
+  // Runs whole instructions until now() >= until, or until another reason in Stop::Reason ends the run. If an
+  // error has ended a run, each further call returns the same Stop until a reset.
   Stop run_until(States until);
-  // Runs one instruction, exception entry or DTC activation. While asleep, advances to the next event, at
-  // most to `no_later`.
+  // Runs one instruction, exception entry or DTC activation. If the CPU is asleep, advances to the next
+  // event, but not beyond the time `no_later`.
   Stop step(States no_later = std::numeric_limits<States>::max());
   States now() const;
-  // Returns the instructions executed since power-on.
+  // Returns the number of instructions executed since power-on.
   std::int64_t instructions() const;
-  // Returns how many of them ran as translated host code. For measurements; not part of save().
+  // Returns how many of the executed instructions ran as translated host code. The number is for measurements
+  // and is not part of save().
   std::int64_t translated_instructions() const;
-  // Returns the engine in use: Options::engine, or the interpreter in normal mode and in builds without the
-  // translator.
+  // Returns the engine in use. This is Options::engine, but the interpreter replaces the translator in normal
+  // mode and in builds without the translator.
   Engine engine() const;
   bool asleep() const;
   ResetCause reset_cause() const;
-  // Sets the listener for watchdog resets. It is called before the first instruction, with the time.
+  // Sets the listener for watchdog resets. The listener is called with the time of the reset, before the
+  // first instruction after the reset.
   void on_watchdog_reset(std::function<void(States)> listener);
 
   // Inspection and debugging
   // ------------------------
 
-  Registers registers() const;  // in a listener flags may be stale: see watch()
+  Registers registers() const;  // in a listener, flags may be stale (see watch())
   void set_registers(const Registers& registers);
-  // Read flash, RAM and I/O registers without side effects and in no time. At an unmapped address they return
-  // nullopt or false.
+  // Read flash, RAM and I/O registers. A read has no side effects and takes no time. These functions return
+  // nullopt or false at an unmapped address.
   std::optional<std::uint8_t> peek(std::uint32_t address) const;
   std::optional<std::uint16_t> peek16(std::uint32_t address) const;
   std::optional<std::uint32_t> peek32(std::uint32_t address) const;
   bool peek(std::uint32_t address, std::span<std::uint8_t> to) const;
-  // Write flash or RAM, but not I/O registers, in no time. They return false at an address outside both;
-  // bytes before it are written.
+  // Write flash or RAM, but not I/O registers. A write takes no time. These functions return false if an
+  // address is outside flash and RAM; the bytes before that address have then been written.
   bool poke(std::uint32_t address, std::uint8_t value);
   bool poke(std::uint32_t address, std::span<const std::uint8_t> from);
 
@@ -227,27 +233,29 @@ class Chip {
   void set_breakpoint(std::uint32_t address);
   void clear_hook(std::uint32_t address);
 
-  // Notifies `observer` (observer.h) until detach(), which must precede the destruction of either. An
-  // observed chip runs slower, with the same results. Observers are not part of save() or clone().
+  // Notifies `observer` (observer.h) until detach(). Call detach() before the observer or the chip is
+  // destroyed. An observed chip runs slower, but has the same results. Observers are not part of save() or
+  // clone().
   void attach(Observer& observer);
   void detach(Observer& observer);
   // Ends run_until or step at the next instruction boundary with Reason::requested. For observers.
   void request_stop();
-  // Reports all external input to `log`, for replay by debug/history.h; null disables it. `log` must outlive
-  // its use.
+  // Reports all external input to `log`, for replay by debug/history.h; null disables it. `log` must live
+  // until the chip is destroyed or has another log.
   void set_input_log(InputLog* log);
 
-  // Calls a C function of the image with interrupts masked. Changes the chip, so use a clone. Up to three
-  // `args` go to ER0, ER1 and ER2; the result is in ER0. Errors: more than three args, ER7 outside RAM, a
-  // stop, or no return within `limit` states.
+  // Calls a C function of the image with interrupts masked. The call changes the state of the chip, so call
+  // it on a clone. Up to three `args` go to ER0, ER1 and ER2; the result is in ER0. Errors: there are more
+  // than three args, ER7 is outside RAM, the chip stops, or the function does not return within `limit`
+  // states.
   Result<CallResult> call(std::uint32_t address, std::initializer_list<std::uint32_t> args,
                           States limit = 10'000'000);
 
   // Returns the text of the instruction at `address`, such as "mov.l @(0x10:16,er6),er0". `length` receives
-  // its length in bytes and may be null.
+  // the instruction's length in bytes and may be null.
   std::string disassemble(std::uint32_t address, int* length = nullptr) const;
   const FlashStatistics& flash_statistics() const;
-  // Returns registers, back-trace and last instructions, as in Stop::report.
+  // Returns a text with registers, back-trace and last instructions, like Stop::report.
   std::string report() const;
   // Returns the first 256 different misuses since power-on.
   const std::vector<Misuse>& misuse() const;
@@ -256,57 +264,63 @@ class Chip {
   // ----
 
   PortOutput output(Port port) const;
-  // Drives a pin from the board, from now() on. `bit` is 0..7; other values are ignored.
+  // Lets the board drive a pin, beginning at now(). `bit` is 0..7; other values are ignored.
   void set_input(Port port, int bit, bool level);
-  // Stops driving a pin. Its level is then high if its pull-up is on, else Options::floating_level.
+  // The board stops driving a pin. An input pin is then high if its pull-up is on; otherwise it has
+  // Options::floating_level.
   void release_input(Port port, int bit);
   void set_nmi(bool level);
 
-  // Returns the current level and driver of a pin.
+  // Returns the current level, driver and pull-up of a pin.
   PinState state(Pin pin) const;
   bool level(Pin pin) const { return state(pin).level; }
-  // Calls `listener` at each change of the pin's level, input or output, with the exact state of the edge.
-  // Calls are in order of time, also between two instructions and during sleep. With `drivers` also when the
-  // pin's driver or pull-up changes. Returns an id for unwatch().
+  // Calls `listener` at each change of the pin's level, for inputs and outputs, with the exact time of the
+  // edge. Calls are in order of time, including edges between two instructions and edges during sleep. With
+  // `drivers`, changes of the pin's driver or pull-up also cause a call. Returns an id for unwatch().
   //
-  // A listener may read pins and drive inputs, which takes effect at the time of the edge. It must not run,
-  // reset, restore or move the chip. A reset appears at the pins at the instruction boundary before it.
-  // Clones are not watched, and changes by restore() are not reported.
+  // A listener may read pins and drive inputs. The driven inputs change at the time of the edge. It must not
+  // run, reset, restore or move the chip. The pins change for a reset at the instruction boundary before the
+  // reset. Clones are not watched, and changes by restore() are not reported.
   //
-  // Stale flags: translated code computes flags only where they are read or its block may be left. If a MOV
-  // or bit instruction with a fixed I/O address causes the call, H, N, Z, V and C of registers().ccr may be
-  // those of any earlier instruction. ER0 to ER7, I, UI, now() and PC (the address of this instruction) are
-  // valid. All flags are valid between instructions (call_at, code hooks), while an observer is attached, and
-  // with the other engines, where a store has already set its own flags. With any engine instructions() may
-  // lack those since the last event. All this also holds for on_output, on_transmit and set_analog.
+  // Stale flags: translated code computes flags only where the program reads the flags, or where execution
+  // may leave the translated block. If a MOV or bit instruction with a fixed I/O address causes the call, H,
+  // N, Z, V and C in registers().ccr may come from any earlier instruction. ER0 to ER7, I, UI, now() and PC
+  // (the address of the instruction that causes the call) are valid. All flags are valid between instructions
+  // (call_at, code hooks) and while an observer is attached. All flags are also valid with the other engines;
+  // a store instruction has already set its flags there. With any engine, instructions() may not yet include
+  // the instructions since the last event. The same holds in the callbacks of on_output, on_transmit and
+  // set_analog.
   int watch(Pin pin, PinListener listener, bool drivers = false);
   void unwatch(int watch);
-  // Calls `call` once between instructions, with the time as its argument. It is due at `at`, or at the start
-  // of the next run if that is past. It may do what a listener of watch() may do. Returns an id for cancel().
+  // Calls `call` once between instructions, with the time as its argument. The call is made at `at`. If `at`
+  // is in the past, the call is made at the start of the next run. `call` may do what a listener of watch()
+  // may do. Returns an id for cancel().
   int call_at(States at, std::function<void(States)> call);
   void cancel(int call);
-  // Drive or release an I/O pin or a pin of port 7. set_input also drives NMI. Other pins are not affected.
+  // Drive or release an I/O pin or a pin of port 7. set_input can also drive NMI. Both functions ignore all
+  // other pins.
   void set_input(Pin pin, bool level);
   void release_input(Pin pin);
 
   // Sets the listener for changes of the outputs of ports, PWM, timers and serial channels.
   void on_output(std::function<void(const OutputChange&)> listener);
-  // Returns the duty cycle of PW0..PW15 in high counts of 256. If the port latch or TxD drives the pin, it is
-  // 256 or 0 by the current level; if the pin is an input, 0.
+  // Returns the duty cycle of PW0..PW15 as the number of high counts out of 256. If the port latch or TxD
+  // drives the pin, the result is 256 while the pin is high and 0 while it is low. If the pin is an input,
+  // the result is 0.
   int pw_high_counts(int channel) const;
   bool pw_driven(int channel) const;
-  // Returns the duty cycle 0..1 of TMO0, TMO1 in the timer's steady state. If the port drives the pin, it is
-  // 0 or 1; if the pin is an input, 0.
+  // Returns the duty cycle 0..1 of TMO0 or TMO1 in the timer's steady state. If the port drives the pin, the
+  // result is the level of the pin, 0 or 1. If the pin is an input, the result is 0.
   double tmo_high_share(int timer) const;
   bool tmo_driven(int timer) const;
 
   // Sets the source of input voltages, as fractions of AVCC (0..1). Channels 0..7 are AN0..AN7, 8..15 are
   // CIN0..CIN7. `source` is called at the time of each sample. Without a source all voltages are 0.
   //
-  // `steady` promises that `source` has no side effects. It may depend only on channel, time, outputs other
-  // than serial ones, and values that are constant during a run. It may then be called later for the samples
-  // of a scan, but before such an output changes and before the run ends. Samples whose results are not read
-  // are skipped.
+  // `steady` promises that `source` has no side effects. It also promises that the voltages depend only on
+  // channel, time, outputs other than serial outputs, and values that are constant during a run. The chip may
+  // then call `source` after the time of a scan's sample, but before one of these outputs changes and before
+  // the run ends. The chip skips samples whose results the program does not read.
   void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 
   // Serial
@@ -315,7 +329,8 @@ class Chip {
   // Queues a byte for RxD0 or RxD1. Errors: `sci` is not 0 or 1, or `byte.at` is before now() or before the
   // last queued byte.
   Result<void> receive(int sci, const ReceivedByte& byte);
-  // Sets the listener for bytes transmitted at TxD0 or TxD1. It is called after the last stop bit.
+  // Sets the listener for bytes transmitted at TxD0 or TxD1. The listener is called after the byte's last
+  // stop bit.
   void on_transmit(std::function<void(int sci, const TransmittedByte&)> listener);
 
  private:

@@ -61,12 +61,12 @@ class Program {
     for (const std::uint16_t w : ws) words_.push_back(w);
     return *this;
   }
-  // mov.b #value,r0l; mov.b r0l,@address:16. Takes 1 + 3 states, and 1 more for an I/O register.
+  // mov.b #value,r0l; mov.b r0l,@address:16. Takes 1 + 3 states, plus 1 state for an I/O register.
   Program& out8(std::uint32_t address, std::uint8_t value) {
     return words(
         {static_cast<std::uint16_t>(0xf800 | value), 0x6a88, static_cast<std::uint16_t>(address)});
   }
-  // mov.w #value,r0; mov.w r0,@address:16. Takes 2 + 3 states, and 1 or 3 more for an I/O register.
+  // mov.w #value,r0; mov.w r0,@address:16. Takes 2 + 3 states, plus 1 or 3 states for an I/O register.
   Program& out16(std::uint32_t address, std::uint16_t value) {
     return words({0x7900, value, 0x6b80, static_cast<std::uint16_t>(address)});
   }

@@ -18,8 +18,8 @@ class Dtc {
   std::uint8_t read(std::uint32_t address);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
 
-  // Does one activation if one is due at this instruction boundary, and advances Cpu::now. Returns false if
-  // none is due.
+  // If an activation is due at this instruction boundary, executes the activation, advances Cpu::now and
+  // returns true. Otherwise returns false.
   bool run(Machine& m);
   // Returns the time at which the next activation may begin; kNever without a request.
   States earliest(const Machine& m) const;

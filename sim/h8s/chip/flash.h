@@ -19,9 +19,9 @@ inline constexpr double after_swe = 10, after_psu = 50, after_esu = 200, after_p
                         after_ev = 20, after_dummy = 2;
 inline constexpr double program_least = 150, program_most = 200;
 inline constexpr double erase_least = 5'000, erase_most = 10'000;
-// Fraction of the minimum pulse below which no cell changes.
+// A pulse shorter than this fraction of the minimum pulse changes no cell.
 inline constexpr double nothing_below = 0.125;
-inline constexpr int endurance = 100;  // erasures of a block
+inline constexpr int endurance = 100;  // number of erasures that a block endures
 }  // namespace flash_times
 
 class FlashControl {
@@ -37,18 +37,18 @@ class FlashControl {
   bool plain() const { return !busy() && (flmcr1_ & 0x0c) == 0; }
   // Returns whether a pulse or its setup is active. A read, fetch or exception is then an error.
   bool busy() const { return (flmcr1_ & 0x03) != 0 || (flmcr2_ & 0x01) != 0; }
-  // Returns the value of a read while not plain(). `cell` is the stored byte.
+  // Returns the value of a read while plain() is false. `cell` is the stored byte.
   std::uint8_t read(Machine& m, std::uint32_t address, std::uint8_t cell, States at);
   // Enters error protection: sets FLER and ends the running pulse early. No other pulse begins before a
   // reset.
   void error(Machine& m, const char* text, States at);
-  // Applies an erase pulse to one block. `share` is its fraction of a full pulse; below 1 only some cells
-  // change, or none.
+  // Applies an erase pulse to one block. `share` is the pulse length as a fraction of a full pulse. If
+  // `share` is below 1, only some cells or no cells change.
   void erase_block(Machine& m, unsigned block, double share);
   static constexpr unsigned blocks = 10;
   static std::uint32_t size_of(unsigned block);
   bool blank(Machine& m, unsigned block) const;
-  // Must be called at a reset or power cut. A running pulse has its partial effect.
+  // Must be called at a reset or power cut. If a pulse is running, the pulse has a partial effect.
   void cut(Machine& m, States at);
 
   FlashStatistics statistics;
@@ -73,7 +73,7 @@ class FlashControl {
   std::uint32_t line_ = 0;     // address of the 32-byte line to program
   std::uint32_t latched_ = 0;  // one bit for each latched byte of the line
   std::array<std::uint8_t, 32> data_{};
-  std::uint32_t dummy_ = 0xffffffff;  // word that a dummy write has selected for verification
+  std::uint32_t dummy_ = 0xffffffff;  // address that a dummy write has selected for verification
   States pulse_start_ = 0, swe_at_ = 0, setup_at_ = 0, verify_at_ = 0, dummy_at_ = 0;
   std::uint32_t pulses_ = 0;
 };

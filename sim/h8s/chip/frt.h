@@ -17,12 +17,12 @@ class Frt {
   // Register accesses. `address` is the low 16 bits: FF90..FF9F. `at` is the end of the bus cycle.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Returns the value at the last advance().
+  // Returns the value that the register had at the last advance().
   std::uint8_t peek(std::uint32_t address) const;
 
   // Returns the time of the next interrupt request or output change.
   States next_event(States epoch) const;
-  // Must be called when the DTC has served the request of `vector`.
+  // Must be called after the DTC has served the request of `vector`.
   void taken_by_dtc(Machine& m, unsigned vector, States at);
   // Computes count, flags and requests up to `to`.
   void advance(Machine& m, States to);
@@ -34,7 +34,7 @@ class Frt {
   // Output 0 is FTOA, 1 is FTOB.
   bool drives(unsigned output) const { return (tocr_ & (output ? 4 : 8)) != 0; }
   bool level(unsigned output) const { return level_[output]; }
-  // Returns the next match after the last advance() that may change level().
+  // Returns the time of the first match after the last advance() that may change level().
   States next_change(States epoch, unsigned output) const;
   bool waits_for_input() const {
     return (tier_ & 0xf0) != 0 || ((tcr_ & 3) == 3 && (tier_ & 0x0e));
@@ -50,7 +50,7 @@ class Frt {
 
  private:
   States divisor() const;  // 0: external clock
-  // Returns the counts to the next match or overflow.
+  // Returns the number of counts to the next match or overflow.
   std::int64_t to_next() const;
   std::int64_t to_count(std::uint32_t value) const;
   void step(Machine& m, std::int64_t counts, States at);
@@ -59,15 +59,16 @@ class Frt {
   void update(Machine& m, States at);
 
   std::uint16_t count_ = 0;
-  States tick_ = 0;  // clock ticks that count_ includes
+  States tick_ = 0;  // number of clock ticks that count_ includes
   StickyFlags flags_;
   std::uint8_t tier_ = 1, tcr_ = 0, tocr_ = 0, temp_ = 0;
   bool clear_on_a_ = false;
-  bool use_af_ = false;  // with OCRAMS: the next match adds OCRAF, else OCRAR
+  bool use_af_ = false;  // with OCRAMS: the next match adds OCRAF (true) or OCRAR (false)
   std::array<std::uint16_t, 2> ocr_{0xffff, 0xffff};
   std::array<std::uint16_t, 4> icr_{};
   std::uint16_t ocrar_ = 0xffff, ocraf_ = 0xffff, ocrdm_ = 0;
-  // With ICRDMS: after a capture D no further one until FRC reaches ICRD + 2 OCRDM.
+  // With ICRDMS: true from a capture D until FRC reaches ICRD + 2 OCRDM. No further capture D occurs while
+  // `masked_` is true.
   bool masked_ = false;
   std::uint16_t mask_end_ = 0;
   std::array<bool, 2> level_{};

@@ -23,15 +23,15 @@ inline constexpr unsigned count = 104;
 
 class Interrupts {
  public:
-  // Keeps the levels of the pins.
+  // Resets the module, but keeps the levels of the pins.
   void reset();
 
   // Raises or drops the request of a source. `at` is the time of a raised request.
   void set(unsigned vector, bool level, States at) {
     if (level != ((raw_[vector / 64] >> (vector % 64) & 1) != 0)) change(vector, level, at);
   }
-  // Like set() for `count` adjacent vectors: bit k of `levels` is vector `first` + k. All must be below 64,
-  // or all from 64 on.
+  // Like set() for `count` adjacent vectors: bit k of `levels` is vector `first` + k. The vectors must all be
+  // below 64, or all be 64 or above.
   void set_all(unsigned first, unsigned count, std::uint64_t levels, States at) {
     const std::uint64_t mask = ((1ull << count) - 1) << (first % 64);
     const std::uint64_t wanted = levels << (first % 64);
@@ -47,8 +47,8 @@ class Interrupts {
   // Returns the requests to the CPU: two words with one bit for each vector.
   const std::uint64_t* pending() const { return pending_.data(); }
 
-  // Returns whether a request to the CPU may pass the mask bits I and UI of `control`. With `two_level` any
-  // request may; choose() decides.
+  // Returns whether a request to the CPU may pass the mask bits I and UI of `control`. With `two_level` the
+  // result is true for any request, and choose() decides.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;
     return !(control & 0x80) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
@@ -56,23 +56,24 @@ class Interrupts {
   // Decision at an instruction boundary.
   struct Choice {
     unsigned vector = 0;       // vector to accept now; 0: none
-    States earliest = kNever;  // if none: earliest time at which one is accepted
+    States earliest = kNever;  // if `vector` is 0: earliest time of acceptance
   };
   // `decision`: Options::interrupt_decision_states.
   Choice choose(States boundary, std::uint8_t control, bool two_level, int decision) const;
 
-  // --- for the DTC
-  // Requests of the sources in `vectors` activate the DTC instead of the CPU.
+  // --- for the DTC Selects the sources (one bit for each vector) whose requests activate the DTC instead of
+  // the CPU.
   void divert(const std::array<std::uint64_t, 2>& vectors, States at);
   bool any_diverted() const { return ((raw_[0] & diverted_[0]) | (raw_[1] & diverted_[1])) != 0; }
   // Returns the time of the oldest diverted request; kNever: none.
   States diverted_since() const;
   // Returns the lowest vector of the diverted requests that were raised at `limit` or before; 0: none.
   unsigned first_diverted(States limit) const;
-  // Must be called when the DTC has served a request of the IRQ pins.
+  // Must be called after the DTC has served a request of the IRQ pins.
   void taken_by_dtc(unsigned vector, States at);
 
-  // Must be called when the CPU accepts a vector. Clears the request of an edge or of the address break.
+  // Must be called when the CPU accepts a vector. Clears a request that came from an edge or from the address
+  // break.
   void accepted(unsigned vector, States at);
 
   void set_irq_pin(unsigned n, bool level, States at);
@@ -89,8 +90,8 @@ class Interrupts {
     set(vec::address_break, true, at);
   }
 
-  // Register accesses by the low 16 bits of the address. They return nullopt or false if it is not a register
-  // of this module.
+  // Register accesses by the low 16 bits of the address. These functions return nullopt or false if the
+  // address does not belong to a register of this module.
   std::optional<std::uint8_t> read(std::uint32_t address);
   std::optional<std::uint8_t> peek(std::uint32_t address) const;
   bool write(std::uint32_t address, std::uint8_t value, States at);

@@ -46,7 +46,7 @@ struct Listeners {
 
 inline constexpr std::uint8_t kSsby = 0x80;  // SBYCR.SSBY: SLEEP begins standby
 
-// System registers without a class of their own.
+// System registers that do not belong to a module class.
 struct SystemRegisters {
   std::uint8_t stcr = 0, syscr = 0x09, mdcr = 0, bcr = 0xd7, wscr = 0x33;
   std::uint8_t syscr2 = 0, sbycr = 0, lpwrcr = 0;
@@ -57,7 +57,7 @@ struct SystemRegisters {
   }
 };
 
-// Modules with events. Events of the same state are processed in this order.
+// Modules with events. Events at the same time are processed in the order of this list.
 enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy, pins, boot };
 inline constexpr unsigned kSources = 10;
 
@@ -74,7 +74,7 @@ class Machine final : public Bus {
   Machine(const Machine& other);
   Machine& operator=(const Machine&) = delete;
 
-  // Copies the state of another machine; listeners and hooks are kept.
+  // Copies the state of another machine. This machine keeps its own listeners and hooks.
   void take_state(const Machine& other);
   // Write and read the state as bytes (state.cpp).
   void write_state(StateWriter& to);
@@ -110,8 +110,8 @@ class Machine final : public Bus {
   bool has_hook(std::uint32_t pc) const override { return hooks.contains(pc); }
   void run_observed() override;
 
-  // --- for the modules ---------------------------------------------------------------------------
-  // Returns the current time: during a bus access the end of that access.
+  // --- for the modules --------------------------------------------------------------------------- Returns
+  // the current time. During a bus access, the current time is the end of the access.
   States time() const {
     const States at = cpu.now + cpu.stall;
     return slow_from_ == kNever ? at : slow_from_ + (at - slow_from_) * slow_by_;
@@ -138,8 +138,8 @@ class Machine final : public Bus {
   }
   // Returns whether conversions that request no interrupt may be computed late or skipped.
   bool conversions_wait() const { return steady_analog && !input_log && observers.empty(); }
-  // Compute the conversions that have waited, up to before `at` or up to now. Must be called before a change
-  // of their inputs.
+  // Compute the conversions that have waited: convert_before up to the state before `at`, convert_all up to
+  // now. Must be called before the inputs of these conversions change.
   void convert_before(States at) {
     if (conversions_wait()) adc.advance(*this, at - 1);
   }
@@ -147,14 +147,15 @@ class Machine final : public Bus {
     if (conversions_wait()) adc.advance(*this, event_time());
   }
   void misuse(std::uint32_t address, const char* text);
-  // Must be called when the next event of a module may have changed. The CPU then stops in time for it.
+  // Must be called after the next event of a module may have changed. The CPU then stops in time for that
+  // event.
   void rescheduled(Source source);
   // Reschedules all modules. Must be called after external writes and other changes with unknown effects.
   void reschedule_all();
   void pin_edge(unsigned port, unsigned bit, bool rising, States at);
 
-  // --- memory ------------------------------------------------------------------------------------
-  // Returns the byte of flash or RAM at `address`; null elsewhere.
+  // --- memory ------------------------------------------------------------------------------------ Returns a
+  // pointer to the byte of flash or RAM at `address`, or null if `address` is elsewhere.
   std::uint8_t* memory_at(std::uint32_t address);
   const std::uint8_t* memory_at(std::uint32_t address) const;
   std::uint8_t io_read(std::uint32_t address);
@@ -209,8 +210,8 @@ class Machine final : public Bus {
   Dtc dtc;
   SystemRegisters system;
 
-  // Time at which the prescalers were 0: the last reset, later by the time during which the clock was
-  // stopped. sub_epoch is the same for the subclock, which never stops.
+  // Time at which the prescalers were 0: the time of the last reset plus the time during which the clock was
+  // stopped. sub_epoch is that time for the subclock, which never stops.
   States epoch = 0, sub_epoch = 0;
   ResetCause cause = ResetCause::power_on;
   bool watchdog_reset = false;  // a watchdog has requested a reset
@@ -275,8 +276,8 @@ class Machine final : public Bus {
     return next_stop_;
   }
   // Returns the time at which the CPU must stop for an event of a module. If the event only raises a request,
-  // this is the first time at which the CPU or the DTC could accept it. Other changes of the module are
-  // computed at its next access.
+  // the result is the first time at which the CPU or the DTC could accept that request. Other changes of the
+  // module are computed at the next access to the module.
   States stop_for(Source source, States event) const {
     if (source != Source::adc && source != Source::sci0 && source != Source::sci1) return event;
     const States request = source == Source::adc ? adc.next_request() : event;
@@ -321,8 +322,8 @@ class Machine final : public Bus {
   Hooked run_hook(Chip& chip, States stop, bool one);
   Stop run_to(Chip& chip, States until, bool single);
 
-  // Module of each register in FE00..FFFF with a fast path for frequent accesses. `none` for other registers,
-  // and while the module is stopped. Recomputed when STCR or MSTPCR changes.
+  // For each register in FE00..FFFF: the module whose fast path serves frequent accesses to the register.
+  // `none`: the register has no fast path, or the module is stopped. Recomputed when STCR or MSTPCR changes.
   enum class Frequent : std::uint8_t { none, adc, pwm, ports, sci0, sci1 };
   std::array<Frequent, 0x200> frequent_{};
 
@@ -331,21 +332,23 @@ class Machine final : public Bus {
   std::unique_ptr<Insn, CodeFree> code_;
   std::unique_ptr<Translator> translator_;
   static constexpr std::uint32_t kNoAddress = 0xffffffff;
-  std::uint32_t hook_done_ = kNoAddress;  // its hook has been called, its instruction has not run
-  std::uint32_t unhooked_ = kNoAddress;   // its instruction runs without a call of its hook
+  // Address whose hook has been called but whose instruction has not run.
+  std::uint32_t hook_done_ = kNoAddress;
+  // Address whose instruction runs without a call of the hook there.
+  std::uint32_t unhooked_ = kNoAddress;
   bool first_after_reset_ = false;
   bool standby_ = false, watch_ = false;  // software standby; watch mode
   States wakes_at_ = kNever;              // end of the oscillator's settling time
   States slow_from_ = kNever;             // start of execution on a divided clock
-  States slow_by_ = 1;                    // divider of that clock
+  States slow_by_ = 1;                    // clock divider since slow_from_
   bool stop_requested_ = false;
-  // Time of each module's next event, and the time at which the CPU must stop for it. Recomputed only after
-  // something that may change them.
+  // Time of each module's next event, and the time at which the CPU must stop for it. Both are recomputed
+  // only after an action that may change these times.
   std::array<States, kSources> events_{}, stops_{};
   unsigned with_event_ = 0;                // mask of the modules with an event
-  States next_event_ = 0, next_stop_ = 0;  // minimum of events_ and stops_
+  States next_event_ = 0, next_stop_ = 0;  // minimum of events_; minimum of stops_
   States other_event_ = 0;                 // earliest event of a module other than the converter
-  unsigned other_first_ = 0;               // its module
+  unsigned other_first_ = 0;               // module of other_event_
   bool events_known_ = false;
   bool stale_ = false;          // next_event_ and next_stop_ are lower bounds
   bool rescheduled_ = false;    // a module was rescheduled since run_conversions() began

@@ -31,7 +31,7 @@ struct Executed {
   std::uint16_t word = 0;  // first word at `pc`
   Flow flow = Flow::plain;
   std::uint8_t length = 2;  // bytes
-  // An interrupted EEPMOV.W is reported in parts. False for all parts but the last.
+  // An interrupted EEPMOV.W is reported in several parts. `whole` is false for all parts except the last.
   bool whole = true;
   States begin = 0, end = 0;
   bool taken() const { return next != pc + length; }
@@ -40,7 +40,8 @@ struct Executed {
 // One bus access to data: a byte, or a word at an even address. A long word is two accesses, as on the chip.
 struct Access {
   std::uint32_t address = 0;
-  // Address of the instruction. For exception entries and the DTC that of the next instruction.
+  // Address of the instruction. For an access by an exception entry or the DTC: address of the next
+  // instruction.
   std::uint32_t pc = 0;
   std::uint16_t value = 0;
   std::uint8_t size = 1;  // bytes: 1 or 2
@@ -56,10 +57,10 @@ struct ExceptionEntry {
   States begin = 0, end = 0;
 };
 
-// Base class of observers. Calls are in order of time; accesses precede the instruction that made them.
-// Instruction fetches are not reported as accesses. An observer may read the chip (registers, peek) and call
-// Chip::request_stop. It must not change or run the chip, nor attach or detach observers. Observation does
-// not change the behavior or timing of the chip.
+// Base class of observers. Calls are in order of time. The accesses of an instruction are reported before the
+// instruction. Instruction fetches are not reported as accesses. An observer may read the chip (registers,
+// peek) and call Chip::request_stop. It must not change or run the chip, nor attach or detach observers.
+// Observation does not change the behavior or timing of the chip.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -69,24 +70,24 @@ class Observer {
   virtual void accessed(const Access&) {}
   virtual void entered(const ExceptionEntry&) {}
   virtual void slept(States /*from*/, States /*to*/) {}
-  // `at`: time of the first instruction after the reset.
+  // Called after a reset. `at` is the time of the first instruction after the reset.
   virtual void was_reset(ResetCause, States /*at*/) {}
-  // Memory was changed from outside, by poke, load or restore. `size` 0: all of it may differ.
+  // Called after poke, load or restore has changed memory. `size` 0: all memory may have changed.
   virtual void changed(std::uint32_t /*address*/, std::uint32_t /*size*/) {}
 };
 
-// Log of all inputs of the chip, for replay. History (debug/history.h) implements it; Chip::set_input_log
-// connects it.
+// Log of all inputs of the chip, for replay. History (debug/history.h) implements this interface.
+// Chip::set_input_log connects a log to a chip.
 class InputLog {
  public:
   virtual ~InputLog() = default;
-  // An input will be applied at the boundary now(): a pin or mode pin, a received byte, reset, poke or
-  // set_registers. `apply` repeats it on another chip.
+  // Called before an input is applied at the instruction boundary now(). Inputs are levels of pins and mode
+  // pins, received bytes, reset, poke and set_registers. `apply` repeats the input on another chip.
   virtual void input(std::function<void(Chip&)> apply) = 0;
-  // An input that cannot be replayed: load, power_on, restore, call, or any input from a listener, which may
-  // be in the middle of an instruction.
+  // Called at an input that cannot be replayed: load, power_on, restore, call, or any input from a listener.
+  // A listener may be called in the middle of an instruction.
   virtual void cut() = 0;
-  // The analog source returned `value`.
+  // Called after the analog source has returned `value`.
   virtual void sampled(int channel, States at, double value) = 0;
 };
 

@@ -14,12 +14,13 @@ namespace kaz::h8s {
 
 class Machine;
 
-// Returns level and driver of a pin at `at`. The modules must have been advanced to `at`.
+// Returns level, driver and pull-up of a pin at the time `at`. The modules must have been advanced to `at`.
 PinState pin_state(const Machine& m, Pin pin, States at);
 // Returns the first state after `at` at which the module that drives a pin may change its level.
 States next_pin_change(const Machine& m, Pin pin, States at);
 
-// Belongs to a machine, but is not part of its state: it is neither copied nor restored.
+// A PinWatch belongs to a machine, but is not part of the machine's state: the PinWatch is neither copied nor
+// restored.
 class PinWatch {
  public:
   bool active() const { return !watched_.empty() || !calls_.empty(); }
@@ -31,9 +32,9 @@ class PinWatch {
   void cancel(int id);
 
   States next_event(const Machine& m) const;
-  // Reports the edges at `to` and makes the calls that are due.
+  // Reports the edges at the time `to` and makes the calls that are due.
   void advance(Machine& m, States to);
-  // Reports the edges at `at`. Must be called after a change from outside.
+  // Reports the edges at the time `at`. Must be called after a change from outside.
   void sample(Machine& m, States at);
   // Takes the current levels without reporting edges. Must be called after the chip's state was replaced.
   void forget(const Machine& m, States at);

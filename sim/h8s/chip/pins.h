@@ -32,8 +32,9 @@ struct PinInfo {
   Pin pin = Pin::p10;
   int port = 0;  // 1..7; 0 for the control inputs
   int bit = 0;
-  // All names in single-chip modes, the port's first: "P50", "TxD0". Source: hardware manual, pin functions.
-  // Where it does not cover the 64-pin part, names are those of related parts (docs/explanation/emulator.md).
+  // All names that the pin has in single-chip modes, such as "P50" and "TxD0". The port name comes first.
+  // Source: hardware manual, pin functions. Where the manual does not cover the 64-pin part, the names come
+  // from related parts (docs/explanation/emulator.md).
   std::span<const std::string_view> names;
   bool input_only = false;
   // NMOS push-pull output: an external low level overrides its high level without a conflict.
@@ -46,12 +47,12 @@ std::span<const PinInfo> pin_table();
 const PinInfo& info(Pin pin);
 // Finds a pin by any of its names, ignoring case: "P50", "txd0", "PW3", "TMO0", "AN7", "NMI".
 std::optional<Pin> find_pin(std::string_view name);
-// Returns the pin of a port; nullopt if it does not exist, for example P53.
+// Returns the pin of a port; nullopt if that pin does not exist, for example P53.
 std::optional<Pin> pin_of(int port, int bit);
 
 // Source of a pin's level.
 enum class Driver : std::uint8_t {
-  nobody,   // an input without a drive from the board and without a pull-up
+  nobody,   // an input that neither the board nor a pull-up drives
   pull_up,  // the chip's internal pull-up
   board,
   port,   // the port's latch
@@ -60,12 +61,12 @@ enum class Driver : std::uint8_t {
   frt,    // free-running timer
   tmr,    // 8-bit timers
   sci,    // serial channel
-  clock,  // the system clock: its edges fall between states and are not reported
+  clock,  // the system clock; its edges fall between two states and are not reported
 };
 std::string_view name(Driver driver);
 
 struct PinState {
-  bool level = false;  // Options::floating_level for `nobody`, low for `clock`
+  bool level = false;  // Driver::nobody: Options::floating_level; Driver::clock: low
   Driver driver = Driver::nobody;
   bool pull_up = false;  // the pull-up is switched on (PCR), even if the pin is driven
   // Returns whether the chip drives the pin.

@@ -15,13 +15,13 @@ class Machine;
 
 class Ports {
  public:
-  // Register accesses by the low 16 bits of the address, FFAC..FFBE. They return nullopt or false if it is
-  // not a register of a port.
+  // Register accesses by the low 16 bits of the address, FFAC..FFBE. These functions return nullopt or false
+  // if the address does not belong to a register of a port.
   std::optional<std::uint8_t> read(const Machine& m, std::uint32_t address) const;
   bool write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Returns whether a write of `value` to a latch or direction register changes nothing.
+  // Returns whether `address` is a latch or direction register and a write of `value` would change nothing.
   bool holds(std::uint32_t address, std::uint8_t value) const;
-  // Keeps the levels that the board drives.
+  // Resets the registers, but keeps the levels that the board drives.
   void reset();
 
   PortOutput output(const Machine& m, unsigned port, States at) const;

@@ -16,7 +16,8 @@ class Pwm {
   // Register accesses: FFD2..FFD7, and PCSR at FF82.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Does a write that changes no waveform. Returns false if write() is needed.
+  // Writes the register if the write changes no waveform. Otherwise returns false, and write() must be
+  // called.
   bool write_quietly(std::uint32_t address, std::uint8_t value) {
     if (address == 0xffd7) return data_[select_ & 15] == value;
     if (address != 0xffd6 || ((value ^ select_) & 0xc0) != 0) return false;
@@ -29,8 +30,8 @@ class Pwm {
   void reset() { *this = Pwm(epoch_); }
 
   bool enabled(unsigned channel) const { return (oe_ >> channel & 1) != 0; }
-  // Returns the duty cycle in high counts of 256. With the clock stopped it is 0 or 256, by the current
-  // level.
+  // Returns the duty cycle as the number of high counts out of 256. While the clock is stopped, the result is
+  // 256 if the current level is high, else 0.
   int high_counts(unsigned channel, States at) const;
   // Returns the level of the waveform at `at`.
   bool level(unsigned channel, States at, bool right_aligned) const;
@@ -44,7 +45,7 @@ class Pwm {
   }
 
  private:
-  // Returns the states per count, a power of two; 0: stopped.
+  // Returns the number of states per count, a power of two; 0: the clock is stopped.
   States divisor() const {
     if (!(select_ & 0x80)) return 0;
     return select_ & 0x40 ? States{2} << (pcsr_ >> 1 & 3) : 1;

@@ -11,11 +11,11 @@ namespace kaz::h8s {
 
 class Machine;
 
-// Source: hardware manual, 14-bit PWM timer. A conversion period is 16384 T, with T = 1 or 2 states by
-// DACR.CKS.
+// Source: hardware manual, 14-bit PWM timer. A conversion period is 16384 T. DACR.CKS selects T = 1 or 2
+// states.
 class Pwmx {
  public:
-  // Register accesses with STCR.IICE = 1: FFA0, FFA1, FFA6, FFA7, banked by REGS.
+  // Register accesses while STCR.IICE = 1: FFA0, FFA1, FFA6, FFA7. REGS selects the bank.
   std::uint8_t peek(std::uint32_t address, States at) const;
   std::uint8_t read(std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
@@ -50,8 +50,8 @@ class Pwmx {
 };
 
 // Returns whether count 0..16383 of the conversion period is in a pulse. `data` (14 bits) is the sum of the
-// pulses in counts. Base cycles have 64 counts, or 256 with `long_cycle`. Data below one count per base cycle
-// give no pulse.
+// pulses in counts. Base cycles have 64 counts, or 256 with `long_cycle`. If `data` has less than one count
+// per base cycle, there are no pulses.
 bool pwmx_pulse(unsigned data, bool long_cycle, unsigned count);
 
 }  // namespace kaz::h8s

@@ -11,7 +11,7 @@
 
 namespace kaz::h8s {
 
-// Condition that selects a register among those with the same address (hardware manual, register list).
+// Condition that selects one of the registers that share an address (hardware manual, register list).
 enum class Bank : std::uint8_t {
   always,
   flshe_0,  // STCR.FLSHE
@@ -29,7 +29,7 @@ enum class Bank : std::uint8_t {
 };
 
 struct RegisterInfo {
-  std::string_view name;  // as in the manual, with the unit's number if several units have it
+  std::string_view name;  // as in the manual, with a unit number if necessary
   std::uint16_t address;  // low 16 bits
   std::uint8_t size;      // bytes: 1 or 2
   std::string_view unit;
@@ -43,8 +43,8 @@ struct RegisterInfo {
 std::span<const RegisterInfo> register_table();
 // Finds a register by name, ignoring case. Returns null if there is no such register.
 const RegisterInfo* find_register(std::string_view name);
-// Returns the register at `address`, or null. If several share it, returns the selected one. `peek` reads a
-// byte without side effects, as Chip::peek.
+// Returns the register at `address`, or null. If several registers share the address, returns the selected
+// register. `peek` reads a byte without side effects, like Chip::peek.
 const RegisterInfo* register_at(
     std::uint32_t address, const std::function<std::optional<std::uint8_t>(std::uint32_t)>& peek);
 // Returns whether `r` is the selected register at its address.

@@ -43,7 +43,7 @@ class Sci {
  public:
   // Register accesses. `offset` 0..6: SMR, BRR, SCR, TDR, SSR, RDR, SCMR.
   std::uint8_t read(Machine& m, unsigned n, unsigned offset, States at);
-  // Like read(), when no event is due.
+  // Like read(), but may only be called if no event is due.
   std::uint8_t read_now(unsigned offset) {
     if (offset == 4) flags_.read();
     return peek(offset);
@@ -67,24 +67,26 @@ class Sci {
   bool drives_txd() const { return (scr_ & 0x20) != 0; }
   // Returns the level of TxD while drives_txd(). `at` must not be before the current frame.
   bool txd(States at) const;
-  // Returns the first state later than `after` at which TxD changes, if it is already known; else kNever.
+  // Returns the first state later than `after` at which TxD changes. Returns kNever if that state is not yet
+  // known.
   States txd_change(States after) const;
-  // SCK is an output in clocked mode with the internal clock, and if it outputs the bit clock (CKE = 01).
+  // Returns whether SCK is an output: in clocked mode with the internal clock, or with CKE = 01, which
+  // outputs the bit clock.
   bool drives_sck() const { return synchronous() ? !(scr_ & 2) : (scr_ & 3) == 1; }
   bool sck(States at) const;
   States sck_change(States after) const;
   // RE makes RxD an input, regardless of its DDR bit.
   bool takes_rxd() const { return (scr_ & 0x10) != 0; }
   bool takes_sck() const { return (scr_ & 2) != 0; }
-  // Must be called when the board has changed a level. `driven` is false when the board stops driving RxD.
-  // Then the channel receives only the bytes of incoming().
+  // Must be called after the board has changed the level of RxD or SCK. `driven` is false if the board has
+  // stopped driving RxD. The channel then receives only the bytes of incoming().
   void rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at);
   void sck_edge(Machine& m, unsigned n, bool rising, States at);
 
   States bit_states() const;
   bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
 
-  // Must be called when the DTC has read RDR or written TDR and remains active.
+  // Must be called after the DTC has read RDR or written TDR, if the DTC remains active.
   void taken_by_dtc(Machine& m, unsigned n, States at);
   void filled_by_dtc(Machine& m, unsigned n, States at);
 
@@ -111,7 +113,7 @@ class Sci {
   bool parity() const { return (smr_ & 0x20) != 0 && !(smr_ & 4) && !synchronous(); }
   int stop_bits() const { return smr_ & 8 ? 2 : 1; }
   int frame_bits() const;
-  // Applies the bit order and inversion of SCMR. This is its own inverse.
+  // Applies the bit order and inversion of SCMR. The function is its own inverse.
   std::uint8_t on_wire(std::uint8_t byte) const;
   bool parity_of(std::uint8_t wire) const;
   SerialFrame frame_of(std::uint8_t wire) const;
@@ -151,19 +153,19 @@ class Sci {
   States start_ = 0;        // start of the frame
   States bit_ = 32;         // bit time of the frame; 0: external clock
   States end_ = kNever;     // time of the transmitter's next step
-  std::int64_t ticks_ = 0;  // external clocks since the frame began
+  std::int64_t ticks_ = 0;  // number of external clock pulses since the frame began
 
   std::deque<ReceivedByte> incoming_;
   bool rxd_ = true, rxd_driven_ = false;
   bool receiving_ = false;
   int received_ = 0;  // bits received of the current frame
   std::uint16_t rsr_ = 0;
-  States edge_ = 0;         // edge of the start bit
+  States edge_ = 0;         // time of the start bit's edge
   States sample_ = kNever;  // time of the next sample of RxD
-  int sample_ticks_ = 0;    // external clocks to the next sample
-  ReceivedByte arrived_;    // sampled, but not yet delivered
+  int sample_ticks_ = 0;    // number of external clock pulses to the next sample
+  ReceivedByte arrived_;    // byte that was sampled but is not yet delivered
   States arrives_ = kNever;
-  States burst_ = kNever;  // clocked mode, reception only: start of its eight clocks
+  States burst_ = kNever;  // clocked mode, reception only: start of the eight clock pulses
 
   static StickyFlags empty() {
     StickyFlags f;

@@ -18,12 +18,12 @@ class StickyFlags {
     set_ = static_cast<std::uint8_t>(set_ & ~mask);
     seen_ = static_cast<std::uint8_t>(seen_ & ~mask);
   }
-  // Read by software. Returns the flags; a later write may clear those that are set.
+  // Must be called for a read by software. Returns the flags. A later write may clear the returned flags.
   std::uint8_t read() {
     seen_ = static_cast<std::uint8_t>(seen_ | set_);
     return set_;
   }
-  // Write by software. Returns the flags that it has cleared.
+  // Must be called for a write by software. Returns the flags that the write has cleared.
   std::uint8_t write(std::uint8_t byte) {
     const auto cleared = static_cast<std::uint8_t>(set_ & seen_ & ~byte);
     drop(cleared);

@@ -9,8 +9,8 @@
 
 namespace kaz::h8s {
 
-// Source: hardware manual, 8-bit timers. A match takes effect when the counter leaves the matching value. So
-// a clear on match gives periods of TCOR + 1 counts.
+// Source: hardware manual, 8-bit timers. A match takes effect when the counter leaves the matching value.
+// Therefore a clear on match gives periods of TCOR + 1 counts.
 struct Timer8 {
   static constexpr std::uint8_t kOvf = 0x20, kCmfa = 0x40, kCmfb = 0x80;
   enum class Clear { none, on_a, on_b, on_pin };
@@ -19,35 +19,37 @@ struct Timer8 {
   };
 
   std::uint8_t count = 0, tcr = 0, tcora = 0xff, tcorb = 0xff;
-  std::uint8_t tcsr_low = 0;  // bits 4..0 of TCSR; 3..0 select the effect of matches on the output
+  std::uint8_t tcsr_low = 0;  // bits 4..0 of TCSR; bits 3..0: effect of matches on the output
   StickyFlags flags;          // CMFB, CMFA, OVF in bits 7..5
-  States tick = 0;            // clock ticks that `count` includes
+  States tick = 0;            // number of clock ticks that `count` includes
   bool level = false;         // output level
 
   unsigned clock_select() const { return tcr & 7u; }
   Clear clear() const { return static_cast<Clear>(tcr >> 3 & 3); }
-  // Returns whether the timer drives its pin: an OS bit is set.
+  // Returns whether an OS bit is set. The timer then drives its pin.
   bool drives() const { return (tcsr_low & 0x0f) != 0; }
   // Returns the flags that are set and enabled as interrupts, in bits 7..5.
   unsigned requests() const { return flags.value() & tcr & 0xe0u; }
-  // Returns the counts until a match or the overflow takes effect.
+  // Returns the number of counts until a match or the overflow takes effect.
   std::int64_t to_next() const;
-  // Counts and applies the events. `counts` must not exceed to_next().
+  // Advances the counter by `counts` and applies the events. `counts` must not exceed to_next().
   Crossed step(std::int64_t counts) { return step(counts, clear()); }
   Crossed step(std::int64_t counts, Clear clearing);
   // Applies matches to flags and output level.
   void matched(bool a, bool b);
-  // Returns the period: the counts between two clears or overflows.
+  // Returns the period: the number of counts between two clears or overflows.
   std::int64_t turn() const;
-  // Skips whole periods before the tick `target`, but leaves at least one, which sets the same flags. A
-  // toggled output repeats after two periods, any other after one.
+  // Skips whole periods before the tick `target`, but leaves at least one period, which sets the same flags
+  // as the skipped periods. An output that matches toggle repeats after two periods; any other output repeats
+  // after one period.
   void skip_turns(States target);
   // Returns whether an edge at the clock pin counts: clock selections 5 (rising), 6 (falling) and 7 (both).
   bool counts_edge(bool rising) const {
     return clock_select() == 7 || clock_select() == (rising ? 5u : 6u);
   }
   bool waits_for_clock() const { return clock_select() > 4 && (tcr & 0xe0) != 0; }
-  // Returns a lower bound of the counts until the output level changes; kNever: counting does not change it.
+  // Returns a lower bound of the number of counts until the output level changes; kNever: counting does not
+  // change it.
   std::int64_t to_next_change() const;
   template <class A>
   void transfer(A& a) {
@@ -56,7 +58,8 @@ struct Timer8 {
   }
 };
 
-// Returns the output level after matches. If both occur at once, the priority is toggle, 1, 0, no change.
+// Returns the output level after matches. If both matches occur at once, the priority is toggle, 1, 0, no
+// change.
 bool timer_output(bool level, std::uint8_t selection, bool a, bool b);
 
 }  // namespace kaz::h8s

@@ -21,9 +21,9 @@ class Tmr {
 
   States next_event(Machine& m) const;
   void advance(Machine& m, States to);
-  // Must be called when the DTC has served the request of compare match A or B.
+  // Must be called after the DTC has served the request of compare match A or B.
   void taken_by_dtc(Machine& m, unsigned vector, States at);
-  // Must be called when STCR has selected another prescaler.
+  // Must be called after STCR has selected another prescaler.
   void clock_changed(Machine& m, States at);
   // Edges at TMCI0/1 and TMRI0/1.
   void clock_edge(Machine& m, unsigned n, bool rising, States at);
@@ -32,7 +32,7 @@ class Tmr {
   // A timer drives its pin TMO0 or TMO1 while any OS bit is set.
   bool drives(unsigned n) const { return timer_[n].drives(); }
   bool level(unsigned n) const { return timer_[n].level; }
-  // Returns the next match after the last advance() that may change level().
+  // Returns the time of the first match after the last advance() that may change level().
   States next_change(const Machine& m, unsigned n) const;
   // Returns the duty cycle 0..1 of the steady waveform.
   double high_share(Machine& m, unsigned n) const;

@@ -24,7 +24,7 @@ class TmrXY {
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
 
-  // Must be called when the DTC has served the request of TMRY's compare match A or B.
+  // Must be called after the DTC has served the request of TMRY's compare match A or B.
   void taken_by_dtc(Machine& m, unsigned vector, States at) {
     timer_[y].flags.drop(vector & 1 ? Timer8::kCmfb : Timer8::kCmfa);
     update(m, at);
@@ -32,13 +32,13 @@ class TmrXY {
 
   States next_event(const Machine& m) const;
   void advance(Machine& m, States to);
-  // Edge at TMIX or TMIY, which are clock and reset inputs at once.
+  // Edge at TMIX or TMIY. Each of these pins is both the clock input and the reset input of a timer.
   void pin_edge(Machine& m, unsigned n, bool rising, States at);
 
   // TMRX drives TMOX while any OS bit is set.
   bool drives() const { return timer_[x].drives(); }
   bool level() const { return timer_[x].level; }
-  // Returns the next match after the last advance() that may change level().
+  // Returns the time of the first match after the last advance() that may change level().
   States next_change(const Machine& m) const;
   bool waits_for_input() const;
 

@@ -14,7 +14,7 @@ class Machine;
 // `n` is the number of the timer, 0 or 1.
 class Wdt {
  public:
-  // Register accesses. `counter`: TCNT (odd address), else TCSR (even address).
+  // Register accesses. `counter` is true for TCNT (odd address) and false for TCSR (even address).
   std::uint8_t read(Machine& m, unsigned n, bool counter, States at);
   std::uint8_t peek(const Machine& m, unsigned n, bool counter, States at) const;
   // The upper byte is the key: 5A writes TCNT, A5 writes TCSR. Other keys are reported as misuse.
@@ -40,10 +40,10 @@ class Wdt {
   std::int64_t ticks(const Machine& m, unsigned n, States at) const;
   void update(Machine& m, unsigned n, States at);
 
-  std::uint8_t tcsr_ = 0;  // without OVF
+  std::uint8_t tcsr_ = 0;  // TCSR without OVF
   StickyFlags ovf_;
   std::uint8_t count_ = 0;
-  std::int64_t tick_ = 0;  // clock ticks that count_ includes
+  std::int64_t tick_ = 0;  // number of clock ticks that count_ includes
 };
 
 }  // namespace kaz::h8s

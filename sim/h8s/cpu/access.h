@@ -13,8 +13,8 @@
 
 namespace kaz::h8s {
 
-// Slow path: short RAM, I/O, writes to flash, flash under programming, unmapped addresses, words at odd
-// addresses.
+// Accesses on the slow path: short RAM, I/O, writes to flash, flash under programming, unmapped addresses,
+// words at odd addresses.
 std::uint8_t slow_load8(Cpu& c, std::uint32_t address);
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address);
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
@@ -24,7 +24,8 @@ void forget_code(Cpu& c, std::uint32_t offset);
 // Returns whether the stack `address` is in RAM, and raises Fault::stack if it is not.
 bool check_stack(Cpu& c, std::uint32_t address);
 
-// Read and write a register or a part of one. `offset` is its byte offset in Cpu::er (Insn::rs, Insn::rd).
+// Read and write a register or a part of a register. `offset` is its byte offset in Cpu::er (Insn::rs,
+// Insn::rd).
 template <class T>
 T reg(const Cpu& c, unsigned offset) {
   T value;
@@ -56,8 +57,8 @@ inline void put_big32(std::uint8_t* p, std::uint32_t value) {
   put_big16(p + 2, value);
 }
 
-// Returns the offset into Cpu::ram of an address in either RAM window; nullopt elsewhere and while RAM is
-// off.
+// Returns the offset into Cpu::ram of an address in either RAM window; nullopt for other addresses and while
+// RAM is off.
 inline std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = (address & c.mask) - c.ram_at;
   if (c.ram_size == 0) return std::nullopt;
@@ -151,8 +152,8 @@ inline bool stack_ok(Cpu& c, std::uint32_t address) {
   return offset < c.ram_size || check_stack(c, address);
 }
 
-// Push and pop a value at ER7. With ER7 outside RAM they raise Fault::stack and access no memory; pop then
-// returns 0.
+// Push and pop a value at ER7. If ER7 is outside RAM, push and pop raise Fault::stack and access no memory,
+// and pop returns 0.
 template <class T>
 void push(Cpu& c, T value) {
   c.er[7] -= std::uint32_t{sizeof(T)};

@@ -8,19 +8,19 @@ namespace kaz::h8s {
 
 struct Cpu;
 
-// Memory, interrupts and code hooks of the chip. The CPU calls it on slow paths only: the inline accesses of
-// access.h serve RAM and flash. A CPU without a bus (Flat) has RAM at every address.
+// Memory, interrupts and code hooks of the chip. The CPU calls the bus on slow paths only, because the inline
+// accesses of access.h serve RAM and flash. A CPU without a bus (Flat) has RAM at every address.
 class Bus {
  public:
   // Accesses outside the fast path: the short RAM window, I/O registers, unmapped addresses, writes to flash,
-  // and reads of flash that is programmed, erased or verified. While the chip is observed, every access.
-  // Addresses must be masked to the mode's width, and even for words. Adds wait states to Cpu::stall. Raises
-  // Fault::unmapped at an unmapped address.
+  // and reads of flash that is programmed, erased or verified. While the chip is observed, every access is
+  // outside the fast path. Addresses must be masked to the mode's width, and must be even for words. These
+  // functions add wait states to Cpu::stall and raise Fault::unmapped at an unmapped address.
   virtual std::uint8_t load8(std::uint32_t address) = 0;
   virtual std::uint16_t load16(std::uint32_t address) = 0;
   virtual void store8(std::uint32_t address, std::uint8_t value) = 0;
   virtual void store16(std::uint32_t address, std::uint16_t value) = 0;
-  // Accesses to I/O registers (is_io in cpu.h). They do not notify observers.
+  // Accesses to I/O registers (is_io in cpu.h). These functions do not notify observers.
   virtual std::uint8_t load_io8(std::uint32_t address) = 0;
   virtual std::uint16_t load_io16(std::uint32_t address) = 0;
   virtual void store_io8(std::uint32_t address, std::uint8_t value) = 0;
@@ -32,7 +32,7 @@ class Bus {
   // result is also true for masked requests.
   virtual bool interrupt_pending() const = 0;
 
-  // Returns whether the code hook at `pc` must be called before the instruction there may run.
+  // Returns whether the code hook at `pc` must be called before the instruction at `pc` may run.
   virtual bool hook_due(std::uint32_t pc) const = 0;
   // Returns whether `pc` has a code hook, even if it has already been called for this execution.
   virtual bool has_hook(std::uint32_t pc) const = 0;

@@ -20,7 +20,8 @@ using Handler = const Insn* (*)(Cpu&, const Insn*);
 // instruction is decoded. Without a jump the next instruction is `this + units`.
 struct Insn {
   Handler run;
-  // Immediate, absolute address or displacement. Near branches: units from this instruction to the target.
+  // Immediate, absolute address or displacement. In near branches: distance from this instruction to the
+  // target, in units of 16 bits.
   std::uint32_t imm;
   std::uint8_t rs, rd;  // byte offsets into the register file, bit numbers or vector numbers
   std::uint8_t states;  // duration with on-chip memory; I/O accesses add to Cpu::stall
@@ -35,7 +36,8 @@ constexpr Fault last_value(Fault) {
 }
 
 // Address layout of the chip (hardware manual, memory map). RAM consists of two windows in the top 8 KiB
-// block. The flat machine has only RAM, from address 0. The CPU core therefore uses the members of Cpu.
+// block. The flat machine has only RAM, beginning at address 0. The CPU core therefore uses the layout
+// members of Cpu instead of these constants.
 inline constexpr std::uint32_t kFlashSize = 0x20000;
 inline constexpr std::uint32_t kBlock = 0xffe000;  // address of the 8 KiB block
 inline constexpr std::uint32_t kRam = 0x0080;      // offsets into the block
@@ -44,7 +46,8 @@ inline constexpr std::uint32_t kShortRam = 0x1f00;
 inline constexpr std::uint32_t kShortRamSize = 0x80;
 inline constexpr std::uint32_t kIo = 0x1e50;  // I/O registers, before and after the short RAM
 inline constexpr std::uint32_t kIoSize = 0x1b0;
-// Layout of Cpu::code, in entries: flash, then the two RAM windows. A gap of faulting entries follows each.
+// Layout of Cpu::code, in entries: flash, then the two RAM windows. Each of these regions is followed by a
+// gap of entries that fault.
 inline constexpr std::uint32_t kGap = 8;
 inline constexpr std::uint32_t kFlashCode = 0;
 inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;
@@ -61,8 +64,9 @@ struct Jump {
 };
 inline constexpr std::uint32_t kTrail = 32;
 
-// Condition codes, evaluated lazily: the values that they are computed from. ccr() packs them. Operands of 8
-// and 16 bits are shifted to the top of 32, so that the same bit positions serve all three sizes.
+// Condition codes, evaluated lazily: each member is the value from which a flag is computed. ccr() packs the
+// flags into a byte. Operands of 8 and 16 bits are shifted to the top of 32 bits, so that the same bit
+// positions serve all three operand sizes.
 struct Flags {
   std::uint32_t n = 0;  // N is bit 31
   std::uint32_t z = 1;  // Z is set when this is 0
@@ -80,10 +84,11 @@ struct Cpu {
   // Members of the inner loop.
   std::array<std::uint32_t, 8> er{};
   Flags flags;
-  const Insn* ip = nullptr;  // the running instruction; between instructions the next one
-  States now = 0;            // end of the running instruction, without `stall`
+  const Insn* ip = nullptr;  // the running instruction; between instructions, the next instruction
+  States now = 0;            // end time of the running instruction, without `stall`
   States stop = 0;           // the inner loop ends at the first boundary where now >= stop
-  // States in addition to `now` since the inner loop was entered: I/O accesses, block moves.
+  // States of I/O accesses and block moves since the inner loop was entered. `now` does not include these
+  // states.
   States stall = 0;
   std::int64_t executed = 0;  // instructions
 
@@ -94,18 +99,18 @@ struct Cpu {
   std::uint32_t ram_size = kRamSize;  // 0 while SYSCR.RAME = 0
   std::uint32_t flash_size = kFlashSize;
   std::uint32_t mask = 0xffffff;  // address mask: 0xffff in normal mode
-  // Start of RAM and end of flash for the fast paths of access.h. While the chip is observed no address is in
-  // them, so that every access takes the slow path (Machine::choose_paths).
+  // Start of RAM and end of flash for the fast paths of access.h. While the chip is observed, no address is
+  // in these ranges, so that every access takes the slow path (Machine::choose_paths).
   std::uint32_t ram_base = kBlock + kRam;
   std::uint32_t quick_flash = kFlashSize;
   bool observed = false;
   std::uint32_t ram_at = kBlock + kRam;          // address of RAM, independent of ram_base
   std::uint32_t ram_code = kRamCode;             // index of the first RAM entry in `code`
-  std::uint32_t short_ram_code = kShortRamCode;  // index of the short window; flat: past the end
+  std::uint32_t short_ram_code = kShortRamCode;  // index of short RAM; flat machine: past the end
   std::uint32_t code_size = kCodeSize;           // number of entries in `code`
   Bus* bus = nullptr;                            // null: RAM at every address (Flat)
-  const std::uint64_t* pending = nullptr;  // bits of the requests to the CPU, two words; with `bus`
-  bool hooks = false;                      // any code hook is set
+  const std::uint64_t* pending = nullptr;        // interrupt requests, two words; only with `bus`
+  bool hooks = false;                            // any code hook is set
   Engine engine = Engine::interpreter;
   CodeCache* translated = nullptr;       // null: interpret
   std::uint32_t translate_after = 1000;  // Options::translate_after
@@ -117,18 +122,19 @@ struct Cpu {
   std::uint8_t request = 0;  // number of the semihosting request to handle; 0: none
   bool normal = false;       // normal mode: 16-bit addresses
   bool two_level = false;    // interrupt control mode 1: exceptions also set UI
-  bool stc_copies = false;   // these three: see Options
+  bool stc_copies = false;   // this and the next two members: see Options
   bool rte_holds_off = false;
   bool predecrement_stores_decremented = true;
   bool hold_off = false;  // no interrupt is accepted before the next instruction
   bool asleep = false;
   bool moving = false;          // EEPMOV.W is interrupted between two bytes
   bool code_discarded = false;  // translated code was discarded while it ran
-  bool code_in_ram = false;  // has_code may have flags; if false, translated stores skip the check
+  // True if has_code may have flags set. If false, translated stores skip the check of has_code.
+  bool code_in_ram = false;
   Fault fault = Fault::none;
   std::uint32_t fault_address = 0;
   std::uint32_t fault_pc = 0;
-  Insn outside{};  // entry for an address without memory, which is in imm
+  Insn outside{};  // entry for an address without memory; `imm` is that address
 
   // Storage of has_code on the chip.
   std::array<std::uint8_t, 0x2000 / kLine> chip_lines{};
@@ -137,7 +143,8 @@ struct Cpu {
   std::uint32_t jumps = 0;
 };
 
-// Ends the inner loop at the next boundary. -1 is before any time, and differences to it do not overflow.
+// Ends the inner loop at the next boundary. The value -1 is before any time, and differences to -1 do not
+// overflow.
 inline void end_stretch(Cpu& c) {
   c.stop = -1;
 }
@@ -209,12 +216,12 @@ void note_code_in_ram(Cpu& c);
 // Like decode_in_place, for the reference engine: leaves branches in their general form.
 Handler decode_afresh(Cpu& c, const Insn* ip);
 
-// Run instructions until now >= stop, which is one stretch. run_stretch uses the engine of `c`.
+// Run one stretch: all instructions until now >= stop. run_stretch uses the engine of `c`.
 void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);
 
-// Bus::hook_due and Bus::has_hook; false without a bus.
+// Call Bus::hook_due and Bus::has_hook. Without a bus they return false.
 bool hooked_here(const Cpu& c, std::uint32_t pc);
 bool has_hook(const Cpu& c, std::uint32_t pc);
 

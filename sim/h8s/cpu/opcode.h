@@ -13,8 +13,8 @@ namespace kaz::h8s {
 // instruction takes I + J + K + L + M + N states.
 struct Counts {
   std::uint8_t i = 1;  // instruction fetches
-  std::uint8_t j = 0;  // branch address reads in advanced mode; half in normal mode
-  std::uint8_t k = 0;  // stack accesses in advanced mode; half in normal mode unless `k_fixed`
+  std::uint8_t j = 0;  // branch address reads in advanced mode; half as many in normal mode
+  std::uint8_t k = 0;  // stack accesses in advanced mode; normal mode: half, unless `k_fixed`
   std::uint8_t l = 0;  // byte data accesses
   std::uint8_t m = 0;  // word data accesses
   std::uint8_t n = 0;  // internal operations
@@ -26,7 +26,7 @@ struct Counts {
 // - r, s: byte register, source and destination.
 // - u, w: word register, source and destination.
 // - m, n: long or address register, source and destination, top bit of the nibble 0.
-// - M, N: the same with top bit 1. Y, X: the same with any top bit.
+// - M, N: like m, n, but with top bit 1. Y, X: like m, n, but with any top bit.
 // - t, T: bit number, top bit of the nibble 0 or 1.
 // - p: vector number 0..3. v: vector address.
 // - i: immediate. a: absolute address. d: displacement. j: branch displacement.
@@ -46,15 +46,15 @@ struct Decoded {
 // Length of the longest instruction, in 16-bit units.
 inline constexpr int kMaxUnits = 5;
 
-// Decodes the instruction at the front of `units`, which may end before kMaxUnits where memory ends.
-// `normal`: count states for normal mode.
+// Decodes the instruction at the front of `units`, which has fewer than kMaxUnits elements near the end of
+// memory. `normal`: count states for normal mode.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
 // Decodes the instruction in memory for Cpu::code[index], without changing that entry.
 Decoded decode_at(const Cpu& c, std::uint32_t index);
 
-// Returns the text of one instruction, such as "mov.l @(0x10:16,er6),er0", or of an undefined one, such as
-// ".word 0x0001". `address` is its place in memory, for the targets of branches. `bytes` receives its length
-// and may be null.
+// Returns the text of one instruction, such as "mov.l @(0x10:16,er6),er0", or of an undefined instruction,
+// such as ".word 0x0001". `address` is the instruction's address, from which branch targets are computed.
+// `bytes` receives the instruction's length in bytes and may be null.
 std::string disassemble(std::span<const std::uint16_t> units, std::uint32_t address, int* bytes);
 
 // The rows of the table, by group.

@@ -55,7 +55,8 @@ struct World {
   // Data accesses, which are recorded in `data`.
   u32 load(int bits, u32 address);
   void store(int bits, u32 address, u32 value);
-  // Stack and vector accesses. They are not recorded: the table has their numbers in columns K and J.
+  // Stack and vector accesses. These accesses are not recorded, because columns K and J of the table contain
+  // their number.
   u32 load_uncounted(int bits, u32 address);
   void push16(u32 value);
   u32 pop16();
@@ -96,7 +97,7 @@ const Form* find(std::span<const u16> units);
 // Runs the instruction `units` at w.pc. Returns its duration in states with on-chip memory.
 int step(World& w, const Form& form, std::span<const u16> units);
 
-// Append the forms of one kind. For forms().
+// Append the forms of one kind to `to`. Only forms() calls these functions.
 void list_moves(std::vector<Form>& to);
 void list_arithmetic(std::vector<Form>& to);
 void list_bits(std::vector<Form>& to);

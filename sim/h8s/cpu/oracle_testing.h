@@ -24,40 +24,40 @@ struct Pin {
   std::vector<u16> apply(std::vector<u16> units) const;
 };
 
-// A chip and its model. Both have the same memory, filled with random bytes.
+// A chip and its model. Chip and model have the same memory contents: random bytes.
 class Bench {
  public:
   explicit Bench(bool normal, const Options& options = {});
 
-  // Writes `units` to address `at` and runs them on both, beginning with the state `before`. Returns the
-  // differences; empty if both agree.
+  // Writes `units` to address `at` and runs them on chip and model, beginning with the state `before`.
+  // Returns the differences; empty if chip and model agree.
   std::string trial(const Form& form, const std::vector<u16>& units, const World& before, u32 at);
-  // Runs a trial with random fields, registers and flags, often at the limits of their ranges. Addresses are
-  // in memory, or with `io` those of I/O registers that return the value written.
+  // Runs a trial with random fields, registers and flags, often at the limits of their ranges. Without `io`,
+  // addresses are in memory. With `io`, they are addresses of I/O registers that return the value written.
   std::string random_trial(const Form& form, bool io);
   // The two parts of a random trial. draw_units returns an encoding of `form` whose operands may be accessed;
-  // `pin` fixes some of its bits. draw_registers returns registers and flags for it.
+  // `pin` fixes some of its bits. draw_registers returns registers and flags for that encoding.
   std::vector<u16> draw_units(const Form& form, bool io, const Pin& pin = {});
   World draw_registers(const Form& form, const std::vector<u16>& units, bool io);
   // Copies the I/O registers that trials with `io` use from the chip to the model.
   void read_io();
-  // Writes flash or RAM of both. `address` must be in one of them.
+  // Writes flash or RAM of chip and model. `address` must be in flash or RAM.
   void put(u32 address, std::span<const u8> bytes);
   void put(u32 address, const std::vector<u16>& units);
-  // Returns the states that an access takes in addition to one to on-chip memory.
+  // Returns the number of states by which an access takes longer than an access to on-chip memory.
   int io_states(const Access& a) const;
   // Compares registers, and memory at `accesses`. Returns the differences; empty if there are no differences.
   // Register values that the manual leaves undefined are copied from the chip to the model.
   std::string compare(std::span<const Access> accesses, u8 open_flags, bool open_result);
   // Returns the model's accesses outside memory since the last call, as text.
   std::string outside() { return std::exchange(outside_, {}); }
-  // Targets of three quarters of the random jumps, calls and returns; the others go to any address. If it is
-  // empty, all go to any address.
+  // Targets of three quarters of the random jumps, calls and returns; the others go to any address. If
+  // `landings` is empty, all go to any address.
   std::vector<u32> landings;
-  // Compares the whole RAM of both. Returns the first difference; empty if there is no difference.
+  // Compares the whole RAM of chip and model. Returns the first difference; empty if there is no difference.
   std::string compare_memory();
 
-  World world;  // the model; its memory belongs to this object
+  World world;  // the model; the model's memory belongs to this object
   Chip chip;
   std::mt19937 random{12345};
 

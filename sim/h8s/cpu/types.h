@@ -13,12 +13,12 @@ using States = std::int64_t;
 inline constexpr States kNever = std::numeric_limits<States>::max();
 
 // How instructions are executed. At every instruction boundary all three engines have the same registers,
-// memory and time. They differ only in speed.
+// memory and time. The engines differ only in speed.
 enum class Engine {
-  reference,  // decodes each instruction from memory every time it runs; slow, to check the others
+  reference,    // decodes each instruction each time it runs; slow; checks the other engines
   interpreter,  // decodes each instruction once
-  // Interpreter that runs hot blocks as host code. Needs x86-64 and asmjit at build time, otherwise it is the
-  // same as `interpreter`.
+  // Interpreter that runs hot blocks as host code. A build without x86-64 or asmjit uses `interpreter`
+  // instead.
   translator,
 };
 

@@ -15,15 +15,15 @@ struct Frame {
   std::uint32_t sp = 0;         // ER7 at entry to the function
   bool interrupt = false;
   States begin = 0;  // time of the call or of the exception entry
-  // For Profile: states in completed interrupts and asleep before `begin`.
+  // For Profile: number of states before `begin` that the chip spent in completed interrupts or asleep.
   States away = 0;
 };
 
-// Observer that tracks the call stack. A frame ends when a return leaves ER7 above its `sp`, so several may
-// end at once after a tail jump or longjmp. A jump to the first instruction of another function counts as a
-// call by the function that jumps. TRAPA counts as a call. An interrupt begins its own frame. The first frame
-// is the function at PC when the first instruction is observed. At a depth of 4,096 the second-outermost
-// frame is dropped. `chip` must outlive this.
+// Observer that tracks the call stack. A frame ends when a return leaves ER7 above its `sp`, so one return
+// may end several frames after a tail jump or longjmp. A jump to the first instruction of another function
+// counts as a call by the function that jumps. TRAPA counts as a call. An interrupt begins its own frame. The
+// first frame belongs to the function that contains the first observed instruction. If the depth would exceed
+// 4,096, the second-outermost frame is dropped. `chip` must outlive this object.
 class CallStack : public Observer {
  public:
   explicit CallStack(const Chip& chip) : chip_(chip) {}
@@ -34,7 +34,7 @@ class CallStack : public Observer {
   void was_reset(ResetCause, States) override;
 
  protected:
-  // Called when a frame begins or ends. During the call it is the last one in frames_.
+  // Called when a frame begins or ends. During this notification the frame is the last element of frames_.
   virtual void begun(Frame&) {}
   virtual void ended(const Frame&, States /*at*/) {}
   // Called when an instruction of the last frame has run.

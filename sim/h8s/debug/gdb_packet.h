@@ -14,7 +14,7 @@ namespace kaz::h8s {
 // One item of the byte stream from GDB.
 struct GdbInput {
   enum class Kind {
-    packet,     // `data` of a packet with the correct checksum, escapes resolved
+    packet,     // packet with a correct checksum; `data` is the content without escapes
     damaged,    // a packet with a wrong checksum, or longer than kMaxPacket
     interrupt,  // Ctrl-C
     repeat,     // '-': the peer requests retransmission of the last packet
@@ -36,7 +36,7 @@ class GdbFraming {
   At at_ = At::outside;
   std::string data_;
   std::uint8_t sum_ = 0;
-  int checksum_ = 0;  // as received
+  int checksum_ = 0;  // received checksum
   bool too_long_ = false;
 };
 
@@ -52,7 +52,7 @@ std::string hex32(std::uint32_t value);
 // Returns nullopt if the length is odd or a character is not a hexadecimal digit.
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view digits);
 
-// Parses a packet from front to back. A function whose text does not match consumes nothing.
+// Parses a packet from front to back. A function that does not find the expected text consumes nothing.
 class GdbReader {
  public:
   explicit GdbReader(std::string_view text) : text_(text) {}

@@ -1,4 +1,4 @@
-// Server of GDB's remote protocol for a chip. It maps input bytes to output bytes, without sockets and clock.
+// Server of GDB's remote protocol for a chip. Maps input bytes to output bytes, without sockets and clock.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,12 +23,12 @@ namespace kaz::h8s {
 // - 13, inst: instructions executed.
 // - 14, 15, mach and macl: 0. The CPU does not have them, but GDB stops printing at a missing register.
 //
-// 0-9 and 11 are writable. Versions of GDB that do not read the architecture from target.xml need `set
-// architecture h8300s`.
+// Registers 0-9 and 11 are writable. Versions of GDB that do not read the architecture from target.xml need
+// `set architecture h8300s`.
 //
 // Memory reads have no side effects, not even at I/O registers. Writes go to RAM, and to flash without the
-// programming sequence. At most 4,096 breakpoints and watchpoints. Reverse execution uses History, which
-// records the chip from the server's construction on. `chip` must outlive this.
+// programming sequence. GDB can set at most 4,096 breakpoints and watchpoints. Reverse execution uses
+// History, which records the chip from the server's construction on. `chip` must outlive this object.
 class GdbServer {
  public:
   explicit GdbServer(Chip& chip, HistoryOptions history = {});
@@ -38,8 +38,8 @@ class GdbServer {
   // Returns the bytes to send to GDB since the last call.
   std::string take_output();
 
-  // Returns true after GDB has resumed the chip. Call run(states) while it is true, and feed bytes that
-  // arrive meanwhile.
+  // Returns true after GDB has resumed the chip. Call run(states) while running() is true, and pass bytes
+  // that arrive in the meantime to feed().
   bool running() const { return running_; }
   void run(States states);
   // Returns whether GDB has killed the program or detached.
@@ -76,7 +76,7 @@ class GdbServer {
   void send(std::string_view data);
 
   struct Trigger {
-    int type;  // 0..4 as in the Z packets
+    int type;  // type 0..4 of GDB's Z packets
     std::uint32_t address, size;
     bool operator==(const Trigger&) const = default;
   };

@@ -22,8 +22,8 @@ struct Watch {
   bool operator==(const Watch&) const = default;
 };
 
-// Conditions that halt a run. Except in a replay, a breakpoint replaces a code hook at its address, and both
-// are removed at the end of the run. A breakpoint at the first instruction of a run counts only with
+// Conditions that halt a run. Except in a replay, a breakpoint replaces a code hook at the same address, and
+// neither remains after the end of the run. A breakpoint at the first instruction of a run counts only with
 // `at_start`.
 struct Triggers {
   std::vector<std::uint32_t> breakpoints;
@@ -35,30 +35,30 @@ struct Triggers {
 struct Halt {
   enum class Why {
     reached,     // the time or step was reached
-    breakpoint,  // its instruction has not run
-    watch,       // forward: after the access; backward: before the instruction that accesses
+    breakpoint,  // the instruction at the breakpoint has not run
+    watch,       // forward: after the access; backward: before the accessing instruction
     begin,       // backward: at the start of the history
     stopped,     // the chip stopped for the reason in `stop`
   };
   Why why = Why::reached;
   Stop stop;
-  std::uint32_t address = 0;  // watch: address of the access
-  Watch watch;                // watch: the watchpoint
+  std::uint32_t address = 0;  // Why::watch: address of the access
+  Watch watch;                // Why::watch: the watchpoint
 };
 
 struct HistoryOptions {
   States spacing = 100'000;    // states between the newest snapshots
-  std::size_t snapshots = 40;  // maximum number, 0.2 MB each; older ones are farther apart
-  // Maximum number of inputs and A/D samples, about 40 bytes each. Beyond it the oldest part of the history
-  // is dropped.
+  std::size_t snapshots = 40;  // maximum number, 0.2 MB each; older snapshots are farther apart
+  // Maximum number of inputs and A/D samples, about 40 bytes each. Above the maximum, the oldest part of the
+  // history is dropped.
   std::size_t records = 2'000'000;
 };
 
-// Records a chip from the construction of this object on. The chip must outlive it, and must be run through
-// it, because it takes snapshots meanwhile. Execution before end() is replayed from the record, without a
-// second call of the chip's listeners. An input in the past (a poke, a pin) discards the record after it.
-// Load, power_on, restore, call and inputs from listeners restart the history. Inputs from code hooks are
-// recorded.
+// Records a chip from the construction of this object on. The chip must outlive this object. Run the chip
+// only through this object, which takes snapshots during the run. Execution before end() is replayed from the
+// record, without a second call of the chip's listeners. An input (such as a poke or a pin level) at a time
+// before end() discards the record after that time. Load, power_on, restore, call and inputs from listeners
+// restart the history. Inputs from code hooks are recorded.
 class History final : public InputLog {
  public:
   explicit History(Chip& chip, HistoryOptions options = {});
@@ -66,22 +66,23 @@ class History final : public InputLog {
   History(const History&) = delete;
   History& operator=(const History&) = delete;
 
-  // First and last state that can be reached. The first increases in a session with many records.
+  // First and last time that can be reached. begin() increases in a session with many records.
   States begin() const;
   States end() const;
-  // Returns whether the chip is before end(), so that a run replays the record.
+  // Returns whether the time of the chip is before end(). A run then replays the record.
   bool replaying() const;
 
   // Runs until `until` or a trigger.
   Halt run_until(States until, const Triggers& triggers = {});
-  // Runs one step, as Chip::step.
+  // Runs one step, like Chip::step.
   Halt step();
 
   // Goes back to the previous instruction boundary. Returns Why::begin at the start of the history.
   Halt step_back();
   // Goes to the first boundary at or after `at`. Error: `at` is not in begin()..end().
   Result<void> back_to(States at);
-  // Goes back to the last boundary before this one at which a trigger fires, or to begin().
+  // Goes back to the last earlier instruction boundary at which a trigger fires. Without such a boundary,
+  // goes back to begin().
   Halt reverse_continue(const Triggers& triggers);
 
   void input(std::function<void(Chip&)> apply) override;
@@ -100,7 +101,7 @@ class History final : public InputLog {
   };
   struct Snapshot {
     States at;
-    std::size_t inputs;  // number of inputs that it includes
+    std::size_t inputs;  // number of inputs that the snapshot includes
     std::shared_ptr<const Chip> chip;
   };
   struct Player;

@@ -57,7 +57,7 @@ class UninitialisedReads final : public Observer {
   void changed(std::uint32_t address, std::uint32_t size) override;
 
  private:
-  // Index by the low 13 bits of the address; RAM is in the top 8 KiB.
+  // Returns the index of an address in written_: the low 13 bits of the address. All RAM is in the top 8 KiB.
   static std::size_t place(std::uint32_t address) { return address & 0x1fff; }
 
   const Chip& chip_;

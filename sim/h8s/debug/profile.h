@@ -1,4 +1,4 @@
-// Profiler: states of each function, in total and in the longest window (such as a tick).
+// Profiler: counts the states of each function, in total and in the longest window (such as a tick).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -34,28 +34,29 @@ struct FunctionProfile {
   std::string name;
   bool interrupt = false;
   std::int64_t calls = 0;
-  States self = 0;               // in own instructions; interrupts: with the exception entry
-  States with_callees = 0;       // if recursive, only the outermost calls count
+  States self = 0;               // states in own instructions; handlers: also in exception entry
+  States with_callees = 0;       // states with callees; of recursive calls only the outermost
   States worst = 0, median = 0;  // duration of a completed call, with callees
 };
 
-// A repeated section of the program, from before the instruction at `begin` to before that at `end`.
+// A repeated section of the program, from before the instruction at `begin` to before the instruction at
+// `end`.
 struct ProfileWindow {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
 };
 
-// Statistics of the windows and the states of each function in the longest one. Sleep does not count,
-// interrupts do.
+// Statistics of the windows and the states of each function in the longest one. States in interrupts are
+// included, states asleep are not.
 struct WorstWindow {
   std::int64_t windows = 0;
-  States median = 0, worst = 0, at = 0;    // durations; start of the longest window
+  States median = 0, worst = 0, at = 0;    // durations, and start of the longest window
   std::vector<FunctionProfile> functions;  // only name, address and self
 };
 
-// Attach it to the chip, which must outlive it. States asleep belong to no function. Those of an interrupt,
-// including the exception entry, belong to its handler. Those of a call instruction belong to the caller,
-// those of RTS to the callee.
+// Attach this observer to the chip (Chip::attach). The chip must outlive the observer. States asleep belong
+// to no function. The states of an interrupt, including the exception entry, belong to the interrupt handler.
+// The states of a call instruction belong to the caller. The states of RTS belong to the callee.
 class Profile final : public CallStack {
  public:
   explicit Profile(const Chip& chip, std::optional<ProfileWindow> window = {});
@@ -99,7 +100,7 @@ class Profile final : public CallStack {
   std::unordered_map<std::uint32_t, Entry> entries_;
   std::unordered_map<std::uint64_t, States> by_address_;  // function << 32 | pc
   std::map<EdgeKey, Edge> edges_;
-  States away_ = 0;  // states in completed interrupts and asleep
+  States away_ = 0;  // states spent in completed interrupts or asleep
   States asleep_ = 0, total_ = 0;
 
   std::optional<ProfileWindow> window_;

@@ -15,10 +15,11 @@ namespace kaz::h8s {
 //   "     1234  001006  _main+0x6  mov.w r0,@0xffe100:16  ccr=80  [ffe100]=0005"
 //
 // The columns are start time in states, address, symbol, instruction, changed registers and bus accesses ("="
-// for writes, "->" for reads). Interrupts, sleep and resets have their own lines. `chip` must outlive this.
+// for writes, "->" for reads). Interrupts, sleep and resets have their own lines. `chip` must outlive this
+// object.
 class Trace final : public Observer {
  public:
-  // Writes each line to `out`, which must outlive this.
+  // Writes each line to `out`, which must outlive this object.
   Trace(const Chip& chip, std::ostream& out);
   // Keeps the last `lines` lines, which text() returns.
   Trace(const Chip& chip, std::size_t lines);

@@ -12,8 +12,8 @@ namespace kaz::h8s {
 // Returns the first watchpoint that `access` hits; null if it hits no watchpoint.
 const Watch* find_watch(const std::vector<Watch>& watches, const Access& access);
 
-// Halts the chip at the first trigger. `chip` and `triggers` must outlive it. The destructor removes all code
-// hooks at the breakpoints.
+// Halts the chip at the first trigger. `chip` and `triggers` must outlive this object. The destructor removes
+// all code hooks at the breakpoints.
 class ArmedTriggers final : public Observer {
  public:
   ArmedTriggers(Chip& chip, const Triggers& triggers);
@@ -31,8 +31,8 @@ class ArmedTriggers final : public Observer {
   std::optional<Halt> watched_;
 };
 
-// Records the last boundary before `limit` at which a trigger fires, without halting. Lifetimes as for
-// ArmedTriggers.
+// Records the last boundary before `limit` at which a trigger fires, without halting. `chip` and `triggers`
+// must outlive this object.
 class NotedTriggers final : public Observer {
  public:
   NotedTriggers(Chip& chip, const Triggers& triggers, States limit);

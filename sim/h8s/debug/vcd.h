@@ -25,23 +25,23 @@ std::int64_t picoseconds(States at, std::int64_t hertz);
 // - An I/O register ("FRC", "SSR0"; registers.h).
 // - Memory by symbol or address, with its width in bits: "_tick:16", "0xffe100:8". The default is 8.
 //
-// Pins change at their exact states. Their values are '0', '1', 'z' without drive and pull-up, and 'x' for
-// P46 while it outputs the clock. Other signals are sampled at each instruction boundary and written if they
-// have changed. A register that shares its address with another keeps its last value while the other one is
-// selected ('x' if it has no value yet).
+// Pins change at their exact states. The value of a pin is '0' or '1', or 'z' if neither a driver nor a
+// pull-up is active. P46 has the value 'x' while it outputs the clock. Other signals are sampled at each
+// instruction boundary and written if they have changed. If two registers share an address, only the selected
+// register is sampled. The other register keeps its last value, or 'x' if it has no value yet.
 //
-// Entries are never rewritten: after a restore to an earlier state recording resumes when the time passes the
-// last entry.
+// The recorder never rewrites entries. After the chip is restored to an earlier state, recording resumes once
+// the time has passed the last entry.
 class VcdRecorder {
  public:
   // Records from now until close() to a temporary file beside `path`, which close() renames to `path`. `chip`
-  // must outlive this and must not be moved. `hertz`: states per second. Errors: no names, an unknown name, a
-  // write-only register, a file that cannot be created.
+  // must outlive this object and must not be moved. `hertz`: states per second. Errors: `names` is empty, a
+  // name is unknown, a register is write-only, or the file cannot be created.
   static Result<std::unique_ptr<VcdRecorder>> open(Chip& chip,
                                                    const std::vector<std::string>& names,
                                                    const std::string& path,
                                                    std::int64_t hertz = kDefaultHertz);
-  // Records to a stream, which must outlive this.
+  // Records to a stream, which must outlive this object.
   static Result<std::unique_ptr<VcdRecorder>> open(Chip& chip,
                                                    const std::vector<std::string>& names,
                                                    std::ostream& to,

@@ -17,11 +17,11 @@ class VcdWriter {
     std::string scope, name;
     int bits = 1;
   };
-  // Writes the header, with the scopes of the variables inside "h8s2128". `to` must outlive this.
+  // Writes the header, with the scopes of the variables inside "h8s2128". `to` must outlive this object.
   VcdWriter(std::ostream& to, const std::vector<Variable>& variables);
   // Writes the initial values, one for each variable. Must be called once, before change().
   void begin(std::int64_t picoseconds, const std::vector<std::string>& values);
-  // Writes a value. Ignored if the time is before the last one or the value is unchanged.
+  // Writes a value. Does nothing if the time is before the last written time, or if the value is unchanged.
   void change(std::size_t variable, std::int64_t picoseconds, const std::string& value);
   void end(std::int64_t picoseconds);
 

@@ -19,8 +19,8 @@ class Engines {
   void each(Do act) {
     for (Chip& chip : chips_) act(chip);
   }
-  // Runs for at most `states` with events from `input`, and compares after each. Returns the difference;
-  // empty if all engines agree.
+  // Runs for at most `states` with events from `input`, and compares the engines after each event. Returns
+  // the difference; empty if all engines agree.
   std::string play(Reader& input, States states);
 
  private:

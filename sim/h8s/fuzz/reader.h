@@ -18,7 +18,7 @@ class Reader {
     left_ = left_.subspan(1);
     return value;
   }
-  // Big-endian, 1 to 4 bytes.
+  // Reads a big-endian number of 1 to 4 bytes.
   std::uint32_t number(int bytes) {
     std::uint32_t value = 0;
     for (int k = 0; k < bytes; ++k) value = value << 8 | byte();

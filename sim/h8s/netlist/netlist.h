@@ -24,13 +24,14 @@ class Netlist;
 using Net = int;
 
 // Base class of parts. A part drives nets through outputs (Netlist::output), is notified of changes on nets
-// (Netlist::listen), and can schedule a call (Netlist::wake). Its reactions take effect in the same state.
+// (Netlist::listen), and can schedule a call (Netlist::wake). The part's reactions take effect in the same
+// state.
 class Part {
  public:
   virtual ~Part() = default;
   // Called once when the part is added, and after Netlist::restore.
   virtual void start(Netlist&, States) {}
-  // Called when the voltage or the drive of a net that the part listens to has changed.
+  // Called after the voltage or the drive of a net that the part listens to has changed.
   virtual void changed(Netlist&, Net, States /*at*/) {}
   // Called at the time scheduled with Netlist::wake.
   virtual void woken(Netlist&, States /*at*/) {}
@@ -42,31 +43,33 @@ class Part {
   virtual void restore(std::span<const double>) {}
 };
 
-// Two strong drivers with different levels, or a loop that does not settle (`second` is then empty).
+// A conflict on a net: two strong drivers with different levels, or a loop that does not settle. For a loop,
+// `second` is empty.
 struct Conflict {
   std::string net, first, second;
   States at = 0;
   std::string text() const;
 };
 
-// Voltages are fractions of AVCC: 0 is ground, 1 is the supply. A net is high at 0.5 and above. Use it
-// in the thread of the chip.
+// Voltages are fractions of AVCC: 0 is ground, 1 is the supply. A net is high at 0.5 and above. A netlist
+// must be used in the thread that uses the chip.
 class Netlist {
  public:
   struct Settings {
     std::int64_t hertz = 18'432'000;  // states per second
-    double pull_up_ohms = 50'000;     // internal pull-ups of the chip
-    double weak_high_ohms = 1'000;    // high level of NMOS push-pull outputs (P47, P52)
+    double pull_up_ohms = 50'000;     // resistance of the chip's internal pull-ups
+    double weak_high_ohms = 1'000;    // resistance of high NMOS push-pull outputs (P47, P52)
   };
-  // Watches the pins on nets, drives those that have another driver, and becomes the analog source of the
-  // chip. `chip` must outlive this and must not be moved.
+  // Watches the chip's pins that are on nets. Drives each of these pins whose net has a driver other than the
+  // pin. Becomes the analog source of the chip. `chip` must outlive this object and must not be moved.
   explicit Netlist(Chip& chip);
   Netlist(Chip& chip, const Settings& settings);
   ~Netlist();
   Netlist(const Netlist&) = delete;
   Netlist& operator=(const Netlist&) = delete;
 
-  // Returns the net of a pin (by any of its names), "vcc", "gnd", or the net of that name. Creates it if new.
+  // Returns the net called `name`: any name of a pin, "vcc", "gnd", or another name. Creates the net if it
+  // does not exist.
   Net net(std::string_view name);
   // Joins two nets into one.
   void wire(Net a, Net b);
@@ -78,7 +81,7 @@ class Netlist {
     place(p);
     return p;
   }
-  // Adds a constant voltage behind a resistance. 0 ohms is a strong drive.
+  // Adds a source of constant voltage with a series resistance. 0 ohms makes a strong drive.
   void source(Net net, double voltage, double ohms, const std::string& name);
   void pull_up(Net net, double ohms) { source(net, 1, ohms, "pull-up"); }
   void pull_down(Net net, double ohms) { source(net, 0, ohms, "pull-down"); }
@@ -86,33 +89,35 @@ class Netlist {
   void set_analog_otherwise(std::function<double(int channel, States at)> source);
 
   // Returns the voltage of a net; nullopt if it is not driven. A strong drive overrides the others, and low
-  // overrides high. Without one the voltage is the mean of the drives, weighted by conductance.
+  // overrides high. Without a strong drive, the voltage is the mean of the drives, weighted by conductance.
   std::optional<double> voltage(Net net, States at) const;
   // Returns whether a net is high. A net that is not driven is low.
   bool level(Net net) const;
   const std::vector<Conflict>& conflicts() const { return conflicts_; }
   const Settings& settings() const { return settings_; }
-  // Returns the time of the change while parts are called, else the time of the chip.
+  // Returns the time of the change during a call of a part, else the time of the chip.
   States now() const { return inside_ ? at_ : chip_.now(); }
 
-  // States of the parts. Restore the chip first, then the netlist. Both must have been saved at the same
-  // time, and the netlist must have the same parts.
+  // States of the parts. Restore the chip first, then the netlist. The states of chip and netlist must have
+  // been saved at the same time. The netlist must still have the same parts.
   struct Saved {
     std::vector<std::vector<double>> parts;
   };
   Saved save() const;
   void restore(const Saved& saved);
 
-  // --- for parts ---------------------------------------------------------------------------------
-  // Creates an output of the part on the net, which does not drive yet. Returns its index.
+  // --- for parts --------------------------------------------------------------------------------- Creates
+  // an output of the part on the net and returns the output's index. The output does not drive yet.
   int output(const Part& part, Net net, const std::string& name);
   void listen(Part& part, Net net);
-  // Drives with `voltage` behind `ohms`, or with Part::voltage if `moving`.
+  // Drives the output's net with `voltage` through a resistance of `ohms`. If `moving`, Part::voltage
+  // replaces `voltage`.
   void drive(int output, double voltage, double ohms = 0, bool moving = false);
   void release(int output);
   // Schedules woken() for `at` and replaces an earlier schedule. The maximum of States cancels it.
   void wake(Part& part, States at);
-  // Must be called when a moving voltage has crossed the threshold. Evaluates its net again.
+  // Must be called after the moving voltage of an output has crossed the threshold. Evaluates the output's
+  // net again.
   void touch(int output);
 
  private:
@@ -165,11 +170,13 @@ class Netlist {
   States at_ = 0;
 };
 
-// Reads the text form into `netlist`. A line has one part, and `#` starts a comment:
+// Reads the text form into `netlist`. Each line describes one part, and `#` starts a comment:
 // - `pull-up NET OHMS` and `pull-down NET OHMS`.
 // - `wire NET NET ...` joins nets.
 // - `analog NET SHARE [OHMS]`: SHARE is a fraction of AVCC, 0..1.
-// - `switch NET vcc|gnd [closed] [FROM..TO ...]`: closed (or, with `closed`, open) from time to time.
+// - `switch NET vcc|gnd [closed] [FROM..TO ...]`: a switch from NET to the supply or ground, which is closed
+//   during each interval FROM..TO. With `closed`, the switch is open during these intervals and closed
+//   otherwise.
 // - `inverter IN OUT [DELAY]`.
 // - `open-drain IN OUT`: OUT is low while IN is high.
 // - `rc IN OUT OHMS FARADS`.
@@ -177,8 +184,8 @@ class Netlist {
 // - `probe NET`.
 //
 // Numbers may end in k, M, m, u, n or p. Times are states, or seconds if they end in s ("5ms"). An error
-// contains `name`, line, column and the expected text; parts before it are added. load_netlist reads a file
-// of up to 1 MiB.
+// contains `name`, line, column and the expected text; the parts before the error have then been added.
+// load_netlist reads a file of up to 1 MiB.
 Result<void> read_netlist(Netlist& netlist, std::string_view text, const std::string& name);
 Result<void> load_netlist(Netlist& netlist, const std::string& path);
 

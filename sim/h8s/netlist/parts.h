@@ -1,4 +1,4 @@
-// Parts of a netlist. Programs can derive others from Part.
+// Parts of a netlist. Programs can derive other parts from Part.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ class Switch : public Part {
   Switch(Net net, bool to_supply) : net_(net), to_supply_(to_supply) {}
   // Switches at the netlist's current time.
   void set(Netlist& n, bool closed);
-  // Switches at `at`. Calls must be in ascending order of time.
+  // Switches at the time `at`. Calls must be in ascending order of time.
   void set_at(Netlist& n, States at, bool closed);
   bool closed() const { return closed_; }
 
@@ -52,7 +52,7 @@ class Inverter : public Part {
   std::deque<std::pair<States, bool>> under_way_;  // delayed changes of the output
 };
 
-// Open-drain stage: pulls its output to ground while its input is high, else does not drive it.
+// Open-drain stage: pulls its output to ground while its input is high, otherwise does not drive the output.
 class OpenDrain : public Part {
  public:
   OpenDrain(Net in, Net out) : in_(in), out_(out) {}
@@ -65,8 +65,8 @@ class OpenDrain : public Part {
 };
 
 // Low-pass: a resistor, and a capacitor to ground. Between two edges of the input the output follows `v = vin
-// + (v0 - vin) exp(-t / RC)` exactly. It holds its voltage while the input is not driven. The output must not
-// be loaded, and the input must not be another moving voltage.
+// + (v0 - vin) exp(-t / RC)` exactly. The output holds its voltage while the input is not driven. The output
+// must not be loaded, and no other moving voltage may drive the input.
 class Rc : public Part {
  public:
   Rc(Net in, Net out, double ohms, double farads)
@@ -82,13 +82,13 @@ class Rc : public Part {
   void plan(Netlist& n, States at);
   Net in_, out_;
   double ohms_, farads_, tau_ = 1;  // tau_: time constant, states
-  double from_ = 0, to_ = 0;        // voltage at since_, and its limit
+  double from_ = 0, to_ = 0;        // voltage at since_, and final voltage
   bool driven_ = false;
   States since_ = 0;
   int output_ = -1;
 };
 
-// Voltage divider: a resistor from the input to the output, and one from there to ground.
+// Voltage divider: a resistor from the input to the output, and a resistor from the output to ground.
 class Divider : public Part {
  public:
   Divider(Net in, Net out, double upper_ohms, double lower_ohms)
@@ -107,7 +107,7 @@ class Probe : public Part {
  public:
   Probe(Net net, std::string name) : net_(net), name_(std::move(name)) {}
   const std::string& name() const { return name_; }
-  // Returns the level at the start and each change, with its time.
+  // Returns the level at the start and the level after each change, each with its time.
   const std::vector<std::pair<States, bool>>& levels() const { return levels_; }
   // Returns the fraction of the time from `from` to `to` during which the net was high.
   double high_share(States from, States to) const;

@@ -4,8 +4,8 @@
 
 namespace kaz::h8s {
 
-// Returns whether this build has the translator (x86-64 with asmjit). Without it Engine::translator
-// interprets.
+// Returns whether this build has the translator (x86-64 with asmjit). In a build without the translator,
+// Engine::translator interprets.
 bool translator_available();
 
 }  // namespace kaz::h8s

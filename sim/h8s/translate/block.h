@@ -57,13 +57,13 @@ struct Step {
 
   // Masks of flags.
   unsigned sets = 0;         // written
-  unsigned recoverable = 0;  // subset of `sets` that `definition` can recompute
+  unsigned recoverable = 0;  // flags of `sets` that `definition` can recompute
   unsigned uses = 0;         // read from memory
-  unsigned keep = 0;         // subset of `sets` that must be in memory after the step
+  unsigned keep = 0;         // flags of `sets` that must be in memory after the step
   bool exits = false;        // the block may be left before this step has any effect
   bool io = false;           // accesses an I/O register; the block may be left after the step
   Definition definition;
-  // For each flag the last earlier step of the block that set it; -1: none did.
+  // For each flag: the last earlier step of the block that set the flag; -1: no earlier step set the flag.
   std::array<std::int16_t, kFlags> set_by{};
 };
 
@@ -90,11 +90,11 @@ inline constexpr std::uint32_t kNowhere = 0xffffffff;
 // Returns a mask of the registers ERn that a step may write.
 unsigned registers_written_by(const Step& s);
 
-// Access of a step to memory through a register. It begins at register + `displacement`.
+// Access of a step to memory through a register. The access begins at register + `displacement`.
 struct Access {
   unsigned reg = 0;
   std::int32_t displacement = 0;
-  std::int32_t bytes = 0;  // 0: no such access
+  std::int32_t bytes = 0;  // 0: the step has no such access
   std::int32_t moves = 0;  // amount that the step adds to the register
   bool words = false;      // the address must be even
 };
@@ -103,22 +103,22 @@ Access access_of(const Step& s);
 // Returns the mask of flags that condition 0..15 of Bcc reads.
 unsigned flags_of_condition(unsigned condition);
 
-// Returns the earlier step whose `definition` recomputes all flags of the mask `wanted` at step `k`. Its
-// registers must be unchanged there. Returns -1 if no step does.
+// Returns the earlier step whose `definition` recomputes all flags of the mask `wanted` at step `k`. The
+// registers of that definition must be unchanged at step `k`. Returns -1 if there is no such step.
 int common_source(const Block& block, std::size_t k, unsigned wanted);
 
 // Memory region of an access of `size` bytes to an address that is known at translation time.
 enum class Place : std::uint8_t { ram, short_ram, flash, elsewhere };
 Place place_of(const Cpu& c, std::uint32_t address, unsigned size);
 
-// Returns the block that begins at index `start` of Cpu::code. It has no steps if its first instruction
-// cannot be translated. `known(index)` returns whether the block must end before `index`, as where another
-// one begins.
+// Returns the block that begins at index `start` of Cpu::code. The block has no steps if the first
+// instruction cannot be translated. `known(index)` returns whether the block must end before `index`, for
+// example because another block begins at `index`.
 template <class Known>
 Block find_block(Cpu& c, std::uint32_t start, const Known& known);
 
 // Fills `step` with the instruction at `index`, for find_block. Returns false if the block must end before
-// it.
+// that instruction.
 bool take_step(Cpu& c, std::uint32_t index, Step& step);
 // Computes Block::live and the members of steps that depend on the whole block.
 void settle_flags(Block& block);

@@ -22,12 +22,12 @@ struct Entry {
 };
 static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
 
-// Record for the near-end version of a block. It runs at the end of a stretch, when the time left does not
-// exceed the block's bound.
+// Record for the near-end version of a block. This version runs at the end of a stretch, if the time left
+// does not exceed the block's bound.
 struct NearEnd {
   const void* code = nullptr;  // checks the time left after each instruction; null: none
   std::uint16_t bound = 0;     // Block::bound of the block that begins here
-  std::uint16_t count = 0;     // times that the block did not fit into the time left
+  std::uint16_t count = 0;     // number of times that the block did not fit into the time left
 };
 
 namespace host = asmjit::x86;
@@ -57,19 +57,22 @@ struct Gate {
   const void* enter = nullptr;  // called as std::uint32_t(Cpu*, const void* entry)
   // Exit. In: the index of the next instruction in edi, the return value in esi.
   const void* leave = nullptr;
-  // Subroutine that runs the handler of an instruction. In: its entry of Cpu::code in rdi; the states from
-  // its end to the block's bound in rsi. Out: kLeft for the next instruction, compared with 0 in the host's
-  // flags. If it is not greater than 0, Cpu holds the complete state and the block must be left.
+  // Subroutine that runs the handler of an instruction. In: rdi is the instruction's entry of Cpu::code; rsi
+  // is the number of states from the end of the instruction to the block's bound. Out: kLeft is valid for the
+  // next instruction, and the host's flags are the result of comparing kLeft with 0. If kLeft is not greater
+  // than 0, Cpu holds the complete state and the block must be left.
   const void* interpret = nullptr;
-  // Subroutines that only access an I/O register. In: rdi and rsi as for `interpret`; a value to store in
-  // r15. Out: a loaded value in edi; kLeft is reduced by wait states. Cpu does not hold the complete state.
+  // Subroutines that only access an I/O register. In: rdi and rsi as for `interpret`; r15 is the value to
+  // store. Out: edi is the loaded value; kLeft is reduced by wait states. Cpu does not hold the complete
+  // state.
   const void* load8 = nullptr;
   const void* load16 = nullptr;
   const void* store8 = nullptr;
   const void* store16 = nullptr;
   const void* leave_complete = nullptr;  // exit when Cpu already holds everything but kExecuted
-  // Jump target for an instruction that continues elsewhere. In: as `interpret`. Runs its handler, then the
-  // block at the new address; leaves if there is no block.
+  // Jump target for an instruction that continues elsewhere. In: rdi and rsi as for `interpret`. Runs the
+  // instruction's handler, then the block at the new address. Leaves the translated code if there is no block
+  // at the new address.
   const void* go_elsewhere = nullptr;
 };
 struct GateLabels {
@@ -80,26 +83,26 @@ void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entrie
 // Runs the handler of `ip`, with the complete state in `c`. Returns the states left at the next instruction,
 // minus `rest`. A result of 0 or less means that the block must be left.
 std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest);
-// Like run_handler, for an instruction that continues elsewhere. Returns the host code there, or null if the
-// block must be left.
+// Like run_handler, for an instruction that continues elsewhere. Returns the host code at the new address, or
+// null if the block must be left.
 const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 
-// Emits the blocks of one translation unit. They jump to each other directly. `k` is the index of a step in
-// the current block, `n` that of a block in the unit.
+// Emits the blocks of one translation unit. The blocks jump to each other directly. `k` is the index of a
+// step in the current block, `n` that of a block in the unit.
 class Emitter {
  public:
   Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, NearEnd* near_ends, const Gate& gate);
 
   void emit(const std::vector<Block>& blocks);
-  // Emits the near-end version of a block, alone in its unit. At its entry kLeft is the time left, without a
-  // bound subtracted.
+  // Emits the near-end version of a block, alone in its unit. At the entry of this version, kLeft is the time
+  // left, without a bound subtracted.
   void emit_near_end(const Block& block);
-  // Returns the offset of the entry of block `n` from outside.
+  // Returns the offset of the entry through which code outside the unit enters block `n`.
   std::uint64_t entry_offset(const asmjit::CodeHolder& code, std::size_t n) const;
 
  private:
   using Fetch = std::function<void(const host::Mem&)>;
-  // For each flag the step whose definition recomputes it; -1: the flag is in memory.
+  // For each flag: the step whose definition recomputes the flag; -1: the flag is in memory.
   using Pending = std::array<std::int16_t, kFlags>;
   using Again = std::map<std::size_t, asmjit::Label>;  // by step
 
@@ -109,7 +112,8 @@ class Emitter {
   void emit_step(std::size_t k);
   void emit_again(std::size_t n, const Again& again, const Pending& pending);
   void emit_cold();
-  // Continues with the near-end version of block `n`, or leaves if it does not exist.
+  // Continues with the near-end version of block `n`, or leaves the translated code if that version does not
+  // exist.
   void emit_late(std::size_t n);
   // Leaves the block after step k if no time is left.
   void leave_at_end(std::size_t k);
@@ -124,7 +128,8 @@ class Emitter {
   void emit_exception_return(std::size_t k);
   // Exits before step k if an interrupt request is pending or the stretch may end after the step.
   void leave_for_interrupts(std::size_t k);
-  // Replaces the address in r15 by twice its index in Cpu::code. Exits before the step if it has no code.
+  // Replaces the address in r15 by twice the address's index in Cpu::code. Exits before the step if the
+  // address has no index.
   void find_target(std::size_t k);
   // Continues after step k with the block at the index that r15 holds twice, through the table of entries.
   void leave_through_table(std::size_t k);
@@ -140,7 +145,7 @@ class Emitter {
   void emit_access(std::size_t k, const void* gate);
   void load_io(std::size_t k);
   void store_io(std::size_t k);
-  // Leaves the block after step k if the rest of it no longer fits into the time left.
+  // Leaves the block after step k if the rest of the block no longer fits into the time left.
   void leave_after(std::size_t k);
 
   // --- flags (emit_flags.cpp)
@@ -160,7 +165,7 @@ class Emitter {
   // Loads a part shifted to the top of 32 bits, with zeros below.
   void get_up(const host::Gp& to, Part part);
   void get_operand_up(const host::Gp& to, const Definition& d);
-  // Rotate the register so that the part is at bit 0, and back.
+  // turn() rotates the register so that the part is at bit 0. turn_back() reverses this rotation.
   void turn(Part part);
   void turn_back(Part part);
   static bool high_byte(Part part) { return part.shift == 8 && part.reg < 4; }
@@ -171,8 +176,8 @@ class Emitter {
   Place address(const Step& s, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes,
                 host::Mem& at);
   host::Mem ram_check(unsigned size, std::uint32_t bytes, const asmjit::Label& outside);
-  // Returns the operand of step k's access through a register, if it is known to be in RAM or can be checked
-  // together with later accesses of the block. Otherwise nullopt.
+  // Returns the operand of step k's access through a register, if the access is known to be in RAM, or can be
+  // checked together with later accesses of the block. Otherwise returns nullopt.
   std::optional<host::Mem> proved(std::size_t k, unsigned size);
   bool check_together(std::size_t k);
   void move_proofs(const Step& s);
@@ -220,7 +225,7 @@ class Emitter {
     bool even = false;  // the register is even
   };
   std::array<Proof, 8> proofs_{};
-  Again again_;            // steps at which the first version may continue in the second
+  Again again_;            // steps at which the first version may continue in the second version
   bool second_ = false;    // the second version is being emitted
   bool near_end_ = false;  // the time left is checked after each step
 

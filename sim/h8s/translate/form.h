@@ -11,8 +11,8 @@ namespace kaz::h8s::translate {
 enum class Op : std::uint8_t {
   none,     // not translated: the block ends before it
   handler,  // calls the interpreter's handler, which changes only registers and flags
-  // Calls the interpreter's handler with the complete CPU state: it may access the chip or end the stretch.
-  // `detail` 1: it never continues with the next instruction of the block.
+  // Calls the interpreter's handler with the complete CPU state: the handler may access the chip or end the
+  // stretch. `detail` 1: execution never continues with the next instruction of the block.
   interpreted,
   nop,
   mov,

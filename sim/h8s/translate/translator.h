@@ -11,7 +11,8 @@
 namespace kaz::h8s {
 
 // Belongs to one Cpu. Translates code at addresses that have been jumped to Options::translate_after times,
-// and discards it when its instructions change. Programs behave as with the interpreter.
+// and discards the translated code after a change of the instructions. Programs behave as with the
+// interpreter.
 class Translator final : public CodeCache {
  public:
   Translator();
@@ -22,7 +23,7 @@ class Translator final : public CodeCache {
   // Runs instructions until now >= stop.
   void run(Cpu& c) override;
   // Must be called when `count` entries of Cpu::code from index `first` on have changed. If translated code
-  // contains one of them, all translated code is discarded.
+  // contains one of these entries, all translated code is discarded.
   void forget(std::uint32_t first, std::uint32_t count) override;
   // Must be called when a code hook was set or cleared at `index`. If translated code contains that
   // instruction, all translated code is discarded.
@@ -31,7 +32,8 @@ class Translator final : public CodeCache {
   void forget_all() override;
   // Returns the number of blocks translated since construction, for measurements.
   std::int64_t translated() const;
-  // Returns the instructions executed in translated code since construction or the last reset_count().
+  // Returns the number of instructions executed in translated code since construction or the last
+  // reset_count().
   std::int64_t executed() const;
   void reset_count();
 

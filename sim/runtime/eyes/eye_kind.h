@@ -8,8 +8,8 @@ namespace kaz::sim {
 
 enum class EyeKind {
   ideal,  // exactly parallel pinhole cameras without noise
-  real,   // lens, exposure and noise of the camera file; pictures are rectified
-  none,   // no pictures, as for a robot without eyes
+  real,  // cameras with the lens, exposure and noise of the camera file; their pictures are rectified
+  none,  // no pictures, as if the robot had no eyes
 };
 inline constexpr std::array kEyeKinds{EyeKind::ideal, EyeKind::real, EyeKind::none};
 

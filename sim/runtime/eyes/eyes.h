@@ -1,4 +1,4 @@
-// Simulated stereo camera: schedules exposures, has them rendered and delivers pairs to the host.
+// Simulated stereo camera: schedules exposures, starts their rendering, delivers picture pairs to the host.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,34 +22,35 @@
 
 namespace kaz::sim {
 
-// Contents of camera.json: camera model and timing. The cameras' poses are links of the URDF.
+// Contents of camera.json: camera model and timing. The poses of the cameras are links of the URDF.
 struct CameraFile {
   EyeModel eye;
-  // Number of the camera pair in its series. Determines its deviations from the nominal model.
+  // Number of the camera pair in its production series. The number determines how the pair deviates from the
+  // nominal model.
   std::uint64_t unit = 1;
-  double baseline_m = 0.040;  // a Simulation replaces it by the URDF's
+  double baseline_m = 0.040;  // Simulation replaces this value by the baseline of the URDF
   double rate_hz = 30.0;
   double latency_s = 0.015;  // from the middle of the exposure to the pair's arrival at the host
   double jitter_s = 0;       // maximum additional delay, uniformly distributed
   // True: exactly parallel pinhole cameras without noise. False: lens and sensor of EyeModel; the host
-  // receives pictures rectified with calibration().
+  // receives pictures that were rectified with calibration().
   bool ideal = true;
 
   // Reads camera.json. Returns Fault::usage if the file is missing or invalid.
   static Result<CameraFile> load(const std::string& path);
-  // Pinhole of the pictures that the host receives.
+  // Pinhole model of the pictures that the host receives.
   Pinhole pinhole() const;
   vision::CameraModel model() const;
   vision::StereoCalibration calibration() const;
 };
 
-// Returns "width height fx fy cx cy baseline_m latency_s" of the rectified pictures with all digits, for the
-// metadata of a recording with pictures.
+// Returns "width height fx fy cx cy baseline_m latency_s" of the rectified pictures, with all digits of each
+// number. The text is metadata of a recording with pictures.
 std::string text_of(const CameraFile& camera);
 
-// Policy if rendering falls behind the world.
+// Policy if rendering is slower than the world.
 enum class FramePolicy {
-  wait,  // lockstep: the world waits, so the result does not depend on the machine
+  wait,  // lockstep: the world waits for the picture, so the result does not depend on the machine
   drop,  // real time: the pair is dropped and its sequence number skipped
 };
 
@@ -62,7 +63,7 @@ class Eyes {
     Light light = {};  // the world's light
   };
 
-  // Content that the recording stores of each pair.
+  // Selects the data that the recording stores for each pair.
   enum class Keep { nothing, digests, pictures };
   struct Kept {
     std::string left, right;                        // picture_digest() of the RGB bytes
@@ -70,39 +71,41 @@ class Eyes {
   };
   struct Digest {
     std::uint64_t sequence = 0;
-    Time exposure{}, arrival{};  // arrival: earliest time at which the host can take it
+    Time exposure{}, arrival{};  // arrival: earliest time at which the host can take the pair
     Kept kept;                   // empty if rendering failed
   };
 
-  // `draws` must outlive this. `seed` determines image noise and jitter.
+  // `draws` must outlive this object. `seed` determines image noise and jitter.
   Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting, FramePolicy policy,
        Keep keep, std::uint64_t seed = 1);
 
-  // Exposes a pair if one is due; call it at the end of each step. Exposure n is due at the step nearest to
-  // n / rate. Calls `pose` only for an exposure. Returns the error if rendering has failed earlier.
+  // Exposes a pair if an exposure is due; call this function at the end of each step. Exposure n is due at
+  // the step nearest to n / rate. Calls `pose` only for an exposure. Returns the error if an earlier
+  // rendering has failed.
   Result<void> look(Time now, const std::function<ScenePose()>& pose);
-  // Removes and returns the next pair that has reached the host by `now`. At most 8 pairs wait; then the
-  // oldest is dropped.
+  // Removes and returns the next pair that has reached the host by `now`. At most 8 pairs wait. If another
+  // pair arrives, the oldest waiting pair is dropped.
   std::optional<vision::StereoPair> next_pair(Time now);
-  // Returns the number of pairs that FramePolicy::drop has dropped.
+  // Returns the number of pairs dropped because of FramePolicy::drop.
   std::uint64_t left_out() const { return left_out_; }
 
-  // Removes and returns the digests of pairs exposed at least two exposures ago, or of all if `all`. Blocks
-  // until they are rendered, so that their number depends only on simulated time.
+  // Removes and returns the digests of pairs exposed at least two exposures ago; with `all`, the digests of
+  // all pairs. Blocks until these pairs are rendered, so the number of digests depends only on simulated
+  // time.
   std::vector<Digest> take_digests(bool all);
-  // Waits for the pairs being rendered, then continues with noise and jitter of another seed.
+  // Waits until all pairs in progress are rendered. Noise and jitter then continue with another seed.
   void reseed(std::uint64_t seed);
-  // Sets the content that is stored of pairs exposed from now on.
+  // Selects what is stored for pairs exposed from now on.
   void keep(Keep what) { keep_ = what; }
 
-  // Saves or restores the state, with the pixels of waiting pairs (eyes_state.cpp). Saving waits for pairs
-  // being rendered.
+  // Saves or restores the state, including the pixels of waiting pairs (eyes_state.cpp). Saving waits until
+  // all pairs in progress are rendered.
   void transfer(StateWriter& a);
   void transfer(StateReader& a);
 
  private:
-  // Lens, sensor and rectification of both eyes. Shared with the rendering jobs, of which only one runs at a
-  // time.
+  // Lens, sensor and rectification of both eyes. Shared with the rendering jobs; only one rendering job runs
+  // at a time.
   struct Optics {
     Optics(const CameraFile& camera, std::uint64_t seed);
     RealEye left, right;
@@ -132,10 +135,10 @@ class Eyes {
   FramePolicy policy_;
   Keep keep_;
   std::uint64_t seed_;
-  std::shared_ptr<Optics> optics_;  // null: ideal
+  std::shared_ptr<Optics> optics_;  // null for ideal eyes
   std::uint64_t sequence_ = 0, left_out_ = 0;
   std::deque<std::shared_future<Drawn>> under_way_;
-  std::deque<std::pair<Time, vision::StereoPair>> arriving_;  // with arrival times
+  std::deque<std::pair<Time, vision::StereoPair>> arriving_;  // pairs with their arrival times
   std::deque<Exposed> to_digest_;
 };
 

@@ -1,7 +1,7 @@
 // Renders all pictures of a simulation, one job after the other, in its own thread.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The first job starts the renderer, so a simulation without pictures starts none.
+// The first job starts the renderer. A simulation without pictures therefore never starts the renderer.
 #pragma once
 
 #include <condition_variable>
@@ -20,13 +20,14 @@ namespace kaz::sim {
 
 using RendererFactory = std::function<Result<std::unique_ptr<Renderer>>()>;
 
-// Thread that renders: a separate one, or the one that steps the simulation. The latter suits many robots
-// that already share the machine's processors.
+// Thread that renders: a separate thread, or the thread that steps the simulation. `caller` suits programs
+// whose many robots already use all processors.
 enum class Drawing { own_thread, caller };
 
 class RenderThread {
  public:
-  // A job receives the renderer, or the error that prevented it. Jobs run in the order of submission.
+  // A job receives the renderer, or the error that prevented its creation. Jobs run in the order of
+  // submission.
   using Job = std::function<void(const Result<Renderer*>&)>;
 
   RenderThread(Scene scene, RendererFactory factory, Drawing drawing = Drawing::own_thread);
@@ -34,9 +35,10 @@ class RenderThread {
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
-  // Queues a job, or runs it with Drawing::caller. Call it from one thread only.
+  // Queues a job. With Drawing::caller, runs the job at once. Call submit() from one thread only.
   void submit(Job job);
-  // Stores the first failure of a job, which error() returns. Both may be called from any thread.
+  // Stores the first failure of a job; error() returns this failure. Both functions may be called from any
+  // thread.
   void set_error(Error error);
   std::optional<Error> error() const;
 
@@ -50,7 +52,8 @@ class RenderThread {
   RendererFactory factory_;
   Drawing drawing_;
   bool has_begun_ = false;
-  Result<std::unique_ptr<Renderer>> renderer_ = nullptr;  // used only by `thread_` once it runs
+  // Used only by `thread_` once that thread runs.
+  Result<std::unique_ptr<Renderer>> renderer_ = nullptr;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Job> jobs_;

@@ -15,7 +15,7 @@ namespace kaz::sim {
 // Appends values to a buffer.
 class LittleEndian {
  public:
-  // `to` must outlive this.
+  // `to` must outlive this object.
   explicit LittleEndian(std::vector<std::uint8_t>& to) : to_(to) {}
 
   LittleEndian& number(std::unsigned_integral auto value) {
@@ -49,8 +49,9 @@ class LittleEndian {
   std::vector<std::uint8_t>& to_;
 };
 
-// Reads fields from the front of a buffer. The first field that exceeds the end and all later ones are zero
-// or empty and consume nothing. A loop over `rest()` must therefore also check `good()`.
+// Reads fields from the front of a buffer. If a field extends beyond the end of the buffer, this field and
+// all later fields are zero or empty and consume nothing. A loop over `rest()` must therefore also check
+// `good()`.
 class LittleEndianFields {
  public:
   using Bytes = std::span<const std::uint8_t>;
@@ -63,7 +64,7 @@ class LittleEndianFields {
       value = static_cast<T>(value | static_cast<T>(T{front[i]} << (8 * i)));
     return value;
   }
-  // Reads a length in 4 bytes, then as many bytes.
+  // Reads a length in 4 bytes, then that number of bytes.
   Bytes array() { return take(number<std::uint32_t>()); }
   std::string text() {
     const Bytes chars = array();

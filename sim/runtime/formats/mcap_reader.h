@@ -1,10 +1,11 @@
 // Reads MCAP files as written by McapWriter: chunks without compression.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A truncated file (program killed, disk full) is read up to its end, and `whole` is false. It ends within a
-// top-level record or before the data end record. Other deviations from the format are errors: fields beyond
-// the end of their record, nested chunks, impossible record lengths, unknown channels, times out of range. A
-// chunk with a wrong CRC is skipped and counted.
+// A file may be truncated because the program was killed or the disk was full. Such a file ends within a
+// top-level record or before the data end record. The file is then read up to its end, and `whole` is
+// false. A chunk with a wrong CRC is skipped and counted. Other deviations from the format are errors. Among
+// these are fields beyond the end of their record, nested chunks, impossible record lengths, unknown
+// channels, and times out of range.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +19,13 @@
 namespace kaz::sim {
 
 struct McapRecording {
-  // Limits (docs/reference/recording.md). The recording is kept in memory, and so is its file during load().
+  // Limits (docs/reference/recording.md). The recording is kept in memory. During load(), the file is in
+  // memory, too.
   static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
   static constexpr std::size_t max_facts = 10'000;
-  // Key of the fact that names the signal which interrupted the run.
+  // Key of the fact whose value is the signal that interrupted the run.
   static constexpr const char* kInterrupted = "interrupted";
-  // A year: far above any run, and low enough to be counted in crystal periods (time.h).
+  // One year: longer than any run, and short enough to be counted in crystal periods (time.h).
   static constexpr std::uint64_t max_time_ns = 366ull * 24 * 3600 * 1'000'000'000;
 
   struct Message {
@@ -32,25 +34,26 @@ struct McapRecording {
     std::vector<std::uint8_t> data;
     bool operator==(const Message&) const = default;
   };
-  std::map<std::uint16_t, std::string> topics;  // by channel
+  std::map<std::uint16_t, std::string> topics;  // topic of each channel number
   std::map<std::string, std::string> facts;     // entries of all metadata records
-  std::vector<Message> messages;                // in file order; all channels are in `topics`
-  std::size_t damaged_chunks = 0;               // skipped because of a wrong CRC
-  bool whole = false;                           // false: the file is truncated
+  std::vector<Message> messages;   // in file order; `topics` contains every channel of a message
+  std::size_t damaged_chunks = 0;  // number of chunks skipped because of a wrong CRC
+  bool whole = false;              // false: the file is truncated
 
   std::size_t count(const std::string& topic) const;
   bool has_messages(const std::string& topic) const { return count(topic) > 0; }
-  // Returns the signal that interrupted the run, such as "SIGINT". Empty if it was not interrupted.
+  // Returns the signal that interrupted the run, such as "SIGINT". Empty if the run was not interrupted.
   std::string interrupted_by() const;
   // Returns whether the file is truncated or the run was interrupted.
   bool ends_early() const { return !whole || !interrupted_by().empty(); }
-  // Returns the latest time of a message, 0 without messages.
+  // Returns the time of the latest message, or 0 without messages.
   std::uint64_t end_ns() const;
 
-  // Reads a file. Returns Fault::usage if it is missing, not MCAP, larger than max_bytes, malformed or
-  // compressed. The message is one sentence that names the file.
+  // Reads a file. Returns Fault::usage if the file is missing, not MCAP, larger than max_bytes, malformed or
+  // compressed. The error message is one sentence that names the file.
   static Result<McapRecording> load(const std::string& path);
-  // Parses the contents of a file, as load(). `name` is the file's name for errors.
+  // Parses the contents of a file, with the same errors as load(). `name` is the file name for error
+  // messages.
   static Result<McapRecording> parse(std::span<const std::uint8_t> bytes, const std::string& name);
 };
 

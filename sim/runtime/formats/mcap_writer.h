@@ -25,7 +25,7 @@ namespace kaz::sim {
 class MessageTap {
  public:
   virtual ~MessageTap() = default;
-  // Called before the channel's first message. `encoding` is the encoding of its messages: "ros1" or "json".
+  // Called before the channel's first message. `encoding` is the encoding of the messages: "ros1" or "json".
   virtual void channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
                        const std::string& schema_name, const std::string& schema_encoding,
                        const std::string& schema) = 0;
@@ -58,8 +58,8 @@ class McapWriter {
   void add_message(std::uint16_t channel, std::uint64_t time_ns,
                    std::span<const std::uint8_t> data);
 
-  // Finishes the file and returns the SHA-256 of its bytes in hexadecimal, or an empty string without a file.
-  // Returns Fault::environment if a write has failed.
+  // Finishes the file and returns the SHA-256 of its bytes in hexadecimal. Returns an empty string if no file
+  // is written. Returns Fault::environment if a write has failed.
   Result<std::string> finish();
   // Returns Fault::environment once a write has failed.
   Result<void> written() const;
@@ -67,13 +67,15 @@ class McapWriter {
 
  private:
   struct Channel {
-    std::vector<std::uint8_t> record;  // content of its record, for the summary
-    std::uint32_t messages = 0;        // number written so far
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> in_chunk;  // time, offset in the chunk
+    std::vector<std::uint8_t> record;  // content of the channel record, for the summary
+    std::uint32_t messages = 0;        // number of messages written so far
+    // Times of messages, and their offsets in the chunk.
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> in_chunk;
   };
   struct ChunkIndex {
     std::uint64_t first_ns = 0, last_ns = 0, start = 0, length = 0;
-    std::vector<std::pair<std::uint16_t, std::uint64_t>> message_indexes;  // channel, offset
+    // Channels, and offsets of their message indexes.
+    std::vector<std::pair<std::uint16_t, std::uint64_t>> message_indexes;
     std::uint64_t indexes_length = 0, size = 0;
   };
   struct MetadataIndex {
@@ -95,15 +97,16 @@ class McapWriter {
     std::string name, encoding, text;
   };
 
-  std::string path_;  // empty: no file
+  std::string path_;  // empty: no file is written
   MessageTap* tap_ = nullptr;
-  std::vector<TappedSchema> tapped_;  // for the tap, indexed as schemas_
+  std::vector<TappedSchema> tapped_;  // copies of the schemas for the tap; same indices as schemas_
   std::ofstream file_;
   int write_error_ = 0;    // errno of the first failed write
   std::uint64_t at_ = 0;   // bytes written
-  std::uint32_t crc_ = 0;  // CRC of the bytes since it was last set to 0
+  std::uint32_t crc_ = 0;  // CRC of the bytes written since crc_ was last set to 0
   evp_md_ctx_st* digest_ = nullptr;
-  std::vector<std::vector<std::uint8_t>> schemas_;  // record contents; schema n is at n - 1
+  // Record contents; schema number n is at index n - 1.
+  std::vector<std::vector<std::uint8_t>> schemas_;
   std::vector<Channel> channels_;
   std::vector<MetadataIndex> metadata_;
   std::vector<std::uint8_t> chunk_;  // records of the current chunk

@@ -1,8 +1,9 @@
-// Digest of a picture's bytes for comparing recordings: 32 hexadecimal digits.
+// Digest of a picture's bytes, for comparing recordings: 32 hexadecimal digits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// XXH3 with 128 bits and seed 0; `xxhsum -H2` prints the same. It detects differences but does not resist
-// attackers. SHA-256 does, but takes more than seven times as long.
+// The digest is XXH3 with 128 bits and seed 0; `xxhsum -H2` prints the same digits. The digest detects
+// accidental differences but does not resist attackers. SHA-256 resists attackers but takes more than seven
+// times as long.
 #pragma once
 
 #include <cstdint>

@@ -11,11 +11,11 @@
 
 namespace kaz::sim {
 
-// Encodes 8-bit RGB with low compression for speed. Deterministic for the same libpng and zlib. Fails if
-// `image` is empty or its number of pixels does not match its size.
+// Encodes 8-bit RGB with low compression for speed. The same versions of libpng and zlib give the same bytes.
+// Fails if `image` is empty or its number of pixels does not match its width and height.
 Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image);
 
-// Decodes a PNG. Fails if it is not a PNG, is damaged, or has a side above 8192 px.
+// Decodes a PNG. Fails if the bytes are not a PNG, are damaged, or the picture has a side above 8192 px.
 Result<vision::Image> decode_png(std::span<const std::uint8_t> bytes);
 
 }  // namespace kaz::sim

@@ -1,8 +1,8 @@
-// Schemas and serialization of ROS 1 messages, which viewers decode and draw.
+// Schemas and serialization of ROS 1 messages. Viewers decode and draw these messages.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Encoding: fields in order, little-endian, without padding. Units: m, rad, s. Frames: `world`, and links and
-// objects by name.
+// Encoding: fields in order, little-endian, without padding. Units: m, rad, s. Frames: `world`, and the names
+// of links and objects.
 #pragma once
 
 #include <cstdint>
@@ -58,15 +58,15 @@ inline constexpr char kCameraInfo[] =
 inline constexpr char kPicture[] =
     "std_msgs/Header header\nstring format\nuint8[] data\n" KAZ_ROS_STD_HEADER;
 
-// Writes std_msgs/Header, with which most messages begin.
+// Writes std_msgs/Header, the first field of most messages.
 LittleEndian& header(LittleEndian& to, std::uint64_t time_ns, std::string_view frame,
                      std::uint32_t sequence = 0);
 // Writes geometry_msgs/Pose or Transform.
 void pose(LittleEndian& to, const Eigen::Isometry3d& at);
 
-using NamedPose = std::pair<std::string, Eigen::Isometry3d>;  // in the frame `world`
+using NamedPose = std::pair<std::string, Eigen::Isometry3d>;  // pose in the frame `world`
 
-// Writes tf2_msgs/TFMessage to `data`. In this and the functions below, `data` must be empty.
+// Writes tf2_msgs/TFMessage to `data`. `data` must be empty, also for the functions below.
 void transforms(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
                 std::span<const NamedPose> poses);
 
@@ -78,7 +78,8 @@ struct Marker {
   Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
-  std::string texture;  // Visual::texture; written to `text`, which these types do not use
+  // Visual::texture; written to the message field `text`, which markers of these types do not use.
+  std::string texture;
   bool removes_all = false;
 };
 
@@ -86,11 +87,11 @@ struct Marker {
 void markers(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
              std::span<const Marker> markers);
 
-// Returns markers of the scene's visuals, without those of the frames `without` and without meshes.
+// Returns markers for the visuals of the scene. Leaves out meshes, and visuals of the frames in `without`.
 std::vector<Marker> markers_of(const Scene& scene, std::span<const std::string> without);
 
-// Returns contact forces above 0.05 N as arrows of 1 cm/N, at most 30 cm. An arrow has the direction of the
-// force on the first of the two bodies. The first marker removes the arrows of the previous message.
+// Returns contact forces above 0.05 N as arrows of 1 cm/N, at most 30 cm long. An arrow has the direction of
+// the force on the first of the two bodies. The first marker removes the arrows of the previous message.
 std::vector<Marker> markers_of(std::span<const ContactPoint> contacts);
 
 // Writes sensor_msgs/CameraInfo of one camera of a rectified pair.

@@ -13,11 +13,11 @@ namespace kaz::sim {
 
 class BusCommands {
  public:
-  // `serving` returns the server's part of the status. `bus` must outlive this.
+  // `serving` returns the server's part of the status. `bus` must outlive this object.
   BusCommands(VirtualBus& bus, std::function<nlohmann::ordered_json()> serving)
       : bus_(&bus), serving_(std::move(serving)) {}
-  // Executes one request: words, or {"command": "power", "argument": "off"}. The reply has "ok" and, if that
-  // is false, "error".
+  // Executes one request: plain words, or JSON such as {"command": "power", "argument": "off"}. The reply
+  // contains "ok". If "ok" is false, the reply also contains "error".
   nlohmann::ordered_json answer(std::string_view line) const;
 
  private:

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The port is a pty with a control socket beside it (bus_commands.h). The servos receive bytes at the rate
-// that the host has set. As with an adapter, replies reach the host when the wire becomes idle or a USB
-// packet is full. They never arrive before the wire could have carried them.
+// that the host has set. Replies reach the host when the wire becomes idle or a USB packet is full, like with
+// a real adapter. They never arrive before the wire could have carried their bytes.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,8 @@ namespace kaz::sim {
 
 struct BusServerOptions {
   std::string serial_path;  // symbolic link to the pty; the control socket is serial_path + ".ctl"
-  // Receives messages for the user: host connected or gone, its rate, overruns. One line without newline.
+  // Receives messages for the user: host connected or gone, the host's rate, overruns. Each message is one
+  // line without newline.
   std::function<void(const std::string&)> report;
 };
 
@@ -34,12 +35,12 @@ struct BusServerStatistics {
 
 class BusServer {
  public:
-  // Creates pty, link and socket; the destructor removes them. Fails if a path cannot be used. `bus` must
-  // outlive the server.
+  // Creates pty, link and socket; the destructor removes these files. Fails if a path cannot be used. `bus`
+  // must outlive the server.
   static Result<std::unique_ptr<BusServer>> open(VirtualBus& bus, const BusServerOptions& options);
   ~BusServer();
 
-  // Serves until `stop` is set, which a signal handler may do. Returns Fault::failed if the physics fails.
+  // Serves until `stop` is true. A signal handler may set `stop`. Returns Fault::failed if the physics fails.
   Result<BusServerStatistics> run(const std::atomic<bool>& stop);
 
  private:

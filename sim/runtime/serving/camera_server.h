@@ -17,26 +17,26 @@
 
 namespace kaz::sim {
 
-// Runs its own thread: neither rendering nor a slow reader blocks the publisher. Serves at most 8 readers and
-// disconnects others.
+// Runs its own thread, so neither rendering nor a slow reader blocks the publisher. Serves at most 8 readers
+// and disconnects any further reader.
 class CameraServer {
  public:
-  // Listens on a Unix socket at `path`. Errors as UnixListener::open().
+  // Listens on a Unix socket at `path`. Returns the errors of UnixListener::open().
   static Result<std::unique_ptr<CameraServer>> open(const std::string& path,
                                                     const vision::CameraModel& model, Time latency);
   ~CameraServer();
 
   // Queues a pair. `exposure` is a time on CLOCK_MONOTONIC. A reader that is still receiving an earlier pair
-  // misses this one.
+  // misses the new pair.
   void publish(vision::StereoPair pair, Time exposure);
   int readers() const { return reader_count_; }
-  std::uint64_t missed() const { return missed_; }  // missed pairs, summed over readers
+  std::uint64_t missed() const { return missed_; }  // number of missed pairs, summed over readers
 
  private:
   using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
   struct Reader {
     Descriptor socket;
-    Bytes sending;         // null: idle
+    Bytes sending;         // null: the reader is idle
     std::size_t sent = 0;  // bytes of `sending` already sent
   };
   struct Published {
@@ -50,12 +50,12 @@ class CameraServer {
   void accept_readers();
   void serve_readers(const std::vector<short>& events);
   void send_pair(const Published& published);
-  bool send_more(Reader& reader);  // false: the reader has disconnected
+  bool send_more(Reader& reader);  // returns false if the reader has disconnected
 
   std::unique_ptr<UnixListener> listener_;
   Descriptor wake_;  // eventfd
   Bytes header_;
-  std::vector<Reader> readers_;  // used by the thread only
+  std::vector<Reader> readers_;  // accessed only by the server's thread
   std::atomic<int> reader_count_ = 0;
   std::atomic<std::uint64_t> missed_ = 0;
   std::mutex mutex_;

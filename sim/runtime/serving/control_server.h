@@ -1,5 +1,5 @@
-// Control socket for commands that a pty cannot carry: reset, mode pins, power, faults and status. A request
-// is one line, its reply one JSON object.
+// Control socket for commands that a pty cannot carry: reset, mode pins, power, faults and status. Each
+// request is one line. Each reply is one JSON object.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,12 +21,12 @@ namespace kaz::sim {
 struct ControlRequest {
   std::string command, argument;
 };
-// Parses a JSON object {"command": "power", "argument": "off"} or plain text "power off". The error states
-// the reason.
+// Parses a JSON object {"command": "power", "argument": "off"} or plain text "power off". An error message
+// states why the line is invalid.
 Result<ControlRequest> parse_control_request(std::string_view line);
 
-// Executes requests. Replies have "ok" and, if that is false, "error". docs/reference/simulator.md lists the
-// commands.
+// Executes requests. A reply contains "ok". If "ok" is false, the reply also contains "error".
+// docs/reference/simulator.md lists the commands.
 class ControlCommands {
  public:
   struct Handlers {
@@ -39,7 +39,8 @@ class ControlCommands {
     std::function<void(const faults::Fault& fault)> fault;
     std::function<void()> clear_faults;
     std::function<Time()> now;  // simulated time
-    // Motor stand: maps the rest of the line to a reply without "ok". Empty: no stand.
+    // Motor stand: maps the rest of the line to a reply without "ok". Empty function: there is no motor
+    // stand.
     std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand = nullptr;
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}
@@ -52,12 +53,12 @@ class ControlCommands {
   Handlers handlers_;
 };
 
-// Serves at most 8 clients. Non-blocking: poll() handles the requests received since the last call.
+// Serves at most 8 clients. Never blocks: poll() handles the requests received since the last call.
 class ControlServer {
  public:
   // Executes one line and returns the reply.
   using Answer = std::function<nlohmann::ordered_json(std::string_view line)>;
-  // Listens on a Unix socket at `path`. Errors as UnixListener::open().
+  // Listens on a Unix socket at `path`. Returns the errors of UnixListener::open().
   static Result<std::unique_ptr<ControlServer>> open(const std::string& path, Answer answer);
   static Result<std::unique_ptr<ControlServer>> open(const std::string& path,
                                                      ControlCommands commands);
@@ -72,7 +73,7 @@ class ControlServer {
 
   ControlServer(std::unique_ptr<UnixListener> listener, Answer answer)
       : listener_(std::move(listener)), answer_(std::move(answer)) {}
-  bool serve(Client& client);  // false: the client has disconnected
+  bool serve(Client& client);  // returns false if the client has disconnected
 
   std::unique_ptr<UnixListener> listener_;
   Answer answer_;

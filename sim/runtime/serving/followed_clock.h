@@ -1,15 +1,17 @@
-// The clock of another machine, which paces a simulation instead of this machine's clock.
+// Paces a simulation by the clock of another machine instead of the clock of this machine.
 // SPDX-License-Identifier: Apache-2.0
 //
-// It serves host programs in a virtual machine (tests/system/guest). An emulated processor is slower than
-// this one, and its clock may stand still while it computes. A world paced by this machine's clock would run
-// ahead. The board's watchdog would then act on a host that is on time by its own clock.
+// The other machine is a virtual machine with host programs (tests/system/guest). An emulated processor is
+// slower than a real processor, and the clock of a virtual machine may stand still during computations. A
+// world paced by this machine's clock would run ahead. The board's watchdog would then act on a host that is
+// on time by the clock of its virtual machine.
 //
-// Protocol: a Unix stream socket with one client. The client sends its CLOCK_MONOTONIC in ns, 8 bytes
-// little-endian, about once per millisecond. Time stands still between two messages, before the first one
-// and without a client. A second client waits until the first one disconnects or has sent nothing for
-// kMaxSilence, and then replaces it. The next message is read only when the world has reached the previous
-// time. A client with a small socket buffer therefore waits for the world.
+// Protocol: a Unix stream socket with one client. About once per millisecond, the client sends its
+// CLOCK_MONOTONIC in ns, as 8 bytes little-endian. The followed clock stands still between two messages,
+// before the first message and without a client. A second client waits until the first client disconnects or
+// has sent nothing for kMaxSilence; then the second client replaces the first. The next message is read only
+// when the world has reached the time of the previous message. A client with a small socket buffer therefore
+// waits for the world.
 #pragma once
 
 #include <array>
@@ -30,11 +32,11 @@ namespace kaz::sim {
 // Parses times from the bytes of a stream.
 class ClockStream {
  public:
-  // Consumes bytes. Returns Fault::environment if a time is before an earlier one or out of range.
+  // Consumes bytes. Returns Fault::environment if a time is less than an earlier time or out of range.
   Result<void> feed(std::span<const std::uint8_t> bytes);
-  // Returns the latest time, empty before the first.
+  // Returns the latest time; empty before the first time.
   std::optional<Time> latest() const { return latest_; }
-  std::size_t part() const { return have_; }  // bytes of an incomplete message
+  std::size_t part() const { return have_; }  // number of bytes of an incomplete message
   // Prepares for another client, whose clock may have any value.
   void restart() { *this = {}; }
 
@@ -46,16 +48,18 @@ class ClockStream {
 
 class FollowedClock {
  public:
-  // Listens on a Unix socket at `path`. Errors as UnixListener::open().
+  // Listens on a Unix socket at `path`. Returns the errors of UnixListener::open().
   static Result<std::unique_ptr<FollowedClock>> open(const std::string& path);
 
-  // Reads the next message, if one arrives within `patience` by this machine's clock. Returns true if it is
-  // the first time of a new client, so that the clock may have jumped. Errors as ClockStream::feed().
+  // Reads the next message. Waits for the message for at most `patience` by this machine's clock. Returns
+  // true for the first time of a new client, because the clock may then have jumped. Returns the errors of
+  // ClockStream::feed().
   Result<bool> poll(Time patience);
   // Returns the latest time, zero before the first message.
   Time now() const { return now_; }
 
-  // By this machine's clock. A guest's clock may stand still for longer: only a waiting client replaces it.
+  // Maximum silence by this machine's clock. A guest's clock may stand still for longer. A silent client is
+  // only replaced if another client waits.
   static constexpr std::chrono::seconds kMaxSilence{1};
 
  private:

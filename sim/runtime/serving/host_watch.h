@@ -1,7 +1,7 @@
-// Reports events of the host on the serial line (connected, silent, gone) and of the motors, as text.
+// Reports events as text: host connected, silent or gone on the serial line, and motors on or off.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Times are simulated time.
+// All times are simulated times.
 #pragma once
 
 #include <functional>
@@ -20,17 +20,20 @@ class HostWatch {
   HostWatch(std::string port, std::function<void(const std::string&)> report)
       : port_(std::move(port)), report_(std::move(report)) {}
 
-  // Call it in each step, with ascending times. `baud` is the rate that the host set, 0 if unsupported.
+  // Call this function in each step, with ascending times. `baud` is the rate that the host set; 0 if the
+  // rate is unsupported.
   void presence(Time now, bool present, long baud);
-  // The host has sent bytes.
+  // Call this function if the host has sent bytes.
   void bytes_came(Time now);
-  // The host has not read `count` bytes of the board.
+  // Call this function if the host has not read `count` bytes from the board.
   void bytes_lost(std::size_t count);
-  // Call it in each step. `why` states in a few words why the drivers are off; empty if unknown.
+  // Call this function in each step. `why` states in a few words why the motor drivers are off. Empty: the
+  // reason is unknown.
   void drivers(Time now, bool enabled, const std::string& why = "");
-  // The board's link watchdog has expired and the joints hold their positions.
+  // Call this function if the board's link watchdog has expired and the joints hold their positions.
   void held(Time now);
-  // Returns whether the link watchdog may have expired and held() was not called since the host's last byte.
+  // Returns whether the link watchdog may have expired although held() was not called since the host's last
+  // byte.
   bool may_hold(Time now) const {
     return heard_ && !held_ && now - last_byte_ >= shortest_watchdog;
   }

@@ -1,7 +1,7 @@
 // Paces simulated time by the wall clock.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Arithmetic only: the caller reads the clock.
+// The class only calculates; the caller reads the clock.
 #pragma once
 
 #include <algorithm>
@@ -11,15 +11,17 @@
 
 namespace kaz::sim {
 
-// Simulated time t is due at origin + t. A late world catches up. If it is later than `tolerance`, the origin
-// is shifted so that no burst follows a stall, and the loss is counted.
+// Simulated time t is due at wall time origin + t. A late world catches up. If the world is later than
+// `tolerance`, the origin is shifted and the loss is counted. Without this shift, a stall would be followed
+// by a burst of steps.
 class Pacer {
  public:
   explicit Pacer(Time tolerance) : tolerance_(tolerance) {}
 
   void start(Time simulated, Time wall) { origin_ = wall - simulated; }
 
-  // Call it after the step that ends at `simulated`. Returns the time to wait before the next step.
+  // Call this function after the step that ends at `simulated`. Returns the time to wait before the next
+  // step.
   Time step_done(Time simulated, Time wall) {
     const Time late = wall - wall_of(simulated);
     worst_late_ = std::max(worst_late_, late);
@@ -34,8 +36,8 @@ class Pacer {
   Time wall_of(Time simulated) const { return origin_ + simulated; }
   std::uint64_t overruns() const { return overruns_; }
   Time lost() const { return lost_; }
-  // Returns lost() plus the loss of the step in progress. That may be large if this process has just been
-  // continued after a stop.
+  // Returns lost() plus the loss of the step in progress. The loss of this step may be large if the process
+  // was stopped and has just been continued.
   Time lost_until(Time simulated, Time wall) const {
     const Time late = wall - wall_of(simulated);
     return late > tolerance_ ? lost_ + late : lost_;

@@ -14,33 +14,36 @@
 
 namespace kaz::sim {
 
-// Non-blocking. The port is raw, 115,200 baud, until the host changes it.
+// Non-blocking. The port is in raw mode at 115,200 baud until the host changes its settings.
 class Pty {
  public:
-  // Creates `link_path` as a symbolic link to the port. Replaces a link to a pty that no longer exists. With
-  // `maker_is_dead`, it replaces a link to any pty, because a killed virtual board has left it. Returns
-  // Fault::usage if the path is in use otherwise, and Fault::environment if no pty is available.
+  // Creates `link_path` as a symbolic link to the port. An existing link is replaced if its pty no longer
+  // exists. With `maker_is_dead`, a link to any pty is replaced, because a killed virtual board has left the
+  // link behind. Otherwise returns Fault::usage if the path is in use. Returns Fault::environment if no pty
+  // is available.
   static Result<std::unique_ptr<Pty>> open(const std::string& link_path,
                                            bool maker_is_dead = false);
-  ~Pty();  // removes the link if it is still ours
+  ~Pty();  // removes the link unless another process has replaced it
 
   // Returns whether a process has the port open.
   bool host_present() const;
-  // Returns the rate that the host has set, baud; 0 if it is not in kSerialRates
+  // Returns the rate that the host has set, in baud. Returns 0 if this rate is not in kSerialRates
   // (shared/base/serial_rates.hpp).
   long baud() const;
-  // Returns the rate that the host has set, also if termios has no name for it (BOTHER).
+  // Returns the rate that the host has set, in baud, even if termios has no name for this rate (BOTHER).
   long rate() const;
-  // Waits until the host has written bytes, at most for `length`. Without a host, waits for `length`. A
-  // signal may end the wait.
+  // Waits until the host has written bytes, for at most `length`. If no host is present, waits for `length`.
+  // A signal may end the wait early.
   void wait(Time length, bool host_present) const;
-  std::size_t read(std::span<std::uint8_t> bytes);         // reads host bytes; returns their number
-  std::size_t write(std::span<const std::uint8_t> bytes);  // returns the number accepted
-  // Discards bytes that the host has not read, so that the next host does not receive them. The kernel moves
-  // bytes with some delay, so repeat the call for a while after a host has closed the port.
+  // Reads bytes from the host. Returns the number of bytes read.
+  std::size_t read(std::span<std::uint8_t> bytes);
+  // Writes bytes to the host. Returns the number of bytes accepted.
+  std::size_t write(std::span<const std::uint8_t> bytes);
+  // Discards bytes that the host has not read, so that the next host does not receive these bytes. The kernel
+  // moves bytes with some delay. Therefore repeat the call for a while after a host has closed the port.
   void discard_unread();
 
-  const std::string& port() const { return port_; }  // "/dev/pts/7"
+  const std::string& port() const { return port_; }  // such as "/dev/pts/7"
   const std::string& link() const { return link_; }
 
  private:

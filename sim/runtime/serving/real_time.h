@@ -1,4 +1,4 @@
-// Serves a simulation to other processes (`kaz sim`), paced by the clock of this or another machine.
+// Serves a simulation to other processes (`kaz sim`), paced by this or another machine's clock.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The serial line is a pty with a control socket beside it. A Unix socket delivers stereo pairs
@@ -19,20 +19,22 @@ namespace kaz::sim {
 
 struct RealTimeOptions {
   std::string serial_path;   // symbolic link to the pty; the control socket is serial_path + ".ctl"
-  std::string cameras_path;  // Unix socket of shared/base/camera_stream.hpp; none if empty
-  // Unix socket of the clock that paces the simulation (followed_clock.h). Empty: the wall clock.
+  std::string cameras_path;  // Unix socket of shared/base/camera_stream.hpp; empty: no socket
+  // Unix socket of the clock that paces the simulation (followed_clock.h). Empty: the wall clock paces the
+  // simulation.
   std::string clock_path;
-  bool fast = false;  // runs as fast as the machine allows, without pacing
-  // True: an illegal operation of the firmware hangs the board until reset instead of ending run().
+  bool fast = false;  // if true, the simulation runs as fast as the machine allows, without pacing
+  // True: after an illegal operation of the firmware, the board hangs until reset. False: the illegal
+  // operation ends run().
   bool keep_hung = false;
   // Motor stand: handles `stand ...` on the control socket (control_server.h).
   std::function<Result<nlohmann::ordered_json>(const std::string&)> stand;
-  // Receives each pair at its exposure while `wants_pairs` returns true, with or without readers of
-  // cameras_path. Its pixels may not be rendered yet.
+  // While `wants_pairs` returns true, receives each pair at its exposure, even if cameras_path has no
+  // readers. The pixels of the pair may not be rendered yet.
   std::function<void(const vision::StereoPair&)> on_pair;
   std::function<bool()> wants_pairs;
-  // Receives messages for the user: host connected, silent or gone, motors on or off, overruns. One line
-  // without newline.
+  // Receives messages for the user: host connected, silent or gone, motors on or off, overruns. Each message
+  // is one line without newline.
   std::function<void(const std::string&)> report;
 };
 
@@ -46,14 +48,14 @@ struct RealTimeStatistics {
 
 class RealTimeServer {
  public:
-  // Creates pty, link and sockets; the destructor removes them. Fails if a path cannot be used. `simulation`
-  // must outlive the server.
+  // Creates pty, link and sockets; the destructor removes these files. Fails if a path cannot be used.
+  // `simulation` must outlive the server.
   static Result<std::unique_ptr<RealTimeServer>> open(Simulation& simulation,
                                                       const RealTimeOptions& options);
   ~RealTimeServer();
 
-  // Serves until `stop` is set, which a signal handler may do. Fails if the simulation or the followed clock
-  // fails.
+  // Serves until `stop` is true. A signal handler may set `stop`. Fails if the simulation or the followed
+  // clock fails.
   Result<RealTimeStatistics> run(const std::atomic<bool>& stop);
 
  private:

@@ -16,7 +16,7 @@ inline Descriptor unconnected() {
   return Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
 }
 
-// Returns an empty descriptor if no process listens at `path`.
+// Connects to the socket at `path`. Returns an empty descriptor if no process listens at `path`.
 inline Descriptor connect_to(const std::string& path, Descriptor socket = unconnected()) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -11,20 +11,23 @@
 
 namespace kaz::sim {
 
-// Non-blocking. Only its user has access.
+// Non-blocking. Only the user of this process may connect to the socket.
 class UnixListener {
  public:
-  // Replaces a stale socket. Returns Fault::environment if another process serves the socket or it cannot be
-  // created. Returns Fault::usage for a path that is too long or is not a socket.
+  // Replaces a stale socket. Returns Fault::environment if another process serves the socket, or if the
+  // socket cannot be created. Returns Fault::usage if the path is too long or is not a socket.
   static Result<std::unique_ptr<UnixListener>> open(const std::string& path);
-  ~UnixListener();  // removes the path if it is still ours
+  ~UnixListener();  // removes the path unless another process has replaced the socket
 
   // Returns the next client without blocking. The descriptor is empty if no client waits or the process has
-  // no free descriptor. In the latter case the socket stays readable, so fd() is -1 for the next 100 ms.
+  // no free descriptor. Without a free descriptor, a waiting client keeps the socket readable, so fd()
+  // returns -1 for the next 100 ms.
   Descriptor accept();
-  // Returns the descriptor for poll(), which ignores -1.
+  // Returns the descriptor for poll(). During a pause after a failed accept(), returns -1, which poll()
+  // ignores.
   int fd() const { return paused() ? -1 : socket_.get(); }
-  // Returns the longest timeout of poll() that does not miss the end of such a pause, ms; -1 is unlimited.
+  // Returns a timeout for poll(), in ms. During a pause, returns the length of the pause; otherwise -1
+  // (unlimited).
   int max_wait_ms() const;
   const std::string& path() const { return path_; }
 

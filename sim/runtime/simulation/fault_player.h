@@ -1,9 +1,9 @@
-// Injects faults of sensors, power and mechanics into board and world, step by step.
+// Applies faults of sensors, power and mechanics to the board and the world, step by step.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A fault is reported in the step that contains its start. A power reset acts in this step. Other faults act
-// in each step that begins within their duration. SerialLine injects faults of the serial line, byte by
-// byte.
+// A fault is reported in the step that contains the start of the fault. A power reset takes effect in this
+// step. Other faults take effect in each step that begins within their duration. SerialLine applies faults of
+// the serial line, byte by byte.
 #pragma once
 
 #include <functional>
@@ -23,14 +23,14 @@ class FaultPlayer {
   void add(const faults::Fault& fault) { schedule_.add(fault); }
   void clear();
 
-  // Applies faults of potentiometers and power. Call it before the board runs the step that begins at
-  // `start`. Calls `begins` for each new fault.
+  // Applies faults of potentiometers and power. Call this function before the board runs the step that begins
+  // at `start`. Calls `begins` for each new fault.
   void begin_step(Time start, ServoBoard& board,
                   const std::function<void(const faults::Fault&)>& begins);
   // Applies faults of joints and motors to the drives of the step that begins at `start`.
   void apply(Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
 
-  // Complete state (archive.hpp).
+  // Saves or restores the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(schedule_, begun_, touched_, cut_);
@@ -41,7 +41,7 @@ class FaultPlayer {
   void set_power(Time start, ServoBoard& board);
 
   faults::Schedule schedule_;
-  std::vector<bool> begun_;  // whether a fault was reported, indexed as the schedule
+  std::vector<bool> begun_;  // whether each fault was reported; same indices as the schedule
   bool touched_ = false;     // the board has a fault that may have to be cleared
   bool cut_ = false;         // a fault switched the power off
 };

@@ -1,7 +1,7 @@
-// Applies actions by hand to a simulated robot and its world during a run.
+// Applies manual actions to a simulated robot and its world during a run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// An action is one line, as in the topic `/hand` of recordings (docs/reference/recording.md):
+// An action is one line of text, as in the topic `/hand` of recordings (docs/reference/recording.md):
 //
 //   `push LINK X Y Z`: impulse on a link of the robot at its center of mass, N s, world axes.
 //   `hold OBJECT X Y Z`: a hand grips an object and pulls it to a position, m, world frame.
@@ -9,8 +9,8 @@
 //   `[for TIME] FAULT ...`: a fault that begins now (shared/faults/faults.h).
 //   `clear`: ends all faults.
 //
-// An action starts with the step in which it is taken. Runs that take the same lines in the same steps are
-// equal.
+// An action takes effect in the step in which its line is taken. Two runs that take the same lines in the
+// same steps are equal.
 #pragma once
 
 #include <span>
@@ -32,24 +32,24 @@ namespace kaz::sim {
 struct HandAct {
   enum class Kind { push, hold, release, fault, clear };
   Kind kind = Kind::clear;
-  std::string name;                                  // link or object
-  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  // impulse, N s, or position, m
-  faults::Fault fault;                               // begins at the time `now` of parse_hand()
+  std::string name;                                  // name of a link or object
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  // impulse in N s, or position in m
+  faults::Fault fault;  // the fault begins at the time `now` of parse_hand()
 
-  static constexpr double kMaxImpulse = 5;  // N s, along each axis
-  static constexpr double kMaxPlace = 20;   // m, along each axis
+  static constexpr double kMaxImpulse = 5;  // maximum impulse along each axis, N s
+  static constexpr double kMaxPlace = 20;   // largest coordinate of a position, m
 };
 
-// Parses a line. Returns Fault::usage with the expected syntax. HandPlayer::begin() checks that the link or
-// object exists.
+// Parses a line. Returns Fault::usage with the expected syntax if the line is invalid. Does not check that
+// the link or object exists; HandPlayer::begin() does.
 Result<HandAct> parse_hand(std::string_view line, Time now);
 
 // Source of action lines.
 class HandSource {
  public:
   virtual ~HandSource() = default;
-  // Returns the lines that act from the step that begins at `start`. Called once in each step that is
-  // recorded or tapped.
+  // Returns the lines that take effect in the step that begins at `start` and in later steps. Called once in
+  // each step that is recorded or tapped.
   virtual std::vector<std::string> take(Time start) = 0;
   // Called for a line that had no effect.
   virtual void refused(const std::string& /*line*/, const Error& /*error*/) {}
@@ -57,19 +57,20 @@ class HandSource {
 
 class HandPlayer {
  public:
-  // Begins an action. Returns Fault::usage if the link or object is unknown or cannot move, or an object to
-  // be released is not held.
+  // Begins an action. Returns Fault::usage if the link or object is unknown or cannot move, or if an object
+  // to be released is not held.
   Result<void> begin(const HandAct& act, World& world, FaultPlayer& faults);
-  // Pulls the held objects; call it before each step of the world. An object follows its hand like a mass on
-  // a critically damped spring. The hand carries its weight and accelerates it by at most kMaxPull.
+  // Pulls the held objects; call this function before each step of the world. An object follows its hand like
+  // a mass on a critically damped spring. The hand supports the object's weight and accelerates the object by
+  // at most kMaxPull.
   void pull(World& world);
   bool holds() const { return !grips_.empty(); }
 
-  static constexpr double kStiffness = 400;  // 1/s^2: 20 rad/s
+  static constexpr double kStiffness = 400;  // 1/s^2; natural frequency 20 rad/s
   static constexpr double kDamping = 40;     // 1/s
   static constexpr double kMaxPull = 60;     // m/s^2
 
-  // Complete state (archive.hpp).
+  // Saves or restores the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(grips_);
@@ -79,7 +80,7 @@ class HandPlayer {
   struct Grip {
     std::string object;
     std::array<double, 3> to{}, last{};  // target and last position, m, world frame
-    bool moved = false;                  // `last` is the position one step ago
+    bool moved = false;                  // true: `last` is the position one step ago
     template <class A>
     void transfer(A& a) {
       a(object, to, last, moved);

@@ -13,9 +13,10 @@ namespace kaz::sim {
 struct RecordedMap {
   double cell_m = 0;
   int cells_x = 0, cells_y = 0;
-  Eigen::Vector2d corner{0, 0};       // corner of the first cell
-  std::vector<std::int8_t> cells;     // x fastest; obstacle probability, 0..100 %; -1: unknown
-  std::vector<Eigen::Vector2d> path;  // corners from start to goal; empty: no path
+  Eigen::Vector2d corner{0, 0};  // corner of the first cell
+  // Obstacle probability of each cell, 0..100 %, x fastest; -1: unknown.
+  std::vector<std::int8_t> cells;
+  std::vector<Eigen::Vector2d> path;  // vertices of the path from start to goal; empty: no path
   Eigen::Vector2d robot{0, 0};
   double heading_rad = 0;
 };

@@ -1,4 +1,4 @@
-// Records all signals between the parts to an MCAP file, with simulated time only.
+// Records all signals between the parts of the robot to an MCAP file, with simulated time only.
 // SPDX-License-Identifier: Apache-2.0
 //
 // docs/reference/recording.md describes the channels.
@@ -26,52 +26,53 @@ namespace kaz::sim {
 
 class Recorder {
  public:
-  // As McapWriter::create(). `facts` is written as the metadata record `kaz`.
+  // Like McapWriter::create(). `facts` is written as the metadata record `kaz`.
   static Result<std::unique_ptr<Recorder>> create(const std::string& path,
                                                   const McapWriter::Metadata& facts,
                                                   MessageTap* tap = nullptr);
 
   enum class Direction { to_board, to_host };
-  // Bytes whose stop bit ended in the step that began at `step_start`. `line` is the number of the board's
-  // line, from 0. Lines from 1 on have topics of their own: line 1 has /wire/2/to_board.
+  // Records bytes whose stop bit ended in the step that began at `step_start`. `line` is the number of the
+  // serial line, from 0. Lines from number 1 on have their own topics: line 1 has /wire/2/to_board.
   void wire(Direction direction, States step_start, std::span<const SerialByte> bytes,
             std::size_t line = 0);
   void pins(States at, const PinLevels& pins);
-  // A/D codes that a firmware tick used.
+  // Records the A/D codes that a tick of the firmware used.
   void analog(States at, const kz_tick_input& input);
   void joints(States at, std::span<const JointState, KZ_JOINTS> joints);
   void ball(States at, const Eigen::Vector3d& position);
-  // Supply voltage at the board (V) and current (A).
+  // Records supply voltage at the board (V) and supply current (A).
   void supply(States at, double volts, double amperes);
   void contacts(States at, std::span<const ContactPoint> points);
-  // Records only links in contact. `names` is indexed as `links`.
+  // Records only the links that are in contact. `names` has the same indices as `links`.
   void link_forces(States at, std::span<const std::string> names, std::span<const LinkForce> links);
   void joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads);
-  // Records the digests, and the pictures if they were kept.
+  // Records the digests of a pair. Also records the pictures if they were kept.
   void eyes(const Eyes::Digest& digest);
   // Sets the calibration that is recorded with each picture.
   void camera(const vision::CameraModel& model) { camera_ = model; }
-  // For viewers: the robot's URDF, and the objects of the world without the robot's own frames.
+  // Records data for viewers: the robot's URDF, and the objects of the world without the robot's own frames.
   void description(States at, std::string_view urdf);
   void scene(States at, const Scene& scene, std::span<const std::string> robot_frames);
   void transforms(States at, std::span<const ros::NamedPose> poses);
   void contact_markers(States at, std::span<const ContactPoint> points);
   void behavior(States at, std::string_view json);
   void map(States at, const RecordedMap& map);
-  // Start of a fault, as a line of a fault schedule (docs/reference/simulator.md).
+  // Records the start of a fault. `line` is a line of a fault schedule (docs/reference/simulator.md).
   void fault(States at, std::string_view line);
 
-  // Action by hand, as a line of hand_player.h. The first one adds the channel.
+  // Records a manual action. `line` is described in hand_player.h. The first call adds the channel.
   void hand(States at, std::string_view line);
 
-  // Adds the channels that otherwise exist only from their first message on, for readers of all schemas.
+  // Adds the channels that otherwise exist only from their first message on. For readers that need all
+  // schemas.
   void add_all_channels();
 
   // Records that a signal, such as "SIGINT", interrupted the run.
   void interrupted(const std::string& by);
-  // As McapWriter::finish().
+  // Like McapWriter::finish().
   Result<std::string> finish() { return file_->finish(); }
-  // As McapWriter::written().
+  // Like McapWriter::written().
   Result<void> written() const { return file_->written(); }
 
  private:
@@ -92,7 +93,7 @@ class Recorder {
   std::vector<Line> lines_;
   std::uint16_t wire_bytes_, pins_, analog_, joints_, ball_, supply_, contacts_, link_forces_,
       joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
-  // Channels that the first message adds.
+  // Channels that are added with their first message.
   std::optional<MapChannels> maps_;
   std::optional<std::uint16_t> hands_;
   std::optional<std::array<std::uint16_t, 2>> camera_infos_;

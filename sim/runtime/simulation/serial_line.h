@@ -13,8 +13,8 @@
 
 namespace kaz::sim {
 
-// The line with the host's adapter, in which bytes wait until the line is free. Times are in states (periods
-// of the board's crystal).
+// The serial line and the host's adapter. Bytes wait in the adapter until the line is free. Times are in
+// states (periods of the board's crystal).
 class SerialLine {
  public:
   explicit SerialLine(std::uint64_t seed = 1)
@@ -24,18 +24,19 @@ class SerialLine {
     fault_to_board_ = faults::LinkFaults(seed, faults::Way::to_board);
     fault_to_host_ = faults::LinkFaults(seed, faults::Way::to_host);
   }
-  // Sets the link faults for bytes written or sent from now on; null for none. `schedule` must outlive the
-  // line.
+  // Sets the faults of the line for bytes written or sent from now on; null: no faults. `schedule` must
+  // outlive the line.
   void set_faults(const faults::Schedule* schedule) { schedule_ = schedule; }
-  // Sets the host's bit time from now on. Each byte of the board carries its own bit time. If they differ,
-  // the receiver samples the waveform at its own rate.
+  // Sets the host's bit time from now on. Each byte from the board carries the board's bit time. If the bit
+  // times differ, the receiver samples the waveform at the receiver's own rate.
   void set_host_bit(States bit) { host_bit_ = bit; }
-  // Queues bytes that the host writes at `now`. The first one starts then, or after the last byte before it.
+  // Queues bytes that the host writes at `now`. The first byte starts at `now`, or after the last queued
+  // byte.
   void write(std::span<const std::uint8_t> bytes, States now);
-  // As write(), with a framing error in every byte.
+  // Like write(), but with a framing error in every byte.
   void write_garbled(std::span<const std::uint8_t> bytes, States now);
-  // Returns the number of written bytes whose stop bit has not ended by `now`. Callers model with it an
-  // adapter that blocks its writer when it is full.
+  // Returns the number of written bytes whose stop bit has not ended by `now`. Callers use the number to
+  // model an adapter that blocks its writer when the adapter is full.
   std::size_t waiting(States now) const;
   // Removes and returns the bytes that arrive at the board by `until`.
   std::vector<SerialByte> take_for_board(States until);
@@ -45,10 +46,10 @@ class SerialLine {
   // Moves bytes whose stop bit has ended by `now` into `bytes` and returns their number.
   std::size_t read(std::span<std::uint8_t> bytes, States now);
   bool readable(States now) const;
-  // Discards bytes that the host has not read. Call it when the host closes the port.
+  // Discards bytes that the host has not read. Call this function when the host closes the port.
   void drop_unread() { to_host_.clear(); }
 
-  // Complete state (archive.hpp).
+  // Saves or restores the complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(fault_to_board_, fault_to_host_, to_board_, to_host_, wire_free_, host_bit_);

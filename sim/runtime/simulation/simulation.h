@@ -1,10 +1,11 @@
 // Simulates the robot on one clock: servo board, world, stereo camera, serial line, recorder.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Time advances only in step(), by one millisecond. The board runs to the end of the step, its mean motor
-// drives move the world, and the joint angles return to the potentiometers. With shorter physics steps, board
-// and world alternate within the millisecond; physics steps may also be longer. The wall clock is never read:
-// the same options and calls give the same recording, byte for byte (docs/explanation/time.md).
+// Time advances only in step(), by one millisecond. The board runs to the end of the step. The board's mean
+// motor drives then move the world, and the joint angles return to the potentiometers. If the physics step is
+// shorter than a millisecond, board and world alternate within the millisecond. A physics step may also be
+// longer than a millisecond. The wall clock is never read: the same options and calls give the same
+// recording, byte for byte (docs/explanation/time.md).
 #pragma once
 
 #include <cstdint>
@@ -43,37 +44,41 @@ struct RecordedMap;
 
 struct SimulationOptions {
   McuKind mcu = McuKind::native;
-  std::string image_path;   // firmware for h8; empty: erased flash
-  std::string world_path;   // SDF
-  std::string robot_path;   // URDF
+  std::string image_path;   // path of the firmware image for h8; empty: the flash is erased
+  std::string world_path;   // path of an SDF file
+  std::string robot_path;   // path of a URDF file
   std::string camera_path;  // camera.json beside the URDF; not read for a robot without eyes
   std::uint64_t seed = 1;
-  std::string dynamics = "reduced";  // sim/body/world/world.h
+  std::string dynamics = "reduced";  // name of the dynamics (sim/body/world/world.h)
   double physics_step_ms = 1;        // step of the world: 0.125, 0.25, 0.5, 1, 2 or 4
-  bool suspended = false;            // WorldOptions::hung
+  // WorldOptions::hung: the root link is fixed, the feet are clear of the ground.
+  bool suspended = false;
   SensorSwitches sensors = {};
-  SensorParams sensor_params = {};  // create() reads them from sensors.xml beside the URDF
-  bool imu = false;                 // the board has gyro and accelerometer
+  // Read by create() from sensors.xml beside the URDF.
+  SensorParams sensor_params = {};
+  bool imu = false;  // the board has gyro and accelerometer
   EyeKind eyes = EyeKind::ideal;
   int eye_width = 0;  // width of 4:3 pictures, px; 0: size from the camera file
   double supply_volts = 10.0;
   double supply_ohms = 0.15;  // resistance of battery, switch and wires
   FramePolicy frames = FramePolicy::wait;
-  faults::Schedule faults;     // times since the start
-  std::string recording_path;  // no recording if empty
-  // Observes the messages of the recording, even without a file. Must outlive the simulation.
+  faults::Schedule faults;     // fault times count from the start of the simulation
+  std::string recording_path;  // empty: no recording
+  // Observes the messages of the recording, even if no file is written. Must outlive the simulation.
   RecordingTap* tap = nullptr;
-  // Source of actions by hand, used in each step that is recorded or tapped. Must outlive the simulation.
+  // Source of manual actions, used in each step that is recorded or tapped. Must outlive the simulation.
   HandSource* hands = nullptr;
-  bool record_pictures = false;          // records pictures of the eyes, not only their digests
-  McapWriter::Metadata recording_facts;  // for the recording's metadata, such as versions
+  // Records the eyes' pictures and their digests; false: only the digests.
+  bool record_pictures = false;
+  McapWriter::Metadata recording_facts;  // metadata of the recording, such as versions
   RendererFactory renderer = maker_of(kDefaultRenderer);
   Drawing drawing = Drawing::own_thread;
-  // For tests: period of detour() calls. Zero: never.
+  // For tests: time between calls of detour(). Zero: detour() is never called.
   Time detour_every{};
 };
 
-// Returns all inputs that determine the course of a simulation: options, and digests of its files.
+// Returns all inputs that determine the course of a simulation: the options, and digests of the files that
+// the options name.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world);
 
@@ -82,10 +87,11 @@ Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options);
 
 class Simulation {
  public:
-  // Loads the files and starts the recording, if there is one. Fails for missing or invalid files and an
-  // invalid physics step. Also fails if the joints exceed the servo board's channels in number or limits.
+  // Loads the files. Starts the recording if the options contain a recording path. Fails if a file is missing
+  // or invalid, or the physics step is invalid. Also fails if the number or limits of the joints exceed those
+  // of the servo board's channels.
   static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
-  // As create(), with the given microcontroller, world and camera, for tests and other boards.
+  // Like create(), but with the given microcontroller, world and camera. For tests and other boards.
   static Result<std::unique_ptr<Simulation>> assemble(const SimulationOptions& options,
                                                       std::unique_ptr<Mcu> mcu,
                                                       std::unique_ptr<World> world,
@@ -94,32 +100,33 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // Advances by one millisecond. After an error (chip stopped, physics or rendering failed, disk full), later
-  // calls return the same error.
+  // Advances by one millisecond. Errors: the chip stopped, physics or rendering failed, or the disk is full.
+  // After an error, later calls return the same error.
   Result<void> step();
   const std::optional<Error>& error() const { return error_; }
   // Returns the end of the last step, a whole number of milliseconds.
   States now() const { return now_; }
   Time time() const { return time_of(now_); }
 
-  // The host's end of the serial line.
+  // Writes bytes at the host's end of the serial line.
   void write(std::span<const std::uint8_t> bytes) { line_.write(bytes, now_); }
   std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
   SerialLine& line() { return line_; }
 
-  // The eyes are closed initially, so that a simulation without a reader renders nothing. For a robot without
-  // eyes, open_eyes() has no effect.
+  // The eyes are closed initially, so a simulation renders nothing unless a program reads the pictures. If
+  // the robot has no eyes, open_eyes() has no effect.
   bool has_eyes() const { return world_->head_frame() >= 0 && options_.eyes != EyeKind::none; }
-  static Error no_eyes();  // error for requests of pairs from a robot without eyes
+  static Error no_eyes();  // error for a request of a picture pair if the robot has no eyes
   void open_eyes();
   void close_eyes() { eyes_open_ = false; }
   const CameraFile& camera() const { return camera_; }
-  // Removes and returns the next pair that has reached the host by now, oldest first.
+  // Removes and returns the oldest pair that has reached the host by now.
   std::optional<vision::StereoPair> next_pair();
-  // As next_pair(), without latency and jitter, for publishers whose readers apply the latency.
+  // Like next_pair(), but without latency and jitter. For publishers whose readers apply the latency.
   std::optional<vision::StereoPair> next_exposed_pair();
   std::uint64_t pairs_dropped() const;
-  // Renders the world at `pose` (World::pose()) from an observer's camera. Blocks.
+  // Renders the world at `pose` (from World::pose()) with an observer's camera. Blocks until the picture is
+  // complete.
   Result<Picture> picture(const View& view, const ScenePose& pose);
 
   ServoBoard& board() { return board_; }
@@ -127,48 +134,49 @@ class Simulation {
   World& world() { return *world_; }
   const World& world() const { return *world_; }
 
-  // Adds a fault to those of the options, or clears all. Times are on the scale of time(). A fault with a
-  // past start begins in the next step.
+  // add_fault() adds a fault to the faults of the options; clear_faults() removes all faults. Fault times are
+  // on the scale of time(). A fault whose start is in the past begins in the next step.
   void add_fault(const faults::Fault& fault) { faults_.add(fault); }
   void clear_faults() { faults_.clear(); }
   const faults::Schedule& faults() const { return faults_.schedule(); }
 
-  // Records the internal state of the behavior (one JSON object) at the present time.
+  // Records the behavior's internal state (one JSON object) at the present time.
   void record_behavior(std::string_view json);
   // Records the host's map at the present time.
   void record_map(const RecordedMap& map);
-  // Starts a recording, as `recording_path` does from the start. Fails if the file cannot be written or a
-  // recording is in progress.
+  // Starts a recording now, instead of at the start of the simulation as with `recording_path`. Fails if the
+  // file cannot be written or a recording is in progress.
   Result<void> start_recording(const std::string& path);
   // Returns whether a recording is in progress and a write has failed. step() has then failed, too.
   bool recording_failed() const;
-  // Finishes the recording and returns its SHA-256, empty without a recording or without a file.
-  // `interrupted_by` is the signal that ended the run early, else empty; the recording contains it.
+  // Finishes the recording and returns the SHA-256 of its file. Returns an empty string without a recording
+  // or without a file. `interrupted_by` is the signal that ended the run early, and is written to the
+  // recording. Empty: no signal ended the run.
   Result<std::string> finish_recording(const std::string& interrupted_by = "");
 
   // Returns the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
-  // generators and time. The recording is not part of it and continues. Waits for pictures being rendered.
-  // Fails if the simulation has failed or a part cannot be saved (test doubles).
+  // generators and time. The recording is not part of the state and continues. Waits for pictures being
+  // rendered. Fails if the simulation has failed, or if a part cannot be saved (test doubles).
   Result<std::vector<std::uint8_t>> save();
-  // Continues exactly like the saved simulation. This one must have the same options and build. The bytes may
-  // be damaged or hostile: indices, lengths and ranges are checked. Returns Fault::usage, as
-  // Snapshot::unpack() or for invalid bytes, and leaves the simulation unchanged.
+  // Continues exactly like the saved simulation, which must have had the same options and the same build.
+  // `blob` may be damaged or hostile: indices, lengths and ranges are checked. For invalid bytes, returns
+  // Fault::usage or the error of Snapshot::unpack() and leaves this simulation unchanged.
   Result<void> restore(std::span<const std::uint8_t> blob);
-  // State from which many episodes of one process begin.
+  // State from which many episodes of one process can begin.
   struct Start {
     std::unique_ptr<const World> world;
     std::unique_ptr<const Mcu::Kept> chip;
     std::vector<std::uint8_t> rest;
   };
-  // As save(). Also fails if the world cannot be cloned.
+  // Like save(), but for begin() in the same process. Also fails if the world cannot be cloned.
   Result<Start> keep();
-  // Continues from `start`, but with the random numbers and constant sensor errors of `seed`. This simulation
-  // must have the same options except seed and sensors. Takes microseconds, while restore() takes
-  // milliseconds. Several simulations may begin from one start concurrently. Fails if a recording is in
-  // progress or the start does not fit.
+  // Continues from `start`, but with the random numbers and constant sensor errors of `seed`. The simulation
+  // of `start` must have the same options except seed and sensors. begin() takes microseconds; restore()
+  // takes milliseconds. Several simulations may begin from the same start concurrently. Fails if a recording
+  // is in progress or `start` does not fit this simulation.
   Result<void> begin(const Start& start, std::uint64_t seed);
-  // Saves, runs `steps` steps without recording, and restores. Must have no visible effect, which tests that
-  // save() is complete.
+  // Saves the state, runs `steps` steps without recording, and restores the state. A detour must have no
+  // visible effect. It therefore tests whether save() is complete.
   Result<void> detour(int steps);
 
  private:
@@ -191,13 +199,14 @@ class Simulation {
   Result<void> describe_robot();
 
   SimulationOptions options_;
-  std::vector<std::string> robot_frames_;  // frames to record; empty: no transforms are recorded
+  // Names of the frames to record; empty: no transforms are recorded.
+  std::vector<std::string> robot_frames_;
   CameraFile camera_;
   std::unique_ptr<World> world_;
   StepRatio ratio_;
   ServoBoard board_;
-  std::vector<std::size_t> channels_;  // channel of the servo board, by joint of the world
-  std::vector<MotorDrive> drives_;     // by joint of the world
+  std::vector<std::size_t> channels_;  // servo board channel of each joint of the world
+  std::vector<MotorDrive> drives_;     // drive of each joint of the world
   FaultPlayer faults_;
   HandPlayer hands_;
   SerialLine line_;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Layout: "KAZSTATE", version (4 bytes), facts (options as pairs of name and value), length of the payload,
-// payload (state of all parts). At the end is the SHA-256 of all bytes before it, in hexadecimal.
+// payload (state of all parts). The file ends with the SHA-256 of all earlier bytes, in hexadecimal.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,9 @@ class Snapshot {
   static constexpr std::uint32_t version = 2;
 
   static std::vector<std::uint8_t> pack(const Facts& facts, std::span<const std::uint8_t> state);
-  // Returns the payload, a view into `blob`. Returns Fault::usage if `blob` is not a saved state, is damaged,
-  // has another version, or its options differ from `facts`. The message is one sentence that names the
-  // option.
+  // Returns the payload as a view into `blob`. Returns Fault::usage if `blob` is not a saved state, is
+  // damaged or has another version, or if the options in `blob` differ from `facts`. The error message is one
+  // sentence. If an option differs, the message names the option.
   static Result<std::span<const std::uint8_t>> unpack(std::span<const std::uint8_t> blob,
                                                       const Facts& facts);
 };

@@ -6,13 +6,14 @@
 
 namespace kaz::sim {
 
-// Physics steps per tick of 1 ms, and ticks per physics step. At least one of them is 1.
+// Numbers of physics steps per tick of 1 ms, and of ticks per physics step. At least one of these numbers is
+// 1.
 struct StepRatio {
   int steps_a_tick = 1;
   int ticks_a_step = 1;
 };
 
-// Returns Fault::usage for a step other than 0.125, 0.25, 0.5, 1, 2 or 4 ms.
+// Computes the ratio. Returns Fault::usage if `step_ms` is not 0.125, 0.25, 0.5, 1, 2 or 4.
 Result<StepRatio> step_ratio(double step_ms);
 
 }  // namespace kaz::sim

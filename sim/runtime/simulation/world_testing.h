@@ -1,4 +1,4 @@
-// For tests: a simulation with a world without physics and a renderer that draws nothing.
+// For tests: a simulation whose world has no physics and whose renderer draws nothing.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,8 @@
 
 namespace kaz::sim {
 
-// World whose joints turn at 5 rad/s times their duty. The head frame follows neck_pan.
+// World without physics. Joints turn at 5 rad/s times the duty of their motors. The head frame follows
+// neck_pan.
 class TestWorld final : public World {
  public:
   explicit TestWorld(double step_s = 0.001) : step_s_(step_s) {

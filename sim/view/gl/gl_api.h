@@ -1,4 +1,4 @@
-// OpenGL functions, looked up at run time so that the program is not linked to one OpenGL library.
+// OpenGL functions. They are looked up at run time, so the program is not linked to a certain OpenGL library.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -68,8 +68,8 @@ struct Gl {
   KAZ_GL_FUNCTIONS(KAZ_GL_MEMBER)
 #undef KAZ_GL_MEMBER
 
-  // Looks up all functions. The context must be current. Returns Fault::environment with the name of a
-  // missing function.
+  // Looks up all functions. The context must be current. If a function is missing, returns Fault::environment
+  // with the name of the function.
   static Result<Gl> load(GlContext& context);
 };
 

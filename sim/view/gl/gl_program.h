@@ -17,7 +17,7 @@ class GlProgram {
                                  const std::string& fragment);
 
   void use() const { gl_->UseProgram(id_); }
-  // Sets a uniform; call use() first. Unknown names are ignored.
+  // Sets a uniform; call use() first. Ignores names that the program does not have.
   void set(const char* name, const Eigen::Matrix4d& value) const;
   void set(const char* name, const Eigen::Vector3d& value) const;
   void set(const char* name, double value) const;

@@ -1,4 +1,4 @@
-// Renderer for any OpenGL context.
+// Renderer that works with any OpenGL context.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,10 +12,10 @@ namespace kaz::sim {
 
 using ContextMaker = std::function<Result<std::unique_ptr<GlContext>>()>;
 
-// Sets the environment variables that influence Mesa's pictures, for this process.
+// Sets those environment variables of this process that influence Mesa's pictures.
 void fix_mesa_environment();
 
-// Makes a renderer that makes its context in the first call of render().
+// Makes a renderer. The renderer makes its context in the first call of render().
 std::unique_ptr<Renderer> make_gl_renderer(ContextMaker make_context);
 
 }  // namespace kaz::sim

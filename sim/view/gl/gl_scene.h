@@ -12,13 +12,14 @@
 
 namespace kaz::sim {
 
-// The context must be current in every call. Its OpenGL objects are freed with the context.
+// The context must be current in every call. The OpenGL objects of a GlScene are freed with the context.
 class GlScene {
  public:
-  // `gl` and `model` must outlive this.
+  // `gl` and `model` must outlive the GlScene.
   static Result<GlScene> create(const Gl& gl, const SceneModel& model);
 
-  // Draws into `framebuffer`, which must have the size of the picture times `samples_per_axis`.
+  // Draws into `framebuffer`. The width and height of the framebuffer must be those of the picture times
+  // `samples_per_axis`.
   void draw(const ScenePose& pose, const View& view, GLuint framebuffer);
 
  private:
@@ -33,7 +34,8 @@ class GlScene {
     int texels = 0;
     GLuint framebuffer = 0, texture = 0;
     ShadowView view{};
-    std::vector<Eigen::Isometry3d> pose;  // pose at the last drawing; empty: never drawn
+    // Poses of the frames in the current map; empty: the map was never drawn.
+    std::vector<Eigen::Isometry3d> pose;
     Eigen::Vector3d to_key = Eigen::Vector3d::Zero();
   };
 
@@ -64,9 +66,9 @@ class GlScene {
   GLuint vertex_array_ = 0, empty_vertex_array_ = 0;
   std::vector<GLuint> textures_;
 
-  std::array<Surface, 6> surfaces_;  // plain and textured, for each kind of shadow
+  std::array<Surface, 6> surfaces_;  // plain and textured surfaces, for each kind of shadow
   GlProgram depth_, background_;
-  std::vector<ShadowMap> shadow_maps_;  // one for the eyes, one for supersampled pictures
+  std::vector<ShadowMap> shadow_maps_;  // a map for the eyes, and a map for supersampled pictures
 };
 
 }  // namespace kaz::sim

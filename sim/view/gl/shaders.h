@@ -7,9 +7,9 @@
 namespace kaz::sim {
 
 enum class Shadow {
-  none,  // for parts that no shadow reaches; there it gives the colors of `hard`
-  hard,  // one tap, for the eyes
-  soft,  // twelve taps, for supersampled pictures
+  none,  // for parts of the picture without shadows; gives the same colors as `hard` there
+  hard,  // one sample of the shadow map, for the eyes
+  soft,  // twelve samples of the shadow map, for supersampled pictures
 };
 struct SurfaceVariant {
   bool textured = false;
@@ -18,10 +18,10 @@ struct SurfaceVariant {
 
 std::string surface_vertex_shader(const SurfaceVariant& variant);
 std::string surface_fragment_shader(const SurfaceVariant& variant);
-// Only positions, for the shadow map.
+// Computes only positions, for the shadow map.
 std::string depth_vertex_shader();
 std::string depth_fragment_shader();
-// One triangle over the whole picture, at maximum depth.
+// Computes one triangle over the whole picture, at maximum depth.
 std::string background_vertex_shader();
 std::string background_fragment_shader();
 

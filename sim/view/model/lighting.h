@@ -1,20 +1,21 @@
 // Constants of the lighting model, shared by all renderers.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Transfer function: a color code c, 0..1, stands for the light c^2, which is close to sRGB and cheap.
-// Lights are summed linearly. The key light from the upper right front casts shadows and makes a small
-// specular highlight. Ambient light is hemispheric; a weak fill light comes from the left. Distant surfaces
-// fade to the color of the horizon.
+// Transfer function: a color code c, 0..1, stands for the light c^2. This function is close to sRGB and fast
+// to compute. Contributions of light are added linearly. The key light comes from the upper right front,
+// casts shadows and makes a small specular highlight. Ambient light is hemispheric; a weak fill light comes
+// from the left. Distant surfaces fade to the color of the horizon.
 //
-// A surface has color c and unit normal n. It is seen from the unit direction v at distance d. The key light
-// has direction l and visible share s. Its gain is a, that of ambient light is b (View::light).
+// A surface with color c and unit normal n is seen from the unit direction v at distance d. The key light
+// comes from direction l, and its visible share is s. The gain of the key light is a, and the gain of the
+// ambient light is b (View::light).
 //   ambient   = mix(ground, sky, (1 + n.z) / 2) + fill max(n . to_fill, 0)
 //   key       = max(n . l, 0) s a
 //   light     = c^2 (b ambient + key_light key) + highlight max(n . (v + l) / |v + l|, 0)^32 key
 //   haze      = d^2 / (d^2 + haze_m2)
 //   code      = sqrt(mix(light, horizon, haze))
-// Textured surfaces have no highlight. For them c^2 includes the light of the pattern, and n is constant in a
-// triangle. The background in the unit direction r, with u = clamp(r.z, 0, 1):
+// Textured surfaces have no highlight. For textured surfaces, c^2 includes the light of the texture, and n is
+// constant in a triangle. The background in the unit direction r, with u = clamp(r.z, 0, 1):
 //   code      = sqrt(mix(horizon, zenith, u (2 - u)))
 #pragma once
 
@@ -34,7 +35,7 @@ inline constexpr float fill = 0.10F;
 inline constexpr float highlight = 0.16F;
 inline constexpr float haze_m2 = 28.0F;
 
-// Soft shadows: offsets in units of `soft_texels` texels of the shadow map.
+// Offsets of the samples for soft shadows, in units of `soft_texels` texels of the shadow map.
 inline constexpr std::array<std::array<float, 2>, 12> taps{{{-0.33F, -0.84F},
                                                             {0.52F, -0.77F},
                                                             {-0.84F, -0.27F},
@@ -49,7 +50,8 @@ inline constexpr std::array<std::array<float, 2>, 12> taps{{{-0.33F, -0.84F},
                                                             {0.42F, 0.86F}}};
 inline constexpr float soft_texels = 3.0F;
 
-// Sides of the shadow maps in texels, with the free ring. The budget of 4 ms per pair limits the eyes' map.
+// Sides of the shadow maps in texels, including the ring of free texels. The eyes' map is smaller to keep the
+// rendering of a pair within the budget of 4 ms.
 inline constexpr int eye_shadow_texels = 512, picture_shadow_texels = 2048;
 
 }  // namespace kaz::sim::lighting

@@ -11,23 +11,23 @@
 
 namespace kaz::sim {
 
-// Returns the projection to OpenGL's clip space with y downwards, so that the first row in memory is the top
-// row. Column-major.
+// Returns the projection to OpenGL's clip space with the y axis downwards. The first row in memory is thus
+// the top row of the picture. The matrix is column-major.
 Eigen::Matrix4d clip_from_optical(const Pinhole& camera);
 
-// Returns false if the sphere (optical frame, m) is outside the view frustum. The far plane is not tested.
+// Returns false if the sphere (optical frame, m) is outside the view frustum. The far plane is ignored.
 bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double radius);
 
 inline constexpr double kNear_m = 0.008, kFar_m = 40.0;
 
-// Orthographic view from the key light onto the shadow casters.
+// Orthographic view of the shadow casters from the key light.
 struct ShadowView {
   Eigen::Matrix4d clip_from_world;
-  Eigen::Matrix4d texture_from_world;  // 0..1 in all three coordinates
+  Eigen::Matrix4d texture_from_world;  // maps to 0..1 in all three coordinates
 };
-// Fits the view to the casters. `texels` is the side of the map, whose outermost ring stays free. `to_key` is
-// the direction to the key light. The bounds move in whole texels, so that shadow edges do not crawl while
-// other objects move. Casters more than 1.5 m from the mean may cast no shadow.
+// Fits the view to the casters. `texels` is the side of the shadow map; the outermost ring of texels stays
+// free. `to_key` is the direction to the key light. The bounds move in whole texels, so that shadow edges do
+// not crawl if other objects move. Casters more than 1.5 m from the mean position may cast no shadow.
 ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
                            const Eigen::Vector3d& to_key);
 

@@ -1,4 +1,4 @@
-// Supersampling: averages samples to pixels.
+// Supersampling: averages several samples for each pixel.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,8 @@
 namespace kaz::sim {
 
 // Converts `rgba`, width x height samples, to (width / n) x (height / n) RGB pixels. A pixel is the rounded
-// sqrt(mean of code^2) of its n x n samples, which is their mean light (lighting.h).
+// value of sqrt(mean of code^2) over its n x n samples. The pixel thus shows the mean light of the samples
+// (lighting.h).
 void pack_rgb(std::span<const std::uint8_t> rgba, int width, int height, int n,
               std::vector<std::uint8_t>& rgb);
 

@@ -1,4 +1,4 @@
-// A scene prepared for rendering: one vertex buffer, and pieces that are drawn with one call each.
+// A scene prepared for rendering: one vertex buffer, and pieces. Each piece is drawn with one call.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ namespace kaz::sim {
 
 struct ColoredVertex {
   Vertex vertex;                      // in the frame of its piece
-  std::array<std::uint8_t, 4> color;  // RGB codes, alpha unused
+  std::array<std::uint8_t, 4> color;  // RGB codes; alpha is unused
 };
 
 struct BoundingSphere {
@@ -25,20 +25,24 @@ struct BoundingSphere {
   double radius = 0;
 };
 
-// Visuals that share frame and texture, a few hundred triangles. Larger pieces are slower in llvmpipe.
+// Visuals with the same frame and texture. A piece has a few hundred triangles, because larger pieces are
+// slower in llvmpipe.
 struct Piece {
   int frame = 0;
   int texture = -1;     // index into SceneModel::textures; -1: none
-  bool ground = false;  // planes, which are drawn last and cast no shadow
-  // Ranges of SceneModel::indices. Coarse meshes serve pieces that are small in the picture. Their first
-  // `caster_count` indices, those of large visuals, are also drawn into the shadow map.
+  bool ground = false;  // true for planes; planes are drawn last and cast no shadow
+  // Ranges of SceneModel::indices. Coarse meshes are used if the piece is small in the picture. The first
+  // `caster_count` indices of the coarse range belong to large visuals, which are also drawn into the shadow
+  // map.
   std::uint32_t fine_first = 0, fine_count = 0;
   std::uint32_t coarse_first = 0, coarse_count = 0, caster_count = 0;
   // Bounding sphere, in the frame of the piece.
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double radius = 0;
-  std::vector<BoundingSphere> casters;  // around each visual that casts a shadow, in the frame
-  // True if the piece is a ground in one plane. Normal and distance from the origin are in the frame.
+  // Sphere around each visual that casts a shadow, in the frame of the piece.
+  std::vector<BoundingSphere> casters;
+  // True if the piece is a ground in one plane. `normal` and `distance` (from the origin) are in the frame of
+  // the piece.
   bool flat = false;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double distance = 0;
@@ -52,7 +56,7 @@ struct SceneModel {
   std::size_t frames = 0;
 };
 
-// Returns Fault::usage, with the visual's name, for an invalid shape, mesh file, texture or frame.
+// Returns Fault::usage with the name of the visual if a shape, mesh file, texture or frame is invalid.
 Result<SceneModel> build_scene_model(const Scene& scene);
 
 }  // namespace kaz::sim

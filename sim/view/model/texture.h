@@ -1,4 +1,4 @@
-// Procedural textures with their mip levels, with the same bytes on every machine.
+// Procedural textures with mip levels. The bytes are the same on every machine.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,10 +11,11 @@
 
 namespace kaz::sim {
 
-// Square RGBA pictures, each half as wide as the previous one, the last 1 x 1. They are periodic in both
-// directions and multiply the base color of a visual; white leaves it unchanged.
+// Square RGBA pictures. Each level is half as wide as the previous level; the last level is 1 x 1. The
+// pictures are periodic in both directions. Their colors multiply the base color of a visual; white leaves
+// the base color unchanged.
 struct Texture {
-  int size = 0;         // px of level 0, a power of two
+  int size = 0;         // width of level 0 in px, a power of two
   double repeat_m = 1;  // length of one period on the surface
   std::vector<std::vector<std::uint8_t>> levels;
 };

@@ -10,21 +10,23 @@
 
 namespace kaz::sim {
 
-// Largest side of a picture, in samples.
+// Maximum width and height of a picture, in samples.
 inline constexpr int kLargestSide = 8192;
 
-// Returns Fault::usage with the reason if the view, or the pose of a scene of `frames` frames, cannot be
-// drawn.
+// Checks a view, and a pose of a scene with `frames` frames. Returns Fault::usage with the reason if the view
+// or the pose cannot be drawn.
 Result<void> check_view(std::size_t frames, const ScenePose& pose, const View& view);
 
 struct VisiblePiece {
   const Piece* piece;
-  double distance;  // from the eye to the bounding sphere, m; negative inside it
-  bool fine;        // the piece is large enough in the picture for its fine mesh
+  // Distance from the eye to the bounding sphere, m; negative if the eye is inside the sphere.
+  double distance;
+  bool fine;  // true if the piece is so large in the picture that its fine mesh is drawn
 };
 
-// Returns the pieces whose bounding spheres reach into the view: plain pieces, then textured ones, then
-// grounds, each from near to far. Hidden surfaces then mostly follow the surfaces that hide them.
+// Returns the pieces whose bounding spheres reach into the view: first plain pieces, then textured pieces,
+// then grounds. Each group is ordered from near to far. Most hidden surfaces are thus drawn after the
+// surfaces that hide them.
 std::vector<VisiblePiece> visible_pieces(const SceneModel& model, const ScenePose& pose,
                                          const View& view);
 

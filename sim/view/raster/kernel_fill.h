@@ -10,7 +10,7 @@
 KAZ_RASTER_BEGIN
 namespace kaz::sim::raster::KAZ_RASTER_SET {
 
-// A triangle in fixed point, clockwise in the picture (y down).
+// A triangle in fixed-point coordinates, clockwise in the picture (y down).
 struct Outline {
   std::int32_t x[3], y[3];
 };
@@ -20,8 +20,8 @@ static inline std::int32_t first_centre(std::int32_t at) {  // ceil(at / kSubpix
 }
 static_assert(kSubpixel == 1 << 8);
 
-// Computes the column of the first sample center at or right of an edge, row by row, in exact integers.
-// Formula: ceil(x / kSubpixel) with x = x0 + dx (kSubpixel row - y0) / dy.
+// Computes, row by row, the column of the first sample center at or right of an edge. The calculation uses
+// exact integers. Formula: ceil(x / kSubpixel) with x = x0 + dx (kSubpixel row - y0) / dy.
 class Edge {
  public:
   Edge(const Outline& t, int from, int to, std::int64_t row) {
@@ -53,7 +53,8 @@ class Edge {
   std::int64_t column_, rest_, step_, rest_step_, divisor_;
 };
 
-// Calls span(row, first, end) for each row with covered centers inside left..right - 1, top..bottom - 1.
+// Calls span(row, first, end) for each row that contains covered sample centers. Only centers in columns
+// left..right - 1 and rows top..bottom - 1 count.
 template <class Span>
 static inline void scan(const Outline& t, int left, int top, int right, int bottom,
                         const Span& span) {
@@ -89,7 +90,7 @@ static inline std::int64_t twice_area(const Outline& t) {
 
 // Computes slopes of functions over a triangle with values f at its corners:
 //   by_x = ((f1 - f0) dy2 - (f2 - f0) dy1) / (2 area), by_y = ((f2 - f0) dx1 - (f1 - f0) dx2) / (2 area).
-// Triangles thinner than 1/256 sample get the constant mean, because their slopes are unbounded.
+// Triangles thinner than 1/256 sample get the constant mean instead, because their slopes are unbounded.
 struct Gradients {
   double dx1, dy1, dx2, dy2;
   bool flat;
@@ -120,7 +121,8 @@ static inline Outline outline_of(const Vertices& v, std::uint32_t a, std::uint32
   return {{v.px[a], v.px[b], v.px[c]}, {v.py[a], v.py[b], v.py[c]}};
 }
 
-// Tests the depth of samples first .. end - 1 of a row, and stores the primitive's number where it wins.
+// Tests the depth of samples first .. end - 1 of a row. Stores `number`, the primitive's number, at the
+// samples where the primitive is nearest.
 KAZ_LANES_INLINE void fill_span(Target& target, const Primitive& p, std::uint32_t number, int row,
                                 int first, int end) {
   const std::size_t begin =
@@ -148,10 +150,11 @@ struct FillJob {
   std::uint32_t surface;
 };
 
-// Fills a triangle in front of the eye. Vertices a, b, c are counter-clockwise seen from outside the body.
+// Fills a triangle in front of the eye. Vertices a, b, c are counter-clockwise as seen from outside the body.
 static inline void fill_triangle(const FillJob& job, std::uint32_t a, std::uint32_t b,
                                  std::uint32_t c, std::uint32_t provoking) {
-  // With y downwards, a triangle that faces the eye has a negative area, so b and c are swapped.
+  // With the y axis downwards, a triangle that faces the eye has a negative area. Therefore b and c are
+  // swapped.
   const Outline t = outline_of(job.v, a, c, b);
   if (twice_area(t) <= 0) return;
   Primitive p{};
@@ -173,7 +176,8 @@ static inline void fill_triangle(const FillJob& job, std::uint32_t a, std::uint3
   if (covers) job.primitives.push_back(p);
 }
 
-// Corner of a polygon during clipping: position (optical frame, m) and weights of the triangle's vertices.
+// Corner of a polygon during clipping: position (optical frame, m), and weights of the triangle's three
+// vertices.
 struct ClipCorner {
   std::array<double, 3> at;
   std::array<double, 3> weight;
@@ -183,7 +187,7 @@ struct ClipPolygon {
   int count = 0;
 };
 
-// Returns the part with plane . (x, y, z, 1) >= 0 (Sutherland & Hodgman).
+// Returns the part of the polygon where plane . (x, y, z, 1) >= 0 (Sutherland & Hodgman).
 static inline ClipPolygon clipped(const ClipPolygon& from, const std::array<double, 4>& plane) {
   ClipPolygon to;
   const auto height = [&](const ClipCorner& c) {
@@ -244,7 +248,7 @@ static inline std::uint32_t append_vertex(Vertices& v, const ClipCorner& corner,
   return number;
 }
 
-// Clips and fills a triangle that reaches behind the eye, beyond the far plane, or far outside the picture.
+// Clips and fills a triangle with a part behind the eye, beyond the far plane, or far outside the picture.
 static inline void fill_clipped(const FillJob& job, const Projection& p,
                                 const std::array<std::uint32_t, 3>& of) {
   ClipPolygon polygon;
@@ -261,7 +265,7 @@ static inline void fill_clipped(const FillJob& job, const Projection& p,
       corner.weight[r] = r == i ? 1 : 0;
     }
   }
-  // A guard band of half the range on each side: -g <= f x + c z <= g z, g in samples.
+  // A guard band of half of kRange on each side: -g <= f x + c z <= g z, with g in samples.
   const double g = 0.5 * kRange, fx = static_cast<double>(p.focal_x),
                fy = static_cast<double>(p.focal_y);
   const double cx = static_cast<double>(p.centre_x), cy = static_cast<double>(p.centre_y);
@@ -316,7 +320,8 @@ KAZ_LANES_INLINE void fill_shadow_span(ShadowTexels& map, float x0, float base, 
 static inline void fill_shadow(const Vertices& v, const Batch& batch, ShadowTexels& map) {
   for (std::uint32_t i = 0; i < batch.count; i += 3) {
     const std::uint32_t a = batch.indices[i], b = batch.indices[i + 1], c = batch.indices[i + 2];
-    // Map rows count upwards as seen from the lamp. A triangle that faces away has a negative area.
+    // The rows of the shadow map count upwards as seen from the lamp. A triangle that faces away from the
+    // lamp has a negative area.
     const Outline t = outline_of(v, a, c, b);
     if (twice_area(t) <= 0) continue;
     const float x0 = static_cast<float>(t.x[0]) * (1.0F / kSubpixel);

@@ -11,7 +11,8 @@
 KAZ_RASTER_BEGIN
 namespace kaz::sim::raster::KAZ_RASTER_SET {
 
-// Computes the slopes of interpolated values, and the light of textured primitives.
+// Computes the slopes of a primitive's interpolated values. For a textured primitive, also computes its
+// light.
 static inline void prepare(const Vertices& v, const Shading& s, Primitive& p) {
   p.prepared = true;
   const Gradients g(outline_of(v, p.a, p.b, p.c));
@@ -25,7 +26,7 @@ static inline void prepare(const Vertices& v, const Shading& s, Primitive& p) {
     p.shaded = tint;
     return;
   }
-  // Whole repeats are added to make coordinates positive, so that truncation equals floor().
+  // Adds whole repeats of the texture to make coordinates positive. Truncation then equals floor().
   const auto coordinate = [&](const std::vector<float>& f) {
     const float from = 1.0F - std::floor(std::min({f[p.a], f[p.b], f[p.c]}));
     return g.slope((f[p.a] + from) * wa, (f[p.b] + from) * wb, (f[p.c] + from) * wc);
@@ -50,7 +51,7 @@ struct Vector3 {
   Floats x, y, z;
 };
 
-// Linear functions of the column x in a row: at + by x.
+// Three linear functions of the column x in a row: at + by x.
 struct Along {
   float at[3], by[3];
 };
@@ -67,20 +68,20 @@ struct Row {
   const Shading& s;
   float y;
   int number;
-  const float* w;  // 1 / z of the samples
+  const float* w;  // 1 / z of each sample
   Along ray, shadow;
-  float b2;  // 1 + (by y + b0)^2
+  float b2;  // the term 1 + (by y + b0)^2 of the squared ray length
 };
 
 KAZ_LANES_INLINE Floats square(Floats x) {
   return x * x;
 }
-// Returns the squared length of the rays.
+// Returns the squared length of the rays to the samples.
 KAZ_LANES_INLINE Floats ray_square(const Row& row, Floats x) {
   return square(row.s.ax * x + row.s.a0) + row.b2;
 }
 
-// Converts linear light of one channel to codes 0..255.
+// Converts linear light of one color channel to codes 0..255.
 KAZ_LANES_INLINE Ints code_of(Floats light) {
   const Floats code = root(light) * 255.0F + 0.5F;
   return to_int(smaller(code, splat(255.0F)));
@@ -94,8 +95,9 @@ KAZ_LANES_INLINE Ints hazy(Floats r, Floats g, Floats b, Floats haze) {
                 code_of(b + (h[2] - b) * haze));
 }
 
-// Returns the share of the key light at shadow coordinates in texels and depth codes. It interpolates
-// linearly between comparisons at the four nearest texels, as OpenGL's LINEAR with COMPARE_REF_TO_TEXTURE.
+// Returns the visible share of the key light at shadow map coordinates in texels and depth codes. Compares
+// the depth at the four nearest texels and interpolates linearly between the results, like OpenGL's LINEAR
+// with COMPARE_REF_TO_TEXTURE.
 KAZ_LANES_INLINE Floats lit_at(const ShadowTexels& map, Floats sx, Floats sy, Floats depth) {
   const float limit = static_cast<float>(map.side) - 1.5F;
   const Floats fx = larger(smaller(sx - 0.5F, splat(limit)), splat(0.0F));
@@ -145,7 +147,7 @@ static inline void shade_background(const Row& row, int first, int end, std::uin
   }
 }
 
-// Stores normals and tints of a run of samples of one primitive for shade_plain().
+// Stores the normals and tints for a run of samples of one primitive. shade_plain() uses the stored values.
 static inline void spread(const Primitive& p, const Row& row, int first, int end,
                           RowScratch& scratch) {
   float at[3];
@@ -180,7 +182,7 @@ static inline void shade_plain(const Row& row, int first, int end, const RowScra
     const Floats z = 1.0F / load(row.w + at);
     const Floats square_ray = ray_square(row, x), zero = splat(0.0F);
     const Floats distance2 = square_ray * square(z);
-    // `view` points to the eye, opposite to the ray.
+    // `view` is the direction to the eye, opposite to the ray.
     const Floats back = -1.0F / root(square_ray);
     const Vector3 view{(row.ray.at[0] + row.ray.by[0] * x) * back,
                        (row.ray.at[1] + row.ray.by[1] * x) * back,
@@ -204,14 +206,14 @@ static inline void shade_plain(const Row& row, int first, int end, const RowScra
   }
 }
 
-// Three channels, 0..255.
+// Texture value: three color channels, 0..255.
 struct Pattern {
   Floats r, g, b;
 };
 KAZ_LANES_INLINE Pattern mix(const Pattern& a, const Pattern& b, Floats share) {
   return {a.r + (b.r - a.r) * share, a.g + (b.g - a.g) * share, a.b + (b.b - a.b) * share};
 }
-// The four texels around a point, and its position between them.
+// The four texels around a point, and the position of the point between these texels.
 struct Footprint {
   Ints index;
   Floats across, down;
@@ -232,8 +234,8 @@ KAZ_LANES_INLINE Pattern interpolated(const TextureLevels& t, const Footprint& f
           interpolated(words.third, f)};
 }
 
-// Returns the footprint at (u, v), in repeats, which must be positive. `side_bits`, `mask` and `offset`
-// describe the mip level, either one for all lanes or one per lane.
+// Returns the footprint at (u, v). u and v are in repeats of the texture and must be positive. `side_bits`,
+// `mask` and `offset` describe the mip level: one level for all lanes, or one level per lane.
 template <class Level>
 KAZ_LANES_INLINE Footprint footprint(Floats u, Floats v, Floats side, Level side_bits, Level mask,
                                      Level offset) {
@@ -254,15 +256,17 @@ KAZ_LANES_INLINE Pattern texel_at(const TextureLevels& t, Floats u, Floats v, In
   return interpolated(t, footprint(u, v, to_float(mask + 1), side_bits, mask, offset));
 }
 
-// Texture coordinates of a primitive in a row, and their differences in blocks of 2 x 2 samples.
+// Texture coordinates of a primitive in a row, and the differences of these coordinates in blocks of 2 x 2
+// samples.
 struct TextureRow {
-  Along plane;  // u w, v w, w at column x: at + by (x - x0)
+  Along plane;  // u w, v w and w at column x: at + by (x - x0)
   float x0;
   // Between neighboring columns, u changes by (by_u w - by_w u w) / (w w'). The numerator is the same for the
-  // whole row; likewise between rows. These are the numerators at the block's upper row.
+  // whole row. Between neighboring rows, the formula is analogous. The next two lines contain the numerators
+  // at the upper row of the block.
   float across_u, across_v;
-  Slope down_u, down_v;    // at + by_x (x - x0)
-  float w_upper, w_lower;  // w of both rows of the block at x0
+  Slope down_u, down_v;    // numerators between rows: at + by_x (x - x0)
+  float w_upper, w_lower;  // w of the upper and lower row of the block, at x0
   float by_w;
 };
 
@@ -292,8 +296,8 @@ KAZ_LANES_INLINE TextureRow texture_row(const Primitive& p, const Row& row) {
   return t;
 }
 
-// Returns the squared distance on the texture between neighbors in the block of 2 x 2, in texels of level 0.
-// It is the longer one of both directions.
+// Returns the squared distance on the texture between neighboring samples in the block of 2 x 2, in texels of
+// level 0. Returns the longer of the distances in both directions.
 KAZ_LANES_INLINE Floats texels_a_sample(const TextureRow& t, int at, float side) {
   const Floats dx = to_float((lane_numbers() + at) & ~1) - t.x0;
   const Floats w00 = t.w_upper + t.by_w * dx, w10 = t.w_upper + t.by_w * (dx + 1.0F);
@@ -308,20 +312,20 @@ KAZ_LANES_INLINE Ints exponent(Floats x) {
   return ((bits(x) >> 23) & 255) - 127;
 }
 
-// Returns round(log2(root(texels2))), limited to 0..last. It is half the exponent of 2 texels2.
+// Returns round(log2(root(texels2))), limited to 0..last. The result is half the exponent of 2 texels2.
 KAZ_LANES_INLINE Ints nearest_level(Floats texels2, int last) {
   const Ints level = exponent(texels2 * 2.0F) >> 1;
   return larger_int(smaller_int(level, splat_int(last)), splat_int(0));
 }
 
-// Samples the texture at the nearest level, or linearly between two levels if `soft`. These are OpenGL's
-// LINEAR_MIPMAP_NEAREST and LINEAR_MIPMAP_LINEAR as computed by llvmpipe. The latter mixes two levels only in
-// the middle half of the interval between them.
+// Samples the texture at the nearest level. If `soft`, interpolates linearly between two levels. These
+// methods are OpenGL's LINEAR_MIPMAP_NEAREST and LINEAR_MIPMAP_LINEAR as llvmpipe computes them.
+// LINEAR_MIPMAP_LINEAR mixes two levels only in the middle half of the interval between these levels.
 KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Floats texels2,
                                  bool soft) {
   if (!soft) return texel_at(t, u, v, nearest_level(texels2, t.last));
   const Ints last = splat_int(t.last), zero = splat_int(0);
-  // log2 of the root, interpolated linearly between powers of two.
+  // log2 of the root, with linear interpolation between powers of two.
   const Floats mantissa = (Floats)((bits(texels2) & 0x007FFFFF) | 0x3F800000);
   const Floats lod = 0.5F * (to_float(exponent(texels2)) + (mantissa - 1.0F)) + 0.25F;
   const Floats whole = floor_of(lod);
@@ -335,8 +339,8 @@ KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Flo
   return mix(one, texel_at(t, u, v, coarse), part);
 }
 
-// Returns the level of all samples first .. end - 1, or -1 if there may be several. The ends give the bounds,
-// because w and the numerators are linear.
+// Returns the level if all samples first .. end - 1 have the same level. Returns -1 if there may be several
+// levels. The two end samples give the bounds, because w and the numerators are linear.
 static inline int level_of_all(const TextureRow& t, const TextureLevels& texture, int first,
                                int end) {
   const float from = static_cast<float>(first & ~1) - t.x0;
@@ -376,7 +380,7 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
   for (int at = first; at < end; at += kLanes) {
     const Floats x = column_numbers(at), dx = x - t.x0;
     const Floats w = t.plane.at[2] + t.plane.by[2] * dx;
-    // One division computes both 1 / w and 1 / (q + haze w^2).
+    // One division gives both 1 / w and 1 / (q + haze w^2).
     const Floats q = ray_square(row, x), near = lighting::haze_m2 * square(w), sum = q + near;
     const Floats both = 1.0F / (w * sum), z = both * sum, share = both * w;
     const Floats u = (t.plane.at[0] + t.plane.by[0] * dx) * z;
@@ -417,7 +421,7 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
   }
 }
 
-// Shades a textured run, split where marked blocks begin and end.
+// Shades a run of textured samples. Splits the run where marked blocks begin and end.
 static inline void shade_textured_run(const Row& row, const Primitive& p, int first, int end,
                                       std::uint32_t* codes) {
   const Shading& s = row.s;
@@ -440,7 +444,7 @@ static inline void shade_textured_run(const Row& row, const Primitive& p, int fi
   }
 }
 
-// Returns the first column after `x` with another primitive, at most `right`.
+// Returns the first column after `x` that belongs to another primitive, at most `right`.
 static inline int run_end(const std::uint32_t* owner, int x, int right) {
   const Ints mine = splat_int(static_cast<std::int32_t>(owner[x]));
   for (; x < right; x += kLanes) {
@@ -465,7 +469,7 @@ static inline void shade_row(const Vertices& v, const Shading& s, const Target& 
                 along_row(s.shadow0, s.shadow_x, s.shadow_y, fy),
                 1.0F + b * b};
   std::uint32_t* codes = scratch.codes.data();
-  int plain = -1;  // first of the plain samples that end at x; -1: none
+  int plain = -1;  // first column of the untextured samples directly before x; -1: no such samples
   for (int x = target.left; x < target.right;) {
     const int end = run_end(owner, x, target.right);
     Primitive& p = primitives[owner[x]];

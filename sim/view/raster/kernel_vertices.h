@@ -17,7 +17,7 @@ static inline void turn_normals(Vertices& v, VertexRange range, const std::array
   }
 }
 
-// Returns a row of a 3 x 4 matrix times (x, y, z, 1).
+// Returns the product of one row of a 3 x 4 matrix and (x, y, z, 1).
 KAZ_LANES_INLINE Floats row_times(const float* row, Floats x, Floats y, Floats z) {
   return row[0] * x + row[1] * y + (row[2] * z + row[3]);
 }
@@ -47,7 +47,8 @@ static inline void project(Vertices& v, VertexRange range, const Projection& p) 
     outside |= ((px < 0.0F) & out_left) | ((px > p.width) & out_right);
     outside |= ((py < 0.0F) & out_top) | ((py > p.height) & out_bottom);
     outside |= ((cx != px) | (cy != py)) & out_of_range;
-    // The sides of the picture are planes through the eye, so they are swapped behind it.
+    // The sides of the picture are planes through the eye. Behind the eye, left and right are swapped, and so
+    // are top and bottom.
     outside = behind ? splat_int(out_near) : outside;
     store(&v.px[i], snap(cx));
     store(&v.py[i], snap(cy));

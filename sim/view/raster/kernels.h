@@ -1,10 +1,11 @@
-// Data of the rasterizer's inner loops, and the table of these functions for each instruction set.
+// Data of the rasterizer's inner loops, and the table of the loops' functions for each instruction set.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sample (x, y) has its center at integer coordinates; rows count from the top. Vertices are snapped to 1/256
-// sample, and coverage is exact. A center on an edge belongs to the triangle on its right or below, so
-// triangles that share an edge neither overlap nor leave gaps. Depth is w = 1 / z (1/m), which is linear in
-// the picture. The larger w wins; if equal, the later triangle.
+// The center of sample (x, y) is at integer coordinates; rows count from the top. Vertices are rounded to
+// 1/256 sample; the coverage of the rounded triangles is exact. A sample center on an edge belongs to the
+// triangle on the right of the edge or below the edge. Triangles that share an edge therefore neither overlap
+// nor leave gaps. Depth is w = 1 / z (1/m), which is linear in the picture. At each sample, the triangle with
+// the larger w is visible. If w is equal, the later triangle is visible.
 #pragma once
 
 #include <array>
@@ -14,21 +15,21 @@
 
 namespace kaz::sim::raster {
 
-// Number of extra elements at the end of arrays that are accessed with vectors.
+// Number of extra elements at the end of each array that vector instructions access.
 inline constexpr std::size_t kPad = 16;
 inline constexpr int kSubpixel = 256;
 
-// Vertices of a scene and their images in a view, one array per coordinate. Clipping appends vertices.
+// Vertices of a scene and their positions in a picture, one array per coordinate. Clipping appends vertices.
 struct Vertices {
-  std::size_t count = 0;                   // with the vertices of clipping
-  std::vector<float> x, y, z;              // frame of the piece, m
-  std::vector<float> model_normal[3];      // frame of the piece
-  std::vector<float> normal[3];            // world frame, for the current pose
-  std::vector<float> u, v;                 // repeats of the texture
+  std::size_t count = 0;               // number of vertices, including those that clipping appended
+  std::vector<float> x, y, z;          // frame of the piece, m
+  std::vector<float> model_normal[3];  // frame of the piece
+  std::vector<float> normal[3];        // world frame, for the current pose of the piece
+  std::vector<float> u, v;             // texture coordinates, in repeats of the texture
   std::vector<std::array<float, 3>> tint;  // color as linear light
   std::vector<std::int32_t> px, py;        // position in the picture, 1/256 sample
   std::vector<float> w;                    // 1 / z
-  std::vector<std::int32_t> outside;       // bits below
+  std::vector<std::int32_t> outside;       // bits out_left etc. below
 };
 
 // Bits of Vertices::outside.
@@ -36,7 +37,7 @@ inline constexpr std::int32_t out_left = 1, out_right = 2, out_top = 4, out_bott
 inline constexpr std::int32_t out_near = 16, out_far = 32;
 inline constexpr std::int32_t out_of_range = 64;  // too far from the picture for fixed point
 inline constexpr std::int32_t kMustClip = out_near | out_far | out_of_range;
-inline constexpr int kRange = 1 << 14;  // largest magnitude of fixed-point coordinates, samples
+inline constexpr int kRange = 1 << 14;  // largest magnitude of a fixed-point coordinate, in samples
 
 struct VertexRange {
   std::uint32_t first = 0, count = 0;
@@ -49,43 +50,47 @@ struct Projection {
   float width, height, near, far;
 };
 
-// Linear function of the sample: f(x, y) = at + by_x (x - x0) + by_y (y - y0), with the primitive's x0, y0.
+// Linear function of the sample position: f(x, y) = at + by_x (x - x0) + by_y (y - y0). x0 and y0 are members
+// of Primitive.
 struct Slope {
   float at = 0, by_x = 0, by_y = 0;
 };
 
-// A triangle that covers samples.
+// A triangle that covers at least one sample.
 struct Primitive {
   float x0, y0;
   Slope w;
-  std::uint32_t a, b, c;        // vertices, clockwise in the picture
-  std::uint32_t provoking;      // vertex that defines the color and, if textured, the normal
-  std::uint32_t surface;        // index into Shading::surfaces
-  bool prepared;                // the members below are computed
-  std::array<Slope, 3> slopes;  // normal * w; textured: u * w, v * w
-  // Textured: light in shadow, and light that the key light adds. Else `shaded` is the tint.
+  std::uint32_t a, b, c;  // indices of the vertices, clockwise in the picture
+  // Index of the vertex that defines the color; for textured triangles, also the normal.
+  std::uint32_t provoking;
+  std::uint32_t surface;  // index into Shading::surfaces
+  bool prepared;          // true: the members below are computed
+  // The normal times w. For textured triangles, slopes[0] is u * w and slopes[1] is v * w.
+  std::array<Slope, 3> slopes;
+  // Textured triangle: light in shadow, and the additional light from the key light. Other triangles:
+  // `shaded` is the tint, and `key` is unused.
   std::array<float, 3> shaded, key;
 };
 
-// Properties of all triangles of a piece.
+// Properties that all triangles of a piece share.
 struct Surface {
   int texture = -1;
-  bool lit_outside_blocks = false;  // shadows fall only in the marked blocks of the picture
+  bool lit_outside_blocks = false;  // true: shadows fall only in the marked blocks of the picture
 };
 
-// Depth and number of the nearest primitive of each sample in a band of rows.
+// Depth, and number of the nearest primitive, for each sample in a band of rows.
 struct Target {
-  int left = 0, right = 0;               // columns left .. right - 1 are drawn
-  int top = 0, bottom = 0;               // rows top .. bottom - 1
-  int stride = 0;                        // columns from 0 on, padded by kPad
-  std::vector<float> w;                  // 0: background
-  std::vector<std::uint32_t> primitive;  // 0: background
+  int left = 0, right = 0;  // columns left .. right - 1 are drawn
+  int top = 0, bottom = 0;  // rows top .. bottom - 1
+  int stride = 0;           // length of a row in memory: columns from 0 on, padded by kPad
+  std::vector<float> w;     // depth of each sample; 0: background
+  std::vector<std::uint32_t> primitive;  // number of the primitive at each sample; 0: background
 };
 
 struct ShadowTexels {
-  int side = 0;  // texels; the outermost ring stays free
+  int side = 0;  // texels; the outermost ring of texels stays free
   int stride = 0;
-  std::vector<std::uint16_t> depth;  // 65535: empty
+  std::vector<std::uint16_t> depth;  // depth of each texel; 65535: empty
 };
 
 // Triangles of a piece.
@@ -95,15 +100,16 @@ struct Batch {
   std::uint32_t surface;
 };
 
-// A texture with its mip levels. Each word holds one channel at four texels, the first in the lowest byte:
-// (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1). One look-up is thus enough for linear interpolation. A gray
-// texture has one word per texel. Others have four: red, green, blue, and an unused one.
+// A texture with its mip levels. Each word contains one color channel at four texels, from the lowest byte:
+// (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1). One memory access thus gives all values for a linear
+// interpolation. A gray texture has one word per texel. Other textures have four words: red, green, blue, and
+// an unused word.
 struct TextureLevels {
   int side_bits = 0;                      // the side of level 0 is 2^side_bits texels
   int last = 0;                           // number of the last level
-  bool grey = false;                      // the three channels are equal
-  std::vector<std::uint32_t> words;       // all levels
-  std::array<std::int32_t, 16> offset{};  // start of each level, texels
+  bool grey = false;                      // true: the three color channels are equal
+  std::vector<std::uint32_t> words;       // words of all levels
+  std::array<std::int32_t, 16> offset{};  // index of the first texel of each level
 };
 
 using Three = std::array<float, 3>;
@@ -111,39 +117,40 @@ using Three = std::array<float, 3>;
 struct Shading {
   std::vector<Surface> surfaces;
   std::vector<TextureLevels> textures;
-  // Ray to the sample (x, y), with z = 1 in the optical frame.
-  // Its square is 1 + (ax x + a0)^2 + (by y + b0)^2.
+  // Ray to the sample (x, y), with z = 1 in the optical frame. The squared length of the ray is 1 + (ax x +
+  // a0)^2 + (by y + b0)^2.
   Three ray0, ray_x, ray_y;  // world frame: ray0 + ray_x x + ray_y y
   float ax, a0, by, b0;
   Three to_key;
   float key_gain, shaded_gain;
-  // Shadow map coordinates (texels, texels, depth 0..65535) of the eye and of the ray.
+  // Shadow map coordinates (texels, texels, depth 0..65535) of the eye, and of the ray to a sample.
   Three shadow_eye, shadow0, shadow_x, shadow_y;
   const ShadowTexels* shadow = nullptr;
-  bool soft = false;      // many shadow taps, and linear interpolation between mip levels
-  int block_columns = 0;  // number of blocks in a row of the picture
-  std::vector<std::uint8_t> blocks;  // 1: a shadow may fall on a flat ground in this block
+  bool soft = false;  // many samples of the shadow map, and linear interpolation between mip levels
+  int block_columns = 0;             // number of blocks in a row of the picture
+  std::vector<std::uint8_t> blocks;  // 1: a shadow may fall on a flat ground in the block
 };
 inline constexpr int kBlock = 32;  // side of a block, samples
 
-// Memory for shading a row.
+// Working memory for shading a row.
 struct RowScratch {
   std::vector<float> normal[3], tint[3];
   std::vector<std::uint32_t> codes;  // RGBA
 };
 
 struct Kernels {
-  // Computes world normals. `rotation` has the rows of a 3 x 3 matrix.
+  // Computes normals in the world frame. `rotation` contains the rows of a 3 x 3 matrix.
   void (*turn_normals)(Vertices&, VertexRange, const std::array<float, 9>& rotation);
-  // Computes `px`, `py`, `w` and `outside` of vertices.
+  // Computes `px`, `py`, `w` and `outside` of the vertices.
   void (*project)(Vertices&, VertexRange, const Projection&);
-  // Draws the triangles that face the eye, after project(). Appends those that cover samples to the list.
+  // Draws the triangles that face the eye; call this function after project(). Appends the triangles that
+  // cover samples to the list.
   void (*fill)(Vertices&, const Batch&, const Projection&, Target&, std::vector<Primitive>&);
-  // Draws the triangles that face away from the lamp, after project_shadow().
+  // Draws the triangles that face away from the lamp; call this function after project_shadow().
   void (*fill_shadow)(const Vertices&, const Batch&, ShadowTexels&);
-  // Computes `px`, `py` in the shadow map, with depth 0..65535 as `w`.
+  // Computes `px` and `py` in the shadow map, and stores the depth 0..65535 in `w`.
   void (*project_shadow)(Vertices&, VertexRange, const std::array<float, 12>& texels_from_model);
-  // Computes RowScratch::codes of a row of the target.
+  // Computes RowScratch::codes for a row of the target.
   void (*shade_row)(const Vertices&, const Shading&, const Target&, std::vector<Primitive>&, int y,
                     RowScratch&);
   // Converts RGBA to RGB. May write up to kPad bytes beyond the end.

@@ -1,4 +1,4 @@
-// Renderer without OpenGL: a rasterizer that uses the processor's vectors.
+// Renderer without OpenGL: a rasterizer that uses the vector instructions of the processor.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace kaz::sim {
 
-// Makes the rasterizer with an instruction set, which must be available.
+// Makes the rasterizer for an instruction set. The set must be available.
 std::unique_ptr<Renderer> make_raster_with(InstructionSet set);
 
 }  // namespace kaz::sim

@@ -9,7 +9,7 @@
 
 namespace kaz::sim::raster {
 
-// Each range begins at a multiple of kPad, so that vectors may write beyond its end.
+// Each range begins at a multiple of kPad. Vector instructions may therefore write beyond the end of a range.
 struct PieceVertices {
   VertexRange fine, coarse;
 };
@@ -18,14 +18,14 @@ struct RasterScene {
   explicit RasterScene(SceneModel from);
 
   SceneModel model;
-  std::vector<std::uint32_t> indices;  // as model.indices, but into `vertices`
+  std::vector<std::uint32_t> indices;  // like model.indices, but with indices into `vertices`
   Vertices vertices;
-  std::size_t own_vertices = 0;       // number of scene vertices; clipping appends others
-  std::vector<PieceVertices> ranges;  // by piece
+  std::size_t own_vertices = 0;  // number of vertices of the scene; clipping appends more vertices
+  std::vector<PieceVertices> ranges;  // ranges of vertices, by piece
   std::vector<TextureLevels> textures;
 
  private:
-  // Copies the vertices of a range of indices and returns their range in `vertices`.
+  // Copies the vertices of a range of indices. Returns the range of the copies in `vertices`.
   VertexRange add(std::uint32_t first, std::uint32_t count, float repeats_per_m);
 };
 

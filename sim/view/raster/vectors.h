@@ -1,9 +1,10 @@
-// Vectors of floats and integers for one instruction set, with one sample per lane.
+// Vectors of floats and integers for one instruction set. Each lane of a vector contains one sample.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Included by kernels_plain.cpp, kernels_avx2.cpp and kernels_avx512.cpp, each with its own KAZ_RASTER_SET
-// (the namespace) and KAZ_RASTER_LANES. All operations are single IEEE operations, correctly rounded, so all
-// sets compute the same bits. Vectors are local to functions of a set and are not passed to other code.
+// kernels_plain.cpp, kernels_avx2.cpp and kernels_avx512.cpp include this file. Each of these files defines
+// its own KAZ_RASTER_SET (the namespace) and KAZ_RASTER_LANES. All operations are single IEEE operations,
+// correctly rounded, so all sets compute the same bits. Vectors stay inside the functions of a set; they are
+// never passed to other code.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,8 @@
 #define KAZ_RASTER_LANES 4
 #endif
 
-// Begin and end the code of a set: GCC and Clang use its instructions in all functions between.
+// Mark the begin and the end of the code of a set. GCC and Clang use the set's instructions in all functions
+// between these macros.
 #if !defined(__x86_64__) || KAZ_RASTER_LANES == 4
 #define KAZ_RASTER_BEGIN
 #define KAZ_RASTER_END
@@ -49,7 +51,8 @@ namespace kaz::sim::raster::KAZ_RASTER_SET {
 
 inline constexpr int kLanes = KAZ_RASTER_LANES;
 using Floats = float __attribute__((vector_size(4 * KAZ_RASTER_LANES)));
-using Ints = std::int32_t __attribute__((vector_size(4 * KAZ_RASTER_LANES)));  // masks: 0 or -1
+// Masks: each lane is 0 or -1.
+using Ints = std::int32_t __attribute__((vector_size(4 * KAZ_RASTER_LANES)));
 
 #define KAZ_LANES_INLINE [[gnu::always_inline]] static inline
 
@@ -110,12 +113,13 @@ KAZ_LANES_INLINE Floats floor_of(Floats x) {
   return whole > x ? whole - 1.0F : whole;
 }
 
-// The first three of four words in each lane.
+// The first three of four consecutive words, for each lane.
 struct ThreeWords {
   Ints first, second, third;
 };
 
-// Masked forms are used, because GCC 12 warns about its own headers for the others.
+// The code uses the masked forms of the intrinsics, because GCC 12 warns about its own headers for the
+// unmasked forms.
 #if defined(__x86_64__) && KAZ_RASTER_LANES == 16
 KAZ_LANES_INLINE Floats root(Floats x) {
   return (Floats)_mm512_maskz_sqrt_ps(0xFFFF, (__m512)x);
@@ -124,8 +128,9 @@ KAZ_LANES_INLINE Floats root(Floats x) {
 KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return _mm512_movepi32_mask((__m512i)mask);
 }
-// Sixteen loads instead of AVX-512's gather. On AMD processors the gather takes twice as long, three times
-// for gather_three(). On Intel processors it is slow since microcode keeps it from leaking data.
+// Uses sixteen loads instead of AVX-512's gather instruction. On AMD processors, the gather takes twice as
+// long as the loads; for gather_three(), three times as long. On Intel processors, the gather is slow since a
+// microcode update that keeps the gather from leaking data.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[16];
   store(at, index);
@@ -146,11 +151,11 @@ KAZ_LANES_INLINE Ints gather(const void* from, Ints index) {
 KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
   return gather_at(reinterpret_cast<const char*>(from), index, 2);
 }
-// Looks up words in a table of 16.
+// Looks up words in a table of 16 words.
 KAZ_LANES_INLINE Ints look_up(const std::int32_t* table, Ints index) {
   return (Ints)_mm512_maskz_permutexvar_epi32(0xFFFF, (__m512i)index, _mm512_loadu_si512(table));
 }
-// Loads four words for each lane, then transposes 4 x 4 words in each quarter.
+// Loads four words for each lane. Then transposes 4 x 4 words in each quarter of the vector.
 KAZ_LANES_INLINE ThreeWords gather_three(const std::uint32_t* from, Ints index) {
   std::int32_t at[16];
   store(at, index);
@@ -179,7 +184,7 @@ KAZ_LANES_INLINE Floats root(Floats x) {
 KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
 }
-// Eight loads instead of the gather, for the same reason as with AVX-512.
+// Uses eight loads instead of the gather instruction, for the same reason as the version for AVX-512.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[8];
   store(at, index);
@@ -204,7 +209,7 @@ KAZ_LANES_INLINE Ints look_up(const std::int32_t* table, Ints index) {
   };
   return index > 7 ? eight(8) : eight(0);
 }
-// Loads four words for each lane, then transposes 4 x 4 words in both halves.
+// Loads four words for each lane. Then transposes 4 x 4 words in each half of the vector.
 KAZ_LANES_INLINE ThreeWords gather_three(const std::uint32_t* from, Ints index) {
   std::int32_t at[8];
   store(at, index);
@@ -263,7 +268,7 @@ KAZ_LANES_INLINE ThreeWords gather_three(const std::uint32_t* from, Ints index) 
 KAZ_LANES_INLINE Ints look_up(const std::int32_t* table, Ints index) {
   return gather(table, index);
 }
-// Loads two neighbors of 16 bits into each lane, the first into the lower half.
+// Loads two neighboring 16-bit values into each lane. The first value goes into the lower half of the lane.
 KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
   Ints found{};
   for (int i = 0; i < kLanes; ++i) {

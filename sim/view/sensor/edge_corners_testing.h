@@ -1,4 +1,4 @@
-// For tests: locates chessboard corners by fitting the edges.
+// For tests: locates chessboard corners by fitting the edges of the squares.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace kaz::sim {
 
-// A corner is the intersection of two edges. A parabola is fitted to each edge between the neighbors of the
-// corner. OpenCV's cornerSubPix uses a small window, while whole edges average out the steps of
+// A corner is the intersection of two edges. For each edge, a parabola is fitted between the two neighbors of
+// the corner. OpenCV's cornerSubPix only uses a small window. Whole edges average out the steps of
 // rasterization. Units: px and gray codes.
 class EdgeCorners {
  public:
-  // `found`: initial corners, row by row. `grey` and `found` must outlive this.
+  // `found`: initial corners, row by row. `grey` and `found` must outlive this object.
   EdgeCorners(const cv::Mat& grey, const std::vector<cv::Point2f>& found, int columns)
       : grey_(grey),
         found_(found),
@@ -32,7 +32,7 @@ class EdgeCorners {
   }
 
  private:
-  struct Curve {  // at + s along + (c0 + c1 s + c2 s^2) across
+  struct Curve {  // points of the curve: at + s along + (c0 + c1 s + c2 s^2) across
     cv::Point2d at, along, across;
     cv::Vec3d c;
     cv::Point2d nearest(const cv::Point2d& p) const {
@@ -41,7 +41,8 @@ class EdgeCorners {
     }
   };
 
-  // Returns the initial corner. Beyond the border, where the board has one more square, it extrapolates.
+  // Returns the initial corner. The board has one more square beyond the outermost corners; there, the
+  // position is extrapolated.
   cv::Point2d seed(int column, int row) const {
     const auto at = [&](int x, int y) {
       return cv::Point2d(found_[static_cast<std::size_t>(y * columns_ + x)]);
@@ -50,7 +51,7 @@ class EdgeCorners {
     return 2 * at(x, y) - at(2 * x - column, 2 * y - row);
   }
 
-  // Returns the light (code squared) at p by bilinear interpolation.
+  // Returns the light (square of the code) at p by bilinear interpolation.
   double light(const cv::Point2d& p) const {
     const int x = std::clamp(static_cast<int>(p.x), 0, grey_.cols - 2);
     const int y = std::clamp(static_cast<int>(p.y), 0, grey_.rows - 2);
@@ -62,8 +63,9 @@ class EdgeCorners {
     return (1 - b) * ((1 - a) * at(0, 0) + a * at(1, 0)) + b * ((1 - a) * at(0, 1) + a * at(1, 1));
   }
 
-  // Returns the position of the edge along `across` from `p`, px in [-reach, reach]. An ideal step there has
-  // the same two levels a, b and the same integral of light: x = reach (2 (mean - b) / (a - b) - 1).
+  // Returns the distance from `p` along `across` to the edge, px in [-reach, reach]. An ideal step at this
+  // position has the same two levels a, b of light and the same integral of light as the picture. Formula: x
+  // = reach (2 (mean - b) / (a - b) - 1).
   double crossing(const cv::Point2d& p, const cv::Point2d& across, double reach) const {
     constexpr int kSteps = 64;
     std::array<double, kSteps> codes{};
@@ -81,7 +83,7 @@ class EdgeCorners {
     return reach * (2 * (sum / kSteps - last) / (first - last) - 1);
   }
 
-  // Fits a least-squares parabola c0 + c1 s + c2 s^2 to the edge positions between `before` and `after`.
+  // Fits a parabola c0 + c1 s + c2 s^2 by least squares to the edge positions between `before` and `after`.
   Curve edge(const cv::Point2d& before, const cv::Point2d& at, const cv::Point2d& after,
              double reach) const {
     Curve curve{at, (after - before) / cv::norm(after - before), {}, {}};

@@ -1,4 +1,4 @@
-// Camera model that converts an ideal pinhole picture to the picture of a real lens and image sensor.
+// Camera model: converts the picture of an ideal pinhole camera to that of a real lens and image sensor.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Modeled: lens distortion (Brown-Conrady, as in OpenCV), vignetting, exposure, shot and read noise, 8-bit
@@ -17,27 +17,30 @@
 
 namespace kaz::sim {
 
-// Nominal parameters of a camera and the tolerances of its series.
+// Nominal parameters of a camera, and the tolerances of its production series.
 struct EyeModel {
   int width = 320, height = 240;
-  // Horizontal view of the rectified pictures: 80 degrees.
+  // Horizontal angle of view of the rectified pictures: 80 degrees.
   double rectified_view_rad = 1.3962634015954636;
-  // Horizontal view of the middle row through the lens. Wider than the rectified view, so that rectified
-  // pictures have no empty margin if center and direction deviate.
+  // Horizontal angle of view of the middle row through the lens. It is larger than the angle of the rectified
+  // pictures. Rectified pictures therefore have no empty margin if the principal point and the direction of a
+  // camera deviate.
   double lens_view_rad = 1.4922565104551517;                // 85.5 degrees
   std::array<double, 5> distortion{-0.15, 0.022, 0, 0, 0};  // k1 k2 p1 p2 k3
-  double vignetting = 0.3;  // fraction of the light lost in the corners; grows as r^2
+  // Fraction of the light lost in the corners; the loss is proportional to r^2.
+  double vignetting = 0.3;
   NoiseLaw noise;
-  // Standard deviations over the series.
+  // Standard deviations over the production series.
   double focal_spread = 0.004;          // relative to the focal length
   double centre_spread = 0.004;         // principal point, relative to the width
-  double distortion_spread = 0.03;      // relative to k1, k2
-  double tangential_spread = 0.0003;    // p1, p2: tilt of the lens against the sensor
-  double direction_spread_rad = 0.004;  // about each axis, 0.23 degrees
+  double distortion_spread = 0.03;      // k1 and k2, relative to their values
+  double tangential_spread = 0.0003;    // p1 and p2: tilt of the lens against the sensor
+  double direction_spread_rad = 0.004;  // rotation about each axis, 0.23 degrees
 };
 
-// Returns the calibration of two cameras of the series, `baseline_m` apart. The same `unit` gives the same
-// cameras. Deviations are clamped to 2.5 sigma, because the factory rejects larger ones.
+// Returns the calibration of two cameras of the series at a distance of `baseline_m`. The same `unit` gives
+// the same cameras. Deviations are clamped to 2.5 sigma, because the factory would reject cameras with larger
+// deviations.
 vision::StereoCalibration make_calibration(const EyeModel& model, std::uint64_t unit,
                                            double baseline_m);
 
@@ -51,28 +54,28 @@ class Sensor {
 
   void set_noise_seed(std::uint64_t seed);
 
-  // Returns the pinhole camera whose picture expose() needs. It covers the full view of the lens with 0.92
-  // times the angular resolution of the rectified picture. The loss is below the blur of a wide conversion
-  // lens.
+  // Returns the pinhole camera whose picture expose() needs. This picture covers the full view of the lens.
+  // Its angular resolution is 0.92 times that of the rectified picture. The loss of resolution is less than
+  // the blur of a wide conversion lens.
   const Pinhole& ideal() const { return ideal_; }
   // Returns the rotation from the optical frame of ideal() to the eye's mounting frame.
   Eigen::Isometry3d mounting_from_optical() const;
-  // Limits the exposed pixels to these columns of each row, for example to those that a rectified picture
-  // uses. Initially all pixels are exposed.
+  // Limits the exposed pixels to the given columns of each row, for example to the pixels that a rectified
+  // picture uses. Initially, all pixels are exposed.
   void limit(std::span<const vision::Remap::Columns> rows);
   // Returns the part of the ideal picture that expose() reads.
   const PicturePart& ideal_part() const { return ideal_part_; }
-  // Applies lens, vignetting, noise and quantization. `ideal` must have the size of ideal(). Pixels that are
-  // not exposed keep their codes in `picture`.
+  // Applies lens, vignetting, noise and quantization. `ideal` must have the width and height of ideal().
+  // Pixels that are not exposed keep their codes in `picture`.
   void expose(const Picture& ideal, std::uint64_t exposure, Picture& picture) const;
-  // Applies only lens and vignetting and rounds the codes, for tests of geometry.
+  // Applies only lens and vignetting, and rounds the codes. For tests of geometry.
   void bend(const Picture& ideal, Picture& picture) const;
 
  private:
   Pinhole ideal_;
   Eigen::Matrix3d rotation_;
   vision::Remap lens_;
-  std::vector<vision::Remap::Columns> rows_;  // exposed columns of each row
+  std::vector<vision::Remap::Columns> rows_;  // exposed columns in each row
   PicturePart ideal_part_;
   NoiseRow noise_;
   Eye eye_;

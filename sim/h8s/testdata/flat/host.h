@@ -3,12 +3,12 @@
 #ifndef KAZ_H8S_FLAT_HOST_H
 #define KAZ_H8S_FLAT_HOST_H
 
-// Descriptor 0 or 1: standard output, 2: standard error. Gives the number of bytes written.
+// Descriptors 0 and 1 are standard output, 2 is standard error. Returns the number of bytes written.
 long write(long descriptor, const void* from, unsigned long length);
 // Ends the program with this status.
 void exit(int status) __attribute__((noreturn));
 
-// To standard output: %s %c %d %u %x %ld %lu %lx %%, with a width and leading zeros.
+// Prints to standard output. Formats: %s %c %d %u %x %ld %lu %lx %%, with a width and leading zeros.
 void print(const char* format, ...);
 
 #endif
