@@ -7,7 +7,10 @@ examples:
   servo_arm.py /dev/ttyACM0
   kaz sim --bus feetech --robot-file sim/robots/so101/so101.urdf --serial arm &   servo_arm.py arm
 
-exit codes: 0 done, 1 a servo was lost, or did not follow, 2 wrong usage, 3 no port, or no servo that answers
+At its end, also after Ctrl-C, the torque is off and the arm sinks down: hold it.
+
+exit codes: 0 done, 1 a servo was lost, or did not follow, 2 wrong usage, 3 no port, or no servo that answers,
+130 Ctrl-C
 """
 import argparse
 import math
@@ -65,6 +68,16 @@ class Bus:
                         for servo, goal in zip(IDS, goals))
         self.send(ALL, SYNC_WRITE, bytes([GOAL, 2]) + data)
 
+    def release(self):
+        """Switches the torque off; returns the servos that do not confirm it after five tries."""
+        on = list(IDS)
+        for _ in range(5):
+            for servo in on:
+                self.request(servo, WRITE, [TORQUE, 0])
+            states = [(servo, self.request(servo, READ, [TORQUE, 1], 1)) for servo in on]
+            on = [servo for servo, state in states if state is None or state[0][0] != 0]
+        return on
+
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -85,20 +98,33 @@ def main():
         volts = bus.request(servo, READ, [VOLTAGE, 1], 1)
         print(f"servo {servo}: {volts[0][0] / 10:.1f} V" + (f", error: {', '.join(bits)}" if bits else ""))
 
-    # From where it is to the middle, gently; then a wave.
     start = bus.positions()
     if None in start:
         return 1
+    status = 1
+    try:
+        status = wave(bus, start, options.seconds)
+    except KeyboardInterrupt:
+        status = 130
+    finally:
+        if held := bus.release():
+            print(f"servo_arm.py: servos {held} do not confirm that their torque is off: cut the power",
+                  file=sys.stderr)
+    return 1 if held else status
+
+
+def wave(bus, start, seconds):
+    """Moves gently to the middle, then waves."""
     for servo in IDS:
         bus.request(servo, WRITE, [ACCELERATION, 254])
         bus.request(servo, WRITE, [TORQUE, 1])
     lost, worst, begin = 0, 0, time.monotonic()
-    while (now := time.monotonic() - begin) < options.seconds + 2:
+    while (now := time.monotonic() - begin) < seconds + 2:
         share = min(1.0, now / 1.5)
-        wave = 300 * math.sin(2 * math.pi * 0.5 * (now - 2)) if now > 2 else 0
+        swing = 300 * math.sin(2 * math.pi * 0.5 * (now - 2)) if now > 2 else 0
         goals = [at + share * (2048 - at) for at in start]
-        goals[0] += wave
-        goals[4] -= wave
+        goals[0] += swing
+        goals[4] -= swing
         bus.move(goals)
         time.sleep(0.005)
         seen = bus.positions()

@@ -32,6 +32,11 @@ TEST(ServoBusVerb, ServesTheExampleInPython) {
   EXPECT_EQ(waved.exit_code, 0) << waved.out << waved.err;
   EXPECT_NE(waved.out.find("servo 6: 7.4 V"), std::string::npos) << waved.out;
   EXPECT_NE(waved.out.find("lost or damaged: 0"), std::string::npos) << waved.out;
+  const Finished after = run(
+      kaz({"bus", "status", "--robot", "feetech:" + port, "--robot-file", kArm, "--json"}));
+  EXPECT_EQ(after.exit_code, 0) << after.err;
+  EXPECT_EQ(after.out.find("\"torque\": true"), std::string::npos) << after.out;
+  EXPECT_NE(after.out.find("\"torque\": false"), std::string::npos) << after.out;
   sim.signal(SIGINT);
   const Finished ended = sim.wait(seconds(10));
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
