@@ -260,8 +260,9 @@ class Recorder {
     if (servo_.zero - reach < from || servo_.zero + reach > to) {
       char text[200];
       std::snprintf(text, sizeof text,
-                    "hangs at step %.0f, and needs %.0f steps to each side within %.0f to %.0f: "
-                    "put the horn on so that it hangs near the middle, or reduce --amplitude",
+                    "hangs at step %.0f and swings %.0f steps to each side, but the range is %.0f "
+                    "to %.0f: put "
+                    "the horn on so that the arm hangs near the middle, or reduce --amplitude",
                     servo_.zero, reach, from, to);
       return wrong(Fault::usage, text);
     }

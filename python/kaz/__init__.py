@@ -43,11 +43,11 @@ def _what_to_do(error):
         built_for = f"Python {tag[1]}.{tag[2]}" if tag else ""
     if (error.name or "").split(".")[0] == "numpy":
         other = f"use {built_for}, or " if built_for and built_for != this else ""
-        return f"kaz needs numpy, which {this} does not have: {other}install numpy for it"
+        return f"kaz needs numpy, which {this} does not have: {other}install numpy for this Python"
     if any((folder / f"_kaz{suffix}").exists() for suffix in _machinery.EXTENSION_SUFFIXES):
         return None
     if modules:
-        return f"kaz is built for {built_for} and this is {this}: use the former"
+        return f"kaz is built for {built_for}, but this program is {this}: use {built_for}"
     tree = _pathlib.Path(__file__).resolve().parents[2]
     if not (tree / "tools/dev").exists():
         return f"kaz's compiled module is missing in {folder}: install kaz again"

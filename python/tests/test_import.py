@@ -48,14 +48,16 @@ class Import(unittest.TestCase):
         self.fill(*(path.name for path in BUILT.glob("*.py")))
         (self.package / "_kaz.cpython-39-x86_64-linux-gnu.so").touch()
         self.assertEqual(self.sentence(),
-                         f"ImportError: kaz is built for Python 3.9 and this is {THIS}: use the former")
+                         "ImportError: kaz is built for Python 3.9, "
+                         f"but this program is {THIS}: use Python 3.9")
         (self.package / "built_for.txt").write_text("/opt/bin/python3 (Python 3.9)\n")
-        self.assertIn("built for /opt/bin/python3 (Python 3.9) and this is", self.sentence())
+        self.assertIn("built for /opt/bin/python3 (Python 3.9), but this program is", self.sentence())
 
     def test_no_numpy(self):
         without = "import sys; sys.modules['numpy'] = None; import kaz"
         self.assertEqual(self.sentence(without, BUILT.parent),
-                         f"ImportError: kaz needs numpy, which {THIS} does not have: install numpy for it")
+                         f"ImportError: kaz needs numpy, which {THIS} does not have: "
+                         "install numpy for this Python")
         self.fill(*(path.name for path in BUILT.iterdir() if path.name != "built_for.txt"))
         (self.package / "built_for.txt").write_text("/opt/bin/python3 (Python 3.11)\n")
         self.assertIn("use /opt/bin/python3 (Python 3.11), or install numpy", self.sentence(without))
@@ -65,7 +67,7 @@ class Import(unittest.TestCase):
                         ignore=shutil.ignore_patterns("share", "_kaz*", "__pycache__"))
         for module in BUILT.glob("_kaz*.so"):
             (self.path / "broken/kaz" / module.name).write_bytes(b"no shared object")
-        self.assertNotIn("use the former", self.sentence(path=self.path / "broken"))
+        self.assertNotIn("but this program is", self.sentence(path=self.path / "broken"))
         self.assertNotIn("not built", self.sentence(path=self.path / "broken"))
 
 

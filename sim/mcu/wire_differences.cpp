@@ -35,7 +35,8 @@ constexpr WireException exceptions[] = {
      "the tick reads its receive ring 450 to 850 states after it is due; the comparison sends no "
      "byte then"},
     {"bytes that end 47,600 to 18,000 states before the first tick",
-     "each delays the start by 65 states, or is lost", "received in the last 46,940, no delay",
+     "each delays the start by 65 states, or is lost",
+     "received if it ends in the last 46,940 states; no delay",
      "no CPU time; the comparison sends none then"},
     {"first byte of a reply", "320 to 700 states after its tick", "445 states after its tick",
      "no CPU time"},
@@ -45,7 +46,7 @@ constexpr WireException exceptions[] = {
     {"start of a requested store or reset", "after its tick is computed",
      "5,900 states after the tick is due",
      "the comparison sends nothing meanwhile, and restarts its clock at each such reset"},
-    {"input voltages", "sampled 800 to 7,300 states after a tick; AN4 and AN5 always",
+    {"input voltages", "sampled 800 to 7,300 states after a tick is due; AN4 and AN5 at any time",
      "same inputs and order, within 200 states",
      "the comparison changes voltages 15,000 states after a tick is due"},
     {"3 s of the loader", "the flash writer receives its own frames", "no receiver",

@@ -63,13 +63,14 @@ Result<void> set_once(std::map<std::string, std::string>& settings, const std::s
 void add_run_options(CLI::App& verb, RunArguments& arguments) {
   add_sim_options(verb, arguments.session.backend);
   add_record_pictures(verb, arguments.session.backend);
-  verb.add_option(
-          "--memory", arguments.memory,
-          "calibration of the virtual board: a file of kaz calibrate joints or kaz sim --memory")
+  verb.add_option("--memory", arguments.memory,
+                  "file with the virtual board's calibration, written by kaz calibrate joints "
+                  "--memory or kaz sim --memory")
       ->type_name("FILE");
-  verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
-                  "self-test of save and restore: at this interval the virtual robot is saved, "
-                  "runs 0.1 s unrecorded, and is restored; the recording must not change")
+  verb.add_option(
+          "--restore-every", arguments.session.backend.restore_every_s,
+          "self-test: at this interval, save the virtual robot's state, run 0.1 s without "
+          "recording, and restore the state; the recording must be the same as without this option")
       ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.session.vision.modules,
@@ -78,7 +79,7 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
       ->type_name("LIST")
       ->capture_default_str();
   verb.add_option("--color", arguments.color,
-                  "color of the ball: file of kaz vision learn-color (default: red)")
+                  "color of the ball: file written by kaz vision learn-color (default: red)")
       ->type_name("FILE");
   verb.add_option("--radius", arguments.session.vision.ball.radius_m, "radius of the ball, m")
       ->check(between(0.005, 0.5))

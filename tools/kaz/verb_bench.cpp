@@ -69,8 +69,8 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->type_name("VOLTS")
       ->capture_default_str();
   verb.add_option("--filter", arguments.filter,
-                  "only measurements whose names match this regular expression, and those made "
-                  "together with them")
+                  "make only measurements whose names match this regular expression, and "
+                  "measurements that are always made together with a match")
       ->type_name("REGEX");
   add_motor_options(verb, arguments.target.backend);
   for (const char* name : {"--motor-file", "--motor"})
@@ -111,8 +111,9 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
                                    "the emulated board. Joints: " +
                                        joints + ".\n"
                                  : std::string()) +
-               "Exit status: 0 all within limits, 1 a limit failed, 2 wrong usage, 3 port error, "
-               "or no verdict because this machine was too late or a motor too warm.\n"
+               "Exit status: 0 all within limits, 1 a limit failed, 2 wrong usage, 3 port error or "
+               "no verdict "
+               "(this machine was late, or a motor was too warm).\n"
                "Examples:\n" +
                footer);
   verb->callback([&action, arguments, watch, verb] {
@@ -144,11 +145,12 @@ void add_servo(CLI::App& bench_verb, Action& action) {
       "servo", "fit motor and friction of a bus servo to logs of a pendulum on its horn");
   auto arguments = std::make_shared<ServoFitArguments>();
   verb->add_option("LOG", arguments->logs, "logs to fit (CSV: docs/howto/bench.md)")->required();
-  verb->add_option("--held-out", arguments->held_out,
-                   "logs that are not used in the fit; the model that predicts them best is chosen")
+  verb->add_option(
+          "--held-out", arguments->held_out,
+          "logs that are not used in the fit; the model that best predicts these logs is chosen")
       ->type_name("FILE");
   verb->add_option("--model", arguments->model,
-                   "fit friction models M1 up to this one (default: all six)")
+                   "number of the last friction model to fit, beginning with M1 (default: 6)")
       ->check(between(1, 6))
       ->type_name("1..6");
   verb->add_option("--out", arguments->out, "folder for report.html, result.json, held-out-*.svg")
@@ -195,7 +197,8 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       ->required()
       ->check(between(0.01, 2.0))
       ->type_name("M");
-  verb->add_option("--arm", recorder.arm_kg, "mass of the arm, a uniform rod of that length, kg")
+  verb->add_option("--arm", recorder.arm_kg,
+                   "mass of the arm, kg; the arm is a uniform rod as long as --length")
       ->check(between(0.0, 20.0))
       ->capture_default_str()
       ->type_name("KG");
@@ -209,11 +212,13 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       ->check(between(2.0, 60.0))
       ->capture_default_str()
       ->type_name("S");
-  verb->add_option("--max-celsius", recorder.max_celsius, "the torque goes off above it")
+  verb->add_option("--max-celsius", recorder.max_celsius,
+                   "temperature above which the torque is switched off")
       ->check(between(25.0, 100.0))
       ->capture_default_str()
       ->type_name("C");
-  verb->add_option("--max-amps", recorder.max_amps, "the torque goes off above it")
+  verb->add_option("--max-amps", recorder.max_amps,
+                   "current above which the torque is switched off")
       ->check(between(0.05, 20.0))
       ->capture_default_str()
       ->type_name("A");
@@ -243,7 +248,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
   verb->add_option("REPORT", arguments->report, "result.json of `kaz bench motor`, or its folder")
       ->required();
   verb->add_option("--joint", arguments->joint,
-                   "joint whose motor is fitted, if the report has several")
+                   "joint whose motor is fitted, if the report has several joints")
       ->type_name("NAME");
   verb->add_option("--motor-file", arguments->model.motor_file,
                    "motor file with the initial parameters (default: Kaz's motor.xml)")

@@ -85,7 +85,7 @@ void add_bus_status(CLI::App& bus, Action& action) {
       "status", "print each servo's angle, torque, load, current, voltage, temperature and errors");
   auto options = std::make_shared<BusStatusOptions>();
   add_robot(*verb, options->backend);
-  verb->add_flag("--json", options->json, "print it as JSON");
+  verb->add_flag("--json", options->json, "print the readings as JSON");
   verb->footer(
       "Only reads: nothing moves.\n"
       "Exit status: 0 all servos answer without errors, 1 a servo does not answer or reports an "
@@ -138,7 +138,7 @@ void add_bus(CLI::App& program, Action& action) {
   scan->add_flag("--json", options->json, "print the servos as JSON");
   scan->footer(
       "Only reads: nothing moves, and no register is written. Each id takes 8 ms at each rate; a "
-      "scan with both protocols takes a minute. --protocol and --baud shorten it.\n"
+      "scan with both protocols takes a minute. --protocol and --baud shorten the scan.\n"
       "Exit status: 0 servos found and nothing is wrong, 1 no servo found, or something is wrong, "
       "2 wrong usage, 3 port error.\n"
       "Examples:\n"

@@ -47,7 +47,7 @@ void add_stereo(CLI::App& calibrate, Action& action) {
       ->type_name("PNG");
   stereo
       ->add_option("--max-rms", arguments->max_rms_px,
-                   "largest valid reprojection error, px; above it, nothing is written")
+                   "largest valid reprojection error, px; above this limit, nothing is written")
       ->check(between(0.01, 5.0))
       ->capture_default_str()
       ->type_name("PX");
@@ -108,10 +108,10 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
       ->type_name("sim|PORT")
       ->capture_default_str();
   add_address(verb, options.backend.address);
-  verb.add_option(
-          "--only", options.only,
-          "stops: only the suspended robot, with all joints against their stops; floor: only the "
-          "standing robot, after stops; gauge: nothing moves, and you enter the angles")
+  verb.add_option("--only", options.only,
+                  "stops: calibrate only the suspended robot, by pressing all joints against their "
+                  "stops; floor: calibrate only the standing robot, after stops; gauge: nothing "
+                  "moves, and you enter the angles")
       ->check(CLI::IsMember({"stops", "floor", "gauge"}));
   verb.add_option(
           "--gauge", options.gauge,

@@ -25,13 +25,14 @@ void add_can_bridge(CLI::App& program, Action& action) {
           [arguments](const std::vector<int>& all) {
             arguments->addresses.assign(all.begin(), all.end());
           },
-          "addresses of the boards on this line; no other bridge of the bus may have them")
+          "addresses of the boards on this line; no other bridge on the bus may use these "
+          "addresses")
       ->check(between(1, KZ_ADDRESS_LAST))
       ->delimiter(',')
       ->type_name("N")
       ->default_str("1");
   verb->footer(
-      "Then `--robot can:can0` reaches the board from every machine on the bus. "
+      "While the bridge runs, `--robot can:can0` reaches the board from every machine on the bus. "
       "docs/reference/links.md lists the identifiers and the messages that cannot cross. A lost "
       "line or bus is opened again when it is back.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port or interface "

@@ -66,7 +66,7 @@ void add_conformance(CLI::App& program, Action& action) {
       "on a bus: also run the cases that write EEPROM, which wears it; each value is put back");
   verb->add_flag(
       "--alone", arguments->alone,
-      "on a bus: the servo is alone at the port; also run the cases with requests to all servos");
+      "on a bus with only this servo: also run the cases that send requests to all servos");
   verb->add_flag("--release", arguments->release,
                  "on a bus: first switch off the torque if it is on; hold the arm");
   verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")

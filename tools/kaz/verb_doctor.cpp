@@ -13,16 +13,17 @@ void add_doctor(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "doctor", "check this machine's ports, CAN interfaces, cameras, drivers and cores");
   auto options = std::make_shared<DoctorOptions>();
-  auto* port =
-      add_port(*verb, options->port,
-               std::string("also identify the board there and check its firmware: ") + kPortText);
+  auto* port = add_port(
+      *verb, options->port,
+      std::string("also identify the board at this port and check the board's firmware: ") +
+          kPortText);
   add_address(*verb, options->address)->needs(port);
   verb->add_flag("--json", options->json, "print the findings as JSON");
   verb->footer(
       "Each finding is good, a note (it could be better) or wrong, with the command that fixes it. "
       "Only the serial port of --robot is opened, because some adapters would reset the board. "
       "Only root can find programs of other users that hold a device.\n"
-      "Exit status: 0 nothing is wrong, 1 something is.\n"
+      "Exit status: 0 nothing is wrong, 1 something is wrong.\n"
       "Examples:\n"
       "  kaz doctor\n"
       "  kaz doctor --robot serial:/dev/ttyUSB0\n"

@@ -298,8 +298,8 @@ void add_evaluate(CLI::App& program, Action& action) {
              "direction of the pushes; sides and around are drawn for each push")
       ->needs(push);
   verb->add_option("--push-from", pushes.from_s,
-                   "time of the first push, s after the robot's first step; for stand, get-up, "
-                   "search-ball and track-ball after the start (their default: 1)")
+                   "time of the first push, in s after the robot's first step; for stand, get-up, "
+                   "search-ball and track-ball, in s after the start (default for these: 1)")
       ->check(between(0.0, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")
@@ -330,11 +330,13 @@ void add_evaluate(CLI::App& program, Action& action) {
                    "options for sbatch, as one argument: \"--partition=day --time=60\"")
       ->needs(slurm)
       ->type_name("OPTIONS");
-  auto* hosts = verb->add_option("--parallel-hosts", arguments->hosts,
-                                 "run on the machines in this file with GNU parallel. Each line is "
-                                 ": (this machine) or an ssh destination; the prefix 8/ means 8 "
-                                 "processors. DIR and kaz must have the same paths on all machines")
-                    ->type_name("FILE");
+  auto* hosts =
+      verb->add_option(
+              "--parallel-hosts", arguments->hosts,
+              "run on the machines in this file with GNU parallel. Each line is "
+              "':' for this machine, or an ssh destination; a prefix such as 8/ "
+              "sets the number of processors. DIR and kaz must have the same paths on all machines")
+          ->type_name("FILE");
   verb->add_option("--parallel-tasks", arguments->hosts_tasks,
                    "number of parts (default: 100, or one per episode if there are fewer)")
       ->check(between(1, 100000))

@@ -58,8 +58,8 @@ void add_figures(CLI::App& program, Action& action) {
       ->allow_extra_args(false)
       ->take_all();
   verb->add_option("--recording", options->recording,
-                   "recording.mcap of your own run: draw its figures instead; the run is repeated "
-                   "from its seed")
+                   "draw the figures of your own run instead, from its recording.mcap; the run is "
+                   "repeated with the recorded seed")
       ->type_name("FILE");
   verb->add_option("--goal", options->goal, "goal of figures 5 and 6, as in kaz run navigate")
       ->type_name("X,Y[,DEGREES]|ball")

@@ -42,7 +42,8 @@ void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
 
 void add_reset_to_run(CLI::App& verb, FlashArguments& arguments) {
   verb.add_option("--reset", arguments.reset,
-                  "reset the board, as after boot mode, by dtr-rts (DTR at RES, RTS at the mode "
+                  "start the firmware by a reset, for example after boot mode: dtr-rts (DTR at "
+                  "RES, RTS at the mode "
                   "pins), ctl:PATH (control socket of kaz sim) or manual. Without --reset, the "
                   "resident loader starts the firmware")
       ->type_name("HOW");

@@ -18,11 +18,11 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->capture_default_str()
       ->type_name("native|h8|KIND:PATH");
   add_address(*verb, arguments->address);
-  auto* seconds =
-      verb->add_option("--seconds", arguments->seconds, "duration; the last case is finished")
-          ->check(between(0.001, 1e7))
-          ->capture_default_str()
-          ->type_name("SECONDS");
+  auto* seconds = verb->add_option("--seconds", arguments->seconds,
+                                   "duration; a case that is running at the end is still completed")
+                      ->check(between(0.001, 1e7))
+                      ->capture_default_str()
+                      ->type_name("SECONDS");
   auto* cases = verb->add_option("--cases", arguments->cases,
                                  "number of cases to run instead, for a repeatable result")
                     ->transform(whole_number_above_zero())
@@ -50,8 +50,9 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->excludes(out);
   verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
-  verb->add_flag("--body", arguments->body,
-                 "simulate the robot's body in its world instead of motors alone, without faults");
+  verb->add_flag(
+      "--body", arguments->body,
+      "simulate the robot's body in its world, without faults, instead of only the motors");
   verb->add_flag("--allow-motion", arguments->allow_motion,
                  "required at a port, because the joints may move at random. Suspend the robot, or "
                  "disconnect the motors' supply, and stay beside it");

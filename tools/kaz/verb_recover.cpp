@@ -32,17 +32,18 @@ void add_recover(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"on", "off"}))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
-                   "notes of an interrupted run, as named in its message: also put back "
+                   "file of notes that an interrupted run named in its message: also put back "
                    "calibration, gains and limits")
       ->type_name("FILE");
-  verb->add_flag("--port-changed", arguments->port_changed,
-                 "the notes of --from belong to this board, although it was on another port")
+  verb->add_flag(
+          "--port-changed", arguments->port_changed,
+          "accept the notes in --from for this board, although they were written for another port")
       ->needs("--from");
   verb->add_flag("--json", arguments->json, "print the result as JSON");
   verb->footer(
       "Searches all 14 addresses, switches the motors off, resets the board, which clears latched "
-      "faults, and sets its address. The calibration in its flash is kept, or replaced by that of "
-      "--from.\n"
+      "faults, and sets its address. The calibration in the board's flash is kept, or replaced by "
+      "the calibration in --from.\n"
       "Exit status: 0 recovered, 1 a setting was not put back or a fault remains, 2 wrong usage, 3 "
       "port error.\n"
       "Examples:\n"

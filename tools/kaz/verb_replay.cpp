@@ -35,9 +35,9 @@ void add_replay(CLI::App& program, Action& action) {
                    "use another seed than the recording's; implies --whole")
       ->transform(whole_number());
   add_settings(*verb, arguments->settings, "another value of an option of the behavior");
-  verb->add_option(
-          "--plugin", arguments->replay.plugin,
-          "the plug-in, if the behavior of the run is one; a recording does not contain it")
+  verb->add_option("--plugin", arguments->replay.plugin,
+                   "plug-in file, if the behavior of the run is a plug-in; a recording does not "
+                   "contain the plug-in")
       ->type_name("FILE");
   add_watch_options(*verb, arguments->watch);
   auto* view = verb->get_option("--view");

@@ -181,9 +181,9 @@ void add_run(CLI::App& program, Action& action) {
                    "sim, the path of a camera socket, or v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
       ->type_name("CAMERA")
       ->capture_default_str();
-  verb->add_option(
-          "--calibration", session.backend.calibration,
-          "file of kaz calibrate stereo, for v4l2 cameras; it sets the size of their pictures")
+  verb->add_option("--calibration", session.backend.calibration,
+                   "for v4l2 cameras: calibration file written by kaz calibrate stereo, which also "
+                   "sets the size of the pictures")
       ->type_name("FILE");
   verb->add_option("--reconnect", session.backend.reconnect_s,
                    "at a port: how long to retry a lost link before the run ends")

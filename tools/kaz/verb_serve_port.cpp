@@ -19,7 +19,8 @@ void add_serve_port(CLI::App& program, Action& action) {
       ->type_name("HOST:PORT")
       ->capture_default_str();
   verb->add_flag("--raw", arguments->raw,
-                 "raw bytes, for tcp:HOST:PORT; without it, RFC 2217, for rfc2217:HOST:PORT");
+                 "serve raw bytes, for clients with tcp:HOST:PORT (default: RFC 2217, for clients "
+                 "with rfc2217:HOST:PORT)");
   verb->footer(
       "The port has no authentication: every client that can connect can move the robot. Keep it "
       "on 127.0.0.1 and forward it with ssh, or use a separate network for the robot. A client "

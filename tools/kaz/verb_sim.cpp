@@ -111,7 +111,7 @@ void add_sim(CLI::App& program, Action& action) {
                               "run as fast as possible, not in real time");
   verb->add_option("--clock", arguments->real_time.clock_path,
                    "follow an external clock, received on a Unix socket that is created at this "
-                   "path; simulated time stands still between its messages")
+                   "path; simulated time stands still between the clock's messages")
       ->type_name("PATH")
       ->excludes(fast);
   verb->add_option("--memory", arguments->memory,
@@ -121,9 +121,9 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_flag("--erased", arguments->backend.erased,
                  "start with a blank flash, as in a new chip (for kaz flash)");
   verb->add_flag("--boot", arguments->boot, "start with the board's mode switch set to boot mode");
-  verb->add_option(
-          "--write-calibration", arguments->calibration,
-          "write the eyes' calibration in OpenCV's format (YAML); without --serial, do only that")
+  verb->add_option("--write-calibration", arguments->calibration,
+                   "write the eyes' calibration in OpenCV's format (YAML); without --serial, write "
+                   "only this file")
       ->type_name("FILE");
   verb->add_flag(
       "--suspended", arguments->backend.suspended,

@@ -15,7 +15,7 @@ void add_status(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<StatusOptions>();
   add_required_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
-  verb->add_flag("--json", arguments->json, "print it as JSON");
+  verb->add_flag("--json", arguments->json, "print the state as JSON");
   verb->footer(
       "Only reads: nothing moves, and nothing is cleared. After a shutdown, see "
       "docs/explanation/safety.md.\n"

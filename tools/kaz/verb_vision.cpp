@@ -88,8 +88,8 @@ void add_learn(CLI::App& vision, Action& action) {
       ->type_name("FILE");
   verb->add_flag("--json", arguments->json, "print the thresholds as JSON too");
   verb->footer(
-      "Prints the share of the rest of the picture that has this color. Only the rest of the "
-      "object should have it; above a quarter, a warning is printed.\n"
+      "Prints the share of the rest of the picture that has this color. Only the object itself "
+      "should have this color; if the share is above a quarter, a warning is printed.\n"
       "Examples:\n"
       "  kaz eyes --world ball --eye-width 640 --out eyes\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json");
@@ -124,13 +124,13 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->capture_default_str()
       ->type_name("LIST");
   verb->add_option("--color", options->color,
-                   "color of the ball: file of kaz vision learn-color (default: red)")
+                   "color of the ball: file written by kaz vision learn-color (default: red)")
       ->type_name("FILE");
   auto* calibration =
       verb->add_option("--calibration", options->calibration,
                        "calibration of the cameras, from kaz calibrate stereo; required with "
-                       "--left and --right, v4l2 and folders. A folder needs only --view; its "
-                       "pictures count as those of the left eye")
+                       "--left and --right, v4l2 and folders. A folder needs only --view; the "
+                       "pictures in a folder count as pictures of the left eye")
           ->type_name("FILE");
   verb->add_option(
           "--view", options->view_deg,
@@ -157,15 +157,15 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->check(between(1, 100000000))
       ->type_name("N");
   verb->add_option("--robot", options->robot,
-                   "for a live camera: the robot that has it (a PORT, such as "
-                   "serial:/dev/ttyUSB0); its posture determines which plane is the floor")
+                   "for a live camera: the robot that carries the camera (a PORT, such as "
+                   "serial:/dev/ttyUSB0); the robot's posture determines which plane is the floor")
       ->type_name("ROBOT");
   add_address(*verb, options->address)->needs("--robot");
   verb->add_flag("--json", options->json,
                  "print result.json, no progress; the folder is written too");
   verb->footer(
       "Exit status: 0 done, also without a ball; 1 no picture could be read; 2 wrong usage, or no "
-      "picture found; 3 camera or port error, or lost: the results so far are kept.\n"
+      "picture found; 3 camera or port in error or lost; the results so far are kept.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"

@@ -68,7 +68,7 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
       ->needs(view);
   verb.add_flag("--view-open", arguments.open,
                 "let programs read all data (cameras, wire) without the token. Web pages of other "
-                "servers cannot read it, and control still needs the token")
+                "servers cannot read the data, and control still needs the token")
       ->needs(view);
   if (!paced) return;
   verb.add_option("--pace", arguments.pace,

@@ -103,7 +103,7 @@ TEST(Poses, WrongOnesAreRefusedBeforeAnythingMoves) {
   for (const auto& [arguments, hint] : std::map<std::vector<std::string>, std::string>{
            {{"run", "play"}, "give --poses FILE"},
            {{"run", "play", "--poses", folder / "none"}, "none: cannot be read"},
-           {{"run", "stand", "--poses", folder / "bad.json"}, "--poses is of play"},
+           {{"run", "stand", "--poses", folder / "bad.json"}, "--poses is only valid with play"},
            {{"run", "pose", "--out", folder / "posed"}, "give --view"}}) {
     const Finished refused = run(kaz(arguments));
     EXPECT_EQ(refused.exit_code, 2);

@@ -81,7 +81,7 @@ def run_losses(options, loss, times, reaction):
     link, wrong = link_of(loss.link), []
     folder = options.out / f"loss-{link.name}-{reaction}"
     messages = folder / "run.txt"
-    lost, back = "the robot stands still until it is back", "the cameras are back, after "
+    lost, back = "the robot stands still until the cameras are back", "the cameras are back, after "
     if loss.board:
         lost, back = "the link was lost; retrying for up to 20 s: ", "the link is back after "
 

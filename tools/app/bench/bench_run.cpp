@@ -94,10 +94,10 @@ Result<void> free_stand(const BenchOptions& arguments, const std::string& verb, 
   const host::CleanUp clean_up(interrupt);
   const auto back = target.stand()->put_back(arguments.supply_volts);
   if (back) return {};
-  return fail(Fault::environment,
-              "the stand " + arguments.target.stand + " may still hold a shaft (" +
-                  back.error().message +
-                  "): send `stand free` to its control socket, or run `kaz bench` with it again");
+  return fail(
+      Fault::environment,
+      "the stand " + arguments.target.stand + " may still hold a shaft (" + back.error().message +
+          "): send `stand free` to its control socket, or run `kaz bench` with this stand again");
 }
 
 Result<hil::Limits> limits_of(const std::string& path) {

@@ -310,8 +310,8 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
                                       {"--allow-flash", arguments.allow_flash}}) {
     if (given && arguments.mcu)
       return fail(Fault::usage, std::string(option) +
-                                    " is for a board at a port: on a virtual one every case runs; "
-                                    "leave it out");
+                                    " is only valid with a board at a port, because every case "
+                                    "runs on a virtual board; leave it out");
   }
   if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
   if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;

@@ -120,8 +120,9 @@ std::vector<host::ScanRemark> of_bus(const std::vector<Found>& all) {
     remarks.push_back({false, text});
   }
   if (std::ranges::any_of(all, [&all](const Found& one) { return one.baud != all[0].baud; }))
-    remarks.push_back(
-        {true, "servos at different rates: a program uses one rate; set all servos to the same"});
+    remarks.push_back({true,
+                       "servos at different rates: a program uses only one rate; set all servos to "
+                       "the same rate"});
   return remarks;
 }
 

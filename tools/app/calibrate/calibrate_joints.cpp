@@ -260,7 +260,7 @@ class Calibration {
     progress_->done();
     KAZ_TRY(confirm(
         "set the robot on a level floor, legs straight, and hold it until it stands by itself. "
-        "Next, standing: it crouches, leans and shifts its weight to each side"));
+        "Next, the standing robot crouches, leans and shifts its weight to each side"));
     KAZ_TRY(calibration::use_lines(*robot_, lines));
     const auto on = [&](double share, const std::string& what) {
       progress_->update(report_.stops ? (3 + 1.5 * share) / 4.5 : share, what);
@@ -394,7 +394,8 @@ class Calibration {
                   static_cast<int>(report_.stored->sequence));
     else
       std::printf(
-          "the virtual board ends with this run; keep its calibration with --memory FILE\n");
+          "the virtual board's calibration is lost after this run; to keep the calibration, give "
+          "--memory FILE\n");
     return Outcome();
   }
 

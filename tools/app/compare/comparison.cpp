@@ -273,7 +273,8 @@ class Measurer {
       Measure& lag = measures_.back();
       lag.a = lag.b = {};
       lag.left_out =
-          "it moved too slowly or too little: half of its gear's play may shift the lag by " +
+          "the joint moved too slowly or too little: half of the gear's play may shift the lag "
+          "by " +
           (in_play_s < 1 ? std::to_string(std::lround(1e3 * in_play_s)) + " ms"
                          : "a second or more");
     }
@@ -393,7 +394,7 @@ std::string seconds_text(double value) {
 }
 
 std::string named(const std::string& behavior) {
-  return behavior.empty() ? "an unnamed one" : behavior;
+  return behavior.empty() ? "an unnamed behavior" : behavior;
 }
 
 std::string degrees_text(double rad) {

@@ -145,7 +145,7 @@ std::string map_text(const Json& map) {
   std::string text =
       "maps within 1 m: " + percent_of("outline_found", 1) + " of outlines seen so far found";
   if (map.contains("outline_found_in_view"))
-    text += ", " + percent_of("outline_found_in_view", 1) + " of those in view in the last 2 s";
+    text += ", " + percent_of("outline_found_in_view", 1) + " of outlines in view in the last 2 s";
   return text + "; " + percent_of("floor_wrong", 2) + " of the floor marked as obstacles";
 }
 

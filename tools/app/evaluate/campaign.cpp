@@ -280,10 +280,11 @@ class Runner {
 Error lost_error(const LostEpisodes& lost, std::size_t wanted) {
   std::vector<std::uint64_t> numbers;
   for (const auto& [number, why] : lost) numbers.push_back(number);
-  return {Fault::environment, std::to_string(lost.size()) + " of " + std::to_string(wanted) +
-                                  " episodes were lost to machine errors (" +
-                                  numbers_text(numbers) + "; the first: " + lost.begin()->second +
-                                  "); they count in no rate, and the same command runs them again"};
+  return {Fault::environment,
+          std::to_string(lost.size()) + " of " + std::to_string(wanted) +
+              " episodes were lost to machine errors (" + numbers_text(numbers) +
+              "; the first: " + lost.begin()->second +
+              "); lost episodes count in no rate, and the same command runs lost episodes again"};
 }
 
 Result<Part> read_part(const std::string& folder, const Episodes& episodes) {
@@ -373,9 +374,11 @@ Result<void> refuse_others(const OutputFolder& folder, const Episodes& all) {
     if (!all.contains(number)) others.push_back(number);
   }
   if (others.empty()) return {};
-  return fail(Fault::usage, "'" + folder.folder() + "' contains episodes (" + numbers_text(others) +
-                                ") that are in none of the parts: give their folder too, or choose "
-                                "another --out");
+  return fail(
+      Fault::usage,
+      "'" + folder.folder() + "' contains episodes (" + numbers_text(others) +
+          ") that are in none of the parts: give the folder of these episodes too, or choose "
+          "another --out");
 }
 
 // A plug-in that is to be judged as one of Kaz's behaviours, or one of these with a measure of its own.
@@ -536,8 +539,8 @@ Result<bool> write_merge(const Merge& merge, const std::vector<std::string>& fol
   for (const std::string& from : folders)
     KAZ_TRY(folder.explained(copy_files(from + "/failures", folder.path("failures"))));
   const Shortage shortage = find_shortage(merge.parts);
-  const auto any = KAZ_TRY(folder.explained(summarize(merge.campaign, merge.episodes, shortage.lost,
-                                                      folder, json, shortage.extent)));
+  const auto any = KAZ_TRY(folder.explained(
+      summarize(merge.campaign, merge.episodes, shortage.lost, folder, json, shortage.extent)));
   if (!shortage.sentence.empty()) return fail(Fault::environment, shortage.sentence);
   return any;
 }

@@ -80,7 +80,8 @@ Result<std::set<int>> figures_of(const FiguresOptions& options, const std::strin
   for (const int number : options.only) {
     if (number == kFrames)
       return fail(Fault::usage,
-                  "figure 7 needs a run of its own, not a recording: leave out --recording, or 7");
+                  "figure 7 cannot be drawn from a recording: leave out --recording, or remove 7 "
+                  "from --only");
     if (!shown.contains(number))
       return fail(Fault::usage, options.recording + ": a run of " + behavior +
                                     " does not contain figure " + std::to_string(number) +
@@ -185,8 +186,8 @@ class Figures {
     if (!identical)
       return fail(Fault::failed,
                   options_.recording +
-                      ": the run now differs from the recording, as with another version of Kaz "
-                      "(`kaz replay` prints where); record it again");
+                      ": the run now differs from the recording, for example because of another "
+                      "version of Kaz (`kaz replay` prints the first difference); record it again");
     return facts.value("outcome", std::string()) == "done";
   }
 

@@ -35,8 +35,9 @@ constexpr PaperFigure kPaperFigures[] = {
      "Floor is white, obstacles are black, unseen cells are gray. The path was planned on this "
      "map."},
     {7, "Frame information messaging in visual processing modules",
-     "The modules pass on the posture at a picture's exposure, because the head has turned further "
-     "when results arrive.",
+     "Each module passes on the posture that the robot had at the exposure, because the head has "
+     "moved "
+     "by the time the results arrive.",
      "The effect: results of one sweep, entered into the map from the eyes' pose at the exposure, "
      "and from their pose when the result arrives. Black: the true edges of the boxes, unknown to "
      "the robot."},

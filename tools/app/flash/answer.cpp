@@ -78,8 +78,8 @@ void Answer::written(const host::FlashReport& report, bool by_boot_mode) {
         "1, and `kaz calibrate joints` makes a new calibration");
   char times[96];
   std::snprintf(times, sizeof times,
-                "%.2f s, of which line and cells take %.2f: efficiency %.1f %%", report.seconds,
-                report.min_seconds, 100 * report.efficiency());
+                "%.2f s; line and flash cells need at least %.2f s: efficiency %.1f %%",
+                report.seconds, report.min_seconds, 100 * report.efficiency());
   say(times);
 }
 

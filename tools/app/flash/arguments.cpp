@@ -33,8 +33,8 @@ Result<void> check_erase(const FlashArguments& arguments) {
   }
   if (arguments.blocks.empty()) return {};
   return fail(Fault::usage,
-              "boot mode erases the whole flash: give either --blocks, through the loader, or "
-              "--reset");
+              "--blocks is not valid with --reset, because boot mode erases the whole flash; leave "
+              "one of them out");
 }
 
 }  // namespace

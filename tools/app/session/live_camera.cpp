@@ -78,7 +78,8 @@ Result<std::optional<vision::StereoPair>> ReturningCamera::poll() {
     // What the cameras' sentence advises behind the semicolon is for a program that has ended.
     const std::string& why = pair.error().message;
     char text[80];
-    std::snprintf(text, sizeof text, "; the robot stands still until it is back, for up to %.3g s",
+    std::snprintf(text, sizeof text,
+                  "; the robot stands still until the cameras are back, for up to %.3g s",
                   seconds(patience_));
     report_(why.substr(0, why.find(';')) + text);
     lost_ = tried_ = now;

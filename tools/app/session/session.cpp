@@ -401,7 +401,7 @@ Result<void> Session::connect() {
           resumption.cause == host::Resumption::Cause::reset ? "; the board was reset" : "");
       return;
     }
-    std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
+    std::fprintf(stderr, "\n%s: after %.1f s %s; the board answered again %.2f s later\n",
                  options_.label.c_str(), seconds(resumption.lost - connecting),
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
   };

@@ -246,8 +246,7 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
                 "pairs (--left, --right)");
   if (options.calibration.empty() == (options.view_deg == 0))
     return fail(Fault::usage,
-                "distances need the lens: give either --calibration FILE or --view "
-                "DEGREES");
+                "distances need a camera model: give either --calibration FILE or --view DEGREES");
   auto paths = KAZ_TRY(pictures_in(options.in));
   if (options.frames > 0 && options.frames < paths.size()) paths.resize(options.frames);
   const auto lens = KAZ_TRY(Lens::of(options));

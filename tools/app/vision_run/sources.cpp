@@ -410,12 +410,11 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
     return fail(Fault::usage, options.in + ": no module processed its pictures");
   const std::size_t pairs = recorded.count("/eyes/left");
   if (ran && !*ran && !watcher.full() && watcher.report()->frames().size() < pairs)
-    std::fprintf(
-        stderr,
-        "kaz vision run: %zu of %zu recorded pairs were processed: then the behavior, which runs "
-        "again, differed from the recording, as with another version; `kaz replay --host %s` "
-        "prints where\n",
-        watcher.report()->frames().size(), pairs, options.in.c_str());
+    std::fprintf(stderr,
+                 "kaz vision run: %zu of %zu recorded pairs were processed; after them, the "
+                 "repeated behavior differed from the recording, for example because of another "
+                 "version; `kaz replay --host %s` prints the first difference\n",
+                 watcher.report()->frames().size(), pairs, options.in.c_str());
   return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
                                  vision, folder, interrupted));
 }
