@@ -282,7 +282,7 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
       {{"evaluate", "stand", "--out", folder / "lcov", "--obstacles", "4"},
        {"--obstacles is only valid with navigate"}},
       {{"conformance", "--virtual", "native", "--allow-motion"},
-       {"--allow-motion is for a board at a port", "every case runs"}},
+       {"--allow-motion is only valid with a board at a port", "every case"}},
       {{"conformance", "--virtual", "native", "--allow-flash"}, {"--allow-flash"}},
       {{"conformance", "--list", "--port", "board"}, {"--list", "--robot"}},
       {{"bench", "motor", "--allow-motion"}, {"--allow-motion needs --robot"}},
