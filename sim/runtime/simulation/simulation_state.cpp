@@ -113,6 +113,7 @@ void Simulation::transfer(A& a) {
   a.require(now_ >= 0 && std::abs(board_.now() - now_) <= KZ_STATES_PER_TICK, "time");
   bool has_eyes = eyes_ != nullptr;
   a(has_eyes);
+  a.require(has_eyes || !eyes_open_, "eyes");
   if constexpr (A::reading) {
     if (!a.good()) return;
     if (has_eyes && !this->has_eyes())
