@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 
-# Of the sentences of a page: words of the median, of 95 %, of any.
+# Limits for the sentences of a page, in words: median, 95th percentile, longest.
 MEDIAN, NEARLY_ALL, LONGEST = 16, 25, 40
 FEWEST = 10  # sentences of a page for a median and a percentile
 WORDS_IN_ALL = 55_000
@@ -48,7 +48,7 @@ def plain(text):
 
 
 def blocks(page):
-    """(line number, text, whether it is a cell of a table) of each paragraph, item and cell of a page."""
+    """(line number, text, whether it is a cell or a heading) of each paragraph, item, cell and heading."""
     lines = FENCE.sub(lambda found: "\n" * found[0].count("\n"), page).splitlines()
     found, gathered, start, in_list = [], [], 0, False
 
@@ -61,6 +61,8 @@ def blocks(page):
         is_item = ITEM.match(line)
         if not line.strip() or line.lstrip().startswith(("#", "<!--")):
             end()
+            if title := re.match(r"#+ +(.*)", line):
+                found.append((number, plain(title[1]), True))
             in_list = in_list and not line.lstrip().startswith("#")
         elif line.lstrip().startswith("|"):
             end()

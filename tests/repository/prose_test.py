@@ -78,7 +78,8 @@ class ProseTest(unittest.TestCase):
         self.assertEqual(check_page(page)[0], [])
 
     def test_each_place_is_read(self):
-        for page in ("- Of an item\n", "A line\nthat goes on. Of it\n", "| a | Of a cell |\n|---|---|\n",
+        for page in ("- Of an item\n", "## What it does\n", "A line\nthat goes on. Of it\n",
+                     "| a | Of a cell |\n|---|---|\n",
                      "1. A step:\n   Good. Of it\n", "See [of it](x.md). Of [this](y.md).\n"):
             self.assertEqual(len(check_page(page)[0]), 1, page)
 
