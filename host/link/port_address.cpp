@@ -114,7 +114,7 @@ Result<PortAddress> parse_port_address(const std::string& option, std::string_vi
     rest.remove_prefix(prefix.size());
   }
   if (const auto wrong = read_place(rest, address); !wrong.empty())
-    return fail(Fault::usage, option + " " + cut_text(text) + ": " + wrong +
+    return fail(Fault::usage, option + " " + cut_text(one_line(text)) + ": " + wrong +
                                   "; give serial:PATH or serial:PATH@BAUD, can:INTERFACE, "
                                   "tcp:HOST:PORT or rfc2217:HOST:PORT");
   return address;

@@ -65,6 +65,15 @@ TEST(PortAddress, EachMistakeHasItsSentence) {
   }
 }
 
+// Files of boards contain addresses, too.
+TEST(PortAddress, ErrorsAreOneShortLine) {
+  const auto address = parse_port_address("--robot", "can:a\nb\x1b" + std::string(500, 'c'));
+  ASSERT_FALSE(address);
+  EXPECT_TRUE(address.error().message.starts_with("--robot can:a b\\x1bccc"))
+      << address.error().message;
+  EXPECT_LT(address.error().message.size(), 300u);
+}
+
 TEST(PortAddress, SuggestedOptionsParseToTheSamePort) {
   const std::pair<const char*, const char*> kOptions[] = {
       {"/dev/ttyUSB0", "--robot serial:/dev/ttyUSB0"},
