@@ -13,6 +13,8 @@
 #include <chrono>
 #include <cstring>
 
+#include "shared/base/one_line.hpp"
+
 namespace kaz::host {
 namespace {
 
@@ -20,6 +22,7 @@ using Steady = std::chrono::steady_clock;
 
 constexpr std::size_t kLongestReply = 65536;
 constexpr std::chrono::seconds kPatience{5};
+constexpr std::size_t kMaxShown = 1000;  // bytes of a refusal in an error message
 
 // Waits for the reply to `line`, up to its end. Empty: it is in `reply`; else why it is not.
 std::string receive(int fd, const std::string& line, const Interrupt* interrupt,
@@ -80,7 +83,8 @@ Result<std::string> query_control_socket(const std::string& path, const std::str
   if (!why.empty()) return failure(why);
   reply.resize(reply.find('\n'));
   if (reply.find("\"ok\":true") == std::string::npos)
-    return fail(Fault::environment, "control socket " + path + " refused `" + line + "`: " + reply);
+    return fail(Fault::environment, "control socket " + path + " refused `" + line +
+                                        "`: " + cut_text(one_line(reply), kMaxShown));
   return reply;
 }
 
