@@ -113,7 +113,10 @@ Complaint try_can(Bytes bytes) {
   }
   // One that ends what was begun; then a whole one.
   if (!(*link)->write(Wire{0})) return "a zero was not taken";
-  while (!bus.received(send_id).empty()) continue;
+  // A full socket leaves messages in the link, which sends them when it reads.
+  for (Wire rest; !bus.received(send_id).empty();) {
+    if (!read_all(**link, rest)) return "a link without an error does not read";
+  }
   const Wire frame = frame_to(1);
   if (!(*link)->write(frame)) return "a frame was not taken";
   if (bus.received(send_id) != Wire(frame.begin() + 1, frame.end() - 1))
