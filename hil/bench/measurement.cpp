@@ -58,7 +58,7 @@ bool depends_on_line(const Measurement& one) {
 // The judgement in words; empty: the value is as it should be.
 std::string what_is_wrong(const Measurement& one) {
   const std::string& unit = one.of->unit;
-  if (std::isnan(one.value)) return "nothing could be measured";
+  if (std::isnan(one.value)) return "the measurement gave no value";
   if (one.value < one.low) {
     return with_unit(one.value, unit) + " is below the limit of " + with_unit(one.low, unit);
   }
@@ -79,20 +79,21 @@ constexpr const char* kListKeys[] = {"name", "group", "unit", "text"};
 tl::expected<std::pair<double, double>, std::string> parse_entry(const std::string& name,
                                                                  const Json& entry, bool listed) {
   if (!find_measurement(name)) {
-    return tl::unexpected("there is no measurement '" + name + "'; docs/howto/bench.md names them");
+    return tl::unexpected("there is no measurement '" + name +
+                          "'; docs/howto/bench.md lists the measurements");
   }
   if (!entry.is_object()) {
-    return tl::unexpected("'" + name + R"(' is not of the form {"low": number, "high": number})");
+    return tl::unexpected("'" + name + R"(' must have the form {"low": number, "high": number})");
   }
   std::pair<double, double> limits(-kInfinite, kInfinite);
   for (const auto& [key, value] : entry.items()) {
     if (listed && std::ranges::find(kListKeys, key) != std::end(kListKeys)) continue;
     if (key != "low" && key != "high") {
-      return tl::unexpected("'" + name + "' has a key '" + key + "'; there are 'low' and 'high'");
+      return tl::unexpected("'" + name + "' has an unknown key '" + key + "'; use 'low' or 'high'");
     }
     if (value.is_null()) continue;
     if (!value.is_number()) {
-      return tl::unexpected("'" + key + "' of '" + name + "' is neither a number nor null");
+      return tl::unexpected("'" + key + "' of '" + name + "' must be a number or null");
     }
     (key == "low" ? limits.first : limits.second) = value.get<double>();
   }
@@ -133,11 +134,12 @@ Result<Limits> parse_limits(const std::string& json, const std::string& file_nam
   const bool listed = all.is_array();
   if (!all.is_object() && !listed) {
     return wrong(file_name,
-                 "it is neither an object with measurements by name nor a list of `kaz bench list "
+                 "it must be an object with measurements by name, or a list from `kaz bench list "
                  "--json`");
   }
   if (all.empty())
-    return wrong(file_name, "it names no measurement; `kaz bench list --json` prints them all");
+    return wrong(file_name,
+                 "it contains no measurement; `kaz bench list --json` prints all of them");
   Limits limits;
   for (const auto& [key, entry] : all.items()) {
     std::string name = key;
@@ -149,7 +151,7 @@ Result<Limits> parse_limits(const std::string& json, const std::string& file_nam
     const auto parsed = parse_entry(name, entry, listed);
     if (!parsed) return wrong(file_name, parsed.error());
     if (!limits.emplace(name, *parsed).second)
-      return wrong(file_name, "'" + name + "' stands in it twice");
+      return wrong(file_name, "'" + name + "' occurs twice; remove one");
   }
   return limits;
 }
@@ -210,7 +212,7 @@ void BenchJudge::doubt(std::size_t first, double factor, const std::string& why)
     if (!may_pass && !may_fail) continue;
     one.verdict = Verdict::undecided;
     one.doubt = Measurement::Doubt::motor;
-    one.message += (one.message.empty() ? "it may be more: " : "; but ") + why;
+    one.message += (one.message.empty() ? "the true value may be higher: " : "; but ") + why;
   }
 }
 
@@ -251,18 +253,16 @@ Result<void> BenchJudge::timed(const std::function<Result<void>()>& part, Time a
       continue;
     }
     if (!trouble.empty()) {
-      leave_undecided(
-          static_cast<std::size_t>(first),
-          trouble + ", and the line was disturbed in all of " + std::to_string(run) + " runs",
-          Measurement::Doubt::line);
+      leave_undecided(static_cast<std::size_t>(first),
+                      trouble + " (the line was disturbed in all " + std::to_string(run) + " runs)",
+                      Measurement::Doubt::line);
       break;
     }
     for (auto one = all.begin() + first; one != all.end(); ++one) {
       if (!in_doubt(*one)) continue;
       one->verdict = Verdict::undecided;
       one->doubt = Measurement::Doubt::machine;
-      one->message +=
-          "; but " + excuse + ", and it was late in all of " + std::to_string(run) + " runs";
+      one->message += "; but " + excuse + " (late in all " + std::to_string(run) + " runs)";
     }
     break;
   }

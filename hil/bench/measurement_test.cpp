@@ -70,7 +70,7 @@ TEST(MeasurementTable, NothingMeasuredFailsEverywhere) {
   for (const MeasurementInfo& info : measurement_infos()) {
     const Measurement none = judged(info.name, std::nan(""));
     EXPECT_EQ(none.verdict, Verdict::failed) << info.name;
-    EXPECT_EQ(none.message, "nothing could be measured");
+    EXPECT_EQ(none.message, "the measurement gave no value");
   }
 }
 
@@ -242,7 +242,7 @@ TEST_F(JudgeOfTimes, OnADisturbedLineOnlyTheLineItselfFails) {
   ASSERT_EQ(report_.measurements.size(), 2u);
   EXPECT_EQ(report_.measurements[0].verdict, Verdict::undecided);
   EXPECT_NE(report_.measurements[0].message.find(
-                "; but on the line 2 replies were lost, and the line was disturbed in all of 4"),
+                "; but on the line 2 replies were lost (the line was disturbed in all 4 runs)"),
             std::string::npos)
       << report_.measurements[0].message;
   EXPECT_EQ(report_.measurements[1].verdict, Verdict::failed);
@@ -344,15 +344,15 @@ TEST(LimitFile, EveryMistakeIsOneSentenceWithFileAndKey) {
   const std::pair<const char*, const char*> mistakes[] = {
       {"{\n\"backlash\": {\"low\": 1,}}", "line 2 is not valid JSON"},
       {"", "is not valid JSON"},
-      {"{}", "it names no measurement"},
-      {"[]", "it names no measurement"},
-      {"1", "neither an object"},
+      {"{}", "it contains no measurement"},
+      {"[]", "it contains no measurement"},
+      {"1", "must be an object"},
       {"[1]", "entry 0 of the list has no \"name\""},
-      {R"([{"name": "backlash", "lo": 3}])", "'backlash' has a key 'lo'"},
+      {R"([{"name": "backlash", "lo": 3}])", "'backlash' has an unknown key 'lo'"},
       {R"({"backlsh": {}})", "no measurement 'backlsh'"},
-      {R"({"backlash": 3})", "'backlash' is not of the form"},
-      {R"({"backlash": {"lo": 3}})", "'backlash' has a key 'lo'"},
-      {R"({"backlash": {"low": "3"}})", "'low' of 'backlash' is neither"},
+      {R"({"backlash": 3})", "'backlash' must have the form"},
+      {R"({"backlash": {"lo": 3}})", "'backlash' has an unknown key 'lo'"},
+      {R"({"backlash": {"low": "3"}})", "'low' of 'backlash' must be a number or null"},
       {R"({"backlash": {"low": 3, "high": 2}})", "'low' of 'backlash' is above"},
       {R"({"backlash": {"low": 1e999}})", "too large"},
       {R"({"backlash": {"high": 1}, "backlash": {"high": 100}})", "\"backlash\" occurs twice"},

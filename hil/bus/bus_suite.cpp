@@ -75,8 +75,7 @@ CaseResult run_one(const ServoCase& one, ExaminedServo& servo, const BusRunOptio
     if (excuse.empty()) return result;
     if (run <= host::LatenessMeter::kRepetitions) continue;
     result.verdict = Verdict::undecided;
-    result.message +=
-        "; but " + excuse + ", and it was late in all of " + std::to_string(run) + " runs";
+    result.message += "; but " + excuse + " (late in all " + std::to_string(run) + " runs)";
     return result;
   }
 }

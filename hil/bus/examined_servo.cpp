@@ -74,9 +74,9 @@ void ExaminedServo::silent(const Bytes& wire, const std::string& else_what, Time
 std::vector<ServoAnswer> ExaminedServo::answers(const Bytes& wire, std::size_t count) {
   const auto found = answers_in(family_, exchange(wire, count, kPatience));
   check(found.damaged == 0, "an answer is damaged: its checksum, CRC or length is wrong");
-  check(!found.open, "an answer breaks off");
+  check(!found.open, "an answer is incomplete");
   equal("answers", static_cast<long>(found.all.size()), static_cast<long>(count));
-  check(found.stray == 0, std::to_string(found.stray) + " bytes outside of the answer");
+  check(found.stray == 0, std::to_string(found.stray) + " bytes outside the answer");
   return found.all;
 }
 
@@ -201,7 +201,7 @@ void ExaminedServo::end_case(bool moves) {
   const std::string holds = "its torque is not confirmed to be off: cut its power";
   check(off, wrong.empty() ? holds : holds + "; " + wrong);
   check(wrong.empty(), wrong);
-  check(moves || !was_on, "its torque came on although nothing that should do so was written");
+  check(moves || !was_on, "its torque came on unexpectedly");
 }
 
 Result<void> ExaminedServo::identify(bool release) {
@@ -236,8 +236,8 @@ Result<void> ExaminedServo::identify(bool release) {
         table_ = &one;
     if (table_ == nullptr)
       return refuse(
-          "is of the model number " + std::to_string(decode(*any, any->model_row(), first->data)) +
-          ", of which there is no table; see docs/reference/servo-bus.md for those known");
+          "has model number " + std::to_string(decode(*any, any->model_row(), first->data)) +
+          ", which has no register table; docs/reference/servo-bus.md lists the known models");
     if (family_ == ServoFamily::dynamixel) {
       firmware_ = static_cast<int>(value(table_->row("Firmware Version")));
       version_ = std::to_string(firmware_);
@@ -249,16 +249,16 @@ Result<void> ExaminedServo::identify(bool release) {
       return refuse("does not confirm that its torque is off: cut its power");
     if (!release && value(torque_row(*table_)) != 0)
       return refuse(
-          "has its torque on, and whatever it carries would fall: end the program that "
-          "drives it, or give --release");
+          "has its torque on, and its load would fall: end the program that drives it, or give "
+          "--release");
     const ServoRow& level =
         *table_->find({"Status Return Level", "response status level", "response level"});
     const long all = family_ == ServoFamily::dynamixel ? 2 : 1;
     if (value(level) != all)
-      return refuse("answers reads alone: the suite needs " + level.what + " " +
+      return refuse("answers only reads: the suite needs " + level.what + " " +
                     std::to_string(all));
   } catch (const Failed& failed) {
-    return refuse("answers wrongly from the beginning: " + failed.message);
+    return refuse("gives a wrong first answer: " + failed.message);
   } catch (const Lost& lost) {
     return tl::unexpected(lost.error);
   }

@@ -94,8 +94,7 @@ CaseResult run_one(const Case& one, Board& board, const host::Link& link,
     if (gone) throw Lost{stopped_answering(link, one)};
     if (excuse.empty()) return result;
     result.verdict = Verdict::undecided;
-    result.message +=
-        "; but " + excuse + ", and it was late in all of " + std::to_string(run) + " runs";
+    result.message += "; but " + excuse + " (late in all " + std::to_string(run) + " runs)";
     return result;
   }
 }

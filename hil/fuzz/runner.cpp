@@ -136,7 +136,7 @@ class Run {
     const bool due = !faulty_ && clock_.now() >= deaf_until_;
     const auto answered = KAZ_TRY(query(type, sequence, event.bytes));
     if (due && !answered && clock_.now() >= deaf_until_ && !violation())
-      violation_ = std::string("no reply came to a lonely request: ").append(event.text);
+      violation_ = std::string("no reply to a request sent alone: ").append(event.text);
     return {};
   }
 

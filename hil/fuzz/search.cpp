@@ -96,8 +96,7 @@ Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs) {
 
 Result<Genome> load_genome(const std::string& path) {
   constexpr std::size_t max_bytes = 1 << 20;
-  const auto bytes =
-      KAZ_TRY(read_whole_file(path, max_bytes, "give a case that kaz fuzz has written"));
+  const auto bytes = KAZ_TRY(read_whole_file(path, max_bytes, "give a case written by kaz fuzz"));
   return Genome(bytes.begin(), bytes.end());
 }
 

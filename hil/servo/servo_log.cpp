@@ -75,10 +75,10 @@ class Reader {
                     log_.name + ": the line `# " + kSettings[i].name + " VALUE` is missing");
     }
     if (log_.load_kgm2() <= 0)
-      return fail(Fault::usage, log_.name + ": mass_kg, arm_kg and length_m make no pendulum");
+      return fail(Fault::usage, log_.name + ": length_m, and mass_kg or arm_kg, must be above 0");
     if (log_.samples.size() < 2 ||
         log_.samples.back().time_s - log_.samples.front().time_s < kShortest)
-      return wrong("its samples are of less than 1 s");
+      return wrong("the samples must cover at least 1 s");
     return std::move(log_);
   }
 
@@ -97,10 +97,10 @@ class Reader {
       const auto number = parse_number<double>(value);
       if (!number || !(*number >= one.low && *number <= one.high)) {
         char bounds[80];
-        std::snprintf(bounds, sizeof bounds, "give %g to %g", one.low, one.high);
+        std::snprintf(bounds, sizeof bounds, "must be %g to %g", one.low, one.high);
         return wrong(name + " is '" + one_line(value) + "': " + bounds);
       }
-      if (set_[i]) return wrong(name + " stands in it twice");
+      if (set_[i]) return wrong(name + " occurs twice; remove one");
       set_[i] = true;
       log_.*one.at = *number;
     }
@@ -112,10 +112,11 @@ class Reader {
     for (const Column& one : kColumns) {
       std::size_t times = 0;
       for (const std::string& name : columns_) times += static_cast<std::size_t>(name == one.name);
-      if (times > 1) return wrong(std::string("the column ") + one.name + " stands there twice");
+      if (times > 1)
+        return wrong(std::string("the column ") + one.name + " occurs twice; remove one");
       if (one.needed && times == 0)
-        return wrong(std::string("there is no column ") + one.name +
-                     ": the first line without # names the columns");
+        return wrong(std::string("the column ") + one.name +
+                     " is missing; the first line without # must name it");
       log_.has_current = log_.has_current || (times == 1 && one.at == &ServoSample::current_a);
     }
     return {};
@@ -124,30 +125,35 @@ class Reader {
   Result<void> sample(const std::string& line) {
     const std::vector<std::string> fields = split(line);
     if (fields.size() != columns_.size())
-      return wrong(std::to_string(fields.size()) + " fields, and " +
-                   std::to_string(columns_.size()) + " columns");
+      return wrong(std::to_string(fields.size()) + " fields: must be " +
+                   std::to_string(columns_.size()) + ", one for each column");
     ServoSample now;
     for (std::size_t i = 0; i < fields.size(); ++i) {
       if (columns_[i] == "torque_on") {
-        if (fields[i] != "0" && fields[i] != "1") return wrong("torque_on is neither 0 nor 1");
+        if (fields[i] != "0" && fields[i] != "1") return wrong("torque_on must be 0 or 1");
         now.torque_on = fields[i] == "1";
       }
       for (const Column& one : kColumns) {
         if (columns_[i] != one.name) continue;
         const auto number = parse_number<double>(fields[i]);
-        if (!number || !(std::abs(*number) <= one.most))
-          return wrong(columns_[i] + " is '" + one_line(fields[i]) + "', which is no such number");
+        if (!number || !(std::abs(*number) <= one.most)) {
+          char bounds[80];
+          std::snprintf(bounds, sizeof bounds, "must be %g to %g", -one.most, one.most);
+          return wrong(columns_[i] + " is '" + one_line(fields[i]) + "': " + bounds);
+        }
         now.*one.at = *number;
       }
     }
     if (!log_.samples.empty()) {
       const double step = now.time_s - log_.samples.back().time_s;
-      if (!(step > 0)) return wrong("its time is not after that of the line before");
-      if (step > kLongestStep) return wrong("more than 0.5 s after the line before");
+      if (!(step > 0)) return wrong("time_s must be above that of the previous sample");
+      if (step > kLongestStep)
+        return wrong("time_s must be at most 0.5 s after the previous sample");
       if (now.time_s - log_.samples.front().time_s > kLongest)
-        return wrong("more than 600 s after the first");
+        return wrong("time_s must be at most 600 s after the first sample");
     }
-    if (log_.samples.size() >= kMostSamples) return wrong("more than 200,000 samples");
+    if (log_.samples.size() >= kMostSamples)
+      return wrong("more than 200,000 samples, the maximum; shorten the log");
     log_.samples.push_back(now);
     return {};
   }

@@ -37,20 +37,20 @@ TEST(ServoLogs, WhatIsWrongIsNamedWithItsLine) {
   EXPECT_EQ(error_of(kHead + kRows), "");
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"", "the line `# mass_kg VALUE` is missing"},
-      {kHead, "less than 1 s"},
-      {"# mass_kg -1\n" + kHead + kRows, "line 1: mass_kg is '-1': give 0 to 100"},
-      {"# mass_kg 1\n" + kHead + kRows, "line 2: mass_kg stands in it twice"},
+      {kHead, "must cover at least 1 s"},
+      {"# mass_kg -1\n" + kHead + kRows, "line 1: mass_kg is '-1': must be 0 to 100"},
+      {"# mass_kg 1\n" + kHead + kRows, "line 2: mass_kg occurs twice"},
       {"# mass_kg 0\n# length_m 1\n# gain_per_rad 1\n" + kHead.substr(kHead.find("time")) + kRows,
-       "make no pendulum"},
-      {kHead + kRows + "1.1,0,0,5\n", "line 9: its time is not after"},
-      {kHead + kRows + "9,0,0,5\n", "line 9: more than 0.5 s after"},
-      {kHead + kRows + "1.3,0,0\n", "line 9: 3 fields, and 4 columns"},
-      {kHead + kRows + "1.3,0,x,5\n", "line 9: position_rad is 'x'"},
+       "length_m, and mass_kg or arm_kg, must be above 0"},
+      {kHead + kRows + "1.1,0,0,5\n", "line 9: time_s must be above that of the previous sample"},
+      {kHead + kRows + "9,0,0,5\n", "line 9: time_s must be at most 0.5 s after"},
+      {kHead + kRows + "1.3,0,0\n", "line 9: 3 fields: must be 4, one for each column"},
+      {kHead + kRows + "1.3,0,x,5\n", "line 9: position_rad is 'x': must be -1000 to 1000"},
       {kHead + kRows + "1.3,0,nan,5\n", "line 9: position_rad is 'nan'"},
       {kHead + kRows + "1.3,0,1e9,5\n", "line 9: position_rad is '1e9'"},
-      {"time_s,goal_rad,volts\n", "there is no column position_rad"},
-      {"time_s,time_s,goal_rad,position_rad,volts\n", "the column time_s stands there twice"},
-      {"time_s,goal_rad,position_rad,volts,torque_on\n0,0,0,5,2\n", "torque_on is neither 0 nor 1"},
+      {"time_s,goal_rad,volts\n", "the column position_rad is missing"},
+      {"time_s,time_s,goal_rad,position_rad,volts\n", "the column time_s occurs twice"},
+      {"time_s,goal_rad,position_rad,volts,torque_on\n0,0,0,5,2\n", "torque_on must be 0 or 1"},
   };
   for (const auto& [text, part] : wrong)
     EXPECT_NE(error_of(text).find(part), std::string::npos) << part << ": " << error_of(text);

@@ -60,7 +60,7 @@ Task sequence(std::string behavior, std::vector<Step> steps) {
 Task fallback(std::string behavior, std::vector<Step> steps) {
   return [behavior = std::move(behavior),
           steps = std::move(steps)](Context& context) -> Result<Outcome> {
-    Result<Outcome> last = Outcome{false, "there was nothing to try", {}, "nothing to try"};
+    Result<Outcome> last = Outcome{false, "the list of steps is empty", {}, "no steps"};
     for (const Step& step : steps) {
       context.sink.phase(context.clock.now(), behavior, step.name);
       last = step.run(context);

@@ -38,7 +38,7 @@ std::string short_number(double number) {
 }
 
 std::out_of_range no_option(std::string_view name, const char* kind) {
-  return std::out_of_range("the behaviour has no option `" + std::string(name) + "` that is a " +
+  return std::out_of_range("the behavior has no option `" + std::string(name) + "` that is a " +
                            kind);
 }
 
@@ -56,7 +56,7 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
                                    [&, &key = name](const Option& o) { return o.name == key; });
     if (!known) {
       return fail(Fault::usage,
-                  "the behaviour has no option `" + name + "`: " + known_names(options));
+                  "the behavior has no option `" + name + "`: " + known_names(options));
     }
   }
 
@@ -68,8 +68,8 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     if (!option.choices.empty()) {
       const bool text_option = option.is_valid != nullptr;
       if (text_option ? !option.is_valid(text) : !is_choice(option.choices, text)) {
-        return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
-                                      "`: it is " + (text_option ? "" : "one of ") +
+        return fail(Fault::usage, "`" + text + "` is not a value of the option `" + name +
+                                      "`: must be " + (text_option ? "" : "one of ") +
                                       std::string(option.choices) +
                                       (text_option ? " (" + std::string(option.text) + ")" : ""));
       }
@@ -79,8 +79,8 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     const auto number = parse_number<double>(text);
     if (!number || *number < option.min || *number > option.max ||
         (option.whole && *number != std::floor(*number))) {
-      return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
-                                    "`: it is a " + (option.whole ? "whole number" : "number") +
+      return fail(Fault::usage, "`" + text + "` is not a value of the option `" + name +
+                                    "`: must be a " + (option.whole ? "whole number" : "number") +
                                     " from " + valid_values(option) + " (" +
                                     std::string(option.text) + ")");
     }

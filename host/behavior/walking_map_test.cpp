@@ -208,7 +208,7 @@ TEST(NavigationGoal, IsAnOptionWithASentence) {
   const auto refused = OptionValues::parse(options, {{"goal", "there"}});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().message,
-            "`there` is no value of the option `goal`: it is X,Y or ball (where to)");
+            "`there` is not a value of the option `goal`: must be X,Y or ball (where to)");
 }
 
 }  // namespace

@@ -51,30 +51,30 @@ Result<void> check_range(const BusJoint& joint) {
       std::minmax({joint.servo.steps_at(joint.lower_rad), joint.servo.steps_at(joint.upper_rad)});
   const int last = joint.servo.model->steps - 1;
   if (low > -1 && high < last + 1) return {};
-  return fail(Fault::usage, named(joint.servo) + ": by bus.json its range of " +
+  return fail(Fault::usage, named(joint.servo) + ": in bus.json its range of " +
                                 degrees(joint.lower_rad) + " to " + degrees(joint.upper_rad) +
-                                " degrees is positions " + std::to_string(std::lround(low)) +
+                                " degrees means positions " + std::to_string(std::lround(low)) +
                                 " to " + std::to_string(std::lround(high)) +
-                                ", and the servo has 0 to " + std::to_string(last) +
-                                ": positions would wrap; `kaz calibrate joints` places the range");
+                                ", but the servo has 0 to " + std::to_string(last) +
+                                ": run `kaz calibrate joints`");
 }
 
 }  // namespace
 
 Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> joints) {
   if (joints.empty() || joints.size() > KZ_JOINTS)
-    return fail(Fault::usage, "a robot on a servo bus has 1 to " + std::to_string(KZ_JOINTS) +
-                                  " joints, and this one " + std::to_string(joints.size()));
+    return fail(Fault::usage, "a robot on a servo bus must have 1 to " + std::to_string(KZ_JOINTS) +
+                                  " joints, not " + std::to_string(joints.size()));
   const servo_bus::Protocol protocol = joints.front().servo.model->protocol;
   BusBoard board(BusDriver::make(protocol, link, clock), clock);
   std::set<int> ids;
   std::string silent;
   for (BusJoint& joint : joints) {
     if (joint.servo.model->protocol != protocol)
-      return fail(Fault::usage, "bus.json has servos of two protocols: one bus speaks one");
+      return fail(Fault::usage, "bus.json has servos of two protocols: use one protocol per bus");
     if (!ids.insert(joint.servo.id).second)
       return fail(Fault::usage, "bus.json has the id " + std::to_string(joint.servo.id) +
-                                    " twice: two servos would answer at once");
+                                    " twice: give each servo its own id");
     KAZ_TRY(check_range(joint));
     const auto greeting = KAZ_TRY(board.driver_->greet(joint.servo));
     if (!greeting) {
@@ -83,21 +83,21 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
     }
     const auto& [model, mode, refused] = *greeting;
     if (model && *model != joint.servo.model->number)
-      return fail(Fault::usage, named(joint.servo) + " on " + link.name() + " is of model number " +
-                                    std::to_string(*model) + ", and bus.json says " +
+      return fail(Fault::usage, named(joint.servo) + " on " + link.name() + " has model number " +
+                                    std::to_string(*model) + ", but bus.json says " +
                                     std::string(joint.servo.model->name) + " (" +
                                     std::to_string(joint.servo.model->number) + ")");
     const int wanted = board.driver_->position_mode();
     if (mode && *mode != wanted)
       return fail(Fault::usage, named(joint.servo) + " on " + link.name() + " is in mode " +
-                                    std::to_string(*mode) + ", and only the position mode, " +
-                                    std::to_string(wanted) + ", can be driven");
+                                    std::to_string(*mode) + ": only the position mode, " +
+                                    std::to_string(wanted) + ", is supported");
     if (!refused.empty())
       return fail(
           Fault::environment,
           named(joint.servo) + " on " + link.name() + " does not accept 0 for its register " +
               std::string(refused) + ": check its plug and supply; `kaz bus scan " +
-              bus_option(joint.servo.model->protocol, link.name()) + "` counts what is lost");
+              bus_option(joint.servo.model->protocol, link.name()) + "` counts lost answers");
     Joint& one = board.joints_.emplace_back();
     one.of = std::move(joint);
   }
@@ -112,11 +112,12 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
   for (const Joint& joint : board.joints_) {
     if (joint.missing == 0 &&
         (joint.angle < joint.of.lower_rad - kBeyond || joint.angle > joint.of.upper_rad + kBeyond))
-      return fail(Fault::environment,
-                  named(joint.of.servo) + " on " + link.name() + " stands at " +
-                      degrees(joint.angle) + " degrees by bus.json, and its range is " +
-                      degrees(joint.of.lower_rad) + " to " + degrees(joint.of.upper_rad) +
-                      ": bus.json is not this robot's; `kaz calibrate joints` writes it");
+      return fail(
+          Fault::environment,
+          named(joint.of.servo) + " on " + link.name() + " is at " + degrees(joint.angle) +
+              " degrees according to bus.json, outside its range of " +
+              degrees(joint.of.lower_rad) + " to " + degrees(joint.of.upper_rad) +
+              ": bus.json belongs to another robot; `kaz calibrate joints` writes a new one");
   }
   return board;
 }

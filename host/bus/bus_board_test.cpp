@@ -386,7 +386,7 @@ TEST_F(ServoRobot, AFloodIsAnErrorAndTheTorqueGoesOffAllTheSame) {
   servos.flooding = true;
   const auto off = robot->disable_all();
   ASSERT_FALSE(off);
-  EXPECT_NE(off.error().message.find("bytes that nobody requested keep coming"), std::string::npos)
+  EXPECT_NE(off.error().message.find("unrequested bytes keep arriving"), std::string::npos)
       << off.error().message;
   EXPECT_EQ(servos.registers[1][kTorque], 0);
   EXPECT_EQ(servos.registers[2][kTorque], 0);
@@ -590,7 +590,7 @@ TEST(BusBoard, WhatIsNotThereOrAnotherIsNamed) {
   EXPECT_NE(refusal(servos).find("servo 2 (lift) does not answer"), std::string::npos);
   servos.add(2, 1000);
   servos.set(2, 3, 5);
-  EXPECT_NE(refusal(servos).find("servo 2 (lift) on the bus is of model number 5"),
+  EXPECT_NE(refusal(servos).find("servo 2 (lift) on the bus has model number 5"),
             std::string::npos);
   servos.set(2, 3, 777);
   servos.registers[1][33] = 1;
@@ -618,17 +618,17 @@ TEST(BusBoard, ARangeThatWrapsOrIsAnotherRobotsIsRefusedBeforeAnythingMoves) {
   wrapped[0].servo.zero = 4000;
   const auto refused = BusBoard::open(servos, servos, wrapped);
   ASSERT_FALSE(refused);
-  EXPECT_NE(
-      refused.error().message.find("servo 1 (pan): by bus.json its range of -86 to 86 degrees is "
-                                   "positions 3022 to 4978, and the servo has 0 to 4095"),
-      std::string::npos)
+  EXPECT_NE(refused.error().message.find(
+                "servo 1 (pan): in bus.json its range of -86 to 86 degrees means "
+                "positions 3022 to 4978, but the servo has 0 to 4095"),
+            std::string::npos)
       << refused.error().message;
   servos.add(1, 3500);  // 128 degrees by bus.json
   const auto beyond = BusBoard::open(servos, servos, two_joints());
   ASSERT_FALSE(beyond);
-  EXPECT_NE(
-      beyond.error().message.find("stands at 128 degrees by bus.json, and its range is -86 to 86"),
-      std::string::npos)
+  EXPECT_NE(beyond.error().message.find(
+                "is at 128 degrees according to bus.json, outside its range of -86 to 86"),
+            std::string::npos)
       << beyond.error().message;
   EXPECT_EQ(servos.registers[1][40], 0) << "its torque is off";
 }

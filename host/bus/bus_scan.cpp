@@ -309,26 +309,28 @@ std::vector<ScanRemark> remarks_on(const ScannedServo& servo, Protocol protocol)
   if (servo.damaged >= 3 && 4 * servo.damaged >= servo.requests) {
     std::snprintf(
         text, sizeof text,
-        "%d of %d answers are damaged: do two servos have this id? connect one alone, and "
-        "give it another",
+        "%d of %d answers are damaged, perhaps because two servos have this id: connect one "
+        "alone and give it another id",
         servo.damaged, servo.requests);
     all.push_back({true, text});
   } else if (bad > 0) {
-    std::snprintf(text, sizeof text,
-                  "of %d requests %d without an answer, %d answers damaged: check plugs, length of "
-                  "the cable, supply",
-                  servo.requests, servo.lost, servo.damaged);
+    std::snprintf(
+        text, sizeof text,
+        "%d requests: %d without an answer, %d damaged answers: check plugs, cable length "
+        "and supply",
+        servo.requests, servo.lost, servo.damaged);
     all.push_back({true, text});
   }
   if (servo.late > 0) {
-    std::snprintf(text, sizeof text,
-                  "%d requests without an answer are not decided, since this machine was late: end "
-                  "other programs and scan again",
-                  servo.late);
+    std::snprintf(
+        text, sizeof text,
+        "%d unanswered requests are inconclusive because this machine was late: end other "
+        "programs and scan again",
+        servo.late);
     all.push_back({false, text});
   }
   if (servo.number >= 0 && servo.model == nullptr)
-    all.push_back({false, "a model that Kaz has no register table of"});
+    all.push_back({false, "Kaz has no register table for this model"});
   if (servo.return_delay_s > 20e-6) {
     std::snprintf(text, sizeof text, "waits %.0f us before each answer: %s 0 makes cycles shorter",
                   1e6 * servo.return_delay_s,

@@ -372,7 +372,7 @@ TEST_F(Driver, ABoardNamesWhatIsNotRight) {
             std::string::npos);
   auto other = lift;
   other.model = servo_bus::find_model("xl430-w250");
-  EXPECT_NE(refusal({{pan, -1, 1}, {other, -1, 1}}).find("is of model number 1200"),
+  EXPECT_NE(refusal({{pan, -1, 1}, {other, -1, 1}}).find("has model number 1200"),
             std::string::npos);
   other.model = servo_bus::find_model("sts3215");
   EXPECT_NE(refusal({{pan, -1, 1}, {other, -1, 1}}).find("two protocols"), std::string::npos);

@@ -12,8 +12,9 @@ namespace kaz::host {
 Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& path) {
   if (!std::equal(std::begin(kCameraStreamMagic), std::end(kCameraStreamMagic), header.magic)) {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(header.magic);
-    return fail(Fault::environment, "what comes from " + path +
-                                        " is no camera stream: it starts with " + hex({bytes, 4}));
+    return fail(
+        Fault::environment,
+        "the data from " + path + " is not a camera stream: it starts with " + hex({bytes, 4}));
   }
   if (header.version != kCameraStreamVersion) {
     return fail(Fault::environment,
@@ -24,7 +25,7 @@ Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& 
   const auto impossible = [&](const std::string& what) {
     return fail(Fault::environment, "the camera stream at " + path +
                                         " declares an impossible camera (" + what +
-                                        "): is it made by `kaz sim --cameras`?");
+                                        "): use a stream of `kaz sim --cameras`");
   };
   const std::string size = std::to_string(header.width) + " x " + std::to_string(header.height);
   if (header.width > kCameraStreamMaxSide || header.height > kCameraStreamMaxSide)
@@ -39,7 +40,7 @@ Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& 
   stream.model.baseline_m = header.baseline_m;
   if (!valid_camera(stream.model))
     return impossible(size + " pixels, focal lengths " + std::to_string(header.fx) + " and " +
-                      std::to_string(header.fy) + ", centre " + std::to_string(header.cx) + " " +
+                      std::to_string(header.fy) + ", center " + std::to_string(header.cx) + " " +
                       std::to_string(header.cy) + ", baseline " +
                       std::to_string(header.baseline_m) + " m");
   stream.latency = Time(header.latency_ns);
@@ -51,10 +52,9 @@ Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& 
 Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream& stream, Time now,
                                 const std::string& path) {
   if (!std::equal(std::begin(kCameraPairMagic), std::end(kCameraPairMagic), pair.magic)) {
-    return fail(
-        Fault::environment,
-        "camera " + path +
-            " stopped: what came is no stereo pair (both ends must be of the same release)");
+    return fail(Fault::environment,
+                "camera " + path +
+                    " stopped: the data is not a stereo pair; run both ends from the same release");
   }
   vision::FrameInfo info;
   info.sequence = pair.sequence;
@@ -62,7 +62,7 @@ Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream
   info.camera = stream.model;
   // A pair that never becomes due would block all later ones.
   if (info.exposure < Time(0) || info.exposure > later(now, kMaxCameraAhead)) {
-    return fail(Fault::environment, "camera " + path + " stopped: a pair claims to be exposed at " +
+    return fail(Fault::environment, "camera " + path + " stopped: a pair has the exposure time " +
                                         std::to_string(pair.exposure_ns) +
                                         " ns, which is not on this machine's clock");
   }

@@ -73,13 +73,13 @@ Result<int> connect_socket(const std::string& path) {
     switch (errno) {
       case ENOENT:
       case ENOTDIR:
-        return refuse("nothing is published there; start `kaz sim` with `--cameras " + path +
+        return refuse("no program publishes it; start `kaz sim` with `--cameras " + path +
                       "` first");
       case ECONNREFUSED:
         if (stat(path.c_str(), &info) == 0 && !S_ISSOCK(info.st_mode)) {
           return refuse("it is a file, not a socket made by `kaz sim --cameras`");
         }
-        return refuse("it is left over from a simulator that has ended; start that again");
+        return refuse("its simulator has ended; start it again");
       case EACCES:
         return refuse("permission denied; run as the user who runs the simulator");
       default:
@@ -100,16 +100,16 @@ Result<CameraStreamHeader> read_header(const std::string& path, int socket, Time
     const int ready = poll(&watched, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0) {
-      return fail(Fault::environment, "what listens at " + path +
-                                          " sends no camera stream: nothing came in " +
+      return fail(Fault::environment, "the program at " + path +
+                                          " sends no camera stream: no complete header within " +
                                           std::to_string(patience.count() / 1'000'000) + " ms");
     }
     const ssize_t n =
         recv(socket, reinterpret_cast<char*>(&header) + done, sizeof header - done, 0);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
-      return fail(Fault::environment,
-                  "what listens at " + path + " closed the line before it sent a camera stream");
+      return fail(Fault::environment, "the program at " + path +
+                                          " closed the connection before it sent a camera stream");
     }
     done += static_cast<std::size_t>(n);
   }
@@ -153,9 +153,10 @@ bool PublishedCamera::read(std::span<std::uint8_t> to, const char* part, Time de
     return false;
   }
   char text[160];
-  std::snprintf(text, sizeof text,
-                " stopped: no pair came for %.3g s, %s is missing; is what publishes it paused?",
-                seconds(silence_), part);
+  std::snprintf(
+      text, sizeof text,
+      " stopped: no pair came for %.3g s, %s is missing; check whether its publisher is paused",
+      seconds(silence_), part);
   stop({Fault::environment, "camera " + path_ + text});
   return false;
 }

@@ -187,7 +187,7 @@ TEST(PublishedCamera, SaysThatNothingComes) {
     EXPECT_EQ(end.error().fault, Fault::environment);
     EXPECT_EQ(end.error().message, "camera " + publisher.path() +
                                        " stopped: no pair came for 1 s, " + missing +
-                                       " is missing; is what publishes it paused?");
+                                       " is missing; check whether its publisher is paused");
   }
 }
 
@@ -197,7 +197,7 @@ TEST(PublishedCamera, NoticesGarbageBetweenPairs) {
   publisher.send(std::string(100, 'x').data(), 100);
   const auto end = wait_for_pair(*camera);
   ASSERT_FALSE(end);
-  EXPECT_NE(end.error().message.find("is no stereo pair"), std::string::npos);
+  EXPECT_NE(end.error().message.find("is not a stereo pair"), std::string::npos);
 }
 
 TEST(PublishedCamera, DropsOldPairsOfASlowUser) {
@@ -234,7 +234,7 @@ std::string error_from(const CameraStreamHeader& with,
 }
 
 TEST(PublishedCamera, SaysWhyThereIsNone) {
-  EXPECT_NE(error_at("/nowhere/at/all").find("nothing is published there"), std::string::npos);
+  EXPECT_NE(error_at("/nowhere/at/all").find("no program publishes it"), std::string::npos);
   EXPECT_NE(error_at(std::string(200, 'x')).find("at most 107 characters"), std::string::npos);
 
   const auto file =
@@ -245,7 +245,7 @@ TEST(PublishedCamera, SaysWhyThereIsNone) {
 
   Publisher ended;
   ended.stop();
-  EXPECT_NE(error_at(ended.path()).find("left over from a simulator"), std::string::npos);
+  EXPECT_NE(error_at(ended.path()).find("its simulator has ended"), std::string::npos);
 }
 
 TEST(PublishedCamera, SaysWhatIsWrongWithTheStream) {
@@ -258,8 +258,8 @@ TEST(PublishedCamera, SaysWhatIsWrongWithTheStream) {
   other = header();
   other.width = 100000;
   EXPECT_NE(error_from(other).find("100000 x 6"), std::string::npos);
-  EXPECT_NE(error_from(header(), 10).find("nothing came in 100 ms"), std::string::npos);
-  EXPECT_NE(error_from(header(), 10, true).find("closed the line"), std::string::npos);
+  EXPECT_NE(error_from(header(), 10).find("no complete header within 100 ms"), std::string::npos);
+  EXPECT_NE(error_from(header(), 10, true).find("closed the connection"), std::string::npos);
 }
 
 // Numbers that no camera has: none, infinite, or so large that sums with them are.

@@ -72,8 +72,8 @@ Result<void> convert_jpeg(std::span<const std::uint8_t> bytes, const RawLayout& 
   auto decoded = KAZ_TRY(vision::decode_picture(bytes, "the picture"));
   if (decoded.width != layout.width || decoded.height != layout.height)
     return fail(Fault::environment,
-                "the picture is of another size than agreed: " + std::to_string(decoded.width) +
-                    " x " + std::to_string(decoded.height));
+                "the picture has an unexpected size: " + std::to_string(decoded.width) + " x " +
+                    std::to_string(decoded.height));
   image = std::move(decoded);
   return {};
 }

@@ -40,7 +40,7 @@ Result<V4l2Source> parse_v4l2_source(const std::string& text) {
                                   "; give v4l2:LEFT,RIGHT[,fps=N][,format=yuyv|rgb24|mjpeg|grey], "
                                   "as in v4l2:/dev/video0,/dev/video2");
   };
-  if (!text.starts_with(kV4l2)) return wrong("no such kind of camera");
+  if (!text.starts_with(kV4l2)) return wrong("unknown camera kind");
   V4l2Source source;
   std::vector<std::string> parts;
   for (std::size_t at = kV4l2.size(); at <= text.size();) {
@@ -58,11 +58,11 @@ Result<V4l2Source> parse_v4l2_source(const std::string& text) {
     if (part.starts_with("fps=")) {
       const auto rate = parse_number<double>(std::string_view(part).substr(4));
       if (!rate || *rate < 1 || *rate > 1000)
-        return wrong("'" + part + "' is no rate from 1 to 1000");
+        return wrong("'" + part + "': the rate must be 1 to 1000");
       source.rate_hz = *rate;
     } else if (part.starts_with("format=")) {
       source.format = pixel_format_by_name(std::string_view(part).substr(7));
-      if (!source.format) return wrong("'" + part + "' is no format that can be read");
+      if (!source.format) return wrong("'" + part + "' is not a supported format");
     } else {
       return wrong("'" + part + "' is unknown");
     }
@@ -83,7 +83,7 @@ Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const V4l2Source& source,
   for (const auto& device : devices) KAZ_TRY(device->start());
   const int wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (wake < 0)
-    return fail(Fault::environment, std::string("no eventfd for the cameras: ") +
+    return fail(Fault::environment, std::string("cannot create an eventfd for the cameras: ") +
                                         std::strerror(errno) + "; close some programs");
   const Time tolerance =
       options.tolerance > Time{} ? options.tolerance : half_interval(*devices[0], *devices[1]);
@@ -157,7 +157,7 @@ bool V4l2Camera::still_alive() {
   for (const EyeSide side : kSides) {
     if (now < heard_[index(side)] + silence_) continue;
     std::snprintf(text, sizeof text,
-                  " stopped: no picture came for %.3g s; look at its cable, and start again",
+                  " stopped: no picture came for %.3g s; check its cable and start again",
                   seconds(silence_));
     stop({Fault::environment, "camera " + devices_[index(side)]->path() + text});
     return false;

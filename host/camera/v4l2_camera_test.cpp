@@ -34,12 +34,18 @@ TEST(V4l2Camera, SourceOnTheCommandLine) {
   EXPECT_EQ(all->rate_hz, 14.5);
   EXPECT_EQ(all->format, PixelFormat::mjpeg);
   const std::pair<const char*, const char*> wrong[] = {
-      {"v4l2:", "two devices"},          {"v4l2:a", "two devices"},
-      {"v4l2:a,", "two devices"},        {"v4l2:,b", "two devices"},
-      {"v4l2:a,a", "the same device"},   {"v4l2:a,b,fps=", "no rate"},
-      {"v4l2:a,b,fps=0", "no rate"},     {"v4l2:a,b,fps=nan", "no rate"},
-      {"v4l2:a,b,fps=30x", "no rate"},   {"v4l2:a,b,format=h264", "no format"},
-      {"v4l2:a,b,size=2", "is unknown"}, {"v4l2:a,b,", "is unknown"}};
+      {"v4l2:", "two devices"},
+      {"v4l2:a", "two devices"},
+      {"v4l2:a,", "two devices"},
+      {"v4l2:,b", "two devices"},
+      {"v4l2:a,a", "the same device"},
+      {"v4l2:a,b,fps=", "the rate must be 1 to 1000"},
+      {"v4l2:a,b,fps=0", "the rate must be 1 to 1000"},
+      {"v4l2:a,b,fps=nan", "the rate must be 1 to 1000"},
+      {"v4l2:a,b,fps=30x", "the rate must be 1 to 1000"},
+      {"v4l2:a,b,format=h264", "not a supported format"},
+      {"v4l2:a,b,size=2", "is unknown"},
+      {"v4l2:a,b,", "is unknown"}};
   for (const auto& [text, why] : wrong) {
     const auto parsed = parse_v4l2_source(text);
     ASSERT_FALSE(parsed) << text;

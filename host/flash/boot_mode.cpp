@@ -54,7 +54,7 @@ tl::unexpected<Error> Boot::failure(const std::string& step, const std::string& 
   for (const std::uint8_t byte : came_) bytes.push_back(byte);
   return fail(Fault::environment,
               Diagnostic{"boot mode failed at " + step, expected, hex_of(bytes), std::move(causes),
-                         "the same command once more; boot mode can always be entered again"});
+                         "give the same command again; boot mode can always be entered again"});
 }
 
 Result<int> Boot::get(Time patience) {
@@ -79,11 +79,10 @@ Result<void> Boot::greet() {
     answer = byte;
   }
   if (answer != 0) {
-    return failure(
-        "its first step, the bit rate", "H'00 in answer to H'00 at " + rate(), answer,
-        {"the board is not in boot mode: switch of the mode pins, and a reset with it",
-         "the port is another one, or TxD and RxD are exchanged", "the board has no power",
-         "its crystal does not allow " + rate() + "; try --boot-baud 4800"});
+    return failure("the first step (bit rate)", "H'00 in answer to H'00 at " + rate(), answer,
+                   {"the board is not in boot mode: set the mode switch, then reset the board",
+                    "wrong port, or TxD and RxD are swapped", "the board has no power",
+                    "the board's crystal does not support " + rate() + "; try --boot-baud 4800"});
   }
   if (auto sent = put(0x55); !sent) return sent;
   // Parts without A mask may not answer.
@@ -99,10 +98,10 @@ Result<void> Boot::echoed(std::uint8_t byte, const std::string& what) {
   const auto echo = KAZ_TRY(get(milliseconds(500)));
   if (echo == byte) return {};
   char text[48];
-  std::snprintf(text, sizeof text, "its echo %02x", byte);
+  std::snprintf(text, sizeof text, "the echo %02x", byte);
   return failure(what, text, echo,
-                 {"the line lost or damaged a byte", "power or reset of the board was cut",
-                  "the program is longer than this part takes"});
+                 {"the line lost or damaged a byte", "the board lost power or was reset",
+                  "the program is too long for this chip"});
 }
 
 Result<void> Boot::send_program(std::span<const std::uint8_t> program) {
@@ -127,15 +126,16 @@ Result<void> Boot::finish() {
   const auto byte = KAZ_TRY(get(kEraseTime));
   if (byte == 0xaa) return {};
   if (byte == 0xff) {
-    return fail(Fault::failed, Diagnostic{"the chip cannot erase its flash",
-                                          "H'AA",
-                                          "ff: the erase error",
-                                          {"the flash is worn out: the part endures 100 erasures",
-                                           "its supply is too low while it erases"},
-                                          "measure the supply, try again; else change the part"});
+    return fail(Fault::failed,
+                Diagnostic{"the chip cannot erase its flash",
+                           "H'AA",
+                           "ff (erase error)",
+                           {"the flash is worn out: the chip is rated for 100 erasures",
+                            "the supply voltage is too low during erasing"},
+                           "measure the supply voltage and try again; otherwise replace the chip"});
   }
   return failure("the erase check", "H'AA", byte,
-                 {"power or reset of the board was cut", "the line damaged a byte"});
+                 {"the board lost power or was reset", "the line damaged a byte"});
 }
 
 Result<void> Boot::load(std::span<const std::uint8_t> program) {

@@ -33,8 +33,8 @@ Result<FlashImage> FlashImage::load(const std::string& path, const h8s::LoadOpti
       return kaz::fail(Fault::usage,
                        path + ": '" + segment.name + "' at " + hex_address(segment.load_address) +
                            " with " + std::to_string(segment.bytes.size()) +
-                           " bytes does not fit into the flash (000000 to 01ffff); is it built "
-                           "for another part?");
+                           " bytes does not fit into the flash (000000 to 01ffff); build it for "
+                           "the H8S/2128");
     }
     flash.put(segment.load_address, segment.bytes);
   }
@@ -103,25 +103,25 @@ std::uint16_t FlashImage::crc(FlashRange range, std::uint16_t from) const {
 
 std::string FlashImage::damage() const {
   const auto is = identity();
-  if (!is) return "it has no header of a Kaz application at " + hex_address(KZ_APPLICATION_HEADER);
+  if (!is) return "no header of a Kaz application at " + hex_address(KZ_APPLICATION_HEADER);
   if (is->length > KZ_APPLICATION_MAX || is->length < KZ_APPLICATION_CODE - KZ_APPLICATION)
-    return "its header says a length of " + std::to_string(is->length) + " bytes";
+    return "a header with the impossible length " + std::to_string(is->length) + " bytes";
   const std::uint32_t at = KZ_APPLICATION_HEADER + kCrcOffset;
   const auto end = static_cast<std::uint32_t>(KZ_APPLICATION + is->length);
   const std::uint16_t has = crc({at + 2, end}, crc({KZ_APPLICATION, at}, 0xffff));
   if (has == is->crc) return "";
-  return "its header says CRC " + hex_word(is->crc) + ", its bytes have " + hex_word(has);
+  return "CRC " + hex_word(is->crc) + " in the header, but CRC " + hex_word(has) + " of the bytes";
 }
 
 std::string FlashImage::loader_damage() const {
   const auto mark = std::span(bytes_).subspan(KZ_LOADER_MARK, kFlashLine);
   if (big(mark.first(4)) != KZ_LOADER_ID)
-    return "no mark at " + hex_address(KZ_LOADER_MARK) + ", the last line of the loader's block";
+    return "no mark at " + hex_address(KZ_LOADER_MARK) + " (the last line of the loader's block)";
   const auto wanted = static_cast<std::uint16_t>(big(mark.subspan(kCrcOffset, 2)));
   const std::uint16_t has = crc({KZ_LOADER, KZ_LOADER_MARK}, crc({0, KZ_VECTORS_SIZE}, 0xffff));
   if (has == wanted) return "";
-  return "the loader's mark says CRC " + hex_word(wanted) + ", vectors and loader have " +
-         hex_word(has);
+  return "CRC " + hex_word(wanted) + " in the loader's mark, but CRC " + hex_word(has) +
+         " of vectors and loader";
 }
 
 }  // namespace kaz::host

@@ -84,22 +84,22 @@ Result<void> check_loader(const FlashImage& image, bool through_boot) {
     if (!through_boot) return {};
     return fail(
         Fault::usage,
-        Diagnostic{"the image is an application alone, and boot mode erases the whole flash",
-                   "vectors (0x000000) and loader (0x00c000) beside the application",
-                   "neither of them",
-                   {"it was made for the resident loader, which keeps both"},
-                   "name the firmware's kaz.mot, or leave --reset out"});
+        Diagnostic{"the image has no vectors and no loader, but boot mode erases the whole flash",
+                   "application, vectors (0x000000) and loader (0x00c000)",
+                   "only the application",
+                   {"the image was made for the resident loader, which keeps vectors and loader"},
+                   "give the firmware's kaz.mot, or leave out --reset"});
   }
   const std::string damage = image.loader_damage();
   if (damage.empty()) return {};
   return fail(Fault::usage,
-              Diagnostic{"the image's vectors or loader are not whole",
-                         "EB0 and EB6 that fit the loader's mark",
+              Diagnostic{"the image's vectors or loader are damaged",
+                         "EB0 and EB6 that match the loader's mark",
                          damage,
                          {"the file was cut off within the loader's block (0x00c000 to "
                           "0x00dfff) or before it",
-                          "it is older than this program"},
-                         "build it again; --force does not write a damaged image"});
+                          "the image is older than this program"},
+                         "build the image again; --force does not write a damaged image"});
 }
 
 // Of a program that is none of Kaz: whether anything of it can be written.
@@ -113,12 +113,13 @@ Result<void> check_foreign(const FlashImage& image, bool through_boot) {
   return fail(
       Fault::usage,
       Diagnostic{
-          "nothing of the image can be written through the resident loader",
-          "bytes outside EB0 (vectors) and EB6 (the loader), which the loader keeps",
-          kept_blocks.empty() ? "no byte at all" : "bytes in " + kept_blocks + " alone",
-          {"it is the loader or its vectors alone", "it was built for another address"},
-          "name an image with an application; or add --reset HOW: boot mode erases the whole flash "
-          "and writes all of the image"});
+          "the resident loader cannot write any part of the image",
+          "bytes outside EB0 (vectors) and EB6 (loader), which the loader keeps",
+          kept_blocks.empty() ? "no bytes" : "only bytes in " + kept_blocks,
+          {"the image contains only the loader or its vectors",
+           "the image was built for another address"},
+          "give an image with an application, or add --reset HOW: boot mode erases the whole flash "
+          "and writes the whole image"});
 }
 
 }  // namespace
@@ -129,21 +130,21 @@ Result<void> check_image(const FlashImage& image, bool through_boot, bool force)
     if (force) return check_foreign(image, through_boot);
     return fail(
         Fault::usage,
-        Diagnostic{"the image is no application of a Kaz board",
+        Diagnostic{"the image is not an application for a Kaz board",
                    "the id \"KAZA\" at " + hex_address(KZ_APPLICATION_HEADER),
                    hex_of({image.bytes({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 4}).begin(),
                            image.bytes({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 4}).end()}),
-                   {"it is another file", "it was built for another address"},
-                   "name the firmware's kaz.mot, or add --force to write a foreign program"});
+                   {"it is not Kaz firmware", "it was built for another address"},
+                   "give the firmware's kaz.mot, or add --force to write a foreign program"});
   }
   if (const std::string damage = image.damage(); !damage.empty()) {
     return fail(Fault::usage,
-                Diagnostic{"the image is not whole",
-                           "an application that fits its header",
+                Diagnostic{"the image is damaged",
+                           "an application that matches its header",
                            damage,
                            {"the file was cut off or changed",
                             "it was linked but not stamped (tools/gen/stamp_image.py)"},
-                           "build it again; --force does not write a damaged image"});
+                           "build the image again; --force does not write a damaged image"});
   }
   return check_loader(image, through_boot);
 }
@@ -154,10 +155,10 @@ Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
   if (identity && board_id_ && *board_id_ != identity->board_id && !options_.force) {
     return fail(Fault::failed,
                 Diagnostic{"the image is for another board; nothing was changed",
-                           "board id " + hex_word(identity->board_id) + ", of the image",
-                           hex_word(*board_id_) + ", of the board on " + link_.name(),
-                           {"the port is that of another board", "the image is of another board"},
-                           "check --robot and IMAGE; --force overrides this guard alone"});
+                           "board id " + hex_word(identity->board_id) + " (image)",
+                           hex_word(*board_id_) + " (board on " + link_.name() + ")",
+                           {"--robot names another board", "IMAGE was built for another board"},
+                           "check --robot and IMAGE; --force overrides this check"});
   }
   return {};
 }
@@ -188,8 +189,8 @@ Result<bool> Flasher::enter_loader() {
   leave.fields.length = kz_pack_loader(&key, leave.fields.bytes.data());
   const auto reply = requester.exchange(std::span(&leave, 1));
   if (reply && reply->front().refused) {
-    return fail(Fault::failed, Diagnostic{"the board does not go to its loader",
-                                          "it leaves its application",
+    return fail(Fault::failed, Diagnostic{"the board does not enter its loader",
+                                          "the board leaves its application",
                                           "a refusal",
                                           {"its motors are on"},
                                           "stop the motors (`kaz status " +
@@ -207,8 +208,8 @@ Result<bool> Flasher::enter_loader() {
                  "the flash writer's reply",
                  "nothing",
                  {"the board's loader is older than this program", "the line is noisy"},
-                 "the same command again; else boot mode, which erases the whole flash: kaz "
-                 "flash write IMAGE " +
+                 "give the same command again; otherwise use boot mode, which erases the whole "
+                 "flash: kaz flash write IMAGE " +
                      robot_option(link_.name()) + " --reset dtr-rts (or ctl:PATH, or manual)"});
 }
 
@@ -227,22 +228,22 @@ Result<void> Flasher::load_writer_rest() {
       [](const WriterRequest&, const WriterReply& reply) -> Result<void> {
         if (reply.status == KZ_WRITER_OK) return {};
         return kaz::fail(Fault::failed,
-                         "the flash writer takes no more of itself: " + status_text(reply.status) +
-                             "; is writer.bin that of this program?");
+                         "loading the flash writer stopped: " + status_text(reply.status) +
+                             "; use the writer.bin of this program");
       });
 }
 
 Result<void> Flasher::enter_boot(BoardReset& reset) {
   if (program_.size() < 64 || program_.size() % kFlashLine != 0)
-    return kaz::fail(Fault::usage, "the flash writer's file is no writer.bin");
+    return kaz::fail(Fault::usage, "the flash writer's file is not a writer.bin of this program");
   const auto boot_size = static_cast<std::size_t>(program_[2] << 8 | program_[3]);
   if (boot_size > program_.size() || boot_size > 2048)
-    return kaz::fail(Fault::usage, "the flash writer's file is no writer.bin");
+    return kaz::fail(Fault::usage, "the flash writer's file is not a writer.bin of this program");
   Result<void> entered;
   int excuses = options_.lateness ? LatenessMeter::kRepetitions : 0;
   for (int k = 0, tries = kBootTries; k < tries; ++k) {
     if (k > 0)
-      report_line("boot mode once more: " +
+      report_line("retrying boot mode: " +
                   entered.error().message.substr(0, entered.error().message.find('\n')));
     report_progress("boot", 0, static_cast<std::uint32_t>(program_.size()));
     if (entered = reset.reset(true); !entered) return entered;
@@ -302,12 +303,13 @@ Result<void> Flasher::erase_block(int block) {
       writer_.exchange({KZ_WRITER_ERASE, {static_cast<std::uint8_t>(block)}}, kErasePatience);
   if (!reply) return tl::unexpected(reply.error());
   if (reply->status == KZ_WRITER_OK) return {};
-  return fail(Fault::failed, Diagnostic{"block EB" + std::to_string(block) + " cannot be erased",
-                                        "every cell erased",
-                                        status_text(reply->status),
-                                        {"the block is worn out: the part endures 100 erasures",
-                                         "the supply is too low while it erases"},
-                                        "measure the supply, try again; else change the part"});
+  return fail(Fault::failed,
+              Diagnostic{"block EB" + std::to_string(block) + " cannot be erased",
+                         "every cell erased",
+                         status_text(reply->status),
+                         {"the block is worn out: the chip is rated for 100 erasures",
+                          "the supply voltage is too low during erasing"},
+                         "measure the supply voltage and try again; otherwise replace the chip"});
 }
 
 Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const FlashImage& image,
@@ -334,12 +336,12 @@ Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const 
         if (reply.data.size() >= 2)
           at = (at & 0xffff0000u) | static_cast<std::uint32_t>(reply.data[0] << 8 | reply.data[1]);
         return fail(Fault::failed,
-                    Diagnostic{"the line at " + hex_address(at) + " cannot be written",
-                               "its bytes in the flash",
+                    Diagnostic{"the flash line at " + hex_address(at) + " cannot be written",
+                               "the image's bytes in the flash",
                                status_text(reply.status),
-                               {"the block is worn out: the part endures 100 erasures",
-                                "the supply is too low", "the flash was not erased"},
-                               "the same command again; it erases the block first"});
+                               {"the block is worn out: the chip is rated for 100 erasures",
+                                "the supply voltage is too low", "the flash was not erased"},
+                               "give the same command again; it erases the block first"});
       });
 }
 
@@ -350,12 +352,12 @@ Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const Flash
     const auto equal = KAZ_TRY(same(range, image));
     if (!equal) {
       return fail(Fault::failed,
-                  Diagnostic{"the flash does not hold the image",
+                  Diagnostic{"the flash differs from the image",
                              "the image's bytes from " + hex_address(range.from) + " to " +
                                  hex_address(range.to - 1),
-                             "other sums",
-                             {"another image was flashed since",
-                              "cells lose their charge: the part is worn"},
+                             "a different checksum",
+                             {"another image was flashed",
+                              "flash cells lose their charge: the chip is worn out"},
                              "kaz flash write IMAGE " + robot_option(link_.name()) + " …"});
     }
     report_progress("verify", done += range.size(), total);
@@ -376,16 +378,16 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
   for (int block = 0; block < kFlashBlocks; ++block) {
     if (!image.touches(block)) continue;
     if (is_setting(kBlockStart[block], image)) {
-      report_line("EB" + std::to_string(block) + " stays as it is: the board's " +
+      report_line("EB" + std::to_string(block) + " keeps the board's " +
                   (block == 3 ? "address" : "calibration") +
-                  ", which the image's bytes there do not replace");
+                  ": the image's bytes there are not written");
       continue;
     }
     if (kept(kBlockStart[block])) {
       const auto equal = KAZ_TRY(same(block_range(block), image));
       if (!equal)
         report_line("EB" + std::to_string(block) +
-                    " stays as it is: the loader keeps it; boot mode changes it");
+                    " is unchanged: the loader protects it; use boot mode to change it");
       ++skipped;
       continue;
     }
@@ -469,16 +471,16 @@ Result<FlashReport> Flasher::verify(const FlashImage& image) {
     if (same.error().fault != Fault::failed) return tl::unexpected(same.error());
     return kaz::fail(
         Fault::failed,
-        "the application is that of the image, calibration or address (EB1 to EB3) are "
-        "not: they are the board's own, which `kaz flash write` keeps");
+        "the application matches the image; calibration or address (EB1 to EB3) differ: "
+        "`kaz flash write` keeps the board's own");
   }
   // An update through the loader keeps them, so a difference is no damage.
   if (auto same = compare(loaders, image); !same) {
     if (same.error().fault != Fault::failed) return tl::unexpected(same.error());
     return kaz::fail(Fault::failed,
-                     "the application is that of the image, vectors or loader (EB0, EB6) are not: "
-                     "updates through the resident loader keep those of the board. To have the "
-                     "image's, write it through boot mode (--reset)");
+                     "the application matches the image; vectors or loader (EB0, EB6) differ: "
+                     "updates through the resident loader keep the board's own. To replace them, "
+                     "write the image through boot mode (--reset)");
   }
   report.verified = true;
   report.seconds = std::chrono::duration<double>(clock_.now() - started_).count();
@@ -491,7 +493,7 @@ Result<void> Flasher::erase(const std::vector<int>& blocks) {
   std::uint32_t done = 0;
   for (const int block : blocks) {
     if (kept(kBlockStart[block])) {
-      report_line("EB" + std::to_string(block) + " stays as it is: the loader keeps it");
+      report_line("EB" + std::to_string(block) + " is unchanged: the loader protects it");
       continue;
     }
     report_progress("erase", done, total);
@@ -519,7 +521,7 @@ Result<std::vector<std::uint8_t>> Flasher::read(FlashRange range) {
         const auto size = static_cast<std::size_t>(request.payload[4] << 8 | request.payload[5]);
         if (reply.status != KZ_WRITER_OK || reply.data.size() != size)
           return kaz::fail(Fault::failed,
-                           "the board does not read its flash: " + status_text(reply.status));
+                           "the board cannot read its flash: " + status_text(reply.status));
         bytes.insert(bytes.end(), reply.data.begin(), reply.data.end());
         report_progress("read", static_cast<std::uint32_t>(bytes.size()), range.size());
         return {};
@@ -531,14 +533,12 @@ Result<std::vector<std::uint8_t>> Flasher::read(FlashRange range) {
 std::string Flasher::left_behind() const {
   switch (state_) {
     case State::boot_mode:
-      return "the board is still in boot mode and has no firmware, or only a part of it, which "
-             "does not run; boot mode has erased its stored calibration and its address, too; give "
-             "the "
-             "same command again: boot mode can always be entered";
+      return "the board is still in boot mode without complete firmware; boot mode has also erased "
+             "its calibration and its address; give the same command again: boot mode can always "
+             "be entered";
     case State::loader_erased:
-      return "what was erased is not whole again, and the board's loader starts nothing that is "
-             "not; "
-             "give the same command again: the loader waits for it";
+      return "the erased blocks are incomplete, and the board's loader starts only complete "
+             "images; give the same command again: the loader waits for it";
     default:
       return "";
   }
@@ -553,7 +553,8 @@ Result<void> Flasher::run(BoardReset* reset) {
   const auto reply = writer_.exchange({KZ_WRITER_RUN, {}}, milliseconds(150), 3);
   if (!reply) return tl::unexpected(reply.error());
   if (reply->status != KZ_WRITER_OK)
-    return kaz::fail(Fault::failed, "there is no program to run: " + status_text(reply->status));
+    return kaz::fail(Fault::failed,
+                     "the board has no program to run: " + status_text(reply->status));
   return {};
 }
 

@@ -37,16 +37,18 @@ bool WriterLink::excused(int& left) const {
 }
 
 tl::unexpected<Error> WriterLink::no_answer(int tries) const {
-  std::vector<std::string> causes{"power or reset of the board was cut while it was being written",
-                                  "the line is damaged: cable, ground, another program on the port",
-                                  "the adapter does not keep up with 115200 baud"};
+  std::vector<std::string> causes{
+      "the board lost power or was reset during the transfer",
+      "the line is disturbed: check cable, ground, and other programs on the port",
+      "the adapter does not keep up with 115200 baud"};
   const std::string excuse = lateness_ ? lateness_->excuse() : "";
   if (!excuse.empty()) causes.insert(causes.begin(), "this machine is too busy: " + excuse);
-  return fail(Fault::environment,
-              Diagnostic{"the flash writer in the board's RAM does not answer any more",
-                         "a reply to a request that was sent " + std::to_string(tries) + " times",
-                         "nothing valid on " + link_.name(), causes,
-                         "the same command again; in boot mode the board can always be flashed"});
+  return fail(
+      Fault::environment,
+      Diagnostic{"the flash writer in the board's RAM stopped answering",
+                 "a reply to a request that was sent " + std::to_string(tries) + " times",
+                 "no valid reply on " + link_.name(), causes,
+                 "give the same command again; the board can always be flashed in boot mode"});
 }
 
 void append(std::vector<std::uint8_t>& to, std::uint32_t value, int bytes) {
@@ -58,19 +60,19 @@ std::string status_text(int status) {
     case KZ_WRITER_OK:
       return "done";
     case KZ_WRITER_DAMAGED:
-      return "a frame came damaged";
+      return "a received frame was damaged";
     case KZ_WRITER_UNKNOWN:
-      return "it does not know the request";
+      return "it does not support the request";
     case KZ_WRITER_ARGUMENTS:
       return "address or length is out of range";
     case KZ_WRITER_PROTECTED:
-      return "it keeps the vectors' and the loader's block, and its own program in RAM";
+      return "it protects the blocks of vectors and loader, and its own program in RAM";
     case KZ_WRITER_NOT_ERASED:
       return "cells stay programmed after all erase pulses";
     case KZ_WRITER_NOT_WRITTEN:
-      return "cells do not take their value after all program pulses";
+      return "cells do not reach their value after all program pulses";
     case KZ_WRITER_NOT_BLANK:
-      return "other data stand there, which have to be erased first";
+      return "the cells hold other data: erase them first";
     case KZ_WRITER_LOCKED:
       return "the chip's error protection is on until reset";
     case KZ_WRITER_NOTHING:
@@ -257,7 +259,7 @@ Result<WriterInfo> WriterLink::info(Time patience, int tries) {
   const auto reply = exchange({KZ_WRITER_INFO, {}}, patience, tries);
   if (!reply) return tl::unexpected(reply.error());
   if (reply->data.size() < 4)
-    return kaz::fail(Fault::environment, "the flash writer's information is cut short");
+    return kaz::fail(Fault::environment, "the flash writer's information is incomplete");
   WriterInfo info;
   info.protocol = reply->data[0];
   info.by_loader = reply->data[1] != 0;
@@ -297,9 +299,9 @@ Result<WriterSums> WriterLink::sums(std::uint32_t address, std::uint32_t length)
   const auto reply =
       KAZ_TRY(exchange(request, milliseconds(300) + length * std::chrono::microseconds(15)));
   if (reply.status != KZ_WRITER_OK || reply.data.size() < 6)
-    return kaz::fail(Fault::failed, "the board cannot sum " + std::to_string(length) +
-                                        " bytes at " + hex_address(address) + ": " +
-                                        status_text(reply.status));
+    return kaz::fail(Fault::failed, "the board cannot compute the checksum of " +
+                                        std::to_string(length) + " bytes at " +
+                                        hex_address(address) + ": " + status_text(reply.status));
   const auto word = [&](std::size_t k) {
     return static_cast<std::uint16_t>(reply.data[2 * k] << 8 | reply.data[2 * k + 1]);
   };

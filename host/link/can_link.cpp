@@ -56,9 +56,9 @@ std::string CanStatistics::text() const {
   add(error_frames, counted(error_frames, "error frame"));
   add(bus_off, "bus-off " + counted(bus_off, "time"));
   add(restarts, counted(restarts, "restart"));
-  add(overflows, counted(overflows, "overflow") + " of the controller");
-  add(unfinished_out, counted(unfinished_out, "message") + " that nobody took");
-  add(unfinished_in, counted(unfinished_in, "message") + " broken off");
+  add(overflows, counted(overflows, "controller overflow"));
+  add(unfinished_out, counted(unfinished_out, "message") + " not delivered");
+  add(unfinished_in, counted(unfinished_in, "message") + " received incompletely");
   add(discarded, counted(discarded, "frame") + " discarded");
   return text;
 }

@@ -122,8 +122,7 @@ TEST(CanLink, ErrorFramesAreCounted) {
       bus.error_frame(CAN_ERR_BUSOFF | CAN_ERR_RESTARTED));  // over again before anybody looked
   EXPECT_TRUE(read_all(*link).empty());
   EXPECT_EQ(link->statistics().error_frames, 3u);
-  EXPECT_EQ(link->counts(),
-            "3 error frames, bus-off 1 time, 1 restart, 1 overflow of the controller");
+  EXPECT_EQ(link->counts(), "3 error frames, bus-off 1 time, 1 restart, 1 controller overflow");
 }
 
 TEST(CanLink, BusOffIsALostLinkUntilTheInterfaceRunsAgain) {

@@ -34,21 +34,21 @@ std::string read_host(std::string_view text, PortAddress& address) {
   std::string_view host;
   if (text.starts_with('[')) {
     const auto end = text.find(']');
-    if (end == std::string_view::npos) return "the bracket of its IPv6 address does not end";
+    if (end == std::string_view::npos) return "the IPv6 address has no closing bracket";
     host = text.substr(1, end - 1);
     text.remove_prefix(end + 1);
   } else {
     const auto colon = text.find(':');
-    if (colon != text.rfind(':')) return "an IPv6 address stands in brackets, as in tcp:[::1]:7000";
+    if (colon != text.rfind(':')) return "put an IPv6 address in brackets, as in tcp:[::1]:7000";
     host = text.substr(0, colon);
     text = colon == std::string_view::npos ? std::string_view() : text.substr(colon);
   }
   if (host.empty()) return "the host is missing";
   if (std::ranges::any_of(host, [](char c) { return c <= ' ' || c == '/' || c == 0x7f; }))
-    return "its host has characters that no name of a machine has";
+    return "the host name has invalid characters";
   if (!text.starts_with(':')) return "the port number is missing";
   const auto port = parse_number<int>(text.substr(1));
-  if (!port || *port < 1 || *port > 65535) return "its port is no number from 1 to 65535";
+  if (!port || *port < 1 || *port > 65535) return "the port must be 1 to 65535";
   address.place = host;
   address.tcp_port = static_cast<std::uint16_t>(*port);
   return "";
@@ -58,7 +58,7 @@ std::string read_rate(std::string_view& text, PortAddress& address) {
   const auto at = text.rfind('@');
   if (at == std::string_view::npos) return "";
   const auto baud = parse_number<int>(text.substr(at + 1));
-  if (!baud || *baud <= 0) return "behind @ stands its bit rate, as in @115200";
+  if (!baud || *baud <= 0) return "after @ give the bit rate, as in @115200";
   address.baud = *baud;
   text = text.substr(0, at);
   return "";
@@ -69,12 +69,12 @@ std::string read_place(std::string_view text, PortAddress& address) {
     case PortKind::serial:
       if (auto wrong = read_rate(text, address); !wrong.empty()) return wrong;
       address.place = text;
-      if (text.find('\0') != std::string_view::npos) return "no path has a zero byte";
+      if (text.find('\0') != std::string_view::npos) return "the path must not have a zero byte";
       return text.empty() ? "the path of the port is missing" : "";
     case PortKind::can:
       address.place = text;
       if (text.empty()) return "the interface is missing";
-      return names_interface(text) ? "" : "what is behind can: is no name of a network interface";
+      return names_interface(text) ? "" : "the text after can: is not a network interface name";
     case PortKind::rfc2217:
       if (auto wrong = read_rate(text, address); !wrong.empty()) return wrong;
       [[fallthrough]];

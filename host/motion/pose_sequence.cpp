@@ -30,10 +30,10 @@ std::string which(std::size_t pose) {
 }
 
 Result<Pose> parse_pose(const Json& json, std::size_t index, const std::string& name) {
-  if (!json.is_object()) return wrong(name, which(index) + " is no object");
+  if (!json.is_object()) return wrong(name, which(index) + " is not an object");
   for (const auto& [key, value] : json.items()) {
     if (key != "time_s" && key != "angles_rad")
-      return wrong(name, which(index) + " has \"" + cut_text(key) + "\", which is not known here");
+      return wrong(name, which(index) + " has the unknown key \"" + cut_text(key) + "\"");
   }
   Pose pose;
   const auto time = json.find("time_s");
@@ -41,18 +41,18 @@ Result<Pose> parse_pose(const Json& json, std::size_t index, const std::string& 
     return wrong(name, which(index) + " has no number \"time_s\"");
   pose.time_s = time->get<double>();
   if (!(pose.time_s >= 0 && pose.time_s <= kMaxPosesTime_s))
-    return wrong(
-        name, which(index) + ": \"time_s\" must lie between 0 and " + Json(kMaxPosesTime_s).dump());
+    return wrong(name, which(index) + ": \"time_s\" must be 0 to " + Json(kMaxPosesTime_s).dump());
   const auto angles = json.find("angles_rad");
   if (angles == json.end() || !angles->is_object())
     return wrong(name, which(index) + " has no object \"angles_rad\"");
   for (const auto& [joint, angle] : angles->items()) {
     if (!angle.is_number())
-      return wrong(name, which(index) + ": the angle of \"" + cut_text(joint) + "\" is no number");
+      return wrong(name,
+                   which(index) + ": the angle of \"" + cut_text(joint) + "\" is not a number");
     const double rad = angle.get<double>();
     if (!(std::abs(rad) <= std::numbers::pi))
-      return wrong(name, which(index) + ": the angle of \"" + cut_text(joint) +
-                             "\" must lie between -pi and pi rad, and is " + json_sample(angle));
+      return wrong(name, which(index) + ": the angle of \"" + cut_text(joint) + "\" is " +
+                             json_sample(angle) + ": must be -pi to pi rad");
     pose.angles_rad.emplace_back(joint, rad);
   }
   return pose;
@@ -77,23 +77,24 @@ Value between(const Knot& a, const Knot& b, double time_s) {
 Result<PoseSequence> parse_poses(std::string_view text, const std::string& name) {
   if (text.size() > kMaxPosesBytes) return wrong(name, "it is larger than 1 MiB");
   const auto parsed = parse_bounded_json<Json>(text);
-  if (!parsed) return wrong(name, "it is no JSON object: " + parsed.error().message);
+  if (!parsed) return wrong(name, "it is not a JSON object: " + parsed.error().message);
   const Json& json = *parsed;
-  if (!json.is_object()) return wrong(name, "it is no JSON object");
+  if (!json.is_object()) return wrong(name, "it is not a JSON object");
   for (const auto& [key, value] : json.items()) {
-    if (key != "format" && key != "poses") return wrong(name, "\"" + cut_text(key) + "\" is not known here");
+    if (key != "format" && key != "poses")
+      return wrong(name, "unknown key \"" + cut_text(key) + "\"");
   }
   if (json.value("format", Json()) != kFormat)
     return wrong(name, std::string("\"format\" must be \"") + kFormat + "\"");
   const auto poses = json.find("poses");
   if (poses == json.end() || !poses->is_array() || poses->empty() || poses->size() > kMaxPoses)
-    return wrong(name, "\"poses\" must be a list of 1 to " + std::to_string(kMaxPoses));
+    return wrong(name, "\"poses\" must be a list of 1 to " + std::to_string(kMaxPoses) + " poses");
   PoseSequence sequence;
   for (const Json& one : *poses) {
     const std::size_t index = sequence.poses.size();
     Pose pose = KAZ_TRY(parse_pose(one, index, name));
     if (index > 0 && !(pose.time_s > sequence.poses.back().time_s))
-      return wrong(name, which(index) + " is not later than the one before it");
+      return wrong(name, which(index) + " is not later than the pose before it");
     sequence.poses.push_back(std::move(pose));
   }
   if (std::ranges::all_of(sequence.poses, [](const Pose& pose) { return pose.angles_rad.empty(); }))

@@ -43,19 +43,20 @@ TEST(Poses, AreReadAndWritten) {
 TEST(Poses, WhatIsWrongIsNamed) {
   const std::string one = R"({"time_s": 1, "angles_rad": {"pan": 0}})";
   for (const auto& [text, hint] : std::vector<std::pair<std::string, std::string>>{
-           {"", "no JSON object"},
+           {"", "not a JSON object"},
            {"{\"format\": \"kaz-poses-1\",\n \"poses\": [,]}", "line 2"},
-           {"[]", "no JSON object"},
+           {"[]", "not a JSON object"},
            {R"({"poses": []})", "\"format\" must be"},
            {file(""), "a list of 1 to 1000"},
-           {file("3"), "pose 1 is no object"},
+           {file("3"), "pose 1 is not an object"},
            {file(R"({"angles_rad": {}})"), "pose 1 has no number \"time_s\""},
-           {file(R"({"time_s": -1, "angles_rad": {}})"), "between 0 and 600"},
+           {file(R"({"time_s": -1, "angles_rad": {}})"), "\"time_s\" must be 0 to 600"},
            {file(R"({"time_s": 0})"), "pose 1 has no object \"angles_rad\""},
            {file(R"({"time_s": 0, "angles_rad": {}})"), "no pose names a joint"},
-           {file(R"({"time_s": 0, "angles_rad": {"pan": "up"}})"), "of \"pan\" is no number"},
-           {file(R"({"time_s": 0, "angles_rad": {"pan": 45}})"), "between -pi and pi rad"},
-           {file(R"({"time_s": 0, "angles": {}})"), "\"angles\", which is not known"},
+           {file(R"({"time_s": 0, "angles_rad": {"pan": "up"}})"), "of \"pan\" is not a number"},
+           {file(R"({"time_s": 0, "angles_rad": {"pan": 45}})"),
+            "\"pan\" is 45: must be -pi to pi rad"},
+           {file(R"({"time_s": 0, "angles": {}})"), "unknown key \"angles\""},
            {file(one + "," + one), "pose 2 is not later"}}) {
     const auto read = parse_poses(text, "some.json");
     ASSERT_FALSE(read) << text;

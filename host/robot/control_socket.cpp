@@ -47,7 +47,7 @@ std::string receive(int fd, const std::string& line, const Interrupt* interrupt,
     if (count <= 0) return "no reply to `" + line + "`";
     reply.append(piece, static_cast<std::size_t>(count));
     if (reply.size() > kLongestReply || Steady::now() > deadline)
-      return "no end of the reply to `" + line + "`";
+      return "the reply to `" + line + "` did not end within 5 s and 65536 bytes";
   }
   return "";
 }
@@ -58,7 +58,8 @@ Result<std::string> query_control_socket(const std::string& path, const std::str
                                          const Interrupt* interrupt) {
   const auto failure = [&](const std::string& why) {
     return fail(Fault::environment, "control socket " + path + ": " + why +
-                                        "; is `kaz sim --serial …` running, and is this its .ctl?");
+                                        "; check that `kaz sim --serial …` is running and that "
+                                        "this is its .ctl");
   };
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -63,11 +63,12 @@ TEST(Faults, ErrorsSayWhatWasExpectedAndWhatStandsThere) {
   EXPECT_EQ(error_of("link_drop 1.5"), "expected a chance from 0 to 1 of `link_drop`, found `1.5`");
   EXPECT_EQ(error_of("link_drop to nowhere"),
             "expected `board` or `host` after `to`, found `nowhere`");
-  EXPECT_EQ(error_of("link_cut now"), "expected nothing more after `at 0 s link_cut`, found `now`");
+  EXPECT_EQ(error_of("link_cut now"),
+            "expected the end of the line after `at 0 s link_cut`, found `now`");
   EXPECT_NE(error_of("link_drop nan"), "");
   EXPECT_EQ(error_of("at 1 s for 0 s link_cut"), "expected a time above 0 after `for`, found `0`");
   EXPECT_EQ(error_of("power_sag 1 9"),
-            "expected nothing more after `at 0 s power_sag drop 1 V`, found `9`");
+            "expected the end of the line after `at 0 s power_sag drop 1 V`, found `9`");
   EXPECT_NE(error_of("link_drop 0.1 0.2"), "");
   EXPECT_NE(error_of("pot_noisy joint 3 sigma 1 sigma 400"), "");
   EXPECT_NE(error_of("link_cut to board to host"), "");

@@ -168,7 +168,7 @@ Result<Fault> parse(std::string_view line, Time now) {
     if (!has_value) has_value = KAZ_TRY(value(words, entry, fault));
   }
   if (!words.peek().empty())
-    return expected("nothing more after `" + text_of(fault) + "`", words.peek());
+    return expected("the end of the line after `" + text_of(fault) + "`", words.peek());
   return fault;
 }
 
@@ -207,12 +207,12 @@ Result<Schedule> Schedule::parse(std::string_view text, const std::string& name)
 Result<Schedule> Schedule::load(const std::string& path) {
   constexpr std::size_t max_bytes = 4 << 20;
   const auto text =
-      KAZ_TRY(read_whole_file(path, max_bytes, "give a text file with one fault a line"));
+      KAZ_TRY(read_whole_file(path, max_bytes, "give a text file with one fault per line"));
   auto schedule = KAZ_TRY(parse(text, path));
   // A run without the faults that were meant would succeed for the wrong reason.
   if (schedule.faults().empty())
     return fail(kaz::Fault::usage,
-                path + ": holds no fault; give a text file with one fault a line");
+                path + ": contains no fault; give a text file with one fault per line");
   return schedule;
 }
 

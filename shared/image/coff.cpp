@@ -64,7 +64,7 @@ class Reader final : public ObjectFile {
       const unsigned section = u16(at + 12), type = u16(at + 14), storage = bytes_[at + 16];
       const std::uint32_t further = bytes_[at + 17], value = u32(at + 8);
       if (further > symbol_count_ - k - 1)
-        return error(at, "a symbol's further entries lie outside the table");
+        return error(at, "a symbol's auxiliary entries lie outside the table");
       const std::string symbol = name_at(at, 8);
       const std::size_t extra = at + kSymbol;
       const bool function = (type & 0x30) == kFunctionType;

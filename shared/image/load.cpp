@@ -26,7 +26,7 @@ Result<Image> raw(std::vector<std::uint8_t> bytes, const std::string& path,
   if (!address) return fail(path + ": a raw image needs the address of its first byte (--at)");
   if (*address > 0xffffff || bytes.size() > 0x1000000 - *address)
     return fail(path + ": " + std::to_string(bytes.size()) +
-                " bytes from the given address on go beyond 0xffffff");
+                " bytes from the given address exceed 0xffffff");
   Image image;
   image.entry = *address;
   image.segments.push_back({*address, *address, "raw image", std::move(bytes)});
@@ -61,8 +61,8 @@ Result<Image> load_image(const std::string& path, const LoadOptions& options) {
   }
   return fail(
       path +
-      ": none of S-record (starts with S), Intel HEX (starts with a colon), H8 COFF (83 02) "
-      "and ELF (7f 45 4c 46); a raw image is read where a verb has --format raw --at A");
+      ": unknown format: not S-record (starts with S), Intel HEX (starts with a colon), H8 COFF "
+      "(83 02) or ELF (7f 45 4c 46); for a raw image use --format raw --at A, if the verb has it");
 }
 
 }  // namespace kaz::h8s

@@ -141,7 +141,7 @@ class JpegDecoder {
     jpeg_start_decompress(&jpeg_);
     const std::size_t row_bytes = std::size_t{jpeg_.output_width} * 3;
     if (jpeg_.output_components != 3 || row_bytes * jpeg_.output_height != rgb.size()) {
-      std::snprintf(errors_.text, sizeof errors_.text, "its pixels do not fit its size");
+      std::snprintf(errors_.text, sizeof errors_.text, "its pixels do not match its size");
       return false;
     }
     while (jpeg_.output_scanline < jpeg_.output_height) {
@@ -183,7 +183,7 @@ Result<std::vector<std::uint8_t>> encode_jpeg(const PixelView& pixels,
                                   std::to_string(pixels.height) + " cannot be a JPEG file");
   JpegEncoder encoder;
   if (!encoder.write(pixels, settings))
-    return fail(Fault::failed, std::string("a picture cannot be made a JPEG: ") + encoder.what());
+    return fail(Fault::failed, std::string("cannot encode the picture as JPEG: ") + encoder.what());
   return encoder.take();
 }
 

@@ -87,12 +87,12 @@ class PngEncoder {
 
 Result<std::vector<std::uint8_t>> encode_png(const PixelView& pixels, const PngSettings& settings) {
   if (!valid(pixels))
-    return fail(Fault::usage, "a picture of " + std::to_string(pixels.width) + " x " +
+    return fail(Fault::usage, "invalid picture: " + std::to_string(pixels.width) + " x " +
                                   std::to_string(pixels.height) + " pixels with " +
-                                  std::to_string(pixels.samples.size()) + " bytes is none");
+                                  std::to_string(pixels.samples.size()) + " bytes");
   PngEncoder encoder;
   if (!encoder.write(pixels, settings))
-    return fail(Fault::failed, std::string("a picture cannot be made a PNG: ") + encoder.what());
+    return fail(Fault::failed, std::string("cannot encode the picture as PNG: ") + encoder.what());
   return encoder.take();
 }
 

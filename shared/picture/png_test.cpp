@@ -108,7 +108,7 @@ TEST(Png, PixelsOfAnotherSizeAreRefused) {
     EXPECT_EQ(bytes.error().fault, Fault::usage);
   }
   EXPECT_EQ(encode_png({2, 3, 3, 8, twelve}).error().message,
-            "a picture of 2 x 3 pixels with 12 bytes is none");
+            "invalid picture: 2 x 3 pixels with 12 bytes");
   EXPECT_TRUE(encode_png({2, 2, 3, 8, twelve}));
   // libpng's own limit is a million pixels a side.
   const Bytes wide(2'000'000);

@@ -36,29 +36,29 @@ struct Reader {
     const auto found = in.find(key);
     if (found == in.end() && !std::isnan(otherwise)) return otherwise;
     if (found == in.end() || !found->is_number())
-      return error(std::string("the number \"") + key + "\" is missing");
+      return error(std::string("\"") + key + "\" is missing or not a number");
     const double value = found->get<double>();
     if (!(value >= min && value <= max))
-      return error(std::string("\"") + key + "\" must lie between " + json(min).dump() + " and " +
+      return error(std::string("\"") + key + "\" must be " + json(min).dump() + " to " +
                    json(max).dump());
     return value;
   }
   Result<std::string> text(const json& in, const char* key) const {
     const auto found = in.find(key);
     if (found == in.end() || !found->is_string())
-      return error(std::string("the text \"") + key + "\" is missing");
+      return error(std::string("\"") + key + "\" is missing or not a text");
     return found->get<std::string>();
   }
   Result<void> known(const json& in, std::initializer_list<std::string_view> keys) const {
     for (const auto& [key, value] : in.items()) {
       if (std::ranges::find(keys, key) == keys.end())
-        return error("\"" + cut_text(key) + "\" is not known here");
+        return error("unknown key \"" + cut_text(key) + "\"");
     }
     return {};
   }
 
   Result<BusServo> servo(const json& in, Protocol protocol) const {
-    if (!in.is_object()) return error("\"servos\" holds what is no object");
+    if (!in.is_object()) return error("\"servos\" has an entry that is not an object");
     KAZ_TRY(known(in, {"joint", "id", "model", "zero", "reversed"}));
     BusServo servo;
     servo.joint = KAZ_TRY(text(in, "joint"));
@@ -69,15 +69,16 @@ struct Reader {
       for (const Model& one : models()) {
         if (one.protocol == protocol) names += (names.empty() ? "" : ", ") + std::string(one.name);
       }
-      return error("the model \"" + cut_text(model) + "\" is not known; those that are: " + names);
+      return error("\"model\" is \"" + cut_text(model) +
+                   "\": with this protocol it must be one of " + names);
     }
     const double id = KAZ_TRY(number(in, "id", 0, max_id(protocol), NAN));
-    if (id != std::floor(id)) return error("\"id\" is no whole number");
+    if (id != std::floor(id)) return error("\"id\" must be a whole number");
     servo.id = static_cast<int>(id);
     servo.zero = KAZ_TRY(number(in, "zero", -32766, 32766, servo.model->steps / 2));
     const auto reversed = in.find("reversed");
     if (reversed != in.end() && !reversed->is_boolean())
-      return error("\"reversed\" is neither true nor false");
+      return error("\"reversed\" must be true or false");
     servo.reversed = reversed != in.end() && reversed->get<bool>();
     return servo;
   }
@@ -90,7 +91,7 @@ struct Reader {
       if (model.protocol == protocol && std::ranges::find(model.bauds, wanted) != model.bauds.end())
         return wanted;
     }
-    return error("\"baud\" is no rate that servos of this protocol have");
+    return error("\"baud\" is not a bit rate of this protocol's servos");
   }
 
   // Each is a register that a host writes once, and that is kept without power, of every servo.
@@ -98,21 +99,20 @@ struct Reader {
     std::vector<BusSetting> settings;
     const auto found = in.find("settings");
     if (found == in.end()) return settings;
-    if (!found->is_object()) return error("\"settings\" is no object");
+    if (!found->is_object()) return error("\"settings\" is not an object");
     for (const auto& [name, value] : found->items()) {
       for (const BusServo& servo : on) {
         const Register* reg = servo.model->find(name);
         const bool settable =
             reg != nullptr && reg->writable && reg->eeprom && name != "id" && name != "baud_rate";
         if (!settable)
-          return error("\"" + name + "\" in \"settings\" is no register that " +
-                       std::string(servo.model->name) +
-                       " keeps without power, besides id and rate");
+          return error("\"" + name + "\" in \"settings\" must be a writable EEPROM register of " +
+                       std::string(servo.model->name) + " other than id and baud_rate");
         const double number = value.is_number() ? value.get<double>() : NAN;
         if (!(std::floor(number) == number && std::abs(number) < 2e9) ||
             !reg->allows(static_cast<int>(number)))
           return error("\"" + name + "\" in \"settings\" has a value that the register of " +
-                       std::string(servo.model->name) + " does not take");
+                       std::string(servo.model->name) + " does not accept");
       }
       settings.push_back({name, value.get<int>()});
     }
@@ -125,9 +125,9 @@ struct Reader {
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text) {
   const Reader reader{path};
   const auto parsed = parse_bounded_json(text);
-  if (!parsed) return reader.error("is no JSON object: " + parsed.error().message);
+  if (!parsed) return reader.error("is not a JSON object: " + parsed.error().message);
   const json& all = *parsed;
-  if (!all.is_object()) return reader.error("is no JSON object");
+  if (!all.is_object()) return reader.error("is not a JSON object");
   KAZ_TRY(
       reader.known(all, {"protocol", "baud", "supply_volts", "supply_ohm", "settings", "servos"}));
   const auto protocol = KAZ_TRY(reader.text(all, "protocol"));
@@ -135,7 +135,7 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
   if (protocol == name_of(Protocol::dynamixel)) {
     file.protocol = Protocol::dynamixel;
   } else if (protocol != name_of(Protocol::feetech)) {
-    return reader.error("\"protocol\" is neither \"feetech\" nor \"dynamixel\"");
+    return reader.error("\"protocol\" must be \"feetech\" or \"dynamixel\"");
   }
   file.baud = KAZ_TRY(reader.baud(all, file.protocol));
   file.supply_volts = KAZ_TRY(reader.number(all, "supply_volts", 0, 30, NAN));
@@ -143,7 +143,8 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
   const auto servos = all.find("servos");
   if (servos == all.end() || !servos->is_array() || servos->empty())
     return reader.error("the list \"servos\" is missing or empty");
-  if (servos->size() > kMaxServos) return reader.error("\"servos\" are more than a bus can have");
+  if (servos->size() > kMaxServos)
+    return reader.error("\"servos\" must have at most " + std::to_string(kMaxServos) + " entries");
   for (const json& one : *servos) {
     file.servos.push_back(KAZ_TRY(reader.servo(one, file.protocol)));
     const std::string& joint = file.servos.back().joint;
@@ -162,7 +163,7 @@ Result<BusFile> load_bus_file(const std::string& urdf_path) {
   const std::string path = bus_file_path(urdf_path);
   const auto text = KAZ_TRY(read_whole_file(
       path, kMaxBytes,
-      "a robot on a servo bus has one beside its URDF, see docs/reference/servo-bus.md"));
+      "a robot on a servo bus needs this file beside its URDF; see docs/reference/servo-bus.md"));
   return parse_bus_file(path, text);
 }
 

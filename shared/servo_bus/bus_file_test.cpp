@@ -37,9 +37,9 @@ TEST(BusFile, RateAndSettingsOfDynamixels) {
   ASSERT_EQ(set_up->settings.size(), 1u);
   EXPECT_EQ(set_up->settings[0].name, "return_delay_time");
   const std::pair<const char*, const char*> wrong[] = {
-      {R"("baud": 128000,)", "\"baud\" is no rate"},
-      {R"("settings": 1,)", "\"settings\" is no object"},
-      {R"("settings": {"id": 3},)", "\"id\" in \"settings\" is no register"},
+      {R"("baud": 128000,)", "\"baud\" is not a bit rate"},
+      {R"("settings": 1,)", "\"settings\" is not an object"},
+      {R"("settings": {"id": 3},)", "\"id\" in \"settings\" must be a writable EEPROM register"},
       {R"("settings": {"torque_enable": 1},)", "\"torque_enable\""},
       {R"("settings": {"operating_mode": 2},)", "a value that the register"},
       {R"("settings": {"operating_mode": "3"},)", "a value that the register"}};
@@ -68,18 +68,18 @@ TEST(BusFile, RefusesWithAReason) {
   };
   ASSERT_TRUE(parse_bus_file("bus.json", file(servo)));
   const std::pair<std::string, std::string> wrong[] = {
-      {"", "no JSON object"},
-      {"[]", "no JSON object"},
-      {R"({"protocol": "can", "supply_volts": 7, "servos": []})", "\"feetech\" nor \"dynamixel\""},
+      {"", "not a JSON object"},
+      {"[]", "not a JSON object"},
+      {R"({"protocol": "can", "supply_volts": 7, "servos": []})", "\"feetech\" or \"dynamixel\""},
       {file(""), "missing or empty"},
       {file(R"({"joint": "a", "id": 254, "model": "sts3215"})"), "\"id\""},
       {file(R"({"joint": "a", "id": 1.5, "model": "sts3215"})"), "whole number"},
       {file(R"({"joint": "a", "id": 1, "model": "mx64"})"), "scs0009, sts3215"},
-      {file(R"({"joint": "a", "id": 1, "model": "xl330-m288"})"), "those that are: scs0009"},
+      {file(R"({"joint": "a", "id": 1, "model": "xl330-m288"})"), "it must be one of scs0009"},
       {file(R"({"joint": "a", "id": 1, "model": "sts3215", "zeroo": 3})"), "\"zeroo\""},
       {file(R"({"joint": "a", "id": 1, "model": "sts3215", "reversed": 1})"), "\"reversed\""},
       {file(servo + "," + servo), "two servos"},
-      {file("7"), "no object"}};
+      {file("7"), "not an object"}};
   for (const auto& [text, reason] : wrong) {
     const auto parsed = parse_bus_file("bus.json", text);
     ASSERT_FALSE(parsed) << text;

@@ -92,8 +92,9 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& section
     ++which;
   if (which == kParams.size())
     return file.error(element, "unknown element <" + name + "> in <" + in +
-                                   ">; see shared/robot/kaz/sensors.xml for those it takes");
-  if (seen[which]) return file.error(element, "<" + name + "> stands twice in <" + in + ">");
+                                   ">; shared/robot/kaz/sensors.xml lists the supported elements");
+  if (seen[which])
+    return file.error(element, "<" + name + "> occurs twice in <" + in + ">; remove one");
   const Result<double> value = file.number(element, "value");
   if (!value) return tl::unexpected(value.error());
   const Param& param = kParams[which];
@@ -136,7 +137,9 @@ Result<SensorParams> load_sensor_file(const std::string& path) {
   const auto& root = file->root();
   for (auto* section = root.FirstChildElement(); section; section = section->NextSiblingElement()) {
     if (!has_section(section->Name()))
-      return file->error(*section, std::string("unknown sensor <") + section->Name() + ">");
+      return file->error(*section,
+                         std::string("unknown sensor <") + section->Name() +
+                             ">; shared/robot/kaz/sensors.xml lists the supported sensors");
     for (auto* e = section->FirstChildElement(); e; e = e->NextSiblingElement()) {
       KAZ_TRY(read_param(*file, *section, *e, seen, params));
     }

@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"too_much", "<open_level value=\"1.0\"/>", "<open_level value=\"1.5\"/>",
                "<open_level> of <potentiometer> must be at least 0 and at most 1"},
         Broken{"twice", "<range value=\"2\"/>", "<scale value=\"0.1\"/>",
-               "<scale> stands twice in <accelerometer>"}),
+               "<scale> occurs twice in <accelerometer>"}),
     [](const auto& one) { return one.param.name; });
 
 TEST(SensorFile, SaysWhatIsMissing) {

@@ -128,7 +128,7 @@ void ServoBoard::transfer(A& a) {
                                     }) &&
                 off_time_ >= 0 && off_time_ <= now_ &&
                 (!power_ || std::abs(mcu_->now() + off_time_ - now_) <= KZ_STATES_PER_TICK),
-            "time of the board");
+            "board time");
 }
 
 void ServoBoard::save(StateWriter& to) {

@@ -45,7 +45,7 @@ class ShaftWorld final : public World {
     return Eigen::Isometry3d::Identity();
   }
   Result<Eigen::Vector3d> object_position(const std::string&) const override {
-    return fail(Fault::usage, "there is none");
+    return fail(Fault::usage, "no such object");
   }
   double largest_joint_gap_m() const override { return 0; }
   std::string dynamics() const override { return "none"; }

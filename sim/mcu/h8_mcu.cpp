@@ -173,7 +173,7 @@ std::unique_ptr<const Mcu::Kept> H8Mcu::keep(StateWriter& to) {
 
 void H8Mcu::take(StateReader& from, const Kept* kept) {
   const auto* const chip = dynamic_cast<const KeptChip*>(kept);
-  if (chip == nullptr) return from.refuse("it is of another engine");
+  if (chip == nullptr) return from.refuse("it belongs to another engine");
   wiring_error_.reset();
   from(base_, transmitted_, pins_, hung_, hung_at_);
   chip_.restore(*chip->chip);

@@ -80,7 +80,7 @@ class Mcu {
   // than h8 return Fault::usage for boot mode.
   virtual Result<void> set_boot_pins(bool boot) {
     if (!boot) return {};
-    return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; h8 has");
+    return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; use h8");
   }
   // Returns true while the boot ROM runs, and false after the boot ROM has started the downloaded program.
   virtual bool in_boot_rom() const { return false; }

@@ -17,9 +17,9 @@ Result<void> load_memory(Mcu& mcu, const std::string& path) {
   const auto bytes = KAZ_TRY(read_whole_file(path, 1 << 20, "give a memory of a board"));
   std::array<std::uint8_t, Mcu::memory_size> memory{};
   if (bytes.size() != memory.size())
-    return fail(Fault::usage, path + " is no memory of a board, which has " +
+    return fail(Fault::usage, path + ": the memory of a board must have " +
                                   std::to_string(Mcu::memory_size) +
-                                  " bytes; name another file, or remove it");
+                                  " bytes; give another file, or remove it");
   std::ranges::copy(bytes, memory.begin());
   mcu.set_memory(memory);
   return {};

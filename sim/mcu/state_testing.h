@@ -54,7 +54,7 @@ inline void sweep_state(Mcu& mcu, const std::vector<std::uint8_t>& valid, std::s
     damaged[at] = values[at / stride % values.size()];
     if (!restore_and_run(mcu, damaged, states).empty()) ++refused;
   }
-  EXPECT_GT(refused, (end - begin) / stride / 100) << "nothing is checked";
+  EXPECT_GT(refused, (end - begin) / stride / 100) << "the restore checks too little";
   EXPECT_LT(refused, (end - begin) / stride);
   ASSERT_EQ(restore_and_run(mcu, valid, states), "");
   EXPECT_TRUE(outcome() == expected);

@@ -183,12 +183,11 @@ TEST(StandCommands, AreCheckedWordByWord) {
   EXPECT_EQ(refused(""), "there is no command `stand`; `stand help` lists them");
   EXPECT_EQ(refused("clamp l_hand"), "`stand clamp` takes 2 words, got 1");
   EXPECT_EQ(refused("clamp l_foot on"),
-            "there is no joint `l_foot`; they are those of docs/reference/robot.md");
+            "there is no joint `l_foot`; docs/reference/robot.md lists the joints");
   EXPECT_EQ(refused("clamp l_hand in"), "`clamp` takes a joint and on or off, got `in`");
-  EXPECT_EQ(refused("supply 99"), "the supply in V is a number from 0 to 15, got `99`");
-  EXPECT_EQ(refused("press l_hand nan"),
-            "a weight's torque in Nm is a number from -1 to 1, got `nan`");
-  EXPECT_EQ(refused("turn l_hand 1e9"), "an angle in rad is a number from -4 to 4, got `1e9`");
+  EXPECT_EQ(refused("supply 99"), "the supply in V must be 0 to 15, got `99`");
+  EXPECT_EQ(refused("press l_hand nan"), "a weight's torque in Nm must be -1 to 1, got `nan`");
+  EXPECT_EQ(refused("turn l_hand 1e9"), "an angle in rad must be -4 to 4, got `1e9`");
 }
 
 TEST(StandCommands, DoWhatTheySay) {

@@ -25,7 +25,7 @@ Result<double> number(const std::string& word, const std::string& what, double l
   const auto value = parse_number<double>(word);
   if (!value || *value < low || *value > high) {
     std::ostringstream bounds;
-    bounds << what << " is a number from " << low << " to " << high;
+    bounds << what << " must be " << low << " to " << high;
     return fail(Fault::usage, bounds.str() + ", got `" + word + "`");
   }
   return *value;
@@ -36,7 +36,7 @@ Result<std::size_t> joint_of(const std::string& word) {
   const auto found = std::ranges::find(names, word);
   if (found == names.end())
     return fail(Fault::usage,
-                "there is no joint `" + word + "`; they are those of docs/reference/robot.md");
+                "there is no joint `" + word + "`; docs/reference/robot.md lists the joints");
   return static_cast<std::size_t>(found - names.begin());
 }
 
@@ -61,17 +61,19 @@ std::string within(double low, double high, const char* unit) {
 }
 
 const Json kHelp = {
-    {"disc", "what is on the shafts"},
-    {"free", "lever, weight and hand off every shaft, and the supply as at the beginning"},
-    {"supply V", "the supply's knob: volts without load, " + within(0, kMaxVolts, "V")},
-    {"clamp JOINT on|off", "the lever on the shaft against the scale, which is set to zero"},
-    {"scale JOINT", "what the motor has pressed with"},
+    {"disc", "print the inertia of the disc on each shaft"},
+    {"free",
+     "remove lever, weight and hand from every shaft, and restore the first supply voltage"},
+    {"supply V", "set the supply's voltage without load, " + within(0, kMaxVolts, "V")},
+    {"clamp JOINT on|off",
+     "hold the shaft by its lever against the scale set to zero, or release it"},
+    {"scale JOINT", "print the torque on the scale"},
     {"press JOINT NM",
-     "a weight on the shaft, " + within(-kMaxPress, kMaxPress, "Nm") + "; 0 lifts it off"},
-    {"turn JOINT RAD",
-     "a hand turns the shaft there, " + within(-kMaxTurn, kMaxTurn, "rad") + ", and keeps it"},
-    {"let JOINT", "the hand lets go"},
-    {"protractor JOINT", "where the shaft stands"}};
+     "put a weight on the shaft, " + within(-kMaxPress, kMaxPress, "Nm") + "; 0 removes it"},
+    {"turn JOINT RAD", "turn the shaft by hand to this angle, " +
+                           within(-kMaxTurn, kMaxTurn, "rad") + ", and hold it"},
+    {"let JOINT", "release the shaft from the hand"},
+    {"protractor JOINT", "print the angle of the shaft"}};
 
 // Commands about one joint.
 Result<Json> answer_joint(MotorStand& stand, const Words& words, std::size_t joint) {

@@ -130,7 +130,7 @@ int parse_and_run(int argc, char** argv) {
       "\n"
       "  valgrind --tool=callgrind build/release/bin/kaz_benchmark --run mcu.firmware_x --amount "
       "200\n"
-      "What each name means and how it is measured: docs/results/README.md.\n"
+      "docs/results/README.md explains each name and its measurement.\n"
       "Exit status: 0 measured, 1 a measurement failed, 2 wrong usage, 3 the environment "
       "failed.");
   try {

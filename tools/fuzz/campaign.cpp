@@ -91,8 +91,8 @@ class PortTarget {
       // Also the reply to whether the other end was late is not waited for any longer.
       if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
       if (again == 0 || meter_.other_end_gone())
-        return fail(Fault::environment, "whether a case has failed is not decided (" +
-                                            *verdict->violation + "): " + excuse);
+        return fail(Fault::environment,
+                    "the result of a case is not decided (" + *verdict->violation + "): " + excuse);
     }
   }
 
@@ -240,29 +240,30 @@ class Fuzzing {
     return tl::unexpected(std::move(error));
   }
 
-  // Options that would not act on this target, and motion that nobody has allowed.
+  // Rejects options without effect on this target, and motion without --allow-motion.
   Result<void> check_options(std::optional<sim::McuKind> mcu) const {
     if (!arguments_.image.empty() && mcu != sim::McuKind::h8)
-      return fail(Fault::usage, "--image is for --target h8 alone");
+      return fail(Fault::usage, "--image is only valid with --target h8");
     if (mcu) {
       const char* const foreign = arguments_.wear_flash                      ? "--wear-flash"
                                   : arguments_.allow_motion                  ? "--allow-motion"
                                   : arguments_.address != KZ_ADDRESS_DEFAULT ? "--address"
                                                                              : nullptr;
       if (foreign == nullptr) return {};
-      return fail(Fault::usage, std::string(foreign) + " is for a board at a port: --target PATH");
+      return fail(Fault::usage,
+                  std::string(foreign) + " is only valid with a board at a port: --target PATH");
     }
     if (arguments_.body)
       return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
     KAZ_TRY(check_port());
     if (arguments_.seed_given && !arguments_.replay.empty())
       return fail(Fault::usage,
-                  "--seed: a case that is replayed at a port draws nothing; leave it out, or "
-                  "replay it on --target native or h8, whose noise and faults it is of");
+                  "--seed is not valid if a case is replayed at a port; leave --seed out, or use "
+                  "--target native or h8, which have random noise and faults");
     if (!arguments_.allow_motion)
-      return fail(Fault::usage, "this moves the joints of the robot at " + arguments_.target +
-                                    " at random: hang the robot up or take the motors' supply "
-                                    "away, then give --allow-motion");
+      return fail(Fault::usage, "kaz fuzz moves the joints of the robot at " + arguments_.target +
+                                    " at random: hang up the robot or disconnect the motors' "
+                                    "supply, then give --allow-motion");
     return {};
   }
 
@@ -298,12 +299,12 @@ class Fuzzing {
     std::error_code error;
     std::filesystem::create_directories(arguments_.corpus, error);
     if (error)
-      return fail(Fault::usage, "--corpus " + arguments_.corpus + " cannot be made: " +
-                                    error.message() + "; give a folder that can be written");
+      return fail(Fault::usage, "--corpus " + arguments_.corpus + " cannot be created: " +
+                                    error.message() + "; give a writable folder");
     if (std::filesystem::exists(arguments_.corpus + "/" + std::string(kOutputListName), error))
       return fail(Fault::usage, "--corpus " + arguments_.corpus +
-                                    ": a folder of results, whose files are no cases; give a "
-                                    "folder of its own");
+                                    ": a folder of results, which contains no cases; give "
+                                    "another folder");
     auto corpus = KAZ_TRY(hil::fuzz::load_corpus(arguments_.corpus));
     for (const Genome& genome : corpus) {
       const auto verdict = KAZ_TRY(one(genome));
@@ -322,11 +323,10 @@ class Fuzzing {
     if (error.fault == Fault::environment || error.fault == Fault::interrupted)
       report(search, std::nullopt, "");
     if (error.fault != Fault::interrupted) return tl::unexpected(error);
-    return fail(
-        Fault::interrupted,
-        totals_.cases == 0
-            ? std::string("interrupted before a case had ended: nothing is decided")
-            : "interrupted after " + counted(totals_.cases, "case") + ", none of them failed");
+    return fail(Fault::interrupted,
+                totals_.cases == 0
+                    ? std::string("interrupted before the first case was complete")
+                    : "interrupted after " + counted(totals_.cases, "case") + "; none failed");
   }
 
   Result<Verdict> one(const Genome& genome) {
@@ -396,17 +396,17 @@ class Fuzzing {
     const auto violation = verdict ? verdict->violation : std::optional<std::string>();
     report(search,
            violation.value_or(first_violation_ +
-                              (verdict ? "; not seen again when the case was repeated"
+                              (verdict ? "; it did not occur again when the case was repeated"
                                        : "; the case was still being shortened")),
            hil::fuzz::text_of(hil::fuzz::events_of(kept, grammar_)));
     KAZ_TRY(written);
     if (interrupted)
       return fail(
           Fault::interrupted,
-          "interrupted while a failing case was shortened; it is kept in " + arguments_.out);
+          "interrupted while a failing case was shortened; the case is saved in " + arguments_.out);
     if (!verdict)
       return fail(verdict.error().fault,
-                  broken_off_ + "; a case that failed before is kept in " + arguments_.out);
+                  broken_off_ + "; an earlier failing case is saved in " + arguments_.out);
     return false;
   }
 
@@ -469,7 +469,7 @@ class Fuzzing {
       return;
     }
     if (!text.empty()) std::printf("%s", text.c_str());
-    const std::string part = totals_.broken_off > 0 ? " and a part of one more" : "";
+    const std::string part = totals_.broken_off > 0 ? " and part of another case" : "";
     const std::string shortening =
         totals_.shortening > 0
             ? " (" + std::to_string(totals_.shortening) + " to shorten the one that failed)"
@@ -498,10 +498,10 @@ class Fuzzing {
     if (!violation) {
       std::printf("%s%s\n",
                   totals_.cases > 0        ? "nothing was wrong"
-                  : totals_.broken_off > 0 ? "no case came to its end, so nothing is decided"
-                                           : "nothing was tried",
+                  : totals_.broken_off > 0 ? "no case was complete, so there is no result"
+                                           : "no case was run",
                   totals_.cases == 0       ? ""
-                  : !broken_off_.empty()   ? " until the run broke off"
+                  : !broken_off_.empty()   ? " until the run stopped early"
                   : interrupt_.requested() ? " until the run was interrupted"
                                            : "");
       return;

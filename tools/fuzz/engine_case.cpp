@@ -67,7 +67,7 @@ class BodyJudge {
     Joint& joint = joints_[j];
     const bool off = joint.off_ticks > kDriveLag;
     if (off && drive.powered && drive.duty != 0 && !violation_)
-      violation_ = std::string(joint_names[j]) + " is off, and its motor has duty " +
+      violation_ = std::string(joint_names[j]) + " is off, but its motor has duty " +
                    std::to_string(drive.duty);
     const kz_joint& servo = servo_->joint[j];
     // The angle as the board would measure it without noise, by the calibration that it uses now.

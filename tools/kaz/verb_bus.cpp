@@ -139,7 +139,7 @@ void add_bus(CLI::App& program, Action& action) {
   scan->footer(
       "Only reads: nothing moves, and no register is written. Each id takes 8 ms at each rate; a "
       "scan with both protocols takes a minute. --protocol and --baud shorten the scan.\n"
-      "Exit status: 0 servos found and nothing is wrong, 1 no servo found, or something is wrong, "
+      "Exit status: 0 servos found without faults, 1 no servo found, or a fault was found, "
       "2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz bus scan --robot serial:/dev/ttyACM0\n"

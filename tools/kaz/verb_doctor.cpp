@@ -23,7 +23,7 @@ void add_doctor(CLI::App& program, Action& action) {
       "Each finding is good, a note (it could be better) or wrong, with the command that fixes it. "
       "Only the serial port of --robot is opened, because some adapters would reset the board. "
       "Only root can find programs of other users that hold a device.\n"
-      "Exit status: 0 nothing is wrong, 1 something is wrong.\n"
+      "Exit status: 0 no fault found, 1 a fault was found.\n"
       "Examples:\n"
       "  kaz doctor\n"
       "  kaz doctor --robot serial:/dev/ttyUSB0\n"

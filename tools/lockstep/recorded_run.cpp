@@ -109,7 +109,7 @@ Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const s
   };
   if (const std::string text = fact("seed"); !text.empty()) {
     const auto seed = parse_number<std::uint64_t>(text);
-    if (!seed) return unusable("its seed is no whole number of 64 bits");
+    if (!seed) return unusable("its seed must be an unsigned 64-bit integer");
     run.seed = *seed;
   }
   auto faults = faults::Schedule::parse(fact("faults"), name + ", its faults");
@@ -147,8 +147,8 @@ Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const s
                       " is not later than the one before");
   }
   if (run.has_pictures && !read_camera(fact("camera"), run))
-    return unusable("it has pictures, but does not say of which camera");
-  if (run.cut_off && run.end == 0) return unusable("it was cut off before anything that can be");
+    return unusable("it has pictures, but no valid camera model");
+  if (run.cut_off && run.end == 0) return unusable("it was cut off before its first complete step");
   return run;
 }
 

@@ -82,12 +82,13 @@ Result<void> ReplayedBoard::stop(const std::string& why) {
 Result<void> ReplayedBoard::step() {
   if (error_) return tl::unexpected(*error_);
   if (now_ >= run_.end) {
-    if (!run_.cut_off) difference_ = {time(), "the end", "the recording ends", "the host goes on"};
+    if (!run_.cut_off)
+      difference_ = {time(), "the end", "the recording ends", "the host continues"};
     return stop("the recording ends at " + time_text(time()));
   }
   const sim::States end = now_ + KZ_STATES_PER_TICK;
   compare(line_.take_for_board(end), end);
-  if (difference_) return stop("the host does something else than in the recording");
+  if (difference_) return stop("the host differs from the recording");
 
   const auto first = run_.to_host.begin() + static_cast<std::ptrdiff_t>(given_);
   const auto last = std::find_if(first, run_.to_host.end(),
@@ -156,7 +157,7 @@ Result<std::optional<vision::StereoPair>> ReplayedBoard::next_pair() {
     auto decoded = sim::decode_png(*png);
     if (!decoded) return invalid(decoded.error().message);
     if (decoded->width != run_.camera.width || decoded->height != run_.camera.height)
-      return invalid("a picture is of another size than its camera's");
+      return invalid("the size of a picture differs from the camera's");
     *image = std::move(*decoded);
   }
   std::promise<std::shared_ptr<const vision::StereoImages>> promise;
@@ -178,7 +179,7 @@ void ReplayedBoard::think(const std::string& json) {
   const std::string then =
       recorded ? recorded->json + ", at " + time_text(recorded->time) : "nothing";
   const Time first = recorded ? std::min(recorded->time, time()) : time();
-  other_thought_ = {first, "the behaviour's record", then, json + ", at " + time_text(time())};
+  other_thought_ = {first, "the behavior's record", then, json + ", at " + time_text(time())};
 }
 
 void ReplayedBoard::finish() {
@@ -186,10 +187,11 @@ void ReplayedBoard::finish() {
   if ((error_ && !at_cut) || difference_) return;
   if (compared_ < run_.to_board.size()) return differ({}, 0);
   if (now_ < run_.end)
-    difference_ = {time(), "the end", "the host goes on until " + time_text(sim::time_of(run_.end)),
+    difference_ = {time(), "the end",
+                   "the host continues until " + time_text(sim::time_of(run_.end)),
                    "the host has ended"};
   if (thought_ < run_.thoughts.size() && !other_thought_)
-    other_thought_ = {run_.thoughts[thought_].time, "the behaviour's record",
+    other_thought_ = {run_.thoughts[thought_].time, "the behavior's record",
                       run_.thoughts[thought_].json, "nothing"};
 }
 

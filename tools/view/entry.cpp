@@ -84,10 +84,11 @@ Answer answer_to(const HttpRequest& request, const Access& access) {
   const bool looks =
       token == Token::right || (access.open && !is_foreign_page(request.origin, request.host));
   const Answer no_access = refusal(
-      403, token == Token::wrong
-               ? "wrong token: open the address that kaz printed\n"
-               : "no token: open the address that kaz printed, or give this one its ?token=...; "
-                 "with --view-open kaz lets programs on this machine look without it\n");
+      403,
+      token == Token::wrong
+          ? "wrong token: open the address that kaz printed\n"
+          : "no token: open the address that kaz printed, or add its ?token=... to this address; "
+            "with --view-open, programs on this machine can watch without a token\n");
   if (request.upgrade) {
     Answer answer;
     answer.status = 101;
@@ -107,7 +108,7 @@ Answer answer_to(const HttpRequest& request, const Access& access) {
     return answer;
   }
   const auto at = access.robot.find(path);
-  if (at == access.robot.end()) return refusal(404, "there is no such page\n");
+  if (at == access.robot.end()) return refusal(404, "page not found\n");
   if (!looks || token == Token::wrong) return no_access;
   answer.file = &at->second;
   answer.any_origin = true;

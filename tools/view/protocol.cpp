@@ -43,12 +43,12 @@ Result<const json*> list_of(const json& object, const char* name) {
 Result<Request> parse_text(std::string_view text) {
   if (text.size() > kLongestRequest) return fail(Fault::usage, "the request is too long");
   const auto parsed = parse_bounded_json(text);
-  if (!parsed) return fail(Fault::usage, "the request is no JSON object: " + parsed.error().message);
+  if (!parsed)
+    return fail(Fault::usage, "the request is not a JSON object: " + parsed.error().message);
   const json& object = *parsed;
-  if (!object.is_object()) return fail(Fault::usage, "the request is no JSON object");
+  if (!object.is_object()) return fail(Fault::usage, "the request is not a JSON object");
   const auto op = object.find("op");
-  if (op == object.end() || !op->is_string())
-    return fail(Fault::usage, "the request has no `op`, which names what is asked for");
+  if (op == object.end() || !op->is_string()) return fail(Fault::usage, "the request has no `op`");
   const std::string& name = op->get_ref<const std::string&>();
   Request request;
   if (name == "subscribe") {
@@ -100,7 +100,7 @@ Result<Request> parse_text(std::string_view text) {
       if (topic == entry.end() || *topic != kHandTopic || encoding == entry.end() ||
           *encoding != "json")
         return fail(Fault::usage, "viewers can publish on `" + std::string(kHandTopic) +
-                                      "` alone, with the encoding `json`");
+                                      "` only, with the encoding `json`");
       request.advertise.push_back(id);
     }
     return request;
@@ -119,11 +119,11 @@ Result<Request> parse_text(std::string_view text) {
     request.kind = Request::Kind::watch_parameters;
     return request;
   }
-  if (name == "setParameters")
-    return fail(Fault::usage, "parameters state how the run is; they cannot be set");
-  return fail(Fault::usage,
-              "there is no such request here: subscribe, unsubscribe, fetchAsset, getParameters, "
-              "advertise and unadvertise are");
+  if (name == "setParameters") return fail(Fault::usage, "parameters are read-only");
+  return fail(
+      Fault::usage,
+      "unknown request: use subscribe, unsubscribe, fetchAsset, getParameters, advertise or "
+      "unadvertise");
 }
 
 Result<Request> parse_binary(std::span<const std::uint8_t> bytes) {
@@ -141,14 +141,14 @@ Result<Request> parse_binary(std::span<const std::uint8_t> bytes) {
     const auto line = object.is_object() ? object.find("do") : object.end();
     if (!object.is_object() || line == object.end() || !line->is_string() ||
         line->get_ref<const std::string&>().size() > kLongestLine)
-      return fail(Fault::usage, "what is published must be {\"do\": LINE}, LINE of at most " +
-                                    std::to_string(kLongestLine) + " bytes");
+      return fail(Fault::usage,
+                  "a published message must be {\"do\": LINE} with a LINE of at most " +
+                      std::to_string(kLongestLine) + " bytes");
     request.line = line->get<std::string>();
     return request;
   }
   if (opcode != kPlaybackRequest)
-    return fail(Fault::usage,
-                "there is no such binary request here: a message and that of a player are");
+    return fail(Fault::usage, "unknown binary request: use a message or a player's request");
   request.kind = Request::Kind::playback;
   Playback& playback = request.playback;
   const auto command = fields.number<std::uint8_t>();
@@ -162,8 +162,8 @@ Result<Request> parse_binary(std::span<const std::uint8_t> bytes) {
       playback.request.size() > kLongestName || !(playback.speed >= 0.01) ||
       !(playback.speed <= 100.01))
     return fail(Fault::usage,
-                "the request to the player has a wrong length or value: its speed is "
-                "from 0.01 to 100");
+                "the player's request has a wrong length or value: the speed must be "
+                "0.01 to 100");
   return request;
 }
 

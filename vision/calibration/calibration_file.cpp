@@ -63,8 +63,7 @@ class Reader {
     const double value = values->front();
     if (value != std::floor(value) || value < 2 || value > kLargestPictureSide)
       return bad(std::string(key) + " is " + std::string(entries_.find(key)->second.values[0]) +
-                 "; a picture has 2 to " + std::to_string(kLargestPictureSide) +
-                 " pixels on a side");
+                 ": must be a whole number from 2 to " + std::to_string(kLargestPictureSide));
     return static_cast<int>(value);
   }
 
@@ -91,12 +90,12 @@ class Reader {
   Result<std::vector<double>> numbers(const char* key,
                                       const std::vector<std::size_t>& counts) const {
     const auto found = entries_.find(key);
-    if (found == entries_.end()) return bad(std::string("holds no ") + key);
+    if (found == entries_.end()) return bad(std::string(key) + " is missing");
     const CalibrationEntry& entry = found->second;
-    if (entry.times > 1) return bad(std::string("holds ") + key + " twice");
+    if (entry.times > 1) return bad(std::string("has ") + key + " twice");
     if (!entry.closed) return bad(std::string("ends within ") + key);
     if (entry.list == (counts.front() == 1))
-      return bad(std::string(key) + (entry.list ? " is no number" : " is no matrix"));
+      return bad(std::string(key) + (entry.list ? " is not a number" : " is not a matrix"));
     if (std::find(counts.begin(), counts.end(), entry.values.size()) == counts.end())
       return bad(std::string(key) + " has " + std::to_string(entry.values.size()) +
                  " numbers, not " + std::to_string(counts.front()));
@@ -104,9 +103,9 @@ class Reader {
     std::vector<double> values(entry.values.size());
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (!calibration_number(entry.values[i], values[i]))
-        return bad(std::string(key) + " holds something that is no number");
+        return bad(std::string(key) + " has an element that is not a number");
       if (!std::isfinite(values[i]) || std::abs(values[i]) > 1e12)
-        return bad(std::string(key) + " holds a number that is not finite");
+        return bad(std::string(key) + " has a number that is not finite or exceeds 1e12");
     }
     return values;
   }
@@ -120,8 +119,7 @@ class Reader {
     if ((m * m.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-3 ||
         m.determinant() < 0)
       return bad(std::string(key) +
-                 " is no rotation: its rows are not unit and upright to each "
-                 "other");
+                 " is not a rotation: its rows must be orthonormal and its determinant 1");
     return m;
   }
 
@@ -134,7 +132,7 @@ class Reader {
     const auto d = numbers(d_key, {5, 4, 8, 12, 14});
     if (!d) return tl::unexpected(d.error());
     if ((*k)[1] != 0 || (*k)[3] != 0 || (*k)[6] != 0 || (*k)[7] != 0 || (*k)[8] != 1)
-      return bad(std::string(k_key) + " is no [fx 0 cx; 0 fy cy; 0 0 1]");
+      return bad(std::string(k_key) + " must have the form [fx 0 cx; 0 fy cy; 0 0 1]");
     if (!((*k)[0] > 0) || !((*k)[4] > 0))
       return bad(std::string(k_key) + " has a focal length that is not above 0");
     Lens lens{(*k)[0], (*k)[4], (*k)[2], (*k)[5], {}};
@@ -171,14 +169,16 @@ Result<void> take_rectification(const Reader& file, StereoCalibration& c) {
   for (const int i : {0, 1, 2, 4, 5, 6}) {
     const auto at = static_cast<std::size_t>(i);
     if (std::abs((*p1)[at] - (*p2)[at]) > 0.01)
-      return file.bad("P1 and P2 are of different pinholes; rectify with CALIB_ZERO_DISPARITY");
+      return file.bad(
+          "P1 and P2 have different focal lengths or centers; rectify with CALIB_ZERO_DISPARITY");
   }
   c.left.rectified_from_camera = *r1;
   c.right.rectified_from_camera = *r2;
   c.rectified = {c.width, c.height, fx, fy, (*p1)[2], (*p1)[6], -(*p2)[3] / fx};
   if (!(c.rectified.baseline_m > 0))
-    return file.bad("P2 puts the right eye to the left of the left one: are they exchanged?");
-  if (!usable(c.rectified)) return file.bad("P1 or P2 holds numbers above a million");
+    return file.bad(
+        "P2 puts the right eye to the left of the left eye: check whether they are exchanged");
+  if (!usable(c.rectified)) return file.bad("P1 or P2 has a number above 1e6");
   return {};
 }
 
@@ -211,7 +211,7 @@ Result<StereoCalibration> take(const Reader& file) {
   // 0.1 degree and a hundredth of the baseline: more is not the rounding of a short file.
   if ((c.right_from_left() - r).cwiseAbs().maxCoeff() > 2e-3 ||
       (c.left_origin_in_right() - to).norm() > 0.01 * c.rectified.baseline_m)
-    return file.bad("R and T do not fit R1, R2 and P2: they are of different calibrations");
+    return file.bad("R and T do not match R1, R2 and P2: they come from different calibrations");
   return c;
 }
 
@@ -220,13 +220,15 @@ Result<StereoCalibration> take(const Reader& file) {
 Result<void> rectify_pair(StereoCalibration& c, const Eigen::Matrix3d& right_from_left,
                           const Eigen::Vector3d& left_origin_in_right) {
   const Eigen::Vector3d right_in_left = -right_from_left.transpose() * left_origin_in_right;
-  if (!(right_in_left.norm() > 0)) return fail(Fault::usage, "T is 0: both eyes are in one place");
+  if (!(right_in_left.norm() > 0))
+    return fail(Fault::usage, "T is 0: both eyes are at the same place");
   if (right_in_left.head<2>().cwiseAbs().maxCoeff() != std::abs(right_in_left.x()))
     return fail(Fault::usage,
                 "T puts one eye above the other; only eyes side by side are rectified");
   if (right_in_left.x() < 0)
-    return fail(Fault::usage,
-                "T puts the right eye to the left of the left one: are they exchanged?");
+    return fail(
+        Fault::usage,
+        "T puts the right eye to the left of the left eye: check whether they are exchanged");
   const OpenCvQuiet quiet;
   try {
     cv::Mat r1, r2, p1, p2, q;
@@ -248,19 +250,20 @@ Result<void> rectify_pair(StereoCalibration& c, const Eigen::Matrix3d& right_fro
   }
   if (!usable(c.rectified))
     return fail(Fault::usage,
-                "these lenses cannot be rectified: no part of the pictures is common");
+                "these lenses cannot be rectified: the rectified pictures have no common part");
   return {};
 }
 
 Result<StereoCalibration> parse_calibration(const std::string& content, const std::string& name) {
   const auto bad = [&](const std::string& what) { return fail(Fault::usage, name + ": " + what); };
   if (content.empty()) return bad("is empty");
-  if (content.size() > kLargestFile) return bad("is larger than any calibration file (64 KB)");
+  if (content.size() > kLargestFile)
+    return bad("is larger than 64 KB, the limit for calibration files");
   return take(Reader(content, name));
 }
 
 Result<StereoCalibration> read_calibration(const std::string& path) {
-  const auto content = KAZ_TRY(read_whole_file(path, kLargestFile, "is it a calibration file?"));
+  const auto content = KAZ_TRY(read_whole_file(path, kLargestFile, "give a calibration file"));
   return parse_calibration(content, path);
 }
 
@@ -268,9 +271,7 @@ Result<CalibrationFormat> calibration_format(const std::string& path) {
   const auto ends = [&](const char* ending) { return path.ends_with(ending); };
   if (ends(".yml") || ends(".yaml")) return CalibrationFormat::yaml;
   if (ends(".json")) return CalibrationFormat::json;
-  return fail(Fault::usage, "'" + path +
-                                "' does not say which kind of calibration file it is to be: end it "
-                                "with .yml or .json");
+  return fail(Fault::usage, "the calibration file '" + path + "' must end with .yml or .json");
 }
 
 std::string calibration_text(const StereoCalibration& c, CalibrationFormat format,

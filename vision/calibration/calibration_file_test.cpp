@@ -118,7 +118,7 @@ TEST(CalibrationFile, NamesFileAndKeyOfWhatIsMissing) {
        {"image_width", "image_height", "camera_matrix_left", "camera_matrix_right",
         "distortion_coefficients_left", "distortion_coefficients_right", "R", "T", "R1", "R2", "P1",
         "P2"}) {
-    EXPECT_EQ(message(without(whole, key)), "eyes.yml: holds no " + key);
+    EXPECT_EQ(message(without(whole, key)), "eyes.yml: " + key + " is missing");
   }
 }
 
@@ -133,15 +133,15 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
   };
   expect("camera_matrix_left", "1., 0., 0.", "3 numbers");
   expect("camera_matrix_left", "0., 0., 5., 0., 9., 5., 0., 0., 1.", "not above 0");
-  expect("camera_matrix_left", "9., 1., 5., 0., 9., 5., 0., 0., 1.", "no [fx");
+  expect("camera_matrix_left", "9., 1., 5., 0., 9., 5., 0., 0., 1.", "the form [fx");
   expect("camera_matrix_right", ".Nan, 0., 5., 0., 9., 5., 0., 0., 1.", "not finite");
   expect("camera_matrix_right", "9., 0., .Inf, 0., 9., 5., 0., 0., 1.", "not finite");
-  expect("camera_matrix_right", "a, 0., 5., 0., 9., 5., 0., 0., 1.", "no number");
+  expect("camera_matrix_right", "a, 0., 5., 0., 9., 5., 0., 0., 1.", "not a number");
   expect("distortion_coefficients_left", "0., 0., 0., 0., 0., .1, 0., 0.", "five coefficients",
          "8");
-  expect("R1", "1., 0., 0., 0., 1., 0., 0., 0., -1.", "no rotation");
-  expect("P2", "9., 0., 5., 0., 0., 9., 5., 0., 0., 0., 1., 0.", "different pinholes");
-  expect("T", "-0.05, 0., 0.", "do not fit");
+  expect("R1", "1., 0., 0., 0., 1., 0., 0., 0., -1.", "not a rotation");
+  expect("P2", "9., 0., 5., 0., 0., 9., 5., 0., 0., 0., 1., 0.", "different focal lengths");
+  expect("T", "-0.05, 0., 0.", "do not match");
   for (const std::string shape : {"cols: -3", "cols: 0", "cols: 1e9", "cols: 2.5", "cols: x"}) {
     std::string wrong = whole;
     wrong.replace(wrong.find("cols: 3"), 7, shape);
@@ -159,12 +159,12 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
   std::string odd = whole;
   odd.replace(odd.find("image_width: 320"), 16, "image_width: -3 ");
   EXPECT_NE(message(odd).find("image_width is -3"), std::string::npos) << message(odd);
-  EXPECT_NE(message("%YAML:1.0\n---\n").find("holds no image_width"), std::string::npos);
+  EXPECT_NE(message("%YAML:1.0\n---\n").find("image_width is missing"), std::string::npos);
   EXPECT_NE(message("").find("empty"), std::string::npos);
   EXPECT_NE(message("hello").find("eyes.yml: "), std::string::npos);
   EXPECT_NE(message(std::string(30000, '[')).find("eyes.yml: "), std::string::npos);
-  EXPECT_NE(message(whole + "R: 3\n").find("holds R twice"), std::string::npos);
-  EXPECT_NE(message("%YAML:1.0\n---\nimage_width: [ 320 ]\n").find("image_width is no number"),
+  EXPECT_NE(message(whole + "R: 3\n").find("has R twice"), std::string::npos);
+  EXPECT_NE(message("%YAML:1.0\n---\nimage_width: [ 320 ]\n").find("image_width is not a number"),
             std::string::npos);
   EXPECT_NE(message(std::string(100000, 'x')).find("64 KB"), std::string::npos);
   EXPECT_FALSE(read_calibration("/nowhere/eyes.yml"));

@@ -32,8 +32,8 @@ tl::unexpected<Error> bad(const std::string& name, const std::string& what) {
 
 tl::unexpected<Error> bad_size(const std::string& name, std::uint64_t width, std::uint64_t height) {
   return bad(name, "is " + std::to_string(width) + " x " + std::to_string(height) +
-                       " pixels; sides of 1 to " + std::to_string(kLargestPictureSide) +
-                       " and 67 million together can be read");
+                       " pixels: must be 1 to " + std::to_string(kLargestPictureSide) +
+                       " per side and at most 67 million in total");
 }
 
 Result<Image> image_of(picture::Decoded decoded, const std::string& format,
@@ -62,7 +62,7 @@ Result<Image> decode_netpbm(Bytes bytes, const std::string& name) {
     return value;
   };
   const std::uint64_t width = number(), height = number(), greatest = number();
-  if (greatest != 255) return bad(name, "is a PGM or PPM of other than 8 bits");
+  if (greatest != 255) return bad(name, "is a PGM or PPM whose maximum value is not 255 (8 bits)");
   if (!picture::within(kLimits, width, height)) return bad_size(name, width, height);
   ++at;
   const std::size_t channels = bytes[1] == '6' ? 3 : 1;
@@ -85,7 +85,7 @@ Result<Image> decode_picture(Bytes bytes, const std::string& name) {
     return image_of(picture::decode_jpeg(bytes, kLimits), "JPEG", name);
   if (begins_with(bytes, {'P', '5'}) || begins_with(bytes, {'P', '6'}))
     return decode_netpbm(bytes, name);
-  return bad(name, "is no picture that can be read: PNG, JPEG, PGM and PPM can");
+  return bad(name, "is not a supported picture: use PNG, JPEG, PGM or PPM");
 }
 
 Result<Image> read_picture(const std::string& path) {

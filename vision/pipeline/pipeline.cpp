@@ -56,8 +56,8 @@ Result<std::shared_ptr<const StereoImages>> wait_for_images(const StereoPair& pa
       return fail(Fault::environment, "a stereo pair came with empty pixels: check the camera");
     return images;
   } catch (const std::exception& e) {
-    return fail(Fault::environment, std::string("the camera gave up on a stereo pair (") +
-                                        e.what() + "): start it again");
+    return fail(Fault::environment, std::string("the camera failed on a stereo pair (") + e.what() +
+                                        "): start it again");
   }
 }
 
@@ -246,8 +246,8 @@ Result<void> Pipeline::add(std::unique_ptr<Module> module) {
   worker->latency = module->latency();
   const std::string about = "vision module '" + worker->name + "'";
   if (state_->started)
-    return fail(Fault::usage, about + " comes too late: add modules before the first picture");
-  if (has(worker->name)) return fail(Fault::usage, about + " is there already");
+    return fail(Fault::usage, about + " was added too late: add modules before the first picture");
+  if (has(worker->name)) return fail(Fault::usage, about + " exists already");
   const std::size_t index = state_->workers.size();
   for (const std::string& need : module->needs()) {
     const auto found = state_->names->find(need);
@@ -265,7 +265,7 @@ Result<void> Pipeline::add(std::unique_ptr<Module> module) {
 Result<void> Pipeline::subscribe_any(const std::string& module, Use use) {
   const auto found = state_->names->find(module);
   if (found == state_->names->end())
-    return fail(Fault::usage, "there is no vision module '" + module + "' to subscribe to");
+    return fail(Fault::usage, "cannot subscribe: there is no vision module '" + module + "'");
   state_->workers[found->second]->subscribers.push_back(std::move(use));
   return {};
 }

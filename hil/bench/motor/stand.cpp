@@ -57,7 +57,8 @@ Result<double> CommandStand::number(const std::string& line, const char* key) {
   const double value = found->get<double>();
   if (!(std::abs(value) <= kMostReading))
     return fail(Fault::environment, "stand " + name_ + ": its reply to `" + line +
-                                        "` is no reading: `" + key + "` is " + json_sample(*found));
+                                        "` is out of range: `" + key + "` is " +
+                                        json_sample(*found) + ", must be -20 to 20");
   return value;
 }
 
@@ -119,7 +120,7 @@ Result<double> ManualStand::read(const std::string& prompt) {
     if (first != std::string::npos)
       if (const auto value = parse_number<double>(typed.substr(first, last + 1 - first)))
         return *value;
-    again = "That is no number; give one like -0.95. ";
+    again = "Not a number: type one such as -0.95. ";
   }
 }
 
@@ -134,21 +135,21 @@ Result<void> ManualStand::clamp(int joint, bool on) {
 }
 
 Result<void> ManualStand::prepare_press(int joint, bool positive) {
-  return done("Watch the scale: " + joint_name(joint) + " is about to press in its " +
-              (positive ? "positive" : "negative") + " sense for " + with_digits(pressing_s(), 1) +
-              " s; read at the end of it");
+  return done("Get ready to note the last value on the scale while " + joint_name(joint) +
+              " presses in its " + (positive ? "positive" : "negative") + " direction for " +
+              with_digits(pressing_s(), 1) + " s");
 }
 
 Result<double> ManualStand::scale_nm(int joint) {
-  return read("What did the scale show, in Nm (force times lever; negative where " +
-              joint_name(joint) + " pressed in its negative sense)? ");
+  return read("Value on the scale, in Nm (force times lever; negative if " + joint_name(joint) +
+              " pressed in its negative direction): ");
 }
 
 Result<void> ManualStand::press(int joint, double torque_nm) {
   if (torque_nm == 0) return done("Take the weight off " + joint_name(joint));
   return done("Press gently on the shaft of " + joint_name(joint) + " with " +
               with_digits(std::abs(torque_nm), 2) + " Nm in its " +
-              (torque_nm > 0 ? "positive" : "negative") + " sense, and keep pressing");
+              (torque_nm > 0 ? "positive" : "negative") + " direction, and keep pressing");
 }
 
 Result<double> ManualStand::turn(int joint, double angle_rad) {

@@ -93,13 +93,13 @@ TEST(ManualStand, PromptsAndReads) {
   EXPECT_TRUE(person.stand.clamp(kJoint, true));
   EXPECT_NE(person.prompts.back().find("against the scale"), std::string::npos);
   EXPECT_TRUE(person.stand.prepare_press(kJoint, false));
-  EXPECT_NE(person.prompts.back().find("in its negative sense for 0.7 s"), std::string::npos);
+  EXPECT_NE(person.prompts.back().find("in its negative direction for 0.7 s"), std::string::npos);
   EXPECT_EQ(*person.stand.scale_nm(kJoint), 1.31);
   EXPECT_NEAR(*person.stand.turn(kJoint, -0.8), -44.5 * std::numbers::pi / 180, 1e-12);
   EXPECT_NE(person.prompts.back().find("about -46 degrees"), std::string::npos)
       << person.prompts.back();
   EXPECT_TRUE(person.stand.press(kJoint, -0.03));
-  EXPECT_NE(person.prompts.back().find("0.03 Nm in its negative sense"), std::string::npos);
+  EXPECT_NE(person.prompts.back().find("0.03 Nm in its negative direction"), std::string::npos);
 }
 
 TEST(ManualStand, PromptsAgainWithoutANumber) {
@@ -107,7 +107,7 @@ TEST(ManualStand, PromptsAgainWithoutANumber) {
   person.answers = {"", "two", "1.2 Nm", "nan", "1.2"};
   EXPECT_EQ(*person.stand.scale_nm(kJoint), 1.2);
   ASSERT_EQ(person.prompts.size(), 5u);
-  EXPECT_EQ(person.prompts[1].rfind("That is no number; give one like -0.95. What did", 0), 0u)
+  EXPECT_EQ(person.prompts[1].rfind("Not a number: type one such as -0.95. What did", 0), 0u)
       << person.prompts[1];
 }
 

@@ -63,15 +63,15 @@ Verdict to_verdict(const std::string& text) {
        {Verdict::passed, Verdict::failed, Verdict::left_out, Verdict::undecided}) {
     if (text == verdict_text(verdict)) return verdict;
   }
-  throw Wrong("there is no verdict '" + text + "'");
+  throw Wrong("unknown verdict '" + text + "'");
 }
 
 Measurement to_measurement(const Json& json) {
   Measurement one;
   const std::string name = json.at("name");
   one.of = find_measurement(name);
-  if (!one.of) throw Wrong("there is no measurement '" + name + "'");
-  if (json.at("unit") != one.of->unit) throw Wrong("'" + name + "' has another unit");
+  if (!one.of) throw Wrong("unknown measurement '" + name + "'");
+  if (json.at("unit") != one.of->unit) throw Wrong("'" + name + "' has the wrong unit");
   one.subject = json.at("subject");
   one.verdict = to_verdict(json.at("verdict"));
   one.value = to_number(json.at("value"));
@@ -106,7 +106,7 @@ Series to_series(const Json& json) {
   series.name = json.at("name");
   const std::string name = json.at("style");
   const auto style = parse_enum(plot::kStyles, name);
-  if (!style) throw Wrong("there is no style '" + name + "'");
+  if (!style) throw Wrong("unknown style '" + name + "'");
   series.style = *style;
   for (const Json& point : json.at("points")) {
     series.points.emplace_back(to_number(point.at(0)), to_number(point.at(1)));
@@ -146,7 +146,7 @@ std::optional<std::uint64_t> to_seed(const Json& all) {
   const auto seed = all.find("seed");
   if (seed == all.end()) return std::nullopt;
   if (!seed->is_number_unsigned())  // larger ones are fractions to the parser
-    throw Wrong("its seed is no whole number of 64 bits");
+    throw Wrong("its seed must be a 64-bit unsigned integer");
   return seed->get<std::uint64_t>();
 }
 
@@ -204,17 +204,17 @@ std::string bench_json(const BenchReport& report) {
 }
 
 Result<BenchReport> parse_bench_json(const std::string& json, const std::string& file_name) {
-  std::string why = "it is no JSON";
+  std::string why = "it is not valid JSON";
   try {
     const auto all = parse_bounded_json<Json>(json);
     if (!all) throw Wrong(all.error().message);
-    why = "it is not what kaz bench writes";
+    why = "it was not written by kaz bench";
     return to_report(*all);
   } catch (const Wrong& wrong) {
     why = wrong.what();
   } catch (const Json::exception&) {
   }
-  return fail(Fault::usage, "'" + file_name + "' is no report of kaz bench: " + why);
+  return fail(Fault::usage, "'" + file_name + "' is not a report of kaz bench: " + why);
 }
 
 }  // namespace kaz::hil

@@ -138,21 +138,21 @@ TEST(BenchJson, WhatIsNoReportIsWrongUsage) {
   const std::pair<std::string, const char*> wrong[] = {
       {"", "line 1 is not valid JSON"},
       {good.substr(0, good.size() / 2), "not valid JSON"},
-      {"{}", "not what kaz bench writes"},
-      {"[]", "not what kaz bench writes"},
-      {with("\"pot.noise\"", "\"pot.noice\""), "no measurement 'pot.noice'"},
-      {with("\"unit\":\"Nm\"", "\"unit\":\"mNm\""), "another unit"},
-      {with("\"verdict\":\"passed\"", "\"verdict\":\"good\""), "no verdict 'good'"},
-      {with("\"style\":\"dashed\"", "\"style\":\"dotted\""), "no style 'dotted'"},
-      {with("\"value\":0.97", "\"value\":\"0.97\""), "not what kaz bench writes"},
+      {"{}", "not written by kaz bench"},
+      {"[]", "not written by kaz bench"},
+      {with("\"pot.noise\"", "\"pot.noice\""), "unknown measurement 'pot.noice'"},
+      {with("\"unit\":\"Nm\"", "\"unit\":\"mNm\""), "the wrong unit"},
+      {with("\"verdict\":\"passed\"", "\"verdict\":\"good\""), "unknown verdict 'good'"},
+      {with("\"style\":\"dashed\"", "\"style\":\"dotted\""), "unknown style 'dotted'"},
+      {with("\"value\":0.97", "\"value\":\"0.97\""), "not written by kaz bench"},
       {with("\"seed\": 18446744073709551615", "\"seed\": 18446744073709551616"),
-       "seed is no whole number of 64 bits"},
+       "seed must be a 64-bit unsigned integer"},
       {with("\"seed\": 18446744073709551615", "\"seed\": -1"),
-       "seed is no whole number of 64 bits"},
+       "seed must be a 64-bit unsigned integer"},
       {with("\"seed\": 18446744073709551615", "\"seed\": 1.5"),
-       "seed is no whole number of 64 bits"},
+       "seed must be a 64-bit unsigned integer"},
       {with("\"seed\": 18446744073709551615", "\"seed\": null"),
-       "seed is no whole number of 64 bits"},
+       "seed must be a 64-bit unsigned integer"},
   };
   for (const auto& [json, part] : wrong) {
     const auto report = parse_bench_json(json, "some/report.json");
@@ -173,7 +173,7 @@ TEST(BenchCsv, HasALineForEachMeasurement) {
   EXPECT_NE(text.find("neck_pan,pot.noise,1.7,,codes,,1,failed,\"1.7 codes is above the limit of "
                       "1 codes; less < more & \"\"quoted\"\", with a comma\"\n"),
             std::string::npos);
-  EXPECT_NE(text.find("neck_pan,backlash,,,deg,0.05,0.6,failed,nothing could be measured\n"),
+  EXPECT_NE(text.find("neck_pan,backlash,,,deg,0.05,0.6,failed,the measurement gave no value\n"),
             std::string::npos);
   EXPECT_NE(text.find("neck_pan,frequency.bandwidth,inf,"), std::string::npos);
 }

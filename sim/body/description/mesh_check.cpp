@@ -29,7 +29,7 @@ std::optional<std::string> stl_error(const std::string& bytes) {
   }
   if (starts_with_word(bytes, "solid") && bytes.find("facet") != std::string::npos)
     return std::nullopt;
-  return "is no STL file, or is cut off";
+  return "is not an STL file, or is truncated";
 }
 
 namespace fs = std::filesystem;

@@ -56,8 +56,9 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element
   std::size_t which = 0;
   while (which < kParams.size() && std::string(element.Name()) != kParams[which].element) ++which;
   if (which == kParams.size()) {
-    return file.error(element, std::string("unknown element <") + element.Name() +
-                                   "> in <motor>; see docs/reference/robot.md for those it takes");
+    return file.error(element,
+                      std::string("unknown element <") + element.Name() +
+                          "> in <motor>; docs/reference/robot.md lists the supported elements");
   }
   const Result<double> value = file.number(element, "value");
   if (!value) return tl::unexpected(value.error());
@@ -68,11 +69,12 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element
                                    std::to_string(static_cast<int>(param.min)));
   }
   if (*value > kLargest || (!param.min_allowed && *value < param.min + kSmallest)) {
-    return file.error(element, std::string("<") + param.element +
-                                   "> is of no motor: such a number lies between 1e-12 and 1e9");
+    return file.error(element,
+                      std::string("<") + param.element + "> is out of range: give 1e-12 to 1e9");
   }
   if (read[which]) {
-    return file.error(element, std::string("<") + param.element + "> stands in <motor> twice");
+    return file.error(element,
+                      std::string("<") + param.element + "> occurs twice in <motor>; remove one");
   }
   read[which] = true;
   motor.params.*param.member = *value * param.unit;
@@ -145,13 +147,13 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
     // As xml_text() writes it; XML has no form for control characters.
     if (one_line(*its_name) != *its_name)
       return file->error(*element, "the name `" + one_line(*its_name) +
-                                       "` of <motor> holds a control character; leave it out");
+                                       "` of <motor> contains a control character; remove it");
     Motor motor;
     if (const char* base = element->Attribute("based_on")) {
       const Motor* known = find(motors, base);
       if (!known) {
         return file->error(*element, std::string("is based on motor `") + base +
-                                         "`, which does not stand above; those that do: " +
+                                         "`, which is not defined above; defined above: " +
                                          (motors.empty() ? "none" : names_of(motors)));
       }
       motor = *known;

@@ -91,13 +91,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"typing_error",
              "<motors default='a'>\n<motor name='a'>\n<fricton value='1'/>\n"
              "</motor></motors>",
-             ":3: unknown element <fricton> in <motor>; see docs/reference/robot.md for those it "
-             "takes"},
+             ":3: unknown element <fricton> in <motor>; docs/reference/robot.md lists the "
+             "supported elements"},
         Case{
             "twice",
             "<motors default='a'>\n<motor name='a'>\n<friction value='1'/>\n<friction value='2'/>\n"
             "</motor></motors>",
-            ":4: <friction> stands in <motor> twice"},
+            ":4: <friction> occurs twice in <motor>; remove one"},
         Case{"no_number",
              "<motors default='a'>\n<motor name='a'>\n<friction value='0,1'/>\n"
              "</motor></motors>",
@@ -117,9 +117,9 @@ INSTANTIATE_TEST_SUITE_P(
              "<winding_heat_capacity value='5'/></motor></motors>",
              ":2: <motor> lacks <winding_to_case>"},
         Case{"based_on_nothing", "<motors default='a'>\n<motor name='a' based_on='b'/></motors>",
-             ":2: is based on motor `b`, which does not stand above; those that do: none"},
+             ":2: is based on motor `b`, which is not defined above; defined above: none"},
         Case{"control_character", "<motors default='a'>\n<motor name='a&#1;'/></motors>",
-             ":2: the name `a\\x01` of <motor> holds a control character; leave it out"},
+             ":2: the name `a\\x01` of <motor> contains a control character; remove it"},
         Case{"no_default", "\n<motors></motors>", ":2: <motors> lacks the attribute `default`"}),
     [](const auto& test) { return std::string(test.param.name); });
 

@@ -139,7 +139,7 @@ class Reader {
         shape.surface.mu = mu->second;
       if (shape.shape.kind == Shape::Kind::mesh) {
         return fail(Fault::usage, path_ + ": a collision of link `" + link.name +
-                                      "` is a mesh; build it of boxes, spheres and cylinders");
+                                      "` is a mesh; use boxes, spheres and cylinders instead");
       }
       rigid.collisions.push_back(shape);
     }
@@ -206,8 +206,7 @@ Result<RobotModel> load_robot(const std::string& urdf_path) {
   } catch (const std::exception&) {  // treated as a parse error
   }
   if (!model) {
-    return fail(Fault::usage,
-                urdf_path + ": the URDF parser refuses it, for the reason it printed");
+    return fail(Fault::usage, urdf_path + ": the URDF parser rejects it; see its message above");
   }
   const auto& kaz = joint_names();
   if (is_kaz(facts.revolute)) facts.revolute.assign(kaz.begin(), kaz.end());

@@ -166,7 +166,8 @@ class Check {
     const std::string version = file_.root().Attribute("version");
     if (version.size() != 3 || version[0] != '1' || version[1] != '.' || version[2] < '0' ||
         version[2] > '9') {
-      return error(file_.root(), "SDF of version \"" + version + "\"; worlds are read up to 1.9");
+      return error(file_.root(),
+                   "SDF version \"" + version + "\" is not supported; worlds are read up to 1.9");
     }
     if (auto ok = check(file_.root()); !ok) return ok;
     const Element* world = file_.root().FirstChildElement("world");
@@ -196,16 +197,16 @@ class Check {
             known += k;
           }
         }
-        return error(
-            *e, "unknown element <" + name + "> in <" + element.Name() + ">, which takes " + known);
+        return error(*e, "unknown element <" + name + "> in <" + element.Name() +
+                             ">, which accepts " + known);
       }
       if (const Element* again = e->NextSiblingElement(e->Name());
           again != nullptr && !kRepeated.count(name)) {
-        return error(*again, "<" + name + "> stands in <" + element.Name() + "> twice");
+        return error(*again, "<" + name + "> occurs twice in <" + element.Name() + ">; remove one");
       }
       if (const char* own_name = e->Attribute("name");
           own_name != nullptr && !names.insert(name + " " + own_name).second) {
-        return error(*e, std::string("there is another ") + name + " `" + own_name + "` above");
+        return error(*e, name + " `" + own_name + "` is already defined above; rename it");
       }
       if (auto ok = check(*e); !ok) return ok;
     }
@@ -234,7 +235,7 @@ class Check {
       return error(element, "<" + name + "> lacks the attribute `name`");
     }
     if (element.Attribute("relative_to") != nullptr) {
-      return error(element, "`relative_to` is not taken; give the pose in the parent's frame");
+      return error(element, "`relative_to` is not supported; give the pose in the parent's frame");
     }
     for (const OwnAttribute& own : kOwn) {
       if (name != own.element) continue;
@@ -266,7 +267,7 @@ class Check {
     }
     if (name == "kaz:push" && element.Attribute("link") == nullptr)
       return error(element,
-                   "<kaz:push> needs the attribute `link`: which of the robot's, such as trunk");
+                   "<kaz:push> needs the attribute `link`: a link of the robot, such as trunk");
     if (name == "kaz:texture") {
       const char* texture = element.Attribute("name");
       if (texture == nullptr || !kTextures.count(texture)) {
@@ -316,7 +317,7 @@ class Check {
     const double kilograms = mass->DoubleText();
     if (kilograms > 0 && kilograms < kMinMass)
       return error(*mass, std::string("a mass of ") + mass->GetText() +
-                              " kg; a body that moves has 1e-9 to 10000 kg");
+                              " kg; a movable body must have 1e-9 to 10000 kg");
     Eigen::Matrix3d tensor;                              // with the defaults of SDF
     tensor << of("ixx", 1), of("ixy", 0), of("ixz", 0),  //
         of("ixy", 0), of("iyy", 1), of("iyz", 0),        //

@@ -105,12 +105,12 @@ class Check {
       if (name == "joint" && std::string(e->Name()) == "mimic") return mimic(*e);
       if (!allowed->second.count(e->Name())) {
         return file_.error(*e, std::string("unknown element <") + e->Name() + "> in <" + name +
-                                   ">; docs/reference/robot.md lists those that are taken");
+                                   ">; docs/reference/robot.md lists the supported elements");
       }
       if (const Element* again = e->NextSiblingElement(e->Name());
           again != nullptr && !kRepeated.count(e->Name())) {
-        return file_.error(*again,
-                           std::string("<") + e->Name() + "> stands in <" + name + "> twice");
+        return file_.error(
+            *again, std::string("<") + e->Name() + "> occurs twice in <" + name + ">; remove one");
       }
       if (auto ok = elements(*e); !ok) return ok;
     }
@@ -202,15 +202,15 @@ class Check {
       if (mu1 == nullptr && mu2 == nullptr) continue;
       const auto link = KAZ_TRY(file_.attribute(*e, "reference"));
       if (!links_.count(link))
-        return file_.error(*e, "<gazebo> is about the link `" + link + "`, which does not exist");
+        return file_.error(*e, "<gazebo> refers to link `" + link + "`, which does not exist");
       double mu = -1;
       for (const Element* element : {mu1, mu2}) {
         if (element == nullptr) continue;
         const auto value = parse_numbers(element->GetText() ? element->GetText() : "", 1);
         if (!value || value->front() < 0 || (mu >= 0 && value->front() != mu))
           return file_.error(*element, std::string("<") + element->Name() +
-                                           "> must hold one number not below 0, in mu1 and mu2 the "
-                                           "same");
+                                           "> must hold one number not below 0; mu1 and mu2 must be "
+                                           "equal");
         mu = value->front();
       }
       friction_[link] = mu;
@@ -223,10 +223,10 @@ class Check {
     for (auto* j = file_.root().FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
       const char* name = j->Attribute("name");
       if (name != nullptr && target == name) {
-        return file_.error(e, "<mimic> is not taken: every joint has a motor of its own");
+        return file_.error(e, "<mimic> is not supported: each joint has its own motor; remove it");
       }
     }
-    return file_.error(e, "<mimic> names the joint `" + target + "`, which does not exist");
+    return file_.error(e, "<mimic> refers to joint `" + target + "`, which does not exist");
   }
 
   Result<void> collect() {
@@ -236,11 +236,11 @@ class Check {
       const auto name = KAZ_TRY(file_.attribute(*e, "name"));
       if (kind == "joint") {
         if (!joint_by_name_.emplace(name, e).second) {
-          return file_.error(*e, "there is another joint `" + name + "` above");
+          return file_.error(*e, "joint `" + name + "` is already defined above; rename it");
         }
         joints_.push_back(e);
       } else if (!links_.emplace(name, e).second) {
-        return file_.error(*e, "there is another link `" + name + "` above");
+        return file_.error(*e, "link `" + name + "` is already defined above; rename it");
       }
     }
     if (links_.empty()) return file_.error(file_.root(), "<robot> has no <link>");
@@ -267,12 +267,12 @@ class Check {
     const auto type = KAZ_TRY(file_.attribute(joint, "type"));
     if (type != "revolute" && type != "fixed") {
       return file_.error(joint, "joint `" + name + "` has type \"" + type +
-                                    "\"; only revolute and fixed joints are taken");
+                                    "\"; only revolute and fixed joints are supported");
     }
     const auto parent = KAZ_TRY(end_of(joint, "parent"));
     const auto child = KAZ_TRY(end_of(joint, "child"));
     if (const auto [it, fresh] = joint_to_.emplace(child, &joint); !fresh) {
-      return file_.error(joint, "link `" + child + "` already hangs on joint `" +
+      return file_.error(joint, "link `" + child + "` is already the child of joint `" +
                                     it->second->Attribute("name") + "`");
     }
     parent_of_[child] = parent;
@@ -307,7 +307,7 @@ class Check {
       if (parent_of_.count(name)) continue;
       if (!root.empty()) {
         return file_.error(*link, "links `" + root + "` and `" + name +
-                                      "` both hang on no joint; a robot has one root");
+                                      "` are both without a parent joint; a robot has one root");
       }
       root = name;
     }
@@ -400,7 +400,7 @@ class Check {
     if (std::any_of(joints_.begin(), joints_.end(),
                     [](const Element* j) { return is_revolute(*j); }))
       return {};
-    return file_.error(file_.root(), "robot has no revolute joint; a robot has one at least");
+    return file_.error(file_.root(), "robot has no revolute joint; a robot needs at least one");
   }
 
   static bool is_revolute(const Element& joint) {

@@ -217,13 +217,13 @@ Result<WorldModel> load_world(const std::string& sdf_path) {
     if (!sdf::initString(kSdfSchema, parsed) || !sdf::readFile(sdf_path, config, parsed, errors)) {
       if (!errors.empty()) return first_of(errors, sdf_path);
       return fail(Fault::usage, sdf_path +
-                                    ": the SDF parser refuses it without a reason; check that "
+                                    ": the SDF parser rejects it without a reason; check that "
                                     "<sdf> has version=\"1.9\"");
     }
     for (const sdf::Error& error : root.Load(parsed, config)) errors.push_back(error);
     if (!errors.empty()) return first_of(errors, sdf_path);
   } catch (const std::exception& thrown) {
-    return fail(Fault::usage, sdf_path + ": the SDF parser refuses it: " + line_of(thrown.what()));
+    return fail(Fault::usage, sdf_path + ": the SDF parser rejects it: " + line_of(thrown.what()));
   }
   const sdf::World& world = *root.WorldByIndex(0);
   WorldModel out;

@@ -59,7 +59,7 @@ Result<void> XmlFile::check_text() const {
     bool valid = c != 0 && length > 0 && i + length <= text_.size();
     for (std::size_t k = 1; valid && k < length; ++k)
       valid = (static_cast<unsigned char>(text_[i + k]) & 0xc0) == 0x80;
-    if (!valid) return error(line, "holds a byte that is no text in UTF-8; save it as UTF-8");
+    if (!valid) return error(line, "contains a NUL byte or invalid UTF-8; save it as UTF-8");
     line += c == '\n';
     i += length;
   }
@@ -100,7 +100,7 @@ Result<void> XmlFile::check_no_text(const tinyxml2::XMLElement& element) const {
   for (const tinyxml2::XMLNode* node = element.FirstChild(); node; node = node->NextSibling()) {
     if (node->ToText() != nullptr)
       return error(node->GetLineNum(), std::string("text in <") + element.Name() +
-                                           ">, which takes other elements alone");
+                                           ">, which accepts only elements; remove the text");
   }
   return {};
 }
@@ -115,7 +115,7 @@ Result<void> XmlFile::check_name(const tinyxml2::XMLElement& element) const {
                               std::to_string(kNameMax));
   if (name.find_first_of("&<>\"'") == std::string::npos && one_line(name) == name) return {};
   return error(element, "the name `" + one_line(name) + "` of <" + element.Name() +
-                            "> holds one of & < > \" ' or a control character; leave it out");
+                            "> contains one of & < > \" ' or a control character; remove it");
 }
 
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count) {

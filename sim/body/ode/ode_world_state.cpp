@@ -36,7 +36,7 @@ struct BodyState {
                   is_saved_motion(Eigen::Map<const Eigen::Vector3d>(angular.data())) &&
                   is_saved_turn(turn) &&
                   (matrix - turn.toRotationMatrix()).cwiseAbs().maxCoeff() < 1e-6,
-              "pose of a body");
+              "body pose");
   }
 };
 

@@ -41,7 +41,7 @@ class FreeBody {
     a(awake, left_s);
     a.require(is_saved_place(com) && is_saved_motion(velocity) && is_saved_motion(momentum_) &&
                   is_saved_turn(turn_),
-              "pose of a body");
+              "body pose");
     if constexpr (A::reading) place();
   }
 

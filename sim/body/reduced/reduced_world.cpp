@@ -322,7 +322,7 @@ void ReducedWorld::transfer(A& a) {
   const auto moves = [](double velocity) { return std::abs(velocity) < 1e7; };
   a.require(is_saved_place(tree_.root_at) && is_saved_turn(tree_.root_turn) &&
                 std::ranges::all_of(tree_.angle, moves) && std::ranges::all_of(tree_.velocity, moves),
-            "pose of the robot");
+            "robot pose");
   if constexpr (A::reading) {
     if (!a.good()) return;
     tree_.place();

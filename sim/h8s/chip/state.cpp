@@ -47,7 +47,7 @@ void Machine::transfer_cpu(A& a) {
   if constexpr (A::reading) {
     const auto wrong = [](std::int64_t p) { return p < kNowhere || p >= kCodeSize; };
     if (std::ranges::any_of(places, wrong) || places[0] == kNowhere)
-      return a.refuse("it names an instruction where there is none");
+      return a.refuse("it refers to a missing instruction");
     if (std::ranges::count(places, kOutside) > 0) at_address(cpu, outside);
     const auto at = [&](std::int64_t p) -> const Insn* {
       return p == kNowhere ? nullptr : p == kOutside ? &cpu.outside : cpu.code + p;

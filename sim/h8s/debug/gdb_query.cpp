@@ -14,13 +14,13 @@ constexpr std::string_view kTarget =
 
 constexpr std::string_view kHelp =
     "help            this text\n"
-    "reset           RES pin low and high; RAM is kept\n"
+    "reset           pulse the RES pin; RAM keeps its contents\n"
     "registers       CPU registers with the symbol at PC\n"
-    "report          registers, back-trace, last instructions\n"
+    "report          registers, backtrace, last instructions\n"
     "states          states and instructions since power-on\n"
     "history         states that reverse execution can reach\n"
     "back STATE      go to the first boundary at or after this state\n"
-    "misuse          what the program did that the manual forbids or leaves undefined\n"
+    "misuse          operations of the program that the manual forbids or leaves undefined\n"
     "symbol NAME     address of a symbol\n"
     "where ADDRESS   symbol and line at an address (hexadecimal)\n";
 
@@ -113,7 +113,7 @@ std::string GdbServer::monitor(Text text) {
   if (command == "back") {
     std::istringstream number(argument);
     States at = 0;
-    if (!(number >> at)) return "back wants a state (decimal); see `monitor history`\n";
+    if (!(number >> at)) return "`back` needs a state (decimal); see `monitor history`\n";
     const auto moved = history_.back_to(at);
     return moved ? "at state " + std::to_string(chip_.now()) + "\n" : moved.error().message + "\n";
   }
@@ -132,10 +132,10 @@ std::string GdbServer::monitor(Text text) {
     GdbReader digits(argument);
     digits.take("0x");
     const auto at = digits.number();
-    if (!at || !digits.empty()) return "where wants an address (hexadecimal)\n";
+    if (!at || !digits.empty()) return "`where` needs an address (hexadecimal)\n";
     return chip_.symbols().describe(static_cast<std::uint32_t>(*at & 0xffffff)) + "\n";
   }
-  return "unknown command '" + command + "'; `monitor help` lists them\n";
+  return "unknown command '" + command + "'; `monitor help` lists all commands\n";
 }
 
 }  // namespace kaz::h8s

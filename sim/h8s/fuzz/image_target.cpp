@@ -17,7 +17,7 @@ std::string check(const Result<Image>& image) {
   }
   std::size_t total = 0;
   for (const Segment& s : image->segments) total += s.bytes.size();
-  if (total > 0x2000000) return "an image of more than all memory";
+  if (total > 0x2000000) return "the image is larger than the memory";
   for (const Symbol& symbol : image->symbols.symbols()) {
     if (!image->symbols.address_of(symbol.name)) return "a symbol that is not found";
     (void)image->symbols.describe(symbol.address);

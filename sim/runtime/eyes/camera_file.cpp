@@ -33,8 +33,8 @@ Result<void> read(const nlohmann::json& json, const std::string& path, const Ent
   const double value = found->get<double>();
   if (!(value >= e.low && value <= e.high))
     return fail(Fault::usage, path + ": \"" + e.key + "\" is " + json_sample(*found) +
-                                  " but must lie between " + nlohmann::json(e.low).dump() +
-                                  " and " + nlohmann::json(e.high).dump());
+                                  ": must be " + nlohmann::json(e.low).dump() + " to " +
+                                  nlohmann::json(e.high).dump());
   *e.to = value * e.unit;
   return {};
 }
@@ -64,11 +64,11 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
       read_whole_file(path, max_bytes, "give a camera file such as shared/robot/kaz/camera.json"));
   const auto parsed = parse_bounded_json(text);
   if (!parsed)
-    return fail(Fault::usage, path + ": is no JSON object (" + parsed.error().message +
+    return fail(Fault::usage, path + ": is not a JSON object (" + parsed.error().message +
                                   "); see shared/robot/kaz/camera.json");
   const nlohmann::json& json = *parsed;
   if (!json.is_object())
-    return fail(Fault::usage, path + ": is no JSON object; see shared/robot/kaz/camera.json");
+    return fail(Fault::usage, path + ": is not a JSON object; see shared/robot/kaz/camera.json");
   CameraFile camera;
   EyeModel& eye = camera.eye;
   double width = 0, height = 0, unit = 1;
@@ -99,7 +99,7 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
   camera.unit = static_cast<std::uint64_t>(unit);
   if (!grows(eye))
     return fail(Fault::usage, path +
-                                  ": with \"k1\", \"k2\", \"k3\" as they are, the picture turns "
+                                  ": with these \"k1\", \"k2\" and \"k3\", the picture turns "
                                   "back before its corners; see docs/explanation/vision.md");
   return camera;
 }

@@ -55,7 +55,7 @@ void Eyes::transfer(StateWriter& a) {
 
 void Eyes::transfer(StateReader& a) {
   a(sequence_, left_out_);
-  a.require(sequence_ <= kMaxSequence, "number of a picture");
+  a.require(sequence_ <= kMaxSequence, "picture number");
   std::uint64_t arriving = 0, digests = 0;
   under_way_.clear();
   arriving_.clear();

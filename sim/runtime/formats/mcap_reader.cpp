@@ -62,7 +62,7 @@ class Loader {
         return malformed("the header is missing or not the first record");
       // The last record of a truncated file may end beyond it, but not by more than a file can hold.
       if (record.length > McapRecording::max_bytes)
-        return malformed("a record claims " + std::to_string(record.length) + " bytes");
+        return malformed("a record of " + std::to_string(record.length) + " bytes is too long");
       if (record.length > rest.size() - head_size) return {};
       const auto length = static_cast<std::size_t>(record.length);
       const Bytes content = rest.subspan(head_size, length);
@@ -79,13 +79,13 @@ class Loader {
                                   what + "; record the run again");
   }
   tl::unexpected<Error> too_short(const char* record) const {
-    return malformed(std::string("a ") + record + " whose fields do not fit its length");
+    return malformed(std::string("the fields of a ") + record + " do not match its length");
   }
 
   Result<void> top_level(std::uint8_t opcode, Bytes content) {
     switch (opcode) {
       case op_invalid:
-        return malformed("a record of type 0");
+        return malformed("a record has type 0");
       case op_footer:
         return malformed("the footer comes before the end of the data");
       case op_chunk:
@@ -142,13 +142,13 @@ class Loader {
     fields.number<std::uint64_t>();  // when it was published
     if (!fields.good()) return too_short("message");
     if (!to_.topics.contains(message.channel))
-      return malformed("a message of channel " + std::to_string(message.channel) +
+      return malformed("a message belongs to channel " + std::to_string(message.channel) +
                        ", which is not defined");
     if (message.time_ns > McapRecording::max_time_ns)
-      return malformed("a message at " + std::to_string(message.time_ns) +
+      return malformed("the time of a message is " + std::to_string(message.time_ns) +
                        " ns, more than a year after the start");
     if (message.time_ns < first_ns_ || message.time_ns > last_ns_)
-      return malformed("a message outside of its chunk's times");
+      return malformed("the time of a message is outside its chunk's range");
     message.data.assign(fields.rest().begin(), fields.rest().end());
     to_.messages.push_back(std::move(message));
     return {};
@@ -162,12 +162,12 @@ class Loader {
     while (map.good() && !map.rest().empty()) {
       const std::string key = map.text();
       const std::string value = map.text();
-      if (!map.good()) return malformed("metadata whose entries do not fit its length");
+      if (!map.good()) return malformed("metadata entries do not match their length");
       if (!to_.facts.try_emplace(key, value).second)
-        return malformed("metadata has an entry twice");
+        return malformed("a metadata entry occurs twice");
       if (to_.facts.size() > McapRecording::max_facts)
         return malformed("more than " + std::to_string(McapRecording::max_facts) +
-                         " entries of metadata");
+                         " metadata entries");
     }
     return {};
   }
@@ -183,9 +183,9 @@ class Loader {
     if (!fields.good() || size != fields.rest().size()) return too_short("chunk");
     if (!compression.empty())
       return fail(Fault::usage,
-                  name_ + ": its chunks are compressed; give a recording that kaz has made");
-    if (uncompressed != size) return malformed("a chunk of two different sizes");
-    if (first > last) return malformed("a chunk that ends before it begins");
+                  name_ + ": compressed chunks are not supported; give a recording written by kaz");
+    if (uncompressed != size) return malformed("the two sizes of a chunk differ");
+    if (first > last) return malformed("a chunk ends before it begins");
     const Bytes inside = fields.rest();
     if (crc != 0 && crc32_z(0, inside.data(), inside.size()) != crc) {
       ++to_.damaged_chunks;
@@ -206,7 +206,7 @@ class Loader {
       if (record.length > inside.size() - head_size)
         return malformed("a chunk ends within a record");
       if (record.opcode != op_schema && record.opcode != op_channel && record.opcode != op_message)
-        return malformed("a chunk holds a record of type " + std::to_string(record.opcode));
+        return malformed("a chunk contains a record of type " + std::to_string(record.opcode));
       const auto length = static_cast<std::size_t>(record.length);
       if (auto done = datum(record.opcode, inside.subspan(head_size, length)); !done) return done;
       inside = inside.subspan(head_size + length);
@@ -220,7 +220,7 @@ class Loader {
     if (!fields.whole()) return too_short("data end");
     // Damaged chunks were counted before.
     if (crc != 0 && to_.damaged_chunks == 0 && crc32_z(0, file_.data(), record_at_) != crc)
-      return malformed("the checksum of the data does not fit");
+      return malformed("the checksum of the data is wrong");
     to_.whole = true;
     return {};
   }
@@ -237,13 +237,13 @@ bool has_magic(Bytes bytes) {
 }
 
 tl::unexpected<Error> no_mcap(const std::string& name) {
-  return fail(Fault::usage, name + ": this is no MCAP file; give a recording.mcap of kaz");
+  return fail(Fault::usage, name + ": not an MCAP file; give a recording.mcap written by kaz");
 }
 
 tl::unexpected<Error> too_large(const std::string& name) {
-  return fail(Fault::usage, name + ": is larger than " +
+  return fail(Fault::usage, name + ": is larger than the maximum of " +
                                 std::to_string(McapRecording::max_bytes >> 30) +
-                                " GiB, the largest recording that is read; record a shorter run");
+                                " GiB; record a shorter run");
 }
 
 }  // namespace

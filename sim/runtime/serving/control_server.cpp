@@ -43,7 +43,7 @@ Result<ControlRequest> parse_control_request(std::string_view line) {
     return ControlRequest{std::string(line.substr(0, space)), std::string(line.substr(argument))};
   }
   const Json request = parse_bounded_json<Json>(line).value_or(nullptr);
-  if (!request.is_object()) return fail("the request is no JSON object");
+  if (!request.is_object()) return fail("the request is not a JSON object");
   const auto text = [&request](const char* key) {
     const auto entry = request.find(key);
     return entry != request.end() && entry->is_string() ? entry->get<std::string>() : std::string();
@@ -73,17 +73,18 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
   if (!with_argument && !argument.empty())
     return refusal("\"" + command + "\" takes no argument, got \"" + argument + "\"");
   if (command == "help") {
-    return {{"ok", true},
-            {"commands",
-             {{"help", "this list"},
-              {"reset", "the board's reset pin, low and high"},
-              {"mode boot|run", "the mode pins, which count at the next reset"},
-              {"power on|off", "the board's power switch"},
-              {"plug out|in", "the plug of the serial port, which is gone while it is out"},
-              {"stand LINE", "a motor stand's tools; \"stand help\" lists them"},
-              {"fault LINE", "a fault, from now on or `at` a time; \"fault none\" ends them all"},
-              {"touches", "from now on status lists what the robot has touched"},
-              {"status", "time, mcu, power, host, losses"}}}};
+    return {
+        {"ok", true},
+        {"commands",
+         {{"help", "this list"},
+          {"reset", "pulse the board's reset pin"},
+          {"mode boot|run", "set the mode pins for the next reset"},
+          {"power on|off", "switch the board's power"},
+          {"plug out|in", "unplug or plug in the serial port"},
+          {"stand LINE", "send a command to the motor stand; \"stand help\" lists the commands"},
+          {"fault LINE", "inject a fault now or `at` a time; \"fault none\" ends all faults"},
+          {"touches", "from now on, list what the robot touched in status"},
+          {"status", "print time, mcu, power, host and losses"}}}};
   }
   if (command == "reset") {
     handlers_.reset();
@@ -111,7 +112,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
   if (command == "fault") return fault(argument);
   if (command == "stand") {
     if (!handlers_.stand)
-      return refusal("this is a robot, no motor stand; `kaz sim --stand` is one");
+      return refusal("this is a robot, not a motor stand; start `kaz sim --stand`");
     auto reply = handlers_.stand(argument);
     if (!reply) return refusal(reply.error().message);
     Json all{{"ok", true}};

@@ -31,7 +31,7 @@ Result<HandAct> parse_hand(std::string_view line, Time now) {
   std::istringstream in{std::string(line)};
   std::vector<std::string> words;
   for (std::string word; in >> word;) words.push_back(word);
-  if (words.empty()) return tl::unexpected(misread("nothing is there to be done"));
+  if (words.empty()) return tl::unexpected(misread("empty command"));
   HandAct act;
   const std::string& verb = words[0];
   const bool pushes = verb == "push", holds = verb == "hold";
@@ -51,15 +51,14 @@ Result<HandAct> parse_hand(std::string_view line, Time now) {
       const std::string& word = words[static_cast<std::size_t>(2 + axis)];
       const auto number = parse_number<double>(word);
       if (!number || !(std::abs(*number) <= most))
-        return tl::unexpected(misread(in_quotes(word) + " is no number from " +
+        return tl::unexpected(misread(in_quotes(word) + " must be a number from " +
                                       std::to_string(static_cast<int>(-most)) + " to " +
                                       std::to_string(static_cast<int>(most))));
       act.vector[axis] = *number;
     }
     return act;
   }
-  if (verb == "at")
-    return tl::unexpected(misread("what is done by hand begins now: leave `at` out"));
+  if (verb == "at") return tl::unexpected(misread("a command starts at once: leave `at` out"));
   const auto fault = faults::parse(line, now);
   if (!fault) return tl::unexpected(misread(in_quotes(line) + ": " + fault.error().message));
   act.kind = HandAct::Kind::fault;

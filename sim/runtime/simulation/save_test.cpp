@@ -164,7 +164,7 @@ TEST(Snapshot, SaysWhyItDoesNotFit) {
   auto simulation = make(options);
   ASSERT_NE(simulation, nullptr);
   const Bytes blob = *simulation->save();
-  EXPECT_NE(refusal(*simulation, {1, 2, 3}).find("does not begin as one"), std::string::npos);
+  EXPECT_NE(refusal(*simulation, {1, 2, 3}).find("is not a saved state"), std::string::npos);
   Bytes damaged = blob;
   damaged[damaged.size() / 2] ^= 1;
   EXPECT_NE(refusal(*simulation, damaged).find("checksum is wrong"), std::string::npos);

@@ -117,7 +117,7 @@ void Simulation::transfer(A& a) {
   if constexpr (A::reading) {
     if (!a.good()) return;
     if (has_eyes && !this->has_eyes())
-      return a.refuse("it has eyes, but the robot has no head");
+      return a.refuse("it contains cameras, but the robot has no head");
     if (has_eyes && !eyes_) make_eyes();
     if (!has_eyes) eyes_ = nullptr;
   }
@@ -139,7 +139,7 @@ void Simulation::read_state(StateReader& from) {
   world_->restore(from);
   if (from.good()) board_.restore(from);
   if (from.good()) transfer(from);
-  if (from.good() && from.left() != 0) from.refuse("it is longer than it should be");
+  if (from.good() && from.left() != 0) from.refuse("it is too long");
 }
 
 Result<void> Simulation::restore(std::span<const std::uint8_t> blob) {
@@ -178,16 +178,16 @@ Result<Simulation::Start> Simulation::keep() {
 
 Result<void> Simulation::begin(const Start& start, std::uint64_t seed) {
   if (recorder_)
-    return fail(Fault::usage, "a recording cannot go on from another state; finish it first");
+    return fail(Fault::usage, "a recording cannot continue from another state; finish it first");
   world_ = KAZ_TRY(start.world->clone());
   options_.seed = seed;
   StateReader from(start.rest);
   if (eyes_) eyes_->reseed(seed);
   board_.take(from, start.chip.get(), seed);
   transfer(from);
-  if (from.good() && from.left() != 0) from.refuse("it is longer than it should be");
+  if (from.good() && from.left() != 0) from.refuse("it is too long");
   if (!from.good()) {
-    error_ = Error{Fault::usage, "this simulation cannot begin there: " + from.error()};
+    error_ = Error{Fault::usage, "the simulation cannot start from this state: " + from.error()};
     return tl::unexpected(*error_);
   }
   line_.reseed(seed);

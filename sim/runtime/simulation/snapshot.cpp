@@ -40,7 +40,7 @@ std::vector<std::uint8_t> Snapshot::pack(const Facts& facts, std::span<const std
 Result<std::span<const std::uint8_t>> Snapshot::unpack(std::span<const std::uint8_t> blob,
                                                        const Facts& facts) {
   if (blob.size() < magic.size() || !std::equal(magic.begin(), magic.end(), blob.begin()))
-    return unusable("it does not begin as one; give a file that `save` has made");
+    return unusable("the data is not a saved state; give a file written by `save`");
   StateReader head(blob.subspan(magic.size()));
   std::uint32_t number = 0;
   head(number);
@@ -59,7 +59,7 @@ Result<std::span<const std::uint8_t>> Snapshot::unpack(std::span<const std::uint
   std::uint64_t size = 0;
   from(stored, size);
   if (!from.good() || size != from.left())
-    return unusable("its parts do not fit together; the file is damaged");
+    return unusable("the lengths of its parts are inconsistent; the file is damaged");
   for (const auto& [name, value] : facts) {
     const auto other = std::ranges::find(stored, name, &Facts::value_type::first);
     const std::string was = other == stored.end() ? "" : other->second;

@@ -19,7 +19,7 @@
 namespace kaz::sim {
 
 static_assert(std::endian::native == std::endian::little,
-              "binary STL is read as it lies in the file");
+              "binary STL is read without byte swapping");
 
 namespace {
 
@@ -40,7 +40,7 @@ bool usable(const Eigen::Vector3d& v) {
 tl::unexpected<Error> far_vertex(const std::string& path) {
   return fail(
       Fault::usage,
-      path + ": a vertex lies nowhere or beyond 1e9: check its unit, export the mesh again");
+      path + ": a vertex is not finite or is beyond 1e9: check the unit and export the mesh again");
 }
 
 // Degenerate triangles have no normal and are skipped.
@@ -82,7 +82,7 @@ Result<Mesh> text_stl(const std::string& text, const std::string& path,
     Eigen::Vector3d v;
     if (!(in >> v.x() >> v.y() >> v.z())) {
       return fail(Fault::usage,
-                  path + ": a vertex line lacks its three numbers: export the mesh again");
+                  path + ": a vertex line needs three numbers: export the mesh again");
     }
     p[corner] = v.cwiseProduct(scale);
     if (!usable(p[corner++])) return far_vertex(path);
@@ -139,8 +139,10 @@ Result<Mesh> obj(const std::string& text, const std::string& path, const Eigen::
       while (words >> word) {
         ObjCorner corner{};
         if (!parse_corner(word, positions.size(), normals.size(), corner)) {
-          return fail(Fault::usage, path + ":" + std::to_string(number) + ": face corner `" + word +
-                                        "` names no vertex above it: export the mesh again");
+          return fail(
+              Fault::usage,
+              path + ":" + std::to_string(number) + ": face corner `" + word +
+                  "` refers to a vertex that is not defined above it: export the mesh again");
         }
         corners.push_back(corner);
       }
@@ -181,10 +183,10 @@ Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale) {
     const bool binary = bytes.size() >= 84 && bytes.size() == 84 + std::size_t{50} * count;
     mesh = binary ? binary_stl(bytes, path, scale) : text_stl(bytes, path, scale);
   } else {
-    return fail(Fault::usage, path + ": only .obj and .stl meshes are drawn: convert this one");
+    return fail(Fault::usage, path + ": only .obj and .stl meshes are supported: convert this one");
   }
   if (mesh && mesh->indices.empty()) {
-    return fail(Fault::usage, path + ": the mesh has no triangle: export it again");
+    return fail(Fault::usage, path + ": the mesh has no triangles: export it again");
   }
   return mesh;
 }

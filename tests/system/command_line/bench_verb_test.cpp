@@ -173,7 +173,7 @@ TEST(BenchVerb, ErrorsSayWhatToDo) {
                                   "ctl:" + (folder / "robot.ctl"), "--out", folder / "out"}),
                              seconds(60));
   EXPECT_EQ(robot.exit_code, 3);
-  EXPECT_NE(robot.err.find("this is a robot, no motor stand"), std::string::npos) << robot.err;
+  EXPECT_NE(robot.err.find("this is a robot, not a motor stand"), std::string::npos) << robot.err;
 }
 
 }  // namespace

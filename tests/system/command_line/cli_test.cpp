@@ -163,9 +163,9 @@ TEST(Cli, ADryRunOfFlashingRefusesDamagedAndForeignImages) {
   const std::string image = "$(dirname " + kaz({}).front() + ")/../firmware/kaz.mot";
   for (const auto& [make, options, part] :
        {std::tuple<std::string, std::string, std::string>{"sed 500,520d " + image, "",
-                                                          "the image is not whole"},
+                                                          "the image is damaged"},
         {"head -c 4096 /dev/zero", "--format raw --at 0x2000",
-         "is no application of a Kaz board"}}) {
+         "is not an application for a Kaz board"}}) {
     const Finished looked =
         run({"/bin/sh", "-c",
              "f=$(mktemp) && " + make + " > $f && " + kaz({}).front() +

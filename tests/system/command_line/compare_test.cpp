@@ -85,7 +85,7 @@ TEST_F(CompareVerb, ReadsARunAtAPortWhichCannotBeReplayed) {
 TEST_F(CompareVerb, RefusesWhatIsNoRecordingOfARun) {
   write_file(folder / "text", "no recording");
   for (const auto& [name, says] :
-       {std::pair{"none", "No such file"}, std::pair{"text", "no MCAP file"}}) {
+       {std::pair{"none", "No such file"}, std::pair{"text", "not an MCAP file"}}) {
     const Finished refused = compare(folder / name, folder / name);
     EXPECT_EQ(refused.exit_code, 2);
     EXPECT_NE(refused.err.find(name), std::string::npos) << refused.err;

@@ -101,7 +101,7 @@ TEST(Monitor, ShowsJointsMovesAndStopsThemAndFindsABoardAgain) {
   screen.press({"Space"});
   screen.wait("motors off: shutdown[^]*stop");
   screen.press({"c"});
-  screen.wait("motors off *\n[^]*nothing is latched");
+  screen.wait("motors off *\n[^]*no shutdown is latched");
 
   // The board goes and comes again.
   sim->signal(SIGINT);

@@ -228,7 +228,7 @@ TEST(OutputPlaces, AFolderOfResultsIsNoCorpus) {
   ASSERT_EQ(run(kaz(joined(kBench, {"--out", folder / "results"}))).exit_code, 0);
   const Finished fuzz = run(kaz({"fuzz", "--corpus", folder / "results", "--cases", "1"}));
   EXPECT_EQ(fuzz.exit_code, 2) << fuzz.out;
-  EXPECT_NE(fuzz.err.find("a folder of results, whose files are no cases"), std::string::npos)
+  EXPECT_NE(fuzz.err.find("a folder of results, which contains no cases"), std::string::npos)
       << fuzz.err;
 }
 

@@ -87,7 +87,7 @@ TEST(Poses, WrongOnesAreRefusedBeforeAnythingMoves) {
            more + "]}";
   };
   for (const auto& [text, hint] : std::map<std::string, std::string>{
-           {"", "is no JSON object"},
+           {"", "is not a JSON object"},
            {poses(R"({"time_s": 1, "angles_rad": {"wing": 0}})"),
             "\"wing\", which this robot does not have"},
            {poses(R"({"time_s": 1, "angles_rad": {"r_sh_pitch": 2}})"),

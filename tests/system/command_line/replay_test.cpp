@@ -165,7 +165,7 @@ TEST(Replay, SaysWhatIsNoRecording) {
   std::ofstream(folder / "text") << "no recording at all";
   const Finished text = run(kaz({"replay", folder / "text"}), std::chrono::seconds(20));
   EXPECT_EQ(text.exit_code, 2);
-  EXPECT_NE(text.err.find("no MCAP file"), std::string::npos) << text.err;
+  EXPECT_NE(text.err.find("not an MCAP file"), std::string::npos) << text.err;
 }
 
 }  // namespace

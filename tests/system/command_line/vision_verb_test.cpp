@@ -316,11 +316,11 @@ TEST(VisionVerb, RefusesInOneSentence) {
   expect_refusal(look({"--in", folder / "bad", "--view", "60", "--modules", "smell"}), 2,
                  {"smell", "color"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60", "--color", folder / "bad/1.png"}), 2,
-                 {"1.png", "no JSON"});
+                 {"1.png", "not a JSON object"});
   expect_refusal(look({"--in", folder / "bad", "--calibration", folder / "bad/1.png"}), 2,
-                 {"1.png", "holds no image_width"});
+                 {"1.png", "image_width is missing"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60"}), 1,
-                 {"none of 1 picture in", "no picture that can be read"});
+                 {"none of 1 picture in", "not a supported picture"});
   expect_refusal(look({}), 2, {"--in", "--left"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm"}), 2,
                  {"--calibration"});

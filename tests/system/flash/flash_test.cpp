@@ -352,7 +352,7 @@ TEST(Flash, VerifyLooksAtVectorsAndLoaderToo) {
     const auto verified = flasher.verify(image);
     ASSERT_FALSE(verified) << at;
     EXPECT_EQ(verified.error().fault, Fault::failed);
-    EXPECT_NE(verified.error().message.find("vectors or loader (EB0, EB6) are not"),
+    EXPECT_NE(verified.error().message.find("vectors or loader (EB0, EB6) differ"),
               std::string::npos)
         << verified.error().message;
   }
@@ -380,10 +380,10 @@ TEST(Flash, ACopyOfAnotherBoardLeavesCalibrationAndAddress) {
     EXPECT_EQ(is, 0x5a) << std::hex << at;
   }
   ASSERT_EQ(notes.size(), 3u);
-  EXPECT_EQ(notes[2].find("EB3 stays as it is: the board's address"), 0u) << notes[2];
+  EXPECT_EQ(notes[2].find("EB3 keeps the board's address: the image"), 0u) << notes[2];
   const auto verified = flasher.verify(copy);
   ASSERT_FALSE(verified);
-  EXPECT_NE(verified.error().message.find("calibration or address (EB1 to EB3) are not"),
+  EXPECT_NE(verified.error().message.find("calibration or address (EB1 to EB3) differ"),
             std::string::npos)
       << verified.error().message;
   EXPECT_TRUE(flasher.verify(changed(kBuildId, 0x55)));
@@ -431,7 +431,8 @@ TEST(Flash, AFileOfTheLoadersBlockAloneIsRefusedThroughTheLoader) {
   const auto report = flasher.write(loader);
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().fault, Fault::usage);
-  for (const char* part : {"nothing of the image can be written", "EB0, EB6 alone", "--reset"})
+  for (const char* part :
+       {"cannot write any part of the image", "only bytes in EB0, EB6", "--reset"})
     EXPECT_NE(report.error().message.find(part), std::string::npos) << report.error().message;
   EXPECT_TRUE(flasher.check(loader, true)) << "boot mode writes all of it";
   loader.put(0x8000, std::array<std::uint8_t, 4>{1, 2, 3, 4});

@@ -22,8 +22,8 @@ std::optional<servo_bus::Protocol> bus_protocol(std::string_view text) {
 Result<host::PortAddress> parse_port(const std::string& text) {
   if (names_servo_bus(text))
     return fail(Fault::usage, "--robot " + text +
-                                  ": a servo bus, and this command is for a servo board; for "
-                                  "servos use `kaz bus status`, `kaz bus scan` or `kaz monitor`");
+                                  ": a servo bus is not valid here; for servos use `kaz bus "
+                                  "status`, `kaz bus scan` or `kaz monitor`");
   return host::parse_port_address("--robot", text);
 }
 
@@ -36,7 +36,7 @@ Result<BusAddress> parse_bus(const std::string& text) {
       (parsed->kind != host::PortKind::serial && parsed->kind != host::PortKind::rfc2217))
     return fail(Fault::usage, "--robot " + text +
                                   ": not a servo bus; give feetech:PATH[@BAUD] or "
-                                  "dynamixel:PATH[@BAUD], as feetech:/dev/ttyACM0, or "
+                                  "dynamixel:PATH[@BAUD], such as feetech:/dev/ttyACM0, or "
                                   "feetech:rfc2217:HOST:PORT for a port on another machine");
   bus.port = *parsed;
   if (port.find('@') == std::string::npos) bus.port.baud = 0;
@@ -48,7 +48,7 @@ Result<BusAddress> parse_one_bus(const std::string& text,
   BusAddress bus = KAZ_TRY(parse_bus(text));
   if (bus.protocol && protocol && bus.protocol != protocol)
     return fail(Fault::usage, "--bus " + std::string(servo_bus::name_of(*protocol)) + ": --robot " +
-                                  text + " is another protocol; leave --bus out");
+                                  text + " uses another protocol; leave --bus out");
   if (!bus.protocol) bus.protocol = protocol;
   if (!bus.protocol)
     return fail(Fault::usage, "--robot " + text + ": its protocol is missing; give feetech:" +
@@ -73,7 +73,7 @@ Result<std::map<std::string, std::string>> parse_settings(const std::vector<std:
       return fail(Fault::usage, "--set " + text + ": give NAME=VALUE, as in --set seconds=20");
     const std::string name = text.substr(0, equals);
     if (!settings.emplace(name, text.substr(equals + 1)).second)
-      return fail(Fault::usage, "--set " + text + ": " + name + " is set twice, give it once");
+      return fail(Fault::usage, "--set " + text + ": " + name + " is set twice; give it once");
   }
   return settings;
 }
@@ -86,7 +86,7 @@ Result<trials::Interval> parse_interval(const std::string& option, const std::ve
     char example[80];
     std::snprintf(example, sizeof example, "%g %g", otherwise.min, otherwise.max);
     return fail(Fault::usage,
-                option + ": give two numbers, none below 0, the smaller one first, as in " +
+                option + ": give two numbers of at least 0, the smaller one first, such as " +
                     option + " " + example);
   }
   return trials::Interval{given[0], given[1]};
@@ -97,7 +97,8 @@ Result<Shard> parse_shard(const std::string& text) {
   int end = 0;
   if (text.size() > 20 || std::sscanf(text.c_str(), "%llu/%llu%n", &part, &parts, &end) != 2 ||
       end != static_cast<int>(text.size()) || part < 1 || part > parts)
-    return fail(Fault::usage, "--shard " + text + ": give I/N, the first of four parts is 1/4");
+    return fail(Fault::usage,
+                "--shard " + text + ": give I/N, such as 1/4 for the first of four parts");
   return Shard{part, parts};
 }
 

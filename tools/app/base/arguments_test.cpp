@@ -86,7 +86,7 @@ TEST(Bus, OneProtocolAndOneRateComeFromRobotOrFromOlderOptions) {
   EXPECT_EQ(error("arm", {}, 0),
             "--robot arm: its protocol is missing; give feetech:arm or dynamixel:arm");
   EXPECT_EQ(error("feetech:arm", Protocol::dynamixel, 0),
-            "--bus dynamixel: --robot feetech:arm is another protocol; leave --bus out");
+            "--bus dynamixel: --robot feetech:arm uses another protocol; leave --bus out");
   EXPECT_EQ(error("feetech:arm@9600", {}, 57600),
             "--baud 57600: --robot feetech:arm@9600 has another rate; leave --baud out");
 }

@@ -20,7 +20,7 @@ bool parse_process(std::string_view text, long& process) {
   return error == std::errc() && stop == end && process > 0;
 }
 
-// Takes one line into the list; false if it is of no form.
+// Takes one line into the list; false if its format is unknown.
 bool take_line(std::string_view line, OutputList& list) {
   const auto space = line.find(' ');
   if (space == std::string_view::npos) return false;
@@ -56,19 +56,20 @@ Result<OutputList> parse_output_list(const std::string& text, const std::string&
                 path + ": line " + std::to_string(line) + " " + what +
                     "; choose another folder with --out, or remove this list and its results");
   };
-  if (text.size() > kMaxOutputListBytes) return damaged(1, "begins more than a list needs");
+  if (text.size() > kMaxOutputListBytes) return damaged(1, "begins a list that is too long");
   OutputList list;
   std::size_t number = 0;
   for (std::size_t from = 0, end; (end = text.find('\n', from)) != std::string::npos;
        from = end + 1) {
     const std::string_view line = std::string_view(text).substr(from, end - from);
     if (++number == 1) {
-      if (line != kFirstLine) return damaged(number, "is not that of a list of results");
+      if (line != kFirstLine) return damaged(number, "is not the first line of a list of results");
     } else if (!take_line(line, list)) {
-      return damaged(number, "is of no form that a list of results has");
+      return damaged(number, "has an unknown format");
     }
   }
-  if (list.kind.empty() && !list.names.empty()) return damaged(number, "ends a list of no kind");
+  if (list.kind.empty() && !list.names.empty())
+    return damaged(number, "ends a list without a line `kind`");
   return list;
 }
 

@@ -17,10 +17,10 @@
 namespace kaz::tools {
 namespace {
 
-constexpr double kMaxLost_s = 1e9;  // more is no answer of a simulator
+constexpr double kMaxLost_s = 1e9;  // a larger value is invalid
 constexpr std::chrono::milliseconds kInterruptedPatience{300};
 
-// Empty: there is no control socket beside the port.
+// Returns an empty path if the port has no control socket.
 std::string control_socket_beside(const std::string& port) {
   const std::string path = port + ".ctl";
   std::error_code none;

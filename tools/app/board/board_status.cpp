@@ -86,7 +86,7 @@ void print(const Json& now, const std::string& fault) {
     std::printf(", since %.1f s of %.1f s: %s\n", now["shutdown_at_s"].get<double>(),
                 now["since_reset_s"].get<double>(), fault.c_str());
   } else {
-    std::printf(", nothing is latched; last reset %.1f s ago, by %s\n",
+    std::printf(", no shutdown is latched; last reset %.1f s ago, by %s\n",
                 now["since_reset_s"].get<double>(), now["last_reset"].get<std::string>().c_str());
   }
   std::printf("supply %.1f V, lowest %.1f V; motor drivers %.0f degrees Celsius\n",

@@ -523,8 +523,8 @@ TEST_F(KeptRuns, NotesAreReadAsTheyWereWritten) {
   std::string wrong = text;
   wrong.replace(wrong.find("\"address\": 6"), 12, "\"address\": 15");
   EXPECT_EQ(parse_kept(wrong, "notes").error().message,
-            "notes: its field address is missing or out of range; give the notes that an "
-            "interrupted run has left, or leave --from out");
+            "notes: its field address is missing or out of range; give the recovery "
+            "notes of an interrupted run, or leave --from out");
 }
 
 TEST(Recover, BringsABoardFromAnyAddressAndClearsWhatIsLatched) {

@@ -80,7 +80,7 @@ void print(const Recovered& result, const std::string& port) {
   for (const std::string& one : result.left) std::printf("not put back: %s\n", one.c_str());
   if (result.left.empty())
     std::printf("reset; now at address %d, motors off%s%s\n", result.address,
-                shutdown(result.status).empty() ? ", nothing is latched" : ", still shut down: ",
+                shutdown(result.status).empty() ? ", no shutdown is latched" : ", still shut down: ",
                 shutdown(result.status).c_str());
   if (result.left.empty() && result.shared_line)
     std::printf(

@@ -204,10 +204,10 @@ TEST(Compare, SaysThatRunsBeganInOtherPostures) {
 
 TEST(Compare, ARecordingThatEndsEarlyIsNamed) {
   RunTrace cut = make({});
-  cut.early_end = "the recording was cut off, its run went on";
+  cut.early_end = "the recording was cut off before its run ended";
   const Comparison comparison = compare(make({}), cut);
   ASSERT_EQ(comparison.notes.size(), 1u);
-  EXPECT_EQ(comparison.notes[0], "B: the recording was cut off, its run went on");
+  EXPECT_EQ(comparison.notes[0], "B: the recording was cut off before its run ended");
 }
 
 TEST(Compare, CommandsAreRampsFromWhereTheJointStood) {

@@ -200,7 +200,7 @@ class Decoder {
   std::vector<Measured> measured_;
 };
 
-// Nothing where it is no JSON object.
+// Returns null if the text is not a JSON object.
 nlohmann::json object_of(const std::string& text) {
   auto value = parse_bounded_json(text);
   return value && value->is_object() ? *std::move(value) : nlohmann::json();
@@ -225,7 +225,7 @@ Result<RunTrace> RunTrace::of(const sim::McapRecording& recording, const std::st
     const auto start = parse_number<std::int64_t>(fact(LineRecorder::kStart));
     if (!start)
       return fail(Fault::usage,
-                  name + ": it does not say when its clock began; record the run again");
+                  name + ": the start time of its clock is missing; record the run again");
     clock_start_s = static_cast<double>(*start) * 1e-9;
     spread(run.to_board);
   }
@@ -245,17 +245,17 @@ Result<RunTrace> RunTrace::of(const sim::McapRecording& recording, const std::st
   Decoder(trace, start_s).decode(frames_of(run.to_board), frames_of(run.to_host));
   if (trace.postures.empty())
     return fail(Fault::usage, name +
-                                  ": no posture came over its wire: nothing to compare; give a "
-                                  "recording of `kaz run` or `kaz demo`");
+                                  ": it contains no postures to compare; give a recording of "
+                                  "`kaz run` or `kaz demo`");
   trace.duration_s = std::max(end_s - start_s, trace.postures.back().time_s);
   if (!recording.whole)
-    trace.early_end = "the recording was cut off, its run went on";
+    trace.early_end = "the recording was cut off before its run ended";
   else if (const std::string by = recording.interrupted_by(); !by.empty())
     trace.early_end = "the run was interrupted (" + by + ")";
   if (!(trace.duration_s > 0 && trace.duration_s <= kLongest_s))
     return fail(Fault::usage, name +
-                                  ": its run did not last between nothing and an hour; compare a "
-                                  "shorter one");
+                                  ": the duration of its run must be above 0 and at most 1 h; "
+                                  "compare another run");
   return trace;
 }
 

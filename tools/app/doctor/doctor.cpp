@@ -335,7 +335,7 @@ Result<bool> run_doctor(const DoctorOptions& options) {
     if (!one.remedy.empty()) std::printf("                  %s\n", one.remedy.c_str());
   }
   const auto notes = std::ranges::count(findings, Level::note, &Finding::level);
-  std::string sum = wrong == 0 ? "nothing is wrong" : std::to_string(wrong) + " wrong";
+  std::string sum = wrong == 0 ? "no fault found" : std::to_string(wrong) + " wrong";
   if (notes > 0) sum += ", " + counted(notes, "note");
   std::printf("%s\n", sum.c_str());
   return wrong == 0;

@@ -61,7 +61,7 @@ bool is_lost(const Json& value) {
   return value.is_array() && std::all_of(value.begin(), value.end(), one);
 }
 
-constexpr Field kResultFields[] = {{"planned", is_planned, false},  // absent: of an earlier version
+constexpr Field kResultFields[] = {{"planned", is_planned, false},  // absent in earlier versions
                                    {"environment", is_lost, false},
                                    {"interrupted", is_flag, false},
                                    {"signal", is_text, false}};
@@ -69,7 +69,7 @@ constexpr Field kEpisodeFields[] = {
     {"episode", [](const Json& v) { return v.is_number_unsigned(); }},
     {"scenario", has_seed},
     {"success", [](const Json& v) { return v.is_boolean(); }},
-    {"claim", is_flag, false},   // absent: of an earlier version
+    {"claim", is_flag, false},   // absent in earlier versions
     {"judged", is_flag, false},  // false: not by truth alone; absent: true
     {"cause", is_text},
     {"sentence", is_text},
@@ -78,7 +78,7 @@ constexpr Field kEpisodeFields[] = {
     {"measurements", is_object},
     {"truth", is_truth}};
 
-// `json`, if its fields are as they should be; `what` it is else none of.
+// Returns `json` if its fields are valid. `what`: kind of the file, for the error.
 Result<Json> checked(Result<Json> json, std::span<const Field> fields, const std::string& name,
                      const std::string& what) {
   if (!json) return json;
@@ -86,8 +86,8 @@ Result<Json> checked(Result<Json> json, std::span<const Field> fields, const std
     const auto found = json->find(field.name);
     if (found == json->end() && !field.required) continue;
     if (found == json->end() || !field.fits(*found))
-      return fail(Fault::usage, name + ": is no " + what + ", its `" + field.name +
-                                    "` is missing or of another kind; remove it");
+      return fail(Fault::usage, name + ": invalid " + what + ": `" + field.name +
+                                    "` is missing or invalid; remove the file");
   }
   return json;
 }
@@ -98,7 +98,8 @@ Result<Json> parse_campaign(const std::string& text, const std::string& name) {
   auto json = parse_object(text, name);
   if (!json) return json;
   if (!json->contains("behavior") || !(*json)["behavior"].is_string())
-    return fail(Fault::usage, name + ": is no campaign, it names no behaviour; remove it");
+    return fail(Fault::usage,
+                name + ": not a campaign: `behavior` is missing or invalid; remove the file");
   return json;
 }
 

@@ -66,8 +66,8 @@ void Answer::written(const host::FlashReport& report, bool by_boot_mode) {
   put("min_seconds", report.min_seconds);
   if (report.written > 0) put("efficiency", report.efficiency());
   if (report.written == 0 && report.erased == 0)
-    return say("nothing to write: the flash holds these " + std::to_string(report.bytes) +
-               " bytes already, " + counted(report.unchanged, "block") + " compared");
+    return say("no write needed: the flash already has these " + std::to_string(report.bytes) +
+               " bytes, " + counted(report.unchanged, "block") + " compared");
   say("written and verified: " + std::to_string(report.written) + " bytes, " +
       (by_boot_mode ? "the whole flash erased"
                     : counted(report.erased, "block") + " erased, " +

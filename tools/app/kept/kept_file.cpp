@@ -16,8 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 constexpr std::size_t kMaxBytes = 1 << 20;
-constexpr const char* kHint =
-    "give the notes that an interrupted run has left, or leave --from out";
+constexpr const char* kHint = "give the recovery notes of an interrupted run, or leave --from out";
 
 bool in_bounds(const Json& value, long min, long max) {
   if (value.is_number_unsigned())
@@ -126,7 +125,7 @@ std::string kept_text(const KeptFile& kept) {
                 [&](const char* name, auto& number, long, long) { one[name] = number; });
     json["joints"].push_back(std::move(one));
   }
-  // A path may hold bytes that are no UTF-8.
+  // A path may contain bytes that are not valid UTF-8.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -136,8 +135,8 @@ Result<KeptFile> parse_kept(const std::string& text, const std::string& name) {
   };
   const Json json = parse_bounded_json<Json>(text).value_or(nullptr);
   if (!json.is_object() || !json.contains("kaz_kept_board"))
-    return wrong("holds no notes of a board, or is damaged");
-  if (json["kaz_kept_board"] != kVersion) return wrong("is of another version of this program");
+    return wrong("not recovery notes of a board, or damaged");
+  if (json["kaz_kept_board"] != kVersion) return wrong("was written by another version of kaz");
   KeptFile kept;
   host::BoardState& board = kept.board;
   Fields fields(json, "");
@@ -185,7 +184,7 @@ Result<WriteFile> parse_write(const std::string& text, const std::string& name) 
     fields.text("folder", write.folder);
     if (fields.first_wrong().empty()) return write;
   }
-  return fail(Fault::usage, name + ": holds no notes of `kaz flash write`, or is damaged");
+  return fail(Fault::usage, name + ": not recovery notes of `kaz flash write`, or damaged");
 }
 
 Result<WriteFile> read_write(const std::string& path) {

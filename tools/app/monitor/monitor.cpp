@@ -246,8 +246,8 @@ class Monitor {
         wanted_ = 0;
         return robot_->stop();
       case Key::clear:
-        said_ = on() != 0 ? "nothing was latched: motors are on"
-                          : "nothing is latched now; motors stay off";
+        said_ = on() != 0 ? "no shutdown was latched: motors are on"
+                          : "no shutdown is latched now; motors stay off";
         return robot_->clear();
       default:
         return {};

@@ -9,7 +9,7 @@
 namespace kaz::tools {
 namespace {
 
-// As the schemas of sim/runtime/simulation/recorder.cpp have them, where lengths are fixed.
+// The fields of the schemas in sim/runtime/simulation/recorder.cpp that have a fixed length.
 struct Field {
   const char* topic;
   const char* name;

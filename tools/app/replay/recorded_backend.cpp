@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Nothing where the text is no JSON object.
+// Returns null if the text is not JSON.
 Json object_of(const std::string& text) {
   return parse_bounded_json(text).value_or(nullptr);
 }
@@ -33,7 +33,7 @@ Result<void> choose(const std::string& name, const std::array<T, N>& values, T& 
   }
   std::string names;
   for (const std::string& valid : enum_names(values)) names += (names.empty() ? "" : ", ") + valid;
-  return fail(Fault::usage, "is `" + cut_text(name) + "`, none of " + names);
+  return fail(Fault::usage, "is `" + cut_text(name) + "`: must be one of " + names);
 }
 
 // The texts under this key in /behavior, with their times, ns.
@@ -105,15 +105,15 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
   };
   if (const std::string port = fact("port"); !port.empty())
     return fail(Fault::usage, name + ": it was recorded at the port " + port +
-                                  ": what a board and its world did there cannot be run again; "
-                                  "kaz compare sets it beside another run");
+                                  ", so its board and world cannot be simulated again; use kaz "
+                                  "compare to compare it with another run");
   const Json backend = object_of(fact("backend")), settings = object_of(fact("settings"));
   RecordedBackend result;
   result.behavior = fact("behavior");
   if (result.behavior.empty() || !backend.is_object() || !settings.is_object())
-    return wrong("it does not say which behaviour ran");
+    return wrong("its behavior, settings or backend are missing");
   for (const auto& [key, value] : settings.items()) {
-    if (!value.is_string()) return wrong("the setting `" + key + "` of its behaviour is no text");
+    if (!value.is_string()) return wrong("the setting `" + key + "` of its behavior must be text");
     result.settings[key] = value.get<std::string>();
   }
   std::string misfit;
@@ -162,11 +162,11 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
   take("seed", options.seed,
        is("seed", [](const Json& value) { return value.is_number_unsigned(); }));
   if (!misfit.empty())
-    return wrong("`" + misfit + "` of its backend is not of the kind that it is");
+    return wrong("`" + misfit + "` of its backend has the wrong type or is out of range");
   // Without these another robot would run than the recorded one.
   for (const char* key : {"world", mcu_key, "sensors", "eyes"}) {
     if (!backend.contains(key))
-      return wrong(std::string("its backend does not state its `") + key + "`");
+      return wrong(std::string("`") + key + "` of its backend is missing");
   }
   if (auto set = choose(mcu, sim::kMcuKinds, options.mcu); !set)
     return wrong(std::string("`") + mcu_key + "` of its backend " + set.error().message);
@@ -182,7 +182,7 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
     const auto radius = ball.find("radius_m");
     if (radius == ball.end() || !radius->is_number() || radius->get<double>() < 0.005 ||
         radius->get<double>() > 0.5)
-      return wrong("the radius of its ball is no number from 0.005 to 0.5");
+      return wrong("the radius of its ball must be 0.005 to 0.5 m");
     result.ball.radius_m = radius->get<double>();
   }
   return result;

@@ -19,7 +19,7 @@ double real(Fields& fields) {
   return std::bit_cast<double>(fields.number<std::uint64_t>());
 }
 
-// Nothing for a transform that is none.
+// Returns nothing for an invalid transform.
 std::optional<Eigen::Isometry3d> read_pose(Fields& fields) {
   constexpr double kFar_m = 1000, kRounding = 1e-6;
   Eigen::Vector3d at;
@@ -56,7 +56,7 @@ Result<std::vector<RecordedPoses>> recorded_poses(const sim::McapRecording& reco
       fields.array();   // the frame `world`
       const auto frame = numbers.find(fields.text());
       const auto pose = read_pose(fields);
-      if (!pose) return unusable("a pose of /tf is none");
+      if (!pose) return unusable("a pose of /tf is invalid");
       if (frame == numbers.end()) continue;
       poses.frames.resize(frames.size());
       poses.frames[frame->second] = *pose;
@@ -67,8 +67,8 @@ Result<std::vector<RecordedPoses>> recorded_poses(const sim::McapRecording& reco
     if (count == 0) continue;
     for (const auto& [frame, number] : numbers) {
       if (!known[number])
-        return fail(Fault::usage, name + ": has no pose of `" + cut_text(frame) +
-                                      "`: robot or world have changed since it was recorded");
+        return fail(Fault::usage, name + ": it has no pose of `" + cut_text(frame) +
+                                      "`: the robot or world has changed; record the run again");
     }
     if (!all.empty() && poses.time <= all.back().time)
       return unusable("a pose of /tf is not later than the one before");

@@ -148,9 +148,9 @@ TEST(RecordedBackend, NamesTheKeyThatIsMissing) {
 TEST(RecordedBackend, NamesTheKeyTheValueAndTheValidOnes) {
   const struct {
     const char *key, *value, *valid;
-  } cases[] = {{"mcu", "z80", "none of h8, native"},
-               {"sensors", "perfect", "none of nominal, ideal, as-built"},
-               {"eyes", "Real", "none of ideal, real"}};
+  } cases[] = {{"mcu", "z80", "must be one of h8, native"},
+               {"sensors", "perfect", "must be one of nominal, ideal, as-built"},
+               {"eyes", "Real", "must be one of ideal, real"}};
   for (const auto& [key, value, valid] : cases) {
     nlohmann::json backend{
         {"world", "ball"}, {"mcu", "h8"}, {"sensors", "nominal"}, {"eyes", "ideal"}};

@@ -28,19 +28,19 @@ Result<BoardOfFile> parse_one(const std::string& where, const Json& json) {
     return wrong(where, std::string("its port is missing") + kForm);
   for (const auto& [key, value] : json.items())
     if (key != "port" && key != "address" && key != "joints")
-      return wrong(where, "`" + cut_text(key) + "` is none of port, address, joints");
+      return wrong(where, "unknown key `" + cut_text(key) + "`: use port, address or joints");
   board.port = KAZ_TRY(host::parse_port_address(where + ":", json["port"].get<std::string>()));
   const Json address = json.value("address", Json(1));
   if (!address.is_number_integer() || address < 1 || address > KZ_ADDRESS_LAST)
-    return wrong(where, "its address is no number from 1 to 14: give that of the board");
+    return wrong(where, "its address must be 1 to 14: give the address of the board");
   board.address = address.get<std::uint8_t>();
   if (!json.contains("joints") || !json["joints"].is_array())
     return wrong(where, std::string("its joints are missing") + kForm);
   for (const Json& one : json["joints"]) {
     const auto joint = one.is_string() ? host::joint_index(one.get<std::string>()) : std::nullopt;
     if (!joint)
-      return wrong(where, "Kaz has no joint " + json_sample(one) +
-                              ": give names as neck_pan, which docs/reference/robot.md lists");
+      return wrong(where, "unknown joint " + json_sample(one) +
+                              ": give names such as neck_pan; docs/reference/robot.md lists them");
     board.joints |= std::uint32_t{1} << *joint;
   }
   return board;
@@ -72,7 +72,7 @@ Result<std::vector<BoardOfFile>> parse_boards(const std::string& name, std::stri
   const Json& json = *parsed;
   if (!json.is_object() || !json.contains("boards") || !json["boards"].is_array() ||
       json["boards"].empty())
-    return wrong(name, std::string("no file of boards") + kForm);
+    return wrong(name, std::string("not a file of boards") + kForm);
   std::vector<BoardOfFile> boards;
   std::vector<host::RobotBoard> masks;
   for (const Json& one : json["boards"]) {

@@ -51,21 +51,21 @@ TEST(BoardFile, TwoBoardsOnOneBus) {
 
 TEST(BoardFile, EachMistakeHasItsSentence) {
   const std::string all = names(0, 18);
-  EXPECT_EQ(error_of("{}").find("kaz.boards: no file of boards; give {\"boards\": [{"), 0u);
+  EXPECT_EQ(error_of("{}").find("kaz.boards: not a file of boards; give {\"boards\": [{"), 0u);
   EXPECT_EQ(error_of("{\"boards\": [\n,]}").find("kaz.boards: line 2 is not valid JSON; give {"),
             0u);
   EXPECT_EQ(error_of("").find("kaz.boards: line 1 is not valid JSON; give {"), 0u);
   EXPECT_EQ(error_of(R"({"boards": [{"port": "x", "adress": 2, "joints": []}]})"),
-            "kaz.boards, board 1: `adress` is none of port, address, joints");
+            "kaz.boards, board 1: unknown key `adress`: use port, address or joints");
   EXPECT_EQ(error_of(file({"{}"})).find("kaz.boards, board 1: its port is missing; give"), 0u);
   EXPECT_EQ(
       error_of(file({board("can:", "", all)})).find("kaz.boards, board 1: can:: the interface"),
       0u);
   EXPECT_EQ(error_of(file({board("x", "15", all)})),
-            "kaz.boards, board 1: its address is no number from 1 to 14: give that of the board");
+            "kaz.boards, board 1: its address must be 1 to 14: give the address of the board");
   EXPECT_EQ(error_of(file({board("x", "", "[\"tail\"]")})),
-            "kaz.boards, board 1: Kaz has no joint \"tail\": give names as neck_pan, which "
-            "docs/reference/robot.md lists");
+            "kaz.boards, board 1: unknown joint \"tail\": give names such as neck_pan; "
+            "docs/reference/robot.md lists them");
   EXPECT_EQ(error_of(file({board("x", "", names(1, 18))})),
             "kaz.boards: no board drives neck_pan: assign each joint to a board");
   EXPECT_EQ(error_of(file({board("x", "", all), board("y", "", names(3, 4))})),

@@ -63,9 +63,10 @@ Result<Look> look(const std::string& path, const Board& board, Sightings& all, s
   }
   if (image->width != all.width || image->height != all.height)
     return fail(Fault::usage, "'" + path + "' has " + std::to_string(image->width) + " x " +
-                                  std::to_string(image->height) + " pixels, those before it " +
+                                  std::to_string(image->height) +
+                                  " pixels, but the pictures before it have " +
                                   std::to_string(all.width) + " x " + std::to_string(all.height) +
-                                  ": use pictures of one size");
+                                  ": use pictures of equal size");
   vision::Corners corners = vision::find_board(*image, board);
   if (corners.empty()) error = "the whole board is not in sight";
   return Look{std::move(*image), std::move(corners)};
@@ -81,7 +82,7 @@ Result<void> check_new(const vision::Corners& corners, const std::string& path,
                   "' show the board at exactly the same place: give each picture once");
 }
 
-// Refuses a grid that is a part of the board's: `seen` is how much larger it looked in the picture before.
+// Rejects a grid that is smaller than the board's. `seen`: size of the board in the picture before.
 Result<void> check_whole(const vision::Image& image, const std::string& path, const Board& board,
                          std::optional<Board>& seen) {
   const Board whole = vision::largest_board(image, board);
@@ -94,7 +95,7 @@ Result<void> check_whole(const vision::Image& image, const std::string& path, co
   return fail(Fault::usage,
               "'" + path + "' and the picture before it show a board of " + text(whole) +
                   " inner corners. --board " + text(board) +
-                  " is a part of it, which may differ between the eyes: give --board " +
+                  " is smaller, so each eye could find another part of the board: give --board " +
                   text(whole));
 }
 

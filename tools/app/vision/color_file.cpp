@@ -1,4 +1,4 @@
-// Colour thresholds as a JSON file.
+// Color thresholds as a JSON file.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/vision/color_file.h"
 
@@ -48,20 +48,23 @@ Result<vision::ColorRange> read_color(const std::string& path) {
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name) {
   const auto bad = [&](const std::string& what) { return fail(Fault::usage, name + ": " + what); };
   const auto json = parse_bounded_json(content).value_or(nullptr);
-  if (!json.is_object()) return bad("is no JSON object of colour thresholds");
+  if (!json.is_object()) return bad("not a JSON object of color thresholds");
   vision::ColorRange range;
   bool any = false;
   for (const Member& member : kMembers) {
     const auto found = json.find(member.key);
     if (found == json.end()) continue;
     if (!found->is_number() || std::abs(found->get<double>()) > 1000)
-      return bad(std::string(member.key) + " is no number that fits");
+      return bad(std::string(member.key) + " must be a number from -1000 to 1000");
     range.*member.value = found->get<double>();
     any = true;
   }
-  if (!any) return bad("holds no colour threshold (hue_min, hue_max, saturation_min, ...)");
+  if (!any)
+    return bad(
+        "contains no color threshold; give at least one of hue_min, hue_max, saturation_min, ...");
   const double width = range.hue_max - range.hue_min;
-  if (width < 0 || width >= 3.1415) return bad("hue_max is not above hue_min by less than pi");
+  if (width < 0 || width >= 3.1415)
+    return bad("hue_max must be at least hue_min and less than hue_min + pi");
   if (range.saturation_min != 0 && width == 0)
     return bad("saturation_min needs hue_min and hue_max");
   return range;

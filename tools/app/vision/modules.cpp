@@ -16,7 +16,7 @@ struct Kind {
   std::unique_ptr<vision::Module> (*make)(const VisionOptions&);
 };
 
-// What one needs stands before it.
+// Each module comes after the modules that it needs.
 constexpr Kind kKinds[] = {
     {"color", [](const VisionOptions& o) { return vision::make_color_module(o.ball); }},
     {"depth", [](const VisionOptions& o) { return vision::make_depth_module(o.depth); }},
@@ -41,7 +41,8 @@ Result<std::vector<std::string>> parse_modules(const std::string& list) {
     word.erase(0, word.find_first_not_of(' '));
     word.erase(word.find_last_not_of(' ') + 1);
     if (std::ranges::find(wanted, word) != wanted.end())
-      return fail(Fault::usage, "--modules " + list + " names '" + word + "' twice");
+      return fail(Fault::usage,
+                  "--modules " + list + " names '" + word + "' twice; name each module once");
     wanted.push_back(word);
   }
   if (wanted.empty()) wanted.emplace_back();
@@ -50,7 +51,7 @@ Result<std::vector<std::string>> parse_modules(const std::string& list) {
                                    [&](const Kind& k) { return k.name == wanted[i]; });
     if (kind == std::end(kKinds))
       return fail(Fault::usage,
-                  "--modules '" + wanted[i] + "' is not known; there are " + module_names());
+                  "--modules '" + wanted[i] + "': unknown module; use one of " + module_names());
     const std::vector<std::string> needs = kind->make({})->needs();
     wanted.insert(wanted.end(), needs.begin(), needs.end());
   }

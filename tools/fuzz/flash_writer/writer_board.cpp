@@ -44,7 +44,7 @@ h8s::Chip booted() {
     byte.value = value;
     byte.at = chip.now() + 10 * bit;
     byte.bit_states = bit;
-    if (!chip.receive(0, byte)) give_up("boot mode takes no byte");
+    if (!chip.receive(0, byte)) give_up("boot mode does not accept a byte");
     chip.run_until(byte.at + 25 * bit);
     return came.empty() ? -1 : int{came.front()};
   };
@@ -138,7 +138,7 @@ WriterBoard::WriterBoard(WriterStart start) {
     chip_.on_transmit([this](int, const h8s::TransmittedByte& byte) { came_.push_back(byte); });
     if (start != WriterStart::loader) {
       const auto set = request(KZ_WRITER_RATE, std::array{kBrr115200});
-      if (!set || set->status() != KZ_WRITER_OK) give_up("the writer takes no rate");
+      if (!set || set->status() != KZ_WRITER_OK) give_up("the writer does not accept the bit rate");
       run(kMillisecond);
     }
     for (std::uint32_t at = writer_second_stage();
@@ -149,7 +149,8 @@ WriterBoard::WriterBoard(WriterStart start) {
       const auto from = writer_program().begin() + (at - kWriterRam);
       payload.insert(payload.end(), from, from + size);
       const auto put = request(KZ_WRITER_WRITE, payload);
-      if (!put || put->status() != KZ_WRITER_OK) give_up("the writer takes no second stage");
+      if (!put || put->status() != KZ_WRITER_OK)
+        give_up("the writer does not accept its second stage");
       at += size;
     }
     fill_lines(*this);
@@ -210,7 +211,7 @@ void WriterBoard::parse() {
     const std::size_t whole = length + KZ_WRITER_OVERHEAD;
     if (bytes[0] != KZ_WRITER_SYNC || (sum & 0xff) != 0xff || length < 2 ||
         length > KZ_WRITER_PAYLOAD_MAX || !(bytes[1] & KZ_WRITER_REPLY)) {
-      failure_ = "the board sent what is no header of a reply";
+      failure_ = "the board sent an invalid reply header";
       return;
     }
     if (bytes.size() < whole) return;

@@ -172,7 +172,7 @@ std::string WriterJudge::fault(const Request& request, const WriterAnswer& answe
 
 std::string WriterJudge::write_fault(const Request& request, const WriterAnswer& answer) {
   const std::uint32_t address = request.number_at(0, 4);
-  if (answer.payload.size() != 4) return "a payload that is not of 4 bytes";
+  if (answer.payload.size() != 4) return "a payload that does not have 4 bytes";
   if (request.payload.size() < 4 || (request.payload.size() - 4) % kLine != 0 ||
       address % kLine != 0) {
     if (answer.status() != KZ_WRITER_ARGUMENTS) return "expected ARGUMENTS";
@@ -295,7 +295,7 @@ void WriterJudge::judge_flash() {
 
 void WriterJudge::finish() {
   look();
-  if (complaint_.empty() && !alive()) complain("it answers no request any more");
+  if (complaint_.empty() && !alive()) complain("it no longer answers requests");
   judge_program();
   judge_flash();
   const auto& misuse = board_.chip().misuse();

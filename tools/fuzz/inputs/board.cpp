@@ -67,7 +67,7 @@ Complaint run_on(std::span<const std::uint8_t> memory) {
   if (auto saved = sim::save_memory(*mcu, again); !saved) return saved.error().message;
   const auto other = sim::make_native();
   if (auto loaded = sim::load_memory(*other, again); !loaded) return loaded.error().message;
-  if (other->memory() != kept) return "what was written is another memory";
+  if (other->memory() != kept) return "the memory changes when it is written and read back";
   return std::nullopt;
 }
 
@@ -173,7 +173,7 @@ Complaint run_damaged(Saved& saved, Bytes bytes) {
   if (auto stepped = simulation.step(); !stepped)
     return "the restored simulation does not run: " + stepped.error().message;
   if (!saved.next.empty() && simulation.save().value() != saved.next)
-    return "the restored simulation goes on otherwise";
+    return "the restored simulation continues differently";
   return std::nullopt;
 }
 
@@ -184,7 +184,7 @@ Complaint try_memory(Bytes bytes) {
     const std::string path = input_file(bytes, "memory");
     if (bytes.size() > kMemory) {
       const auto loaded = sim::load_memory(*sim::make_native(), path);
-      if (loaded) return "a memory of another size was taken";
+      if (loaded) return "a memory of the wrong size was accepted";
       return judge_error(loaded.error(), path);
     }
     return run_on(bytes);
@@ -201,9 +201,9 @@ Complaint try_state(Bytes bytes) {
     if (auto wrong = judge_error(state.error(), "saved state")) return wrong;
   } else if (state->data() < blob.data() ||
              state->data() + state->size() > blob.data() + blob.size()) {
-    return "a state beyond its file";
+    return "a state that extends beyond its file";
   }
-  if (sim::Snapshot::unpack(bytes, {})) return "a state without its check sum was taken";
+  if (sim::Snapshot::unpack(bytes, {})) return "a state without its checksum was accepted";
 
   // As the parts of a simulation, with the check sum that belongs to them.
   auto& states = saved_states();
@@ -218,15 +218,15 @@ Complaint try_arguments(Bytes bytes) {
   if (const auto port = tools::parse_port(text); !port) {
     if (auto wrong = judge_error(port.error(), "--robot")) return wrong;
   } else if (port->baud <= 0 || port->place.empty()) {
-    return "a port that is none";
+    return "an invalid port";
   } else if (const auto again = tools::parse_port(port->name());
              !again || again->name() != port->name()) {
-    return "the name of a port is another port";
+    return "the name of a port names another port";
   }
   if (const auto source = host::parse_v4l2_source(text); !source) {
     if (auto wrong = judge_error(source.error(), "v4l2:")) return wrong;
   } else if (source->left.empty() || source->right.empty() || !(source->rate_hz >= 0)) {
-    return "cameras that are none";
+    return "an invalid pair of cameras";
   }
   if (const auto modules = tools::parse_modules(text); !modules) {
     if (auto wrong = judge_error(modules.error(), "--modules")) return wrong;
@@ -245,7 +245,7 @@ Complaint try_arguments(Bytes bytes) {
   if (!(values->number("seconds") >= 0 && values->number("seconds") <= 100))
     return "an option outside of its bounds";
   const auto goal = behavior::navigation_goal(values->choice("goal"));
-  if (!goal) return "a goal that is none";
+  if (!goal) return "an invalid goal";
   if (!(goal->position.norm() <= 3)) return "a goal out of reach";
   return std::nullopt;
 }

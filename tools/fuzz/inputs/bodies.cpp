@@ -14,14 +14,14 @@ namespace {
 Complaint judge(const sim::RigidLink& link) {
   if (!(std::isfinite(link.mass) && link.mass >= 0) || !link.com.allFinite() ||
       !link.inertia.allFinite())
-    return "link " + link.name + " is no body";
+    return "link " + link.name + " has an invalid mass, center of mass or inertia";
   for (const sim::CollisionShape& shape : link.collisions) {
     if (!shape.in_link.matrix().allFinite() || !shape.shape.size.allFinite())
-      return "link " + link.name + " has a shape that is none";
+      return "link " + link.name + " has an invalid shape";
   }
   for (const sim::Visual& visual : link.visuals) {
     if (!visual.in_frame.matrix().allFinite() || !visual.shape.size.allFinite())
-      return "link " + link.name + " has a visual that is none";
+      return "link " + link.name + " has an invalid visual";
   }
   return std::nullopt;
 }
@@ -38,17 +38,17 @@ Complaint try_robot(Bytes bytes) {
     if (auto wrong = judge(link.rigid)) return wrong;
     if (link.parent >= static_cast<int>(i) || !link.at_zero.matrix().allFinite() ||
         link.joint >= static_cast<int>(robot->joints.size()))
-      return "link " + link.rigid.name + " hangs nowhere";
+      return "link " + link.rigid.name + " has an invalid parent or joint";
   }
   for (const sim::RobotJoint& joint : robot->joints) {
     if (joint.child < 0 || joint.child >= static_cast<int>(robot->links.size()) ||
         !(std::abs(joint.axis.norm() - 1) < 1e-6) || !(joint.lower < joint.upper))
-      return "joint " + joint.name + " is none";
+      return "joint " + joint.name + " is invalid";
   }
   for (const auto& [name, frame] : robot->frames) {
     if (frame.link < 0 || frame.link >= static_cast<int>(robot->links.size()) ||
         !frame.in_link.matrix().allFinite())
-      return "frame " + name + " is none";
+      return "frame " + name + " is invalid";
   }
   (void)robot->eyes_link();
   if (!(std::isfinite(robot->mass()))) return "a robot without a mass was read";
@@ -63,13 +63,13 @@ Complaint try_world(Bytes bytes) {
   const auto world = sim::load_world(path);
   if (!world) return judge_error(world.error(), path);
   if (!world->gravity.allFinite() || !world->robot_start.matrix().allFinite())
-    return "gravity or start that are none were read";
+    return "an invalid gravity or start was read";
   for (const sim::WorldBody& body : world->bodies) {
     if (auto wrong = judge(body.rigid)) return wrong;
-    if (!body.pose.matrix().allFinite()) return "model " + body.model + " stands nowhere";
-    if (!body.fixed && !(body.rigid.mass > 0)) return "model " + body.model + " weighs nothing";
+    if (!body.pose.matrix().allFinite()) return "model " + body.model + " has an invalid pose";
+    if (!body.fixed && !(body.rigid.mass > 0)) return "model " + body.model + " has no mass";
     for (const sim::Kick& kick : body.kicks) {
-      if (!(kick.time_s >= 0) || !kick.velocity.allFinite()) return "a kick that is none was read";
+      if (!(kick.time_s >= 0) || !kick.velocity.allFinite()) return "an invalid kick was read";
     }
   }
   return std::nullopt;
@@ -82,12 +82,12 @@ Complaint try_mesh(Bytes bytes) {
   if (!mesh) return judge_error(mesh.error(), path);
   if (mesh->indices.empty() || mesh->indices.size() % 3 != 0) return "a mesh without triangles";
   for (const std::uint32_t index : mesh->indices) {
-    if (index >= mesh->vertices.size()) return "a corner of a vertex that is not there";
+    if (index >= mesh->vertices.size()) return "a triangle with an invalid vertex index";
   }
   for (const sim::Vertex& vertex : mesh->vertices) {
     for (const float value : {vertex.position[0], vertex.position[1], vertex.position[2],
                               vertex.normal[0], vertex.normal[1], vertex.normal[2]}) {
-      if (!std::isfinite(value)) return "a vertex that is none";
+      if (!std::isfinite(value)) return "an invalid vertex";
     }
   }
   return std::nullopt;

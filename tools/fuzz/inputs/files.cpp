@@ -42,7 +42,8 @@ Complaint try_poses(Bytes bytes) {
   if (!read) return judge_error(read.error(), "poses.json");
   const std::string written = motion::text_of(*read);
   const auto again = motion::parse_poses(written, "written");
-  if (again && motion::text_of(*again) != written) return "a write and read back differ";
+  if (again && motion::text_of(*again) != written)
+    return "the poses change when they are written and read back";
   std::vector<std::string> joints;
   for (const motion::Pose& pose : read->poses) {
     for (const auto& [name, angle] : pose.angles_rad) {
@@ -52,12 +53,12 @@ Complaint try_poses(Bytes bytes) {
   const auto motion = motion::PoseMotion::create(*read, joints);
   if (!motion) return judge_error(motion.error(), "the poses");
   for (const auto& extent : motion->extents()) {
-    if (!(extent.fastest_rad_per_s >= 0)) return "a speed that is none";
+    if (!(extent.fastest_rad_per_s >= 0)) return "an invalid speed";
     for (double time = -1; time < motion->end_s() + 1; time += motion->end_s() / 50 + 0.01) {
       for (const auto& [joint, angle] : motion->at(time)) {
         if (joint != extent.joint) continue;
         if (!(angle >= extent.lowest_rad - 1e-6 && angle <= extent.highest_rad + 1e-6))
-          return "an angle beyond the poses'";
+          return "an angle outside the range of the poses";
       }
     }
   }
@@ -68,11 +69,11 @@ Complaint try_motor(Bytes bytes) {
   const std::string path = input_file(bytes, "motor.xml");
   const auto motor = sim::load_motor_file(path, "");
   if (!motor) return judge_error(motor.error(), path);
-  if (!finite(*motor)) return "a motor that is none was read";
+  if (!finite(*motor)) return "an invalid motor was read";
   const std::string text = sim::motor_file_text(*motor, "case");
   const auto* first = reinterpret_cast<const std::uint8_t*>(text.data());
   const auto again = sim::load_motor_file(input_file({first, text.size()}, "again.xml"), "");
-  if (!again) return "what was read and written cannot be read: " + again.error().message;
+  if (!again) return "written data cannot be read back: " + again.error().message;
   sim::MotorParams same = *again;
   if (std::abs(same.backlash_rad - motor->backlash_rad) <= 1e-15 * motor->backlash_rad)
     same.backlash_rad = motor->backlash_rad;
@@ -83,7 +84,7 @@ Complaint try_motor(Bytes bytes) {
     same.case_to_air = motor->case_to_air;
     same.copper_per_kelvin = motor->copper_per_kelvin;
   }
-  if (same != *motor) return "what was read and written is another motor";
+  if (same != *motor) return "the motor changes when it is written and read back";
   return std::nullopt;
 }
 
@@ -97,9 +98,10 @@ Complaint try_sensors(Bytes bytes) {
         sensors->potentiometer.open_level, sensors->supply.noise_codes,
         sensors->reference.noise_codes, sensors->driver.noise_codes, sensors->driver.drop_volts,
         sensors->driver.kelvin_per_watt, sensors->driver.time_constant_s}) {
-    if (!(std::isfinite(value) && value >= 0)) return "a sensor that is none was read";
+    if (!(std::isfinite(value) && value >= 0)) return "an invalid sensor was read";
   }
-  if (!valid(sensors->gyro) || !valid(sensors->accelerometer)) return "an inertial sensor is none";
+  if (!valid(sensors->gyro) || !valid(sensors->accelerometer))
+    return "an inertial sensor is invalid";
   return std::nullopt;
 }
 
@@ -117,7 +119,7 @@ Complaint try_camera_file(Bytes bytes) {
     if (m.width != camera->eye.width || m.height != camera->eye.height ||
         !(std::isfinite(m.fx) && m.fx > 0 && std::isfinite(m.fy) && m.fy > 0) ||
         !std::isfinite(m.cx) || !std::isfinite(m.cy))
-      return "a camera model that is none was read";
+      return "an invalid camera model was read";
   }
   return std::nullopt;
 }
@@ -130,13 +132,14 @@ Complaint try_faults(Bytes bytes) {
     if (!kind.parameter.empty() && !(fault.value >= kind.low && fault.value <= kind.high))
       return "a value outside of its bounds was read: " + faults::text_of(fault);
     if ((kind.target == faults::Target::joint) != (fault.joint >= 0))
-      return "a joint where none is, or none where one is";
+      return "a fault lacks its joint, or has one that it must not have";
     for (const Time t : {Time::min(), Time(0), Time::max()}) (void)fault.active(t);
   }
   // Nine digits are written: what has more loses them once.
   const auto again = faults::Schedule::parse(schedule->text(), "again");
-  if (!again) return "what was read and written cannot be read: " + again.error().message;
-  if (again->text() != schedule->text()) return "what was read and written is another schedule";
+  if (!again) return "written data cannot be read back: " + again.error().message;
+  if (again->text() != schedule->text())
+    return "the schedule changes when it is written and read back";
   return std::nullopt;
 }
 

@@ -119,7 +119,7 @@ Complaint try_flash_image(Bytes bytes) {
   std::uint32_t sum = 0;
   for (const host::FlashRange& range : image->ranges(512)) {
     if (range.to <= range.from || range.to > host::kFlashBytes || range.size() > 512)
-      return "a range that is none";
+      return "an invalid range";
     sum += static_cast<std::uint32_t>(image->bytes(range).size());
   }
   if (sum != image->size()) return "ranges that are not the image";

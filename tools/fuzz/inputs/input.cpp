@@ -64,7 +64,7 @@ Complaint judge_error(const Error& error, const std::string& source, Fault fault
   if (text.find('\n') != std::string::npos) return "the error has several lines: " + text;
   if (text.size() > 2000 + source.size())
     return "the error has " + std::to_string(text.size()) + " bytes: " + text.substr(0, 200);
-  if (error.fault != fault) return "the error blames the wrong one: " + text;
+  if (error.fault != fault) return "the error has the wrong fault: " + text;
   return std::nullopt;
 }
 

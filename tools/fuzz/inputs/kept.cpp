@@ -13,9 +13,9 @@ Complaint try_write(const std::string& text) {
   const auto write = tools::parse_write(text, "case.json");
   if (!write) return judge_error(write.error(), "case.json");
   const auto again = tools::parse_write(tools::write_text(*write), "again");
-  if (!again) return "a write's notes cannot be read again: " + again.error().message;
+  if (!again) return "the notes of a write cannot be read back: " + again.error().message;
   if (again->command != write->command || again->run.process != write->run.process)
-    return "a write's notes are others when they are read again";
+    return "the notes of a write change when they are read back";
   return std::nullopt;
 }
 
@@ -26,9 +26,9 @@ Complaint try_kept(Bytes bytes) {
   const auto kept = tools::parse_kept(text_of(bytes), "case.json");
   if (!kept) return judge_error(kept.error(), "case.json");
   const host::BoardState& board = kept->board;
-  if (board.address < 1 || board.address > KZ_ADDRESS_LAST) return "an address that is none";
+  if (board.address < 1 || board.address > KZ_ADDRESS_LAST) return "an invalid address";
   for (const std::uint8_t other : kept->others) {
-    if (other < 1 || other > KZ_ADDRESS_LAST) return "another board's address that is none";
+    if (other < 1 || other > KZ_ADDRESS_LAST) return "an invalid address of another board";
   }
   const kz_heartbeat watchdog{board.watchdog_10ms, board.reaction};
   if (kz_check_heartbeat(&watchdog) != KZ_IN_BOUNDS) return "a watchdog that the board refuses";
@@ -40,9 +40,9 @@ Complaint try_kept(Bytes bytes) {
       return "settings that the board refuses";
   }
   const auto again = tools::parse_kept(tools::kept_text(*kept), "again");
-  if (!again) return "what was read and written cannot be read: " + again.error().message;
+  if (!again) return "written data cannot be read back: " + again.error().message;
   if (again->board != board || again->others != kept->others)
-    return "what was read and written is another state";
+    return "the state changes when it is written and read back";
   return std::nullopt;
 }
 

@@ -106,7 +106,7 @@ Complaint try_can(Bytes bytes) {
         break;
     }
     failed = !read_all(**link, got) || failed;
-    if (!failed && got != expected) return "other bytes came than were delivered";
+    if (!failed && got != expected) return "the received bytes differ from the delivered bytes";
     if (failed && (*link)->read({}, host::WallClock().now())) return "a lost link reads";
     if (failed && !(*link)->reopen()) return "an interface that is there was not opened again";
     if (!bus.far[send_id] && !(*link)->write(frame_to(1))) return "a new socket takes no frame";
@@ -164,7 +164,7 @@ Complaint try_boards(Bytes bytes) {
   std::uint32_t all = 0;
   for (const auto& board : *boards) {
     if (board.address < 1 || board.address > KZ_ADDRESS_LAST || board.port.place.empty())
-      return "a board that is none";
+      return "an invalid board";
     if ((all & board.joints) != 0) return "a joint on two boards";
     all |= board.joints;
   }

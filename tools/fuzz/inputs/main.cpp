@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
     }
   }
   if (chosen == nullptr) {
-    std::fprintf(stderr, "kaz_fuzz_inputs: give --target=NAME, of these:");
+    std::fprintf(stderr, "kaz_fuzz_inputs: give --target=NAME, with one of these names:");
     for (const kaz::fuzz::Target& target : kaz::fuzz::kInputTargets)
       std::fprintf(stderr, " %s", target.name);
     std::fprintf(stderr, "\n");

@@ -19,13 +19,13 @@ namespace {
 constexpr int kSteps = 100;  // ms
 
 Complaint judge(const lockstep::RecordedRun& run) {
-  if (run.camera_latency < Time::zero()) return "a picture that comes before it is taken";
+  if (run.camera_latency < Time::zero()) return "a picture that arrives before its exposure";
   if (!run.has_pictures) return std::nullopt;
   const vision::CameraModel& c = run.camera;
   if (c.width < 1 || c.height < 1 || !(std::isfinite(c.fx) && c.fx > 0) ||
       !(std::isfinite(c.fy) && c.fy > 0) || !std::isfinite(c.cx) || !std::isfinite(c.cy) ||
       !std::isfinite(c.baseline_m))
-    return "a camera model that is none was read";
+    return "an invalid camera model was read";
   return std::nullopt;
 }
 
@@ -79,7 +79,7 @@ Complaint try_recording(Bytes bytes) {
   } else {
     for (const tools::RecordedPoses& one : *poses)
       for (const Eigen::Isometry3d& pose : one.frames)
-        if (!pose.matrix().allFinite()) return "a pose that is no number";
+        if (!pose.matrix().allFinite()) return "a pose that is not finite";
   }
   const auto trace = tools::RunTrace::of(*recording, "case.mcap");
   if (!trace) {

@@ -42,10 +42,10 @@ Complaint try_calibration(Bytes bytes) {
     if (read.error().message.rfind("case", 0) == 0) return std::nullopt;
     return "the error does not name the file: " + read.error().message;
   }
-  if (!finite(read->rectified)) return "a camera model that is none was read";
+  if (!finite(read->rectified)) return "an invalid camera model was read";
   for (const auto format : {vision::CalibrationFormat::yaml, vision::CalibrationFormat::json}) {
     const auto again = vision::parse_calibration(vision::calibration_text(*read, format), "again");
-    if (!again) return "what was read and written cannot be read: " + again.error().message;
+    if (!again) return "written data cannot be read back: " + again.error().message;
   }
   if (static_cast<long long>(read->width) * read->height > 100000) return std::nullopt;
   vision::StereoImages raw, rectified;
@@ -55,7 +55,8 @@ Complaint try_calibration(Bytes bytes) {
       3 * static_cast<std::size_t>(read->width) * static_cast<std::size_t>(read->height), 77);
   raw.right.rgb = raw.left.rgb;
   vision::Rectifier(*read).rectify(raw, rectified);
-  if (rectified.left.rgb.size() != raw.left.rgb.size()) return "rectified to another size";
+  if (rectified.left.rgb.size() != raw.left.rgb.size())
+    return "the rectified picture has another size";
   return std::nullopt;
 }
 
@@ -72,9 +73,9 @@ Complaint try_color(Bytes bytes) {
   vision::Mask vectors, plain;
   extractor.extract(image, vectors, true);
   extractor.extract(image, plain, false);
-  if (vectors.pixels != plain.pixels) return "vector and plain code classify colours differently";
+  if (vectors.pixels != plain.pixels) return "vector and plain code classify colors differently";
   const auto again = tools::parse_color(tools::color_json(*range).dump(), "again");
-  if (!again) return "what was read and written cannot be read: " + again.error().message;
+  if (!again) return "written data cannot be read back: " + again.error().message;
   return std::nullopt;
 }
 

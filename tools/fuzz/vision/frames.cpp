@@ -23,7 +23,7 @@ Complaint judge(const FrameInfo& info, const BallObservation& ball) {
       !(ball.radius_px > 0 && ball.radius_px < 1e9) || !ball.direction.allFinite() ||
       !(ball.distance_m > 0 && std::isfinite(ball.distance_m)) ||
       !(ball.confidence >= 0 && ball.confidence <= 1))
-    return "a ball that is none";
+    return "an invalid ball";
   return std::nullopt;
 }
 
@@ -31,9 +31,9 @@ Complaint judge(const FrameInfo& info, const DepthImage& depth) {
   if (depth.width != info.camera.width || depth.height != info.camera.height ||
       depth.disparity_px.size() !=
           static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height))
-    return "a depth image of another size";
+    return "a depth image of the wrong size";
   for (const float d : depth.disparity_px) {
-    if (!(d >= 0 && d <= static_cast<float>(depth.width))) return "a disparity that is none";
+    if (!(d >= 0 && d <= static_cast<float>(depth.width))) return "an invalid disparity";
   }
   return std::nullopt;
 }
@@ -42,16 +42,16 @@ Complaint judge(const FrameInfo& info, const PlaneSegments& planes) {
   if (planes.width != info.camera.width || planes.height != info.camera.height ||
       planes.label.size() !=
           static_cast<std::size_t>(planes.width) * static_cast<std::size_t>(planes.height))
-    return "planes of another size";
+    return "planes of the wrong size";
   for (const std::uint8_t l : planes.label) {
-    if (l > planes.segments.size()) return "a pixel of a plane segment that is not there";
+    if (l > planes.segments.size()) return "a pixel with an invalid plane segment";
   }
   for (const PlaneSegment& s : planes.segments) {
     if (!s.normal.allFinite() || std::abs(s.normal.norm() - 1) > 1e-6 || !(s.distance_m > 0) ||
         !s.middle.allFinite() || s.left < 0 || s.top < 0 || s.right >= planes.width ||
         s.bottom >= planes.height)
-      return "a plane segment that is none";
-    if (s.floor && !info.posture_known) return "a floor though the posture is not known";
+      return "an invalid plane segment";
+    if (s.floor && !info.posture_known) return "a floor without a known posture";
   }
   return std::nullopt;
 }
@@ -61,10 +61,10 @@ Complaint judge(const FrameInfo& info, const FlowImage& flow) {
   if (flow.width != info.camera.width || flow.height != info.camera.height ||
       flow.flow_px.size() !=
           static_cast<std::size_t>(flow.width) * static_cast<std::size_t>(flow.height))
-    return "flow of another size";
+    return "flow of the wrong size";
   for (const Eigen::Vector2f& f : flow.flow_px) {
     if (std::isnan(f.x()) != std::isnan(f.y()) || std::isinf(f.x()) || std::isinf(f.y()))
-      return "a flow that is none";
+      return "an invalid flow";
   }
   return std::nullopt;
 }
@@ -74,7 +74,7 @@ Complaint judge(const FrameInfo& info, const MovingRegions& moving) {
     if (r.left < 0 || r.top < 0 || r.right >= info.camera.width || r.bottom >= info.camera.height ||
         !r.velocity_px_s.allFinite() || (r.position_m && !r.position_m->allFinite()) ||
         (r.velocity_m_s && !r.velocity_m_s->allFinite()))
-      return "a moving region that is none";
+      return "an invalid moving region";
   }
   return std::nullopt;
 }
