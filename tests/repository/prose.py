@@ -1,9 +1,9 @@
-# Checks the English of pages and headers: banned openings and phrases, sentence lengths, spelling.
+# Checks the English of pages, headers and messages: banned openings and phrases, sentence lengths, spelling.
 # SPDX-License-Identifier: Apache-2.0
 """usage: prose.py ROOT | prose.py FILE...
 
-ROOT checks every page and header of the tree. FILE... checks these, pages or headers, and prints words and
-sentence lengths of each.
+ROOT checks every page, the comments of every header, and the string literals of the product's sources.
+FILE... checks these files, and prints words and sentence lengths of each.
 The rules that a script can count; CONTRIBUTING.md has the others. Spelling needs codespell."""
 
 import pathlib
@@ -35,6 +35,8 @@ RULES = [(re.compile(pattern, re.I), advice) for pattern, advice in (
 FENCE = re.compile(r"^ {0,3}(```+|~~~+).*?^ {0,3}\1[ \t]*$", re.M | re.S)
 BREAK = re.compile(r"(?<!e\.g)(?<!i\.e)(?<!vs)(?<!cf)(?<!Fig)(?<!approx)"
                    r"[.!?][)\"*_]*\s+(?=[\"(*_]*[A-Z0-9`\[-])")
+LITERAL = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\((?P<raw>.*?)\)\1"|"(?P<text>(?:\\.|[^"\\\n])*)"'
+                     r"|'(?:\\.|[^'\\\n])+'", re.S)
 ITEM = re.compile(r"^(\s*)(?:[-*+]|\d+[.)])\s+")
 
 
@@ -118,6 +120,22 @@ def comments(source):
     return found
 
 
+def messages(source):
+    """(line number, text, True) of each line with three words or more in the string literals of C or C++."""
+    source = re.sub(r"^[ \t]*#[ \t]*include.*$", "", source, flags=re.M)
+    joined = re.sub(r'"(?:[ \t]*\n)+[ \t]*"', lambda gap: "\0" * gap[0].count("\n"), source)
+    for found in LITERAL.finditer(joined):
+        literal = found["raw"] if found["raw"] is not None else found["text"]
+        if literal is None:
+            continue
+        before = joined[:found.start()]
+        for text in re.split(r"\n|\\n", literal.replace('\\"', '"').replace("\0", "")):
+            if len(text.split()) >= 3:
+                # A literal such as " of link `" continues a sentence.
+                text = re.sub(r"^(?=of |that |[^\w`])", "... ", text)
+                yield before.count("\n") + before.count("\0") + 1, plain(text), True
+
+
 def sentences(text):
     return [part.strip() for part in BREAK.split(text) if part.strip()]
 
@@ -155,7 +173,10 @@ def check(name, passages):
 
 def check_file(name, path):
     text = path.read_text()
-    return check(name, comments(text) if path.suffix in (".h", ".hpp") else blocks(text))
+    if path.suffix == ".md":
+        return check(name, blocks(text))
+    passages = comments(text) if path.suffix in (".h", ".hpp") else []
+    return check(name, [*passages, *messages(text)])
 
 
 def percentile(values, share):
@@ -163,11 +184,15 @@ def percentile(values, share):
 
 
 def misspelled(files):
-    """American spelling, by codespell. One call for all files."""
-    checked = subprocess.run(
-        ["codespell", "--builtin", "clear,en-GB_to_en-US", "--ignore-words",
-         pathlib.Path(__file__).with_name("spelling.txt"), *files], capture_output=True, text=True)
-    return checked.stdout.splitlines()
+    """American spelling, by codespell: pages and headers as they are, the literals of other sources."""
+    whole = [path for path in files if path.suffix in (".md", ".h", ".hpp")]
+    literals = "".join(f"{path}:{number}: {text}\n" for path in files if path not in whole
+                       for number, text, _ in messages(path.read_text()))
+    command = ["codespell", "--builtin", "clear,en-GB_to_en-US", "--ignore-words",
+               pathlib.Path(__file__).with_name("spelling.txt")]
+    checked = [subprocess.run([*command, *names], input=text, capture_output=True, text=True)
+               for names, text in ((whole, None), (["-"], literals)) if names != [] and text != ""]
+    return [line for one in checked for line in one.stdout.splitlines()]
 
 
 def tracked(root, *patterns):
@@ -176,11 +201,17 @@ def tracked(root, *patterns):
     return [root / name for name in listed if (root / name).exists() and name != "CHANGELOG.md"]
 
 
+def is_product(root, path):
+    name = path.relative_to(root).as_posix()
+    return "_test" not in name and not name.startswith(("tests/", "examples/", "tools/fuzz/"))
+
+
 def main(arguments):
     root = pathlib.Path(arguments[0])
     if root.is_dir():
         pages = tracked(root, "*.md")
-        files = pages + tracked(root, "*.h", "*.hpp")
+        sources = tracked(root, "*.cpp", "*.c", "*.def")
+        files = pages + tracked(root, "*.h", "*.hpp") + [path for path in sources if is_product(root, path)]
     else:
         files = pages = [pathlib.Path(name) for name in arguments]
     faults, in_all = [], 0

@@ -91,12 +91,28 @@ class ProseTest(unittest.TestCase):
                        "// One.\nint a;\n// two of it\n"):
             self.assertEqual(prose.check("h", prose.comments(source))[0], [], source)
 
+    def test_messages_are_read(self):
+        for source in ('f("Of it and more");\n', 'f("what was read " + a);\n', 'R"(Of raw text.)";\n',
+                       'f("It is "\n  "of another kind");\n',
+                       'f("of the board.\\nWho reads this?\\nWho reads this text");\n'):
+            self.assertEqual(len(prose.check("m", prose.messages(source))[0]), 1, source)
+        for source in ('f(a + " of link `" + b);\n', '// "Of a comment in quotes"\n', 'f("of it");\n',
+                       '#include "of/what/it is.h"\n'):
+            self.assertEqual(prose.check("m", prose.messages(source))[0], [], source)
+        number, text, _ = next(prose.messages('a;\nf("a",\n  "one two "\n  "three");\n'))
+        self.assertEqual((number, text), (3, "one two three"))
+
     def test_spelling(self):
         path = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "page.md"
         path.write_text("The behaviour of gray colors.\n")
         self.assertEqual(len(prose.misspelled([path])), 1)
         path.write_text("The behavior of gray colors.\n")
         self.assertEqual(prose.misspelled([path]), [])
+        path = path.with_suffix(".cpp")
+        path.write_text('// The behaviour.\nf("the behavior of it");\n')
+        self.assertEqual(prose.misspelled([path]), [])
+        path.write_text('f("the behaviour of it");\n')
+        self.assertEqual(len(prose.misspelled([path])), 2)
 
 
 if __name__ == "__main__":
