@@ -42,6 +42,7 @@ Token token_in(std::string_view target, const std::string& token) {
 
 // Nobody but this machine's owner can make its own name or an IP address a web page's origin.
 bool names_this_machine(std::string_view host, const std::vector<std::string>& names) {
+  if (host.find('\0') != host.npos) return false;  // inet_pton() would ignore the rest
   const bool bracketed = host.starts_with('[');
   const auto end = bracketed ? host.find(']') : host.find(':');
   std::string_view port = end == host.npos ? "" : host.substr(end + bracketed);

@@ -71,10 +71,12 @@ TEST(Entry, AForeignHostIsRefused) {
     EXPECT_EQ(file(access, "/", host), 200u) << host;
     EXPECT_EQ(viewer(access, "/", "", host), 101u) << host;
   }
-  for (const char* host :
-       {"", "evil.example", "evil.example:8765", "127.0.0.1.evil.example", "localhost.evil.example",
-        "robot7.evil.example", "127.0.0.1:8765@evil.example", "127.0.0.1:x", "[evil.example]",
-        "[::1].evil.example", "::1", "[::1", "127.1", "2130706433", "localhost."}) {
+  using namespace std::string_view_literals;
+  for (const std::string_view host :
+       {""sv, "127.0.0.1\0.evil.example"sv, "[::1\0]"sv, "evil.example"sv, "evil.example:8765"sv,
+        "127.0.0.1.evil.example"sv, "localhost.evil.example"sv, "robot7.evil.example"sv,
+        "127.0.0.1:8765@evil.example"sv, "127.0.0.1:x"sv, "[evil.example]"sv,
+        "[::1].evil.example"sv, "::1"sv, "[::1"sv, "127.1"sv, "2130706433"sv, "localhost."sv}) {
     EXPECT_EQ(file(access, "/", host), 403u) << host;
     EXPECT_EQ(viewer(access, "/", "", host), 403u) << host;
     EXPECT_EQ(viewer(access, "/?token=secret", "", host), 403u) << host;
