@@ -1,4 +1,4 @@
-// A/D conversion: potentiometers and supplies on the multiplexers at AN0..AN2, inertial option at AN3..AN5.
+// A/D conversion: potentiometers and supplies on the multiplexers at AN0..AN2, inertial sensor at AN3..AN5.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_ANALOG_H
 #define KAZ_FIRMWARE_ANALOG_H

@@ -1,4 +1,4 @@
-// Test fixture: runs the firmware on the emulated chip and reads its state between ticks.
+// Test fixture: runs the firmware on the emulated chip and reads the firmware's state between ticks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -118,7 +118,7 @@ class TestChip : public testing::Test {
     }
   }
 
-  // Runs to the end of a tick, and makes this tick request `action`.
+  // Runs to the end of a tick, and writes `action` as requested action to the tick's output.
   void request_action(u8 action) {
     ASSERT_GE(run_to("kz_tick_end"), 0) << chip().report();
     ASSERT_TRUE(chip().poke(address_of("kz_output") + offsetof(kz_tick_output, action), action));
@@ -155,7 +155,7 @@ class TestChip : public testing::Test {
     kz_store_scan(&found, images, KZ_CALIBRATION_BLOCKS, KZ_CALIBRATION_PARTS);
     return found;
   }
-  // Returns the stored calibration, or nullopt without a valid copy.
+  // Returns the stored calibration, or nullopt if there is no valid copy.
   static std::optional<Calibration> stored_in(const h8s::Chip& at) {
     const auto image = blocks_of(at);
     const u8* const images[] = {image.data(), image.data() + KZ_STORE_BLOCK};

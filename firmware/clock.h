@@ -5,14 +5,14 @@
 
 #include "shared/base/types.h"
 
-// Returns the time since start.S started the timer, in units of 8 states; 0xFFFF after 28 ms. Call it before
-// kz_clock_init.
+// Returns the time since start.S started the timer, in units of 8 states; 0xFFFF after 28 ms or more. Must be
+// called before kz_clock_init.
 u16 kz_clock_start_8states(void);
 // Starts the periodic tick.
 void kz_clock_init(void);
-// Sleeps until the next tick is due. Returns the number of due ticks: more than 1 if some were missed.
+// Sleeps until the next tick is due. Returns the number of due ticks: more than 1 if ticks were missed.
 u8 kz_clock_wait(void);
-// Returns the number of due ticks without waiting, and discards them.
+// Returns the number of due ticks without waiting, and discards these ticks.
 u8 kz_clock_skip(void);
 // Returns the time since the last tick from kz_clock_wait became due, in units of 8 states.
 u16 kz_clock_busy_8states(void);

@@ -1,8 +1,8 @@
 // Addresses and bits of the H8S/2128 registers that the firmware uses.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Addresses have ones above bit 23. The chip ignores these bits, and the compiler then selects short
-// addressing.
+// In addresses, all bits above bit 23 are 1. The chip ignores these bits, but with these bits set the
+// compiler selects short addressing.
 #ifndef KAZ_FIRMWARE_H8S2128_H
 #define KAZ_FIRMWARE_H8S2128_H
 
@@ -13,11 +13,11 @@
 
 // System
 #define STCR KZ_REG8(0xFFC3)
-#define STCR_FLSHE 0x08  // FF80..FF83 are flash registers
+#define STCR_FLSHE 0x08  // if set, FF80..FF83 are flash registers
 #define STCR_ICKS1 0x02  // TMR1 counts phi/2 at CKS=1
 #define STCR_ICKS0 0x01  // TMR0 counts phi/2 at CKS=1
 #define SYSCR KZ_REG8(0xFFC4)
-#define SYSCR_XRST 0x08  // 1 after the RES pin, 0 after the watchdog
+#define SYSCR_XRST 0x08  // 1 after a reset by the RES pin, 0 after a reset by the watchdog
 #define MSTPCRH KZ_REG8(0xFF86)
 #define MSTPCRH_DTC 0x40
 #define MSTPCRH_FRT 0x20
@@ -29,7 +29,7 @@
 #define MSTPCRL_SCI0 0x80
 #define MSTPCRL_RESET 0xFF
 
-// Flash, accessible with STCR.FLSHE
+// Flash registers, accessible while STCR.FLSHE = 1
 #define FLMCR1 KZ_REG8(0xFF80)
 #define FLMCR1_SWE 0x40
 #define FLMCR1_EV 0x08
@@ -43,7 +43,7 @@
 #define EBR1 KZ_REG8(0xFF82)
 #define EBR2 KZ_REG8(0xFF83)
 
-// Ports. DDR: 1 is output; write-only
+// Ports. A 1 in a DDR makes the pin an output. The DDRs are write-only.
 #define P1DDR KZ_REG8(0xFFB0)
 #define P2DDR KZ_REG8(0xFFB1)
 #define P3DDR KZ_REG8(0xFFB4)
@@ -68,7 +68,7 @@
 #define PWSL KZ_REG8(0xFFD6)
 #define PWSL_PWCKE 0x80
 #define PWSL_PWCKS 0x40
-#define PWSL_ONE 0x20         // reserved, reads and writes 1
+#define PWSL_ONE 0x20         // reserved bit: reads as 1, must be written as 1
 #define PWDR KZ_REG8(0xFFD7)  // duty of the channel that PWSL selects
 
 // 8-bit timers 0 and 1
@@ -88,13 +88,13 @@
 // 16-bit free-running timer
 #define FRT_TIER KZ_REG8(0xFF90)
 #define FRT_TIER_OCIAE 0x08
-#define FRT_TIER_ONE 0x01  // reserved, reads and writes 1
+#define FRT_TIER_ONE 0x01  // reserved bit: reads as 1, must be written as 1
 #define FRT_TCSR KZ_REG8(0xFF91)
 #define FRT_TCSR_OCFA 0x08
 #define FRT_TCSR_OVF 0x02
 #define FRT_TCSR_CCLRA 0x01
 #define FRT_FRC KZ_REG16(0xFF92)
-#define FRT_OCRA KZ_REG16(0xFF94)  // with TOCR.OCRS = 0
+#define FRT_OCRA KZ_REG16(0xFF94)  // accessible while TOCR.OCRS = 0
 #define FRT_TCR KZ_REG8(0xFF96)
 #define FRT_TCR_PHI_8 0x01
 #define FRT_TOCR KZ_REG8(0xFF97)
@@ -110,8 +110,8 @@
 #define WDT_PHI_2 0x00
 #define WDT_PHI_512 0x03
 
-// Serial 0
-#define SCI0_SMR KZ_REG8(0xFFD8)  // with STCR.IICE = 0
+// Serial channel 0
+#define SCI0_SMR KZ_REG8(0xFFD8)  // accessible while STCR.IICE = 0
 #define SCI0_BRR KZ_REG8(0xFFD9)
 #define SCI0_SCR KZ_REG8(0xFFDA)
 #define SCR_TIE 0x80
@@ -144,7 +144,7 @@
 // Interrupts
 #define KZ_INTERRUPTS_OFF() __asm__ volatile("orc #0x80,ccr" : : : "memory")
 #define KZ_INTERRUPTS_ON() __asm__ volatile("andc #0x7f,ccr" : : : "memory")
-// The chip takes no interrupt between the two instructions, so a pending one ends the sleep at once.
+// The chip takes no interrupt between the two instructions, so a pending interrupt ends the sleep at once.
 #define KZ_INTERRUPTS_ON_AND_SLEEP() __asm__ volatile("andc #0x7f,ccr\n\tsleep" : : : "memory")
 #define KZ_INTERRUPT __attribute__((interrupt_handler))
 

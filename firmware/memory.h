@@ -5,14 +5,14 @@
 
 #include "shared/servo/servo.h"
 
-// Copies stored calibration and address to `startup`. If there is no valid copy of a value in flash,
-// `startup` keeps its value.
+// Copies the stored calibration and the stored address to `startup`. If flash has no valid copy of one of
+// these values, the value in `startup` is unchanged.
 void kz_memory_load(kz_startup* startup);
-// Writes sequence number and erasures of the stored calibration to the snapshot.
+// Writes the sequence number and the number of erasures of the stored calibration to `input`.
 void kz_memory_report(kz_tick_input* input);
 
-// Store the settings and read them back. Return 1 on success. Interrupts are off for up to 3 s. `*ticks`
-// increases by the number of ticks that became due meanwhile.
+// Store settings in flash and verify the stored copy. Return 1 on success. Interrupts are off for up to 3 s.
+// Both functions add to `*ticks` the number of ticks that became due during the call.
 u8 kz_memory_store_calibration(const kz_servo* servo, u16* ticks);
 u8 kz_memory_store_address(const kz_servo* servo, u16* ticks);
 

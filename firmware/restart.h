@@ -11,7 +11,7 @@
 #define KZ_RESTART_COMMAND 0x52455354UL  // "REST"
 #define KZ_RESTART_LOADER 0x4C4F4144UL   // "LOAD": the loader first waits for a host
 
-// Returns 1 if the watchdog caused the last reset, 0 after the RES pin.
+// Returns 1 if the watchdog caused the last reset, and 0 if the RES pin caused the last reset.
 static inline u8 kz_reset_by_watchdog(void) {
   return (u8)((SYSCR & SYSCR_XRST) == 0);
 }

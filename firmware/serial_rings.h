@@ -3,6 +3,6 @@
 #ifndef KAZ_FIRMWARE_SERIAL_RINGS_H
 #define KAZ_FIRMWARE_SERIAL_RINGS_H
 
-#define KZ_RING 64  // bytes, a power of two; one byte of the buffer always stays unused
+#define KZ_RING 64  // size of each buffer, bytes; a power of two; one byte always stays unused
 
 #endif

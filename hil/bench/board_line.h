@@ -1,4 +1,4 @@
-// Access of the bench to a board: typed requests, and telemetry frames with their arrival times.
+// Access of the bench to a board: typed requests, and telemetry frames with arrival times.
 // SPDX-License-Identifier: Apache-2.0
 //
 // BoardLine uses the layer below host::Robot, because host::Robot would hide the errors that the bench
@@ -23,7 +23,8 @@ struct Arrival {
   std::uint8_t type = 0;   // KZ_TYPE_telemetry_*
   std::uint32_t tick = 0;  // tick of the board
   Time at{};
-  // Only in telemetry_health: duration of the last tick and of the longest tick, as shares of a tick.
+  // Only in telemetry_health: duration of the last tick and of the longest tick, as fractions of the tick
+  // period.
   double busy = 0, worst = 0;
 };
 
@@ -31,11 +32,12 @@ class BoardLine {
  public:
   BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address);
 
-  // Finds the board, ends a telemetry stream that was left running, and runs `measure`. Afterwards, also
-  // after an error, the motors and the stream are off. If the board shut down for missing requests
-  // meanwhile, the shutdown is cleared. `what` is a part of the error message for a reset of the board, for
-  // example "its link was", which "measured" follows. Errors (environment): no board; the board's motors are
-  // on, and the measurement would switch them off; the board was reset meanwhile; errors of `measure`.
+  // Finds the board, ends a telemetry stream that was left running, and runs `measure`. When this function
+  // returns, also after an error, the motors and the stream are off. If the board shut down during `measure`
+  // because requests were missing, the shutdown is cleared. `what` is the text before "measured" in the error
+  // message for a reset of the board, for example "its link was". Errors (environment): no board; the board's
+  // motors are on, and the measurement would switch the motors off; the board was reset during `measure`;
+  // errors of `measure`.
   Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>
@@ -50,7 +52,8 @@ class BoardLine {
   Result<kz_statistics_reply> statistics();
   Result<kz_state_reply> state();
 
-  // Streams frames of the selection every `period_ms`, or ends the stream (0). Returns the tick of the reply.
+  // Makes the board send telemetry frames of `selection` every `period_ms`; 0 ends the stream. Returns the
+  // board's tick number in the reply.
   Result<std::uint32_t> stream(int period_ms, std::uint8_t selection);
   // Returns whether the board can stream telemetry. On a shared line, the board cannot stream.
   bool can_stream() const;
@@ -67,10 +70,10 @@ class BoardLine {
   // If `on`, holds all joints at their present angles; otherwise switches all joints off. The board refuses
   // to switch joints on while a shutdown is latched.
   Result<void> enable(bool on);
-  // Switches the joints on (held), runs `load`, and switches them off. Repeats all of this if the board's
-  // link watchdog switched the joints off, for example because this program was stopped for a while. The
-  // load of such a run was not the intended load. Error (environment): the watchdog switched the joints off
-  // in each run.
+  // Switches the joints on, held in place, runs `load`, and switches the joints off. Repeats these steps if
+  // the board's link watchdog switched the joints off, for example because this program was stopped for a
+  // while. If the watchdog switched the joints off, the load was not the intended load. Error (environment):
+  // the watchdog switched the joints off in each run.
   Result<void> with_joints_on(const std::function<Result<void>()>& load);
 
   host::Requester& requester() { return requester_; }
@@ -79,7 +82,7 @@ class BoardLine {
 
  private:
   Result<void> begin();
-  // Returns whether the board has shut down for missing requests, and clears such a shutdown.
+  // Returns whether the board has shut down because requests were missing, and clears this shutdown.
   Result<bool> clear_link_lost();
   void end() noexcept;
   void observe_tick(std::uint32_t tick);
@@ -94,9 +97,9 @@ class BoardLine {
   bool on_ = false, streaming_ = false, was_reset_ = false;
 };
 
-// Load of control cycles. Each cycle sends 18 targets and reads 18 angles. The targets are the present
-// angles. While the joints are off, the board refuses the targets; a refusal takes as many bytes as an
-// acknowledgment.
+// Puts the load of control cycles on the line. Each cycle sends 18 targets and reads 18 angles. The targets
+// are the present angles. While the joints are off, the board refuses the targets; a refusal takes as many
+// bytes as an acknowledgment.
 class CycleLoad {
  public:
   // `state` contains the present angles. `progress` gets the completed share of run(), 0 to 1.
@@ -105,7 +108,7 @@ class CycleLoad {
   // the last reply.
   Result<void> run(double rate_hz, Time end);
   int cycles() const { return cycles_; }  // number of cycles whose angles arrived
-  double rate_hz() const;                 // mean rate of these cycles during run()
+  double rate_hz() const;                 // mean rate of completed cycles during run()
 
  private:
   struct Cycle {
@@ -114,7 +117,8 @@ class CycleLoad {
   Result<void> run_fast(Time end);
   Result<void> run_paced(Time period, Time end);
   Result<void> send();
-  Result<bool> receive(Time deadline);  // receives the oldest cycle; false at the deadline
+  // Receives the replies of the oldest cycle. Returns false at the deadline.
+  Result<bool> receive(Time deadline);
   void report_progress();
 
   BoardLine& line_;

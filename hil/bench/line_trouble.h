@@ -1,4 +1,4 @@
-// Line errors during a measurement, as text.
+// Describes line errors during a measurement as text.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,9 @@ namespace kaz::hil {
 
 // Appends `what` to the list `trouble`, which begins with "on the line".
 void add_trouble(std::string& trouble, const std::string& what);
-// Returns text like "on the line 3 replies did not come, 1 frame came damaged" for the difference between
-// two counts; empty text: no line errors. Damage on the way to the board appears as missing replies.
+// Returns text like "on the line 3 replies did not come, 1 frame came damaged" for the difference between two
+// counts. The text is empty if there were no line errors. A frame that is damaged on the way to the board
+// appears as a missing reply.
 std::string line_trouble(const host::LinkStatistics& before, const host::LinkStatistics& after);
 
 }  // namespace kaz::hil

@@ -19,8 +19,8 @@ struct LinkBenchOptions {
   BenchProgress progress;
 };
 
-// Errors (environment): no board; the board's motors are on; the link is gone; the board was reset
-// meanwhile.
+// Errors (environment): no board; the board's motors are on; the link is lost; the board was reset during the
+// bench.
 Result<void> bench_link(host::Link& link, host::Clock& clock, const LinkBenchOptions& options,
                         BenchJudge& judge);
 

@@ -36,13 +36,13 @@ const MeasurementInfo* find_measurement(const std::string& name);
 
 struct Measurement {
   const MeasurementInfo* of = nullptr;
-  std::string subject;  // joint, "link" or "board"
+  std::string subject;  // name of a joint, "link" or "board"
   Verdict verdict = Verdict::left_out;
-  double value = 0;          // in of->unit; NaN if nothing could be measured
+  double value = 0;          // value in the unit of->unit; NaN if nothing could be measured
   double error = 0;          // standard error of the value; 0: unknown
   double low = 0, high = 0;  // applied limits
   std::string message;       // reason of a failure, skip or undecided verdict, or a note
-  // Cause of an undecided verdict. parse_bench_json() does not set it.
+  // Cause of an undecided verdict. parse_bench_json() does not set this member.
   enum class Doubt { none, machine, line, motor } doubt = Doubt::none;
 };
 
@@ -55,9 +55,9 @@ struct Series {
 };
 
 struct Plot {
-  std::string id;                       // "stall"; unique per subject in a report
-  std::string subject;                  // joint, "link" or "board"
-  std::string title, x_label, y_label;  // labels with unit: "motor voltage, V"
+  std::string id;                       // name such as "stall"; unique per subject in a report
+  std::string subject;                  // name of a joint, "link" or "board"
+  std::string title, x_label, y_label;  // labels have units, such as "motor voltage, V"
   bool x_logarithmic = false;
   std::vector<Series> series;
   std::string caption;  // description of the plot, one sentence
@@ -66,16 +66,18 @@ struct Plot {
 // Limits that replace the limits of measurements.def. Key: name of the measurement; value: (low, high).
 using Limits = std::map<std::string, std::pair<double, double>>;
 // Parses limits from JSON: {"stall.torque_10v": {"low": 2.0, "high": 2.3}}, or the list of `kaz bench list
-// --json`. A missing or null side has no limit. Errors (usage): the text is not JSON or empty; unknown name
-// or key; repeated name; low above high.
+// --json`. If "low" or "high" is missing or null, there is no limit on that side. Errors (usage): the text is
+// not JSON or empty; unknown name or key; repeated name; low above high.
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name);
 
 struct BenchReport {
-  std::string board;    // "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
-  std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
-  std::string program;  // "kaz 0.1.0"
-  std::optional<std::uint64_t> seed = {};  // seed of emulated board and stand; nullopt at a port
-  Provenance from = {};                    // not set by parse_bench_json()
+  // Description of the board, such as "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d".
+  std::string board;
+  std::string port;     // name of the port, such as "/dev/ttyUSB0" or "virtual board (h8)"
+  std::string program;  // program and version, such as "kaz 0.1.0"
+  // Seed of emulated board and stand; nullopt for a board at a port.
+  std::optional<std::uint64_t> seed = {};
+  Provenance from = {};  // not set by parse_bench_json()
   // Conditions of the bench that `bench fit` uses, such as the disc on the shaft and the supply. Each
   // condition has a name with unit, and a value.
   std::vector<std::pair<std::string, double>> conditions;
@@ -83,7 +85,7 @@ struct BenchReport {
   std::vector<Plot> plots;
   double seconds = 0;       // duration on the board's clock
   std::string interrupted;  // reason of an early end; empty: the bench finished
-  std::string signal;       // signal that ended the bench: "SIGINT"
+  std::string signal;       // signal that ended the bench, such as "SIGINT"
 
   int count(Verdict verdict) const;
   // Returns whether any measurement is undecided for this reason.
@@ -94,10 +96,11 @@ struct BenchReport {
 // object.
 class BenchJudge {
  public:
-  // Called for each measurement when it is entered. For measurements within timed(), called at the end of
-  // timed().
+  // Called for each measurement that is entered. For measurements within timed(), the calls are made at the
+  // end of timed().
   using Listener = std::function<void(const Measurement&)>;
-  // `lateness` observes link and clock of the measurements if link and clock are real; may be null.
+  // `lateness` observes link and clock of the measurements if link and clock are real. `lateness` may be
+  // null.
   BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr,
              host::LatenessMeter* lateness = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)), lateness_(lateness) {}
@@ -105,12 +108,12 @@ class BenchJudge {
   // Enters a value. `name` is the name in measurements.def, `note` describes special conditions.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
-  // Enters a failure regardless of the limits, with `finding` as its only message. Use it for a defect that
-  // was found, not for a value that is only out of range.
+  // Enters a failure regardless of the limits, with `finding` as the only message. Use this function for a
+  // defect that was found, not for a value that is only out of range.
   void enter_finding(const std::string& subject, const std::string& name, double value,
                      const std::string& finding);
   // Enters a value that was measured under a condition, named by `note`, to which the default limits do not
-  // apply. Only explicit limits apply; without explicit limits the measurement is left out, but its value is
+  // apply. Only explicit limits apply; without explicit limits the measurement is left out, but the value is
   // reported.
   void enter_without_default_limits(const std::string& subject, const std::string& name,
                                     double value, double error, const std::string& note);
@@ -121,16 +124,16 @@ class BenchJudge {
   // machine was late, all results of the part are dropped and the part is repeated. If the machine was late
   // in each run, the failed measurements are undecided. With `at_least` above 0, only lateness of at least
   // `at_least` counts, for every measurement of the part. With 0, any lateness counts, but only for
-  // measurements that depend on this machine's clock. A disturbed line has the same effect, except for
-  // measurements of the line itself. Errors: the errors of `part`; the program at the other end no longer
-  // replies (environment).
+  // measurements that depend on this machine's clock. A disturbed line has the same effect as a late machine,
+  // except for measurements of the line itself. Errors: the errors of `part`; the program at the other end no
+  // longer replies (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
-  // Makes failed measurements from the index `first` on undecided and appends "; but " and `why` to their
-  // messages.
+  // Makes all failed measurements with index `first` or higher undecided, and appends "; but " and `why` to
+  // their messages.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
   // States that the true values of the measurements from the index `first` on may be up to `factor` >= 1
-  // times the entered values. A measurement becomes undecided if this factor could change its verdict.
+  // times the entered values. A measurement becomes undecided if this factor could change the verdict.
   void doubt(std::size_t first, double factor, const std::string& why);
   // Returns the limits that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;

@@ -9,11 +9,12 @@
 
 namespace kaz::hil {
 
-// Returns the sample that a share (0 to 1) of the samples does not exceed; NaN without samples.
+// Returns the sample that the fraction `share` (0 to 1) of all samples does not exceed. Returns NaN if there
+// are no samples.
 double quantile(std::vector<double> samples, double share);
 // Returns NaN for fewer than two samples.
 double standard_deviation(const std::vector<double>& samples);
-// Returns the standard error of the median of normally distributed samples; 0 for fewer than two.
+// Returns the standard error of the median of normally distributed samples; 0 for fewer than two samples.
 double median_error(const std::vector<double>& samples);
 
 using Points = std::vector<std::pair<double, double>>;
@@ -30,7 +31,7 @@ struct Line {
 // All members of the result are NaN if there are fewer than three points, or if all points have the same x.
 Line fit_line(const Points& points);
 
-// Mean of samples; NaN without samples.
+// Mean of samples; NaN if there are no samples.
 struct Mean {
   double value = 0, error = 0;  // standard error; 0 for one sample
 };

@@ -9,11 +9,11 @@ namespace kaz::hil {
 
 struct TickBenchOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  // Time with telemetry only; half of it before the load, half after the load.
+  // Time with telemetry only. Half of this time is before the load, half is after the load.
   Time quiet_time = std::chrono::seconds(10);
   Time load_time = std::chrono::seconds(10);  // time with control cycles of 18 joints at 100 Hz
-  bool allow_motion = false;                  // as in LinkBenchOptions
-  bool one_clock = false;                     // board and bench share one clock
+  bool allow_motion = false;                  // see LinkBenchOptions::allow_motion
+  bool one_clock = false;                     // whether board and bench share one clock
   BenchProgress progress;
 };
 

@@ -1,4 +1,4 @@
-// Runs a part of a bench that is repeated if the machine was late, and that may be cut short.
+// Runs a part of a bench, and repeats the part if the machine was late.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace kaz::hil {
 
-// Calls BenchJudge::timed() and passes the number of the run, from 1. An error, for example by a signal, may
-// end the part while the machine was late or the line disturbed. The failed measurements of the part are
-// then undecided, because the part would otherwise have been repeated.
+// Calls BenchJudge::timed() and passes the number of the run, beginning with 1, to `part`. If an error, for
+// example a signal, ends the part, and the machine was late or the line was disturbed, the failed
+// measurements of the part become undecided. Without the error, the part would have been repeated.
 Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int run)>& part,
                         Time at_least = Time::zero(),
                         const BenchJudge::LineTrouble& line_trouble = nullptr);

@@ -1,8 +1,8 @@
 // Conformance cases for bus servos, and how to run them.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sources are docs/reference/servo-bus.md, without its section "Our choices", and the corpus of registers. A
-// case restores all registers that it changes.
+// The cases test the rules of docs/reference/servo-bus.md, except its section "Our choices", and the corpus
+// of registers. A case restores all registers that it changes.
 #pragma once
 
 #include <functional>
@@ -21,8 +21,8 @@ enum ServoNeed : unsigned {
   kServoMotion = 1,  // switches the torque on; the shaft turns
   kServoEeprom = 2,  // writes EEPROM, which wears out
   kServoAlone = 4,   // sends requests to all servos at the port
-  kServoNever = 8,   // never run: would change a setting that cannot be restored
-  kServoModel = 16,  // needs another model or firmware; set by run_bus_suite()
+  kServoNever = 8,   // never run: the case would change a setting that cannot be restored
+  kServoModel = 16,  // the case needs another model or firmware; set by run_bus_suite()
 };
 
 struct ServoCase {
@@ -47,22 +47,23 @@ struct BusRunOptions {
   int id = 1;
   std::string filter;
   unsigned allowed = 0;  // bits of ServoNeed that are allowed
-  bool release = false;  // switch off a torque that is on at the start
-  // May be null. An interrupt ends the run, after the registers that the running case changed are restored.
+  bool release = false;  // whether to switch off a torque that is on at the start
+  // An interrupt ends the run, after the registers that the running case changed are restored. `interrupt`
+  // may be null.
   host::Interrupt* interrupt = nullptr;
   host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
 };
 
-// Runs the chosen cases. Errors: those of chosen(). Errors (environment): those of
-// ExaminedServo::identify(); a lost port; registers of an interrupted case could not be restored. After an
-// interrupt without an error, the result is the report so far.
+// Runs the chosen cases. Returns the errors of chosen() and of ExaminedServo::identify(). Other errors
+// (environment): the port is lost; registers of an interrupted case could not be restored. After an interrupt
+// without an error, returns the report of the cases that have run.
 Result<RunReport> run_bus_suite(host::Link& link, host::Clock& clock, const BusRunOptions& options);
 
 void add_feetech_cases(std::vector<ServoCase>& all);
 void add_dynamixel_cases(std::vector<ServoCase>& all);
 
-// Adds cases that both families have in common.
+// List to which cases are added that both families have in common.
 struct ServoCases {
   std::vector<ServoCase>& all;
   std::string page;
@@ -77,7 +78,8 @@ struct ServoCases {
 };
 void add_register_cases(ServoCases cases, ServoFamily family);
 void add_motion_cases(ServoCases cases, ServoFamily family);
-// Adds writes to all servos at once. `row` selects a RAM register that moves nothing while the torque is off.
+// Adds writes to all servos at once. `row` selects a RAM register; writing this register must not move the
+// shaft while the torque is off.
 void add_write_to_all(ServoCases cases, ServoFamily family,
                       const ServoRow& (*row)(const ExaminedServo&));
 

@@ -28,20 +28,22 @@ class ExaminedServo {
   const ServoTable& table() const { return *table_; }
   int id() const { return id_; }
   int firmware() const { return firmware_; }
-  // "sts3215, id 3, firmware 3.9"
+  // Returns a text such as "sts3215, id 3, firmware 3.9".
   std::string title() const;
 
   void begin_case() { transcript_.clear(); }
-  // Restores the registers and switches the torque off. Throws Failed if the torque is not confirmed off, or
-  // with the names of registers that could not be restored. Also throws Failed if the torque was on although
-  // `moves`, whether the case may move the servo, is false.
+  // Restores the registers and switches the torque off. Throws Failed if the servo does not confirm that the
+  // torque is off, or if registers could not be restored. The error message names these registers. `moves`:
+  // whether the case may move the servo. If `moves` is false, also throws Failed if the torque was on.
   void end_case(bool moves);
   const std::vector<std::string>& transcript() const { return transcript_; }
   // Returns whether a register may differ from its original value.
   bool altered() const { return !before_.empty(); }
 
   // ---- Requests
-  // Sends raw bytes and fails if an answer arrives within `window`. `else_what` begins the message.
+
+  // Sends raw bytes and fails if an answer arrives within `window`. `else_what` is the beginning of the error
+  // message.
   void silent(const Bytes& wire, const std::string& else_what, Time window = kSilence);
   // Sends raw bytes and returns `count` answers. Fails if more or fewer answers, or damaged answers, arrive
   // before the timeout.
@@ -57,7 +59,7 @@ class ExaminedServo {
   Bytes request(int instruction, const Bytes& parameters = {}) const {
     return servo_request(family_, id_, instruction, parameters);
   }
-  // Parameters of read and write requests.
+  // Return the parameters of a read request and of a write request.
   Bytes read_of(int address, int size) const;
   Bytes write_of(int address, const Bytes& data) const;
   Bytes read(int address, int size);
@@ -65,7 +67,8 @@ class ExaminedServo {
   // Writes a register and returns the error code of the answer without alerts; 0: success. end_case()
   // restores the old value.
   int write(const ServoRow& row, long value);
-  void keep(const ServoRow& row);  // remembers the value to restore; for writes without write()
+  // Stores the register's value for end_case() to restore. For registers that are written without write().
+  void keep(const ServoRow& row);
 
   // Waiting times: kSilence to check that no answer comes, kPatience for an expected answer.
   static constexpr Time kSilence = std::chrono::milliseconds(60);
@@ -73,7 +76,8 @@ class ExaminedServo {
 
  private:
   struct Torque {
-    bool off = false, was_on = false;  // off: confirmed off; was_on: was on before
+    // `off`: the servo has confirmed that the torque is off. `was_on`: the torque was on before.
+    bool off = false, was_on = false;
   };
   Torque release();
   Bytes exchange(const Bytes& wire, std::size_t count, Time window);

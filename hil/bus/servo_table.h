@@ -1,8 +1,9 @@
-// Registers of servo models as published by their makers, only for the judge.
+// Registers of servo models, as published by the makers. Only the conformance cases use this table.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Generated from shared/*/corpus/*.csv. The CSV files were transcribed independently of the register tables
-// of drivers and virtual servos, so that the judge detects errors in those tables.
+// of drivers and virtual servos. Therefore the conformance cases can detect errors in the register tables of
+// drivers and virtual servos.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ namespace kaz::hil {
 
 struct ServoRow {
   int address = 0, size = 1;  // bytes
-  int sign_bit = 0;           // 0: unsigned
+  int sign_bit = 0;           // number of the sign bit; 0: unsigned
   bool writable = false, eeprom = false;
   std::optional<long> factory;
   long min = 0, max = 0;  // range of a writable register

@@ -1,5 +1,5 @@
-// Packet codec for Feetech and ROBOTIS buses, for the judge. It shares no code with the drivers:
-// docs/reference/servo-bus.md is its only source.
+// Packet codec for Feetech and ROBOTIS buses, for the conformance cases. The codec shares no code with the
+// drivers and was written only from docs/reference/servo-bus.md.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -30,8 +30,8 @@ struct ServoAnswer {
 // Result of parsing the bytes received from a bus.
 struct ServoAnswers {
   std::vector<ServoAnswer> all;
-  int damaged = 0;    // packets with a wrong checksum, CRC or length
-  int stray = 0;      // bytes outside packets
+  int damaged = 0;    // number of packets with a wrong checksum, CRC or length
+  int stray = 0;      // number of bytes outside packets
   bool open = false;  // the last packet is incomplete
 };
 ServoAnswers answers_in(ServoFamily family, const Bytes& bytes);

@@ -1,8 +1,8 @@
 // Interface to the surroundings of a board: supply, sensors, line errors, power.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A virtual board has a bench; a real board on a desk usually has none. Cases that need a bench state this
-// need. Without a bench, these cases are reported as left out.
+// A virtual board has a bench; a real board on a desk usually has no bench. Cases that need a bench state
+// this need. Without a bench, these cases are reported as left out.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class Bench {
  public:
   virtual ~Bench() = default;
 
-  // Removes all faults, places every joint at 0 rad and free to turn, and switches the power on.
+  // Removes all faults, places every joint at 0 rad with the shaft free to turn, and switches the power on.
   virtual void restore() = 0;
   // Pulses the RES pin.
   virtual void reset() = 0;
@@ -34,8 +34,8 @@ class Bench {
   // Sends bytes to the board, each with a framing error.
   virtual void write_damaged(std::span<const std::uint8_t> bytes) = 0;
 
-  // Returns the present drive of a joint's motor, -1 to 1; positive turns the joint positively. 0 while the
-  // motor drivers are disabled.
+  // Returns the present drive of a joint's motor, -1 to 1; a positive drive turns the joint in the positive
+  // direction. The result is 0 while the motor drivers are disabled.
   virtual double drive(int joint) const = 0;
   virtual double angle_rad(int joint) const = 0;
 };

@@ -1,9 +1,9 @@
 // Access of the cases to the board under test: raw bytes, requests by name, and expected replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every call throws Failed, which fails the case, if the board does not behave as described. It throws Lost,
-// which ends the whole run, if the link is gone. The default value 0 of `at_most_ms` selects the usual
-// timeout for a reply.
+// Every call throws Failed if the board does not behave as described; this exception ends the case. Every
+// call throws Lost if the link is lost; this exception ends the whole run. The default value 0 of
+// `at_most_ms` selects the usual timeout for a reply.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +33,8 @@ class Board {
   Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed,
         std::uint8_t home = KZ_ADDRESS_DEFAULT);
 
-  // begin() prepares a case. Afterwards the board has been reset and has no latched shutdown, and no frame
-  // is in flight. end() switches the motors off.
+  // begin() prepares a case. After begin(), the board has been reset and has no latched shutdown, and no
+  // frame is in flight. end() switches the motors off.
   void begin(std::uint64_t case_seed);
   void end();
 
@@ -56,7 +56,7 @@ class Board {
   void silence(int ms);                       // fails if a frame comes, except telemetry
   void wait(int ms);                          // frames that arrive meanwhile can be read afterwards
   void forget_frames() { frames_.clear(); }   // drops frames that were not read
-  // Number of bytes outside frames and of damaged frames.
+  // Returns the number of bytes outside frames plus the number of damaged frames.
   int wild_bytes() const { return deframer_.faults(); }
   Time now() const { return clock_.now(); }
 
@@ -76,7 +76,7 @@ class Board {
 
   // ---- Requests by name
 
-  // The method done() sends a request and returns its reply. The method take() returns the reply to an
+  // The method done() sends a request and returns the reply. The method take() returns the reply to an
   // earlier request. The refused... and take_refusal() methods expect that the board refuses the request for
   // the reason `reason`, and return the refusal.
   Reply done(std::string_view name, const Bytes& fields = {}, int at_most_ms = 0);
@@ -99,11 +99,12 @@ class Board {
   void come_to_rest();      // waits until no joint moves, at most 3 s
   void expect_alive();      // checks that the next request is answered
   void expect_off();        // checks the status; with a bench, also the pins
-  // Returns the telemetry frames of the next `ms` and drops other frames. If `heartbeats`, sends a heartbeat
-  // every 30 ms.
+  // Returns the telemetry frames of the next `ms` milliseconds and drops other frames. If `heartbeats`, sends
+  // a heartbeat every 30 ms.
   std::vector<Frame> telemetry(int ms, bool heartbeats);
 
-  // Returns the bytes exchanged in this case, one line per direction and time; only the last 60 lines.
+  // Returns the last 60 lines of the bytes exchanged in this case. Each line contains the bytes of one
+  // direction at one time.
   const std::vector<std::string>& transcript() const { return transcript_; }
 
  private:

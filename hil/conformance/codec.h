@@ -17,7 +17,8 @@ std::uint16_t crc_of(const Bytes& stuffed);
 Bytes stuff(const Bytes& body);
 // Returns the three bytes that carry a CRC.
 Bytes check_of(std::uint16_t crc);
-// Returns a whole frame with both zeros around bytes that are already stuffed, correctly or not.
+// Returns a whole frame: a zero, the bytes of `stuffed`, the CRC, and a zero. `stuffed` may be stuffed
+// incorrectly.
 Bytes frame_of_stuffed(const Bytes& stuffed);
 Bytes frame_of(std::uint8_t address, std::uint8_t type, std::uint8_t sequence, const Bytes& fields);
 
@@ -30,10 +31,10 @@ struct Frame {
 // Splits the bytes of a board into frames.
 class Deframer {
  public:
-  // Returns a frame if this byte ends one.
+  // Returns a frame if this byte is the last byte of a valid frame.
   std::optional<Frame> take(std::uint8_t byte, Time at);
-  // Number of bytes outside frames, plus the number of frames that were damaged or lacked a zero of their
-  // own.
+  // Returns the number of bytes outside frames, plus the number of damaged frames, plus the number of extra
+  // zeros.
   int faults() const { return faults_; }
   void forget() { *this = {}; }
 

@@ -52,8 +52,8 @@ class Put {
   Bytes bytes_;
 };
 
-// Returns legal fields: bounded fields have their lowest value, all others 0. The field with the index
-// `changed` has `value` instead.
+// Returns legal fields: bounded fields have their lowest value, all other fields are 0. The field with the
+// index `changed` has `value` instead.
 Bytes legal_fields(const Message& request, int changed = -1, long value = 0);
 
 // Fields of a reply by their names in the table. The constructor throws Failed if the length is wrong.

@@ -10,10 +10,10 @@
 namespace kaz::hil {
 
 struct ReportFacts {
-  std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
-  std::string program;  // "kaz 0.1.0"
+  std::string port;     // name of the port, such as "/dev/ttyUSB0" or "virtual board (h8)"
+  std::string program;  // program and version, such as "kaz 0.1.0"
   std::uint64_t seed = 1;
-  std::string signal = {};      // signal that interrupted the run: "SIGINT"; empty: none
+  std::string signal = {};      // signal that interrupted the run, such as "SIGINT"; may be empty
   std::string broken_off = {};  // reason why the run could not finish; empty: the run finished
   Provenance from = {};
 };

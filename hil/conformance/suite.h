@@ -18,16 +18,17 @@ enum Need : unsigned {
   kNothing = 0,
   kMotion = 1,           // moves joints or motors
   kFlash = 2,            // writes flash, which wears out
-  kBench = 4,            // a Bench (bench.h)
-  kExact = 8,            // a clock without slack
-  kDefaultAddress = 16,  // a board at address 1; set by run_suite()
-  kPauses = 32,          // a line that preserves pauses between bytes (RunOptions::whole_frames)
+  kBench = 4,            // requires a Bench (bench.h)
+  kExact = 8,            // requires a clock without slack
+  kDefaultAddress = 16,  // requires a board at address 1; run_suite() sets this bit of `allowed`
+  // Requires a link that preserves pauses between bytes (RunOptions::whole_frames).
+  kPauses = 32,
 };
 
 struct Case {
-  std::string id;                       // "frame.noise-before"
-  std::string sentence;                 // tested rule
-  std::vector<std::string> statements;  // clause ids of docs/reference/protocol.md
+  std::string id;                       // id of the case, such as "frame.noise-before"
+  std::string sentence;                 // the tested rule
+  std::vector<std::string> statements;  // ids of the tested clauses
   unsigned needs = kNothing;
   std::function<void(Board&)> run;
 };
@@ -38,7 +39,7 @@ const std::vector<Case>& cases();
 struct Statement {
   std::string id, text;
 };
-// Returns the clauses of docs/reference/protocol.md, in its order.
+// Returns the clauses of docs/reference/protocol.md in the order of the page.
 const std::vector<Statement>& statements();
 
 struct CaseResult {
@@ -47,15 +48,16 @@ struct CaseResult {
   std::string message;                  // reason of a failure, skip or undecided verdict
   double seconds = 0;                   // duration on the board's clock
   std::vector<std::string> transcript;  // bytes of a failed or undecided case
-  int runs = 1;                         // all but the last failed while this machine was late
+  // Number of runs. All runs but the last failed while this machine was late.
+  int runs = 1;
 };
 
 struct RunOptions {
-  std::string filter;  // regular expression for case or clause ids; empty: all
+  std::string filter;  // regular expression for ids of cases or clauses; empty: all cases
   std::uint64_t seed = 1;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   unsigned allowed = 0;  // bits of Need that are available
-  // The link carries whole frames only, as a CAN bus does. kPauses is available if this is false.
+  // Whether the link carries whole frames only, like a CAN bus. If false, kPauses is available.
   bool whole_frames = false;
   // Lateness of link and clock, if link and clock are real; may be null. A case that fails while this
   // machine is late is repeated. The case is undecided if the machine was late in each run.
@@ -64,11 +66,13 @@ struct RunOptions {
 };
 
 struct RunReport {
-  std::string board;  // "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d"
+  // Description of the board, such as "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d".
+  std::string board;
   std::vector<CaseResult> results;
   // Chosen cases that an interrupted run did not reach.
   std::vector<const Case*> not_run;
-  bool interrupted = false;  // the run was interrupted; `results` are the results until then
+  // The run was interrupted; `results` has the cases before the interrupt.
+  bool interrupted = false;
   std::size_t chosen() const { return results.size() + not_run.size(); }
   int count(Verdict verdict) const;
 };
@@ -77,19 +81,20 @@ struct RunReport {
 // matches no case.
 Result<std::vector<const Case*>> chosen(const std::string& filter);
 
-// Runs the chosen cases. Errors: those of chosen(); the link is gone, or the board does not answer or stops
-// answering (environment). An interrupted link or clock ends the run, and the report so far is returned.
+// Runs the chosen cases. Returns the errors of chosen(). Other errors (environment): the link is lost; the
+// board does not answer or stops answering. An interrupted link or clock ends the run, and the report of the
+// cases that have run is returned.
 Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, Time slack,
                             const RunOptions& options);
 
 // Returns the reason for leaving out a case with these unmet Need bits: "needs --allow-motion".
 std::string missing_text(unsigned missing);
 
-// Cases, added by chapter of the page.
+// List of cases. Each function below adds the cases of one chapter of docs/reference/protocol.md.
 using Cases = std::vector<Case>;
 
 // Adds the cases of a chapter. The ids of the cases begin with the name of the chapter. Each case has the
-// requirements `needs` unless others are given.
+// requirements `needs` unless other requirements are passed to add().
 class Chapter {
  public:
   Chapter(Cases& all, std::string name, unsigned needs)

@@ -11,7 +11,7 @@ class Choices {
  public:
   explicit Choices(std::span<const std::uint8_t> bytes) : left_(bytes) {}
   bool ended() const { return left_.empty(); }
-  // Returns the next byte; 0 after the end.
+  // Returns the next byte; 0 after the end of the string.
   std::uint8_t byte() {
     if (left_.empty()) return 0;
     const std::uint8_t value = left_.front();

@@ -25,28 +25,28 @@ class Conversation {
   // `address` is the address of the board.
   explicit Conversation(std::uint8_t address = KZ_ADDRESS_DEFAULT);
 
-  // Report the bytes that the host sent and received. Call these functions in the order of the
-  // transmissions.
+  // Must be called with all bytes that the host has sent or received, in the order of the transmissions.
   void sent(std::span<const std::uint8_t> bytes);
   void received(std::span<const std::uint8_t> bytes);
 
-  // From now on, bytes may be lost, changed or duplicated on the line. From then on, the bytes that the
-  // board received are unknown, so only rules for single frames are checked.
+  // States that from now on bytes may be lost, changed or duplicated on the line. The bytes that the board
+  // receives are then unknown, so only rules for single frames are checked.
   void line_is_faulty() { faulty_ = true; }
-  // The board may have restarted, so the frame that it was sending may be cut off.
+  // States that the board may have restarted. The frame that the board was sending may be cut off.
   void board_restarted() { restarts_ += 1; }
 
   // Returns the number of replies to the request with this type and sequence number since that request was
   // last sent.
   int replies_to(std::uint8_t type, std::uint8_t sequence) const;
-  // Returns and clears a flag. The flag is set if, because of a request, the board may not receive for a
-  // while or may have a new address.
+  // Returns and clears a flag. The flag is set by a request after which the board may not receive for a while
+  // or may have a new address.
   bool take_deafening();
 
-  // First violation, if any.
+  // Returns the first violation; nullopt if there was no violation.
   const std::optional<std::string>& violation() const { return violation_; }
   const ConversationCounts& counts() const { return counts_; }
-  // Codes of the kinds of replies so far. A kind consists of type, reason and status.
+  // Returns a code for each kind of reply that has been received. A kind of reply is a combination of type,
+  // reason and status.
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:

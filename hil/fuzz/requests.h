@@ -1,4 +1,4 @@
-// Generates requests with legal, boundary and illegal fields, by the message table of the protocol.
+// Generates requests with legal, boundary and illegal fields, from the message table of the protocol.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

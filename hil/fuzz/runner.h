@@ -19,13 +19,14 @@ struct Verdict {
   // Codes of the board behavior that the case reached. These codes are the coverage that guides the search.
   std::set<std::uint32_t> features;
   ConversationCounts counts;
-  double seconds = 0;  // duration on the clock
+  double seconds = 0;  // duration on the clock of run_case()
 };
 
 struct RunnerOptions {
   // Injects a fault. If `fault` is null, the cases must contain no faults.
   std::function<void(const faults::Fault&)> fault;
-  // Returns a violation that was found by other means; called after each event. May be null.
+  // Called after each event. Returns a violation that was found by other means than Conversation. May be
+  // null.
   std::function<std::optional<std::string>()> judge;
   // Timeout for the reply to a query.
   Time patience = std::chrono::milliseconds(100);
@@ -37,8 +38,8 @@ struct RunnerOptions {
 };
 
 // Waits until the board answers, applies the events, and checks again that the board answers. Then switches
-// all motors off. Returns at once after a violation. Errors: no answer at the start, the link is gone, the
-// program was interrupted.
+// all motors off. Returns at once after a violation. Errors: the board does not answer at the start, the link
+// is lost, or the program was interrupted.
 Result<Verdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
                          const RunnerOptions& options);
 

@@ -24,7 +24,7 @@ class Search {
   void add(Genome genome) { corpus_.push_back(std::move(genome)); }
   // Returns the next case to run.
   Genome next();
-  // Takes the verdict of a case. Returns true if the case has new features and was therefore added to the
+  // Processes the verdict on a case. Returns true if the case has new features and was therefore added to the
   // corpus.
   bool learn(const Genome& genome, const Verdict& verdict);
   const std::vector<Genome>& corpus() const { return corpus_; }
@@ -39,13 +39,13 @@ class Search {
   std::set<std::uint32_t> seen_;
 };
 
-// Returns a shorter case, of at least one byte, that also violates a rule. Uses at most `max_runs` runs.
+// Returns a shorter case, of at least one byte, that also violates a rule. Runs at most `max_runs` cases.
 Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
 // Reads a file of the corpus or a reproducer; the content of the file is the genome. Errors name the path
 // and the reason.
 Result<Genome> load_genome(const std::string& path);
-// Writes a genome to `name`. If the file exists, a number is appended.
+// Writes a genome to the file `name`. If the file exists, a number is appended to the name.
 Result<void> save_genome(const std::string& name, const Genome& genome);
 // Reads all files of a folder in the order of their names.
 Result<std::vector<Genome>> load_corpus(const std::string& folder);

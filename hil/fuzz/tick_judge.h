@@ -1,8 +1,9 @@
 // Judges each tick of the servo code: rules that hold whatever the host sends.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The judge reads the state of shared/servo and the pin outputs of each tick, so the engine must be in this
-// process. The judge uses joints.def and the protocol's frames, but no code of shared/servo.
+// The judge reads the state of shared/servo and the pin outputs of each tick. Therefore the engine must run
+// shared/servo in the process of the judge. The judge uses joints.def and the protocol's frames, but no code
+// of shared/servo.
 #pragma once
 
 #include <array>
@@ -15,20 +16,22 @@
 
 namespace kaz::hil::fuzz {
 
-// Returns the PWM counts of each joint's motor; positive counts turn the joint positively. 0 while the
-// drivers are off.
+// Returns the PWM counts of each joint's motor; positive counts turn the joint in the positive direction. The
+// counts are 0 while the motor drivers are off.
 std::array<int, KZ_JOINTS> drives_of(const kz_tick_output& output);
 
 class TickJudge {
  public:
-  // Announces that the next tick is the first one after a restart of the board.
+  // Must be called before the first tick after a restart of the board.
   void restart() { started_ = false; }
-  // Checks a tick. `input` and `output` are those of the tick, `servo` is the state after the tick.
+  // Checks a tick. `input` and `output` are the input and output of the tick, `servo` is the state after the
+  // tick.
   void tick(const kz_tick_input& input, const kz_servo& servo, const kz_tick_output& output);
 
   const std::optional<std::string>& violation() const { return violation_; }
   long long ticks() const { return ticks_; }
-  // Codes of the board states reached so far: shutdown reason, what is switched on, what is in progress.
+  // Returns a code for each kind of board state reached so far. A kind of state combines several conditions,
+  // such as the shutdown reason, the number of enabled joints and the operations in progress.
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:
@@ -37,7 +40,8 @@ class TickJudge {
     int command = 0;
     int lower = 0, upper = 0;
     int above_ticks = 0, below_ticks = 0;  // number of ticks at or beyond the upper and lower limit
-    int ramp = 0;                          // highest ramp limit since the present ramp began
+    // Highest `ramp_limit` of the joint since the present ramp began.
+    int ramp = 0;
   };
 
   void judge_requests(const kz_tick_input& input, const kz_servo& servo);
@@ -48,7 +52,7 @@ class TickJudge {
   void wrong(const kz_servo& servo, int joint, const std::string& what);
 
   bool started_ = false;
-  kz_receiver receiver_{};  // receives the bytes of the ticks
+  kz_receiver receiver_{};  // decodes the bytes received in the ticks
   unsigned refusals_ = 0;   // number of refusals of the servo before the tick
   std::array<Before, KZ_JOINTS> before_{};
   long long ticks_ = 0;

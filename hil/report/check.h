@@ -1,4 +1,4 @@
-// Exceptions that end a case or measurement. The runner of the case or measurement catches them.
+// Exceptions that end a case or measurement. The runner of the case or measurement catches these exceptions.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,20 +10,20 @@
 
 namespace kaz::hil {
 
-// The port is gone or the program was interrupted, so further cases are pointless.
+// Exception: the port is lost or the program was interrupted, so further cases are pointless.
 struct Lost {
   Error error;
 };
 
-// Returns the value. Throws Lost for an error. Use it for steps that can fail only because the port is gone
-// or the program was interrupted.
+// Returns the value of `result`. Throws Lost if `result` is an error. Use this function for steps that can
+// fail only because the port is lost or the program was interrupted.
 template <class T>
 T sure(Result<T> result) {
   if (!result) throw Lost{result.error()};
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-// The case or measurement failed. The message is one sentence.
+// Exception: the case or measurement failed. `message` is one sentence.
 struct Failed {
   std::string message;
 };

@@ -15,7 +15,7 @@ struct JunitCase {
   Verdict verdict = Verdict::passed;
   std::string message;  // reason of a failure or skip
   std::string detail;   // details of a failure
-  std::string output;   // output of any case; may be empty
+  std::string output;   // output of the case, whatever the verdict; may be empty
 };
 
 // One test suite. All calls of property() must precede the cases. finish() ends the suite and returns the
@@ -29,7 +29,8 @@ class JunitSuite {
   JunitSuite(const std::string& name, const Counts& counts, double seconds);
   void property(const std::string& name, const std::string& value);
   void add(const JunitCase& one);
-  // Adds a case that could not finish (port, disk). The case counts neither as passed nor as failed.
+  // Adds a case that could not finish, for example because the port was lost or the disk is full. The case
+  // counts neither as passed nor as failed.
   void add_error(const std::string& group, const std::string& name, const std::string& message);
   std::string finish();
 

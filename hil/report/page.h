@@ -12,13 +12,13 @@ namespace kaz::hil {
 std::string fixed(double value, int digits);
 std::string joined(const std::vector<std::string>& lines, const char* between);
 
-// Returns the page up to <body>. The page is self-contained: it has no script and fetches nothing.
+// Returns the page up to <body>. The page is self-contained: the page has no script and fetches nothing.
 // `more_style` is additional CSS for this page.
 std::string page_head(const std::string& title, const std::string& more_style = {});
 inline constexpr const char* kPageEnd = "</body></html>\n";
 
-// table_cells() returns the cells of a table row, table_row() the whole row. Texts are escaped. `cell`: "td"
-// or "th".
+// table_cells() returns the cells of a table row. table_row() returns the whole row. Texts are escaped.
+// `cell` is "td" or "th".
 std::string table_cells(const std::vector<std::string>& texts, const char* cell = "td");
 std::string table_row(const std::vector<std::string>& texts, const char* cell = "td");
 

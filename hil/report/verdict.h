@@ -5,7 +5,7 @@
 namespace kaz::hil {
 
 // Undecided: each run failed while this machine was late (host/link/lateness.h) or the line was disturbed. A
-// result that is too close to its limit for a warm motor is also undecided.
+// measurement of a warm motor is also undecided if the value is too close to a limit.
 enum class Verdict { passed, failed, left_out, undecided };
 
 // Returns "passed", "failed", "left out" or "undecided".

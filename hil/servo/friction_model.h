@@ -11,8 +11,8 @@
 // - M3: M1 + load |m - e|.
 // - M4: M1 + load |m - e| + s (stribeck + load_stribeck |m - e|).
 // - M5: M1 + |motor m - external e| + s (stribeck + |motor_stribeck m - external_stribeck e|).
-// - M6: M5 + s q where m and e oppose each other. If |m| > |e|, q = external_quad e^2, else q = motor_quad
-//   m^2.
+// - M6: M5 + s q if m and e have opposite signs, otherwise M5. If |m| > |e|, q = external_quad e^2; otherwise
+//   q = motor_quad m^2.
 #pragma once
 
 #include <array>
@@ -25,19 +25,19 @@ namespace kaz::hil {
 inline constexpr int kFrictionModels = 6;
 
 struct ServoParams {
-  // Motor: torque = kt I, voltage = R I + kt w; armature: inertia of rotor and gear.
-  double kt = 1;                                     // N m/A, V s/rad
+  // The motor follows torque = kt I and voltage = R I + kt w. `armature` is the inertia of rotor and gear.
+  double kt = 1;                                     // unit N m/A = V s/rad
   double resistance = 3;                             // ohm
   double armature = 0.005;                           // kg m2
-  double base = 0.03, viscous = 0.02, stribeck = 0;  // N m, N m s/rad, N m
-  double stribeck_speed = 1, stribeck_power = 1;     // rad/s, 1
-  double load = 0, load_stribeck = 0;                // 1
-  double motor = 0, external = 0;                    // 1
-  double motor_stribeck = 0, external_stribeck = 0;  // 1
-  double motor_quad = 0, external_quad = 0;          // 1/(N m)
+  double base = 0.03, viscous = 0.02, stribeck = 0;  // units N m, N m s/rad, N m
+  double stribeck_speed = 1, stribeck_power = 1;     // unit rad/s; dimensionless
+  double load = 0, load_stribeck = 0;                // dimensionless
+  double motor = 0, external = 0;                    // dimensionless
+  double motor_stribeck = 0, external_stribeck = 0;  // dimensionless
+  double motor_quad = 0, external_quad = 0;          // unit 1/(N m)
   // Fitted parameters of the servo's control law and of the test stand.
   double gain_ratio = 1;  // true gain divided by the gain that the log states
-  double offset = 0;      // rad; measured minus true angle
+  double offset = 0;      // measured angle minus true angle, rad
 };
 
 struct ServoParamInfo {

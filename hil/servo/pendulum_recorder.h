@@ -1,9 +1,9 @@
-// Records a servo that moves a pendulum of known weight, as logs for servo_fit.h.
+// Records logs for servo_fit.h, in which a servo moves a pendulum of known weight.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The recorder sets the servo's control law to the law of a log, duty = gain * (goal - position), without D,
-// I, minimum duty and profile. At the end the recorder restores the previous settings. Four motions are
-// recorded with each of three gains. The logs of the middle gain are held out.
+// The recorder sets the servo to the control law duty = gain * (goal - position), which the logs assume:
+// without D, I, minimum duty and profile. At the end the recorder restores the previous settings. Four
+// motions are recorded with each of three gains. The logs with the middle gain are held out from the fit.
 #pragma once
 
 #include <functional>
@@ -20,8 +20,8 @@ struct PendulumOptions {
   servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
   int id = 1;
   double mass_kg = 0, length_m = 0, arm_kg = 0;
-  double amplitude_rad = 1.4;  // maximum goal to either side of hanging down
-  double seconds = 6;          // duration of a log
+  double amplitude_rad = 1.4;  // maximum angle of the goal from hanging down, to either side
+  double seconds = 6;          // duration of each log
   // If a reading exceeds one of these limits, the torque is switched off, and the recording ends with an
   // error.
   double max_celsius = 60, max_amps = 2;
@@ -30,19 +30,19 @@ struct PendulumOptions {
 };
 
 struct PendulumLog {
-  std::string name;  // "fit-p32-wave", "held-p16-chirp"
+  std::string name;  // name of the log, such as "fit-p32-wave" or "held-p16-chirp"
   bool held_out = false;
   ServoLog log;
   int missing = 0;  // number of missing readings
-  // True if the log contains the goals of the servo's own profile, false if it contains the goals that were
-  // sent.
+  // True if the log contains the goals of the servo's own profile. False if the log contains the goals that
+  // the recorder sent.
   bool follows_profile = false;
 };
 
 struct PendulumRecord {
-  std::string servo;  // "sts3215, id 1"
+  std::string servo;  // model and id of the servo, such as "sts3215, id 1"
   std::vector<PendulumLog> logs;
-  // Highest temperature, lowest voltage, highest absolute current.
+  // Highest temperature, lowest voltage and highest absolute current in all logs.
   double celsius = 0, volts = 0, largest_amps = 0;
 };
 
@@ -50,8 +50,8 @@ struct PendulumRecord {
 // - environment: the servo does not answer or reports an error, or a limit is exceeded.
 // - usage: the control law of the servo's model is unknown, the torque is on, or the servo has no room to
 //   move.
-// Afterwards the torque is off and the registers are restored, also after an error or an interrupt. If
-// switching off or restoring fails, the error message says so.
+// When this function returns, also after an error or an interrupt, the torque is off and the registers are
+// restored. If switching off or restoring fails, the error message states this failure.
 Result<PendulumRecord> record_pendulum(host::Link& link, host::Clock& clock,
                                        const PendulumOptions& options);
 

@@ -11,16 +11,17 @@
 
 namespace kaz::hil {
 
-// Motion that the model predicts for the goals of a log, starting at the first reading of the log; one entry
-// per sample.
+// Motion that the model predicts for the goals of a log, with one entry for each sample. The motion starts at
+// the first reading of the log.
 struct Prediction {
   std::vector<double> position_rad, current_a;
 };
 Prediction predict(int model, const ServoParams& params, const ServoLog& log);
 
 struct LogErrors {
-  double position_rad = 0;   // mean of |predicted - measured|
-  double current_share = 0;  // sum |predicted - measured| / sum |measured|; 0 without currents
+  double position_rad = 0;  // mean of |predicted - measured|
+  // Sum |predicted - measured| / sum |measured|; 0 if there are no currents.
+  double current_share = 0;
 };
 // Computes the errors over all samples of all logs.
 LogErrors errors_of(int model, const ServoParams& params, const std::vector<ServoLog>& logs);
@@ -40,7 +41,7 @@ struct ServoFit {
   int model = 1;
   ServoParams params;
   std::vector<FittedServoParam> fitted;
-  LogErrors fit, held_out;  // errors of the fitted logs and of the held-out logs
+  LogErrors fit, held_out;  // errors for the fitted logs and for the held-out logs
 };
 
 struct ServoFitOptions {
@@ -50,8 +51,8 @@ struct ServoFitOptions {
   std::function<bool()> stopped = [] { return false; };
 };
 
-// Fits each model. Errors: no log (usage); from no start value does the fit find a motor that follows the
-// logs (failed); `stopped` returned true (interrupted).
+// Fits each model. Errors: there is no log (usage); the fit finds no motor that follows the logs, from any
+// start value (failed); `stopped` returned true (interrupted).
 Result<std::vector<ServoFit>> fit_servo(const std::vector<ServoLog>& logs,
                                         const std::vector<ServoLog>& held_out,
                                         const ServoFitOptions& options = {});

@@ -1,7 +1,8 @@
 // Log of a servo that moves a known weight: goals, readings and the weight.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A file is CSV: lines `# name value`, then a line of column names, then numbers.
+// A log file is CSV. The file begins with lines `# name value`. A line of column names follows, then lines of
+// numbers.
 //
 //   # mass_kg 0.567
 //   # length_m 0.17

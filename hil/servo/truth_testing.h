@@ -1,4 +1,4 @@
-// Simulated servos with effects that no fitted model has, to judge fits. Shares no code with the models.
+// Simulated servos for tests of fits. The code is independent of the fitted models.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,7 +21,7 @@ struct Swing {
 enum class Motion { sine_of_square, lift_and_drop, up_and_down, two_sines };
 
 // Simulates a servo with parameters drawn from `seed`. The servo is about as large as an XL330 (even seeds)
-// or an MX-64 (odd seeds). Friction: bristles yield before they slide, and gears lose more when driven
+// or an MX-64 (odd seeds). Friction: bristles yield before sliding, and gears lose more torque when driven
 // backwards. Motor: torque ripple, and a winding that warms up. Other effects are: the pull of a cable, a
 // control law with a dead zone, sensor steps, and a late clock.
 Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_share,

@@ -16,12 +16,12 @@ struct Approached {
   Eigen::Vector2d ball{0, 0};           // m; x ahead, y left, from the midpoint of the ankles
   std::string cause = {};  // empty on success, else the reason: "lost", "not reached", "fell"
 };
-// Turns and walks toward the ball under visual control. The robot stands when this returns. Precondition:
-// body.ball().known().
+// Turns and walks toward the ball under visual control. The robot stands when the function returns.
+// Precondition: body.ball().known().
 Result<Approached> approach(BodyControl& body);
 
 // Returns the hand that can pick up a ball at this position (same frame as Approached::ball), with some
-// tolerance in position. Returns nothing if neither hand can.
+// tolerance in position. Returns nothing if neither hand can reach the ball.
 std::optional<host::Side> hand_for(const Eigen::Vector2d& ball);
 
 }  // namespace kaz::behavior

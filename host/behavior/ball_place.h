@@ -1,11 +1,11 @@
 // Position of a ball on the floor, from one camera, while the robot walks.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ball's center lies in a plane one radius above the floor. The viewing ray intersects this plane at the
-// ball's position. This method is far more accurate than the distance from the ball's apparent size, which
-// only serves as a plausibility check. The camera pose over the floor is computed from the joint angles of
-// the supporting leg, whose sole is flat on the floor (host/robot/kinematics.h). So the camera pose includes
-// the sway of walking. Units: m, rad.
+// The ball's center lies in a plane one radius above the floor. The viewing ray through the ball's center
+// intersects this plane at the ball's position. This method is far more accurate than the distance from the
+// ball's apparent size, which only serves as a plausibility check. The camera pose over the floor is computed
+// from the joint angles of the supporting leg, whose sole is flat on the floor (host/robot/kinematics.h). So
+// the camera pose includes the sway of walking. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -21,11 +21,11 @@ struct FloorPoint {
   Eigen::Vector2d from_middle{0, 0};  // origin: midpoint of the ankles, for feet side by side
   Eigen::Vector2d from_hips{0, 0};    // origin: below the trunk's origin
   Eigen::Vector2d along{1, 0};        // unit vector of the ray's projection on the floor
-  double sigma_along = 0, sigma_across = 0;  // standard deviations along the ray and across it
+  double sigma_along = 0, sigma_across = 0;  // standard deviations along and across the ray
 };
-// Computes the position of the observed ball of this radius (m). Returns nothing if there is no detection,
-// if the posture at the exposure is unknown, or if the ray descends by less than 8 degrees. Also returns
-// nothing if the apparent size implies another distance, for example because the ball is in a hand.
+// Computes the position of the observed ball. `radius`: radius of the ball, m. Returns nothing if there is no
+// detection, if the posture at the exposure is unknown, or if the ray descends by less than 8 degrees. Also
+// returns nothing if the apparent size implies another distance, for example because the ball is in a hand.
 std::optional<FloorPoint> on_floor(const vision::BallObservation& seen, double radius);
 
 // Returns the head angles that point the left camera at `from_middle`, a point in m relative to the midpoint
@@ -43,10 +43,10 @@ class BallPlace {
 
   bool known() const { return track_.known(); }
   Time last_seen() const { return known() ? track_.latest() : Time{}; }
-  // Predicted position at time `t` relative to `robot`, origin below the hips. The ball is assumed to roll
-  // on for 0.3 s after the last observation. Precondition: known().
+  // Returns the predicted position of the ball at time `t`, relative to `robot`, with the origin below the
+  // hips. The ball is assumed to roll on for 0.3 s after the last observation. Precondition: known().
   Eigen::Vector2d from_hips(Time t, const motion::Place& robot) const;
-  // Predicted position in the odometry frame. Precondition: known().
+  // Returns the predicted position of the ball in the odometry frame. Precondition: known().
   Eigen::Vector2d at(Time t) const;
   double speed() const;  // m/s over the floor; 0 while the ball is unknown
 

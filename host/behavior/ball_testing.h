@@ -11,8 +11,8 @@
 namespace kaz::behavior {
 
 // Simulates observations at 30 Hz, 320 x 240 px, 80 degrees wide, from the true head pose at each exposure.
-// An observation is available `latency` after its exposure. It carries the posture from the robot's
-// history. `board` and `robot` must outlive this.
+// An observation is available `latency` after its exposure. Each observation contains the posture from the
+// robot's history. `board` and `robot` must outlive this object.
 class TestBall final : public BallDetector {
  public:
   struct Options {

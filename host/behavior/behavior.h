@@ -1,9 +1,10 @@
 // Behaviors: closed-loop programs for a robot, the same for real and virtual robots.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A behavior is a function of Context. It blocks only in calls of the robot and the clock. Calls fail if
-// the link fails, the camera stops or the program is interrupted. The behavior then returns that error at
-// once and does not switch the motors off: the caller of run() calls Robot::disable_all() at the end.
+// A behavior is a function of Context. A behavior blocks only in calls of the robot and the clock. Such calls
+// fail if the link fails, the camera stops or the program is interrupted. If a call fails, the behavior
+// returns the error at once. The behavior does not switch the motors off, because the caller of run() calls
+// Robot::disable_all() at the end.
 //
 // A new behavior needs one source file, which defines a `const Behavior`, and one line in behaviors.def.
 // Alternatively, a behavior is a shared object (plugin.h). docs/howto/own-behavior.md shows an example.
@@ -37,7 +38,7 @@ class Requests {
 struct Context {
   host::Robot& robot;
   host::Clock& clock;
-  // Null without a camera. Never null for behaviors whose needs_camera is true.
+  // Null if the run has no camera. Never null for behaviors whose needs_camera is true.
   BallDetector* detector;
   Sink& sink;
   OptionValues options;
@@ -46,10 +47,10 @@ struct Context {
   std::vector<std::string> other_joints = {};
   double ball_radius_m = 0.020;       // radius of the ball that `detector` detects
   std::string camera = "the camera";  // name of the camera in error messages
-  // Timeout of the camera: a behavior fails after this time without an image. After the shorter
+  // Timeout of the camera: a behavior fails after this time without an image. After the shorter time
   // ControlCycle::kLostCamera, the robot already stands still and waits.
   Time camera_patience = std::chrono::seconds(2);
-  // Null without a camera, and for behaviors whose needs_floor is false.
+  // Null if the run has no camera, or if the behavior's needs_floor is false.
   FloorDetector* floor = nullptr;
   // Null if the run has no source of requests.
   Requests* requests = nullptr;
@@ -59,14 +60,14 @@ struct Context {
 // unit.
 struct Outcome {
   bool success = false;
-  std::string sentence;  // for display: "the ball was found after 1.4 s"
+  std::string sentence;  // text for display, such as "the ball was found after 1.4 s"
   std::vector<std::pair<std::string, double>> measurements;
   // Class of a failure, for tables: "not found", "fell". Empty on success.
   std::string cause = {};
 };
 
 struct Behavior {
-  std::string_view name;      // "track-ball"
+  std::string_view name;      // such as "track-ball"
   std::string_view text;      // description, one line
   bool needs_camera = false;  // run() uses Context::detector
   std::span<const Option> options = {};
@@ -79,7 +80,7 @@ struct Behavior {
 
 // All behaviors of behaviors.def, in the order of that file.
 std::span<const Behavior> behaviors();
-// Errors (usage): the name is unknown; the message lists the known names.
+// Returns the behavior of this name. Fails (usage) if the name is unknown; the message lists the known names.
 Result<Behavior> find_behavior(std::string_view name);
 
 #define KAZ_BEHAVIOR(source, behavior) extern const Behavior behavior;

@@ -19,7 +19,7 @@ namespace kaz::behavior {
 class BodyControl {
  public:
   // Enables the motors, moves into the crouch and zeroes the gyro (Walker::begin). Returns the errors of
-  // Walker::begin. Also fails (usage) without a camera. The context must outlive the result.
+  // Walker::begin. Also fails (usage) without a camera. The context must outlive the returned object.
   static Result<BodyControl> begin(Context& context, std::string_view behavior);
 
   // Sets a fixed gaze, from the next cycle on.
@@ -32,11 +32,11 @@ class BodyControl {
   // fallen() returns true. While the camera is lost (ControlCycle::kLostCamera), the call stops Motion, keeps
   // the robot standing, and does not return.
   Result<void> step();
-  // Runs one control cycle with these angles for all joints except the neck's. Motion is suspended in this
-  // cycle. A sequence of poses must start and end at home(). Call restart() before the next step() without a
-  // pose.
+  // Runs one control cycle with the angles of `pose` for all joints except the neck's. Motion is suspended in
+  // this cycle. A sequence of poses must start and end at home(). Call restart() before the next step()
+  // without a pose.
   Result<void> step(const host::JointAngles& pose);
-  // Runs step() for this time, or until the robot falls.
+  // Runs step() for `duration`, or until the robot falls.
   Result<void> stay(Time duration);
   // Runs step() until Motion is idle, then stands still for the time `after`.
   Result<void> finish(Time after = std::chrono::milliseconds(300));
@@ -52,13 +52,13 @@ class BodyControl {
   void phase(std::string_view phase) { context_->sink.phase(now(), behavior_, phase); }
 
   // ---- Observations
-  const std::vector<vision::BallObservation>& observations() const {  // from this cycle
+  const std::vector<vision::BallObservation>& observations() const {  // from the latest cycle
     return input_.observations;
   }
   Time newest_exposure() const { return newest_exposure_; }
   // True if no image came for 0.4 s.
   bool blind() const { return now() - newest_exposure_ > kFrozen; }
-  // Number of consecutive images with an observation that ball() used.
+  // Number of the latest consecutive images from which ball() used an observation.
   int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
   // The newest observation that ball() used.
@@ -93,7 +93,7 @@ class BodyControl {
   int consecutive_ = 0;
   Time newest_exposure_{};
   Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
-  double left_g_ = 0, tipped_s_ = 0;         // fall detection in step(pose)
+  double left_g_ = 0, tipped_s_ = 0;         // for the fall detection in step(pose)
 };
 
 }  // namespace kaz::behavior

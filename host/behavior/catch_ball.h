@@ -8,10 +8,10 @@ namespace kaz::behavior {
 
 struct CatchOptions {
   int tries = 4;
-  int turns = 3;      // quarter turns of the body during the search
-  double hold_s = 3;  // required holding time
-  // Turn the body to the left during the search. The first head sweep also goes to the left if both ends of
-  // the sweep are equally near.
+  int turns = 3;      // maximum number of quarter turns of the body during the search
+  double hold_s = 3;  // time for which the robot must hold the ball
+  // If true, the body turns to the left during the search. The first head sweep also goes to the left if both
+  // ends of the sweep are equally near.
   bool left_first = false;
 };
 

@@ -20,25 +20,27 @@ class ControlCycle {
   // Delay from a behavior's decision to the start of the board's ramp. The delay consists of 19 bytes on the
   // wire, half a tick until the board processes the bytes, and one tick until the pins follow.
   static constexpr Time kSendDelay = std::chrono::microseconds(3150);
-  // After this time without an image, behaviors that use the camera stand still until the next image.
+  // After this time without an image, a behavior that uses the camera lets the robot stand still until the
+  // next image.
   static constexpr Time kLostCamera = std::chrono::seconds(1);
 
-  // The context must outlive this.
+  // The context must outlive this object.
   explicit ControlCycle(Context& context);
 
   struct Input {
     Time now{};
     host::Posture posture;  // measured a few milliseconds before `now`
     std::vector<vision::BallObservation> observations;
-    // Set if the link was lost and restored. In that case, the targets of this call were not sent, ramps in
-    // progress have ended, and the joints hold their positions (host/robot/robot.h).
+    // Set if the link was lost and restored during the call of next(). After a reconnection, the targets of
+    // this call were not sent, ramps in progress have ended, and the joints hold their positions
+    // (host/robot/robot.h).
     std::optional<host::Resumption> resumed;
   };
   // Sends the targets, waits for the start of the next cycle, and returns the newest state and
   // observations. If `targets` is empty, only reads the state. `ramp`: time to reach the targets.
   //
-  // Fails if robot, clock or camera fail, or if the board has switched the motors off. Also fails if no
-  // image came for Context::camera_patience.
+  // next() fails if robot, clock or camera fail, or if the board has switched the motors off. Also fails if
+  // no image came for Context::camera_patience.
   Result<Input> next(std::span<const host::JointTarget> targets, Time ramp = kRamp);
 
  private:
@@ -47,9 +49,9 @@ class ControlCycle {
   Time last_image_;
 };
 
-// Fails (usage) if the robot lacks one of these joints; the message lists the missing joints. On another
-// robot, the targets would move other joints. So behaviors that name joints of Kaz call this function before
-// hold_still().
+// Fails (usage) if the robot lacks one of `joints`; the message lists the missing joints. On a robot other
+// than Kaz, targets for these joint numbers would move other joints. So behaviors that name joints of Kaz
+// call this function before hold_still().
 Result<void> require_joints(const Context& context, std::string_view behavior,
                             std::initializer_list<host::Joint> joints);
 

@@ -21,7 +21,7 @@ namespace kaz::behavior {
 struct FloorPicture {
   vision::PlaneSegments planes;  // planes.info is the frame information
   vision::DepthImage depth;
-  std::shared_ptr<const vision::StereoImages> images;  // rectified
+  std::shared_ptr<const vision::StereoImages> images;  // rectified images
 };
 
 class FloorDetector {

@@ -16,12 +16,12 @@ class HeadControl {
   // unloaded motor runs at rate = duty w0, with w0 = 11.46 rad/s at 10 V. Hence
   //   error / rate = (kd + 1/w0) / kp = (0.15 + 1/11.46) / 20 = 12 ms.
   static constexpr Time kServoLag = std::chrono::milliseconds(12);
-  // Delay from the decision on a target to the head's arrival: sending, ramp and servo lag.
+  // Delay from the decision on a target to the head's arrival: the sum of sending, ramp and servo lag.
   static constexpr Time kLead = ControlCycle::kSendDelay + ControlCycle::kRamp + kServoLag;
   static constexpr double kMargin = 0.017;  // minimum distance of targets to joint limits, rad
 
-  // Enables the motors at their present angles and reads the first state. Fails (usage) without a camera.
-  // The context must outlive the result.
+  // Enables the motors at their present angles and reads the first state. Fails (usage) without a camera. The
+  // context must outlive the returned object.
   static Result<HeadControl> begin(Context& context, std::string_view behavior);
 
   void phase(std::string_view phase) { context_->sink.phase(now(), behavior_, phase); }
@@ -33,9 +33,9 @@ class HeadControl {
   host::Gaze measured() const { return host::gaze_of(input_.posture.angle); }
   const host::JointAngles& posture() const { return input_.posture.angle; }
   BallTracker& tracker() { return tracker_; }
-  // Number of consecutive images in which the ball was detected.
+  // Number of the latest consecutive images in which the ball was detected.
   int consecutive() const { return consecutive_; }
-  // Exposure of the newest image processed; zero before the first.
+  // Exposure of the newest image processed; zero before the first image.
   Time newest_exposure() const { return newest_exposure_; }
   // All images processed since begin().
   const std::vector<PictureRow>& pictures() const { return pictures_; }

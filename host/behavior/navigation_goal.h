@@ -12,8 +12,8 @@ namespace kaz::behavior {
 // The goal is either a position on the floor with an optional heading, or the ball.
 struct NavigationGoal {
   bool ball = false;                  // true: the goal is the ball; other members are unused
-  Eigen::Vector2d position{0, 0};     // m, from the start; x ahead, y left
-  std::optional<double> heading_rad;  // empty: any
+  Eigen::Vector2d position{0, 0};     // m, relative to the robot's start; x ahead, y left
+  std::optional<double> heading_rad;  // empty: any heading
 };
 
 // Parses "X,Y", "X,Y,HEADING" (m, degrees) or "ball". Returns nothing for other text, for a position more

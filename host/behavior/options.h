@@ -12,20 +12,20 @@
 namespace kaz::behavior {
 
 struct Option {
-  std::string_view name;     // "seconds"
+  std::string_view name;     // such as "seconds"
   std::string_view initial;  // default value
-  // Valid choices: "keep|straight|home". Empty: the value is a number in [min, max]. If is_valid is set:
-  // description of a valid text, for messages.
+  // Valid choices, such as "keep|straight|home". If `choices` is empty, the value is a number in [min, max].
+  // If is_valid is not null, `choices` is a description of valid texts, for messages.
   std::string_view choices = {};
   double min = 0, max = 0;
-  std::string_view text = {};  // description, one line, with the unit
-  // Only numbers without a fraction are valid.
+  std::string_view text = {};  // description of the option with the unit, one line
+  // If true, only numbers without a fraction are valid.
   bool whole = false;
-  // If set, the value is a text. Returns whether `value` is valid.
+  // If not null, the value is a text, and this function returns whether `value` is valid.
   bool (*is_valid)(std::string_view value) = nullptr;
 };
 
-// Returns the valid values, for messages: "keep|straight|home", "1 to 20".
+// Returns the valid values for messages, such as "keep|straight|home" or "1 to 20".
 std::string valid_values(const Option& option);
 
 class OptionValues {
@@ -35,10 +35,10 @@ class OptionValues {
   static Result<OptionValues> parse(std::span<const Option> options,
                                     const std::map<std::string, std::string>& given);
 
-  // Value of a number. Precondition for number() and choice(): `name` is a parsed option of that type.
-  // Otherwise both throw std::out_of_range with a message.
+  // Returns the value of an option that is a number. Both number() and choice() throw std::out_of_range if
+  // `name` is not a parsed option of the matching type.
   double number(std::string_view name) const;
-  // Value of a choice or of a text.
+  // Returns the value of an option that is a choice or a text.
   const std::string& choice(std::string_view name) const;
 
  private:

@@ -11,7 +11,7 @@
 
 namespace kaz::behavior {
 
-// Keeps the newest 200 entries, 2 to 4 s of control cycles.
+// Keeps the newest 200 entries, which cover 2 to 4 s of control cycles.
 class PlaceHistory {
  public:
   // Adds an entry. Ignores an entry that is not later than the newest stored entry.

@@ -24,8 +24,8 @@
 #endif
 
 // Identifies the headers and the compiler options that affect the layout of types (-march changes Eigen's
-// alignment). A plug-in and the program that loads the plug-in must agree in this text, so that their types
-// have the same layout.
+// alignment). This text must be equal in a plug-in and in the program that loads the plug-in, so that the
+// types have the same layout in both.
 #define KAZ_PLUGIN_INTERFACE                                                        \
   "headers " KAZ_INTERFACE_ID ", Eigen alignment " KAZ_PLUGIN_TEXT(                 \
       EIGEN_MAX_ALIGN_BYTES) ", C++11 ABI " KAZ_PLUGIN_TEXT(_GLIBCXX_USE_CXX11_ABI) \
@@ -69,8 +69,7 @@ bool names_plugin(std::string_view name);
 // Exceptions from the file's static initializers and from its exported function are passed on.
 Result<Behavior> load_behavior(const std::string& path);
 
-// Returns load_behavior(name) if `name` is a path, else find_behavior(name), with the errors of that
-// function.
+// Returns the result of load_behavior(name) if `name` is a path, else the result of find_behavior(name).
 Result<Behavior> named_behavior(const std::string& name);
 
 }  // namespace kaz::behavior

@@ -18,7 +18,7 @@ class PosePlayer {
  public:
   static constexpr double kSlow_rad_per_s = 0.8;  // speed of the approach to the first pose
 
-  // The context must outlive this. The motors must be on before play().
+  // The context must outlive this object. The motors must be on before play().
   explicit PosePlayer(Context& context) : context_(context), cycle_(context) {}
 
   // Errors (usage): an angle or a speed exceeds the board's limits; the message names the joint. Also returns
@@ -26,14 +26,14 @@ class PosePlayer {
   Result<void> check(const motion::PoseMotion& motion);
 
   struct Followed {
-    // Largest error of any joint during the motion.
+    // Largest position error of any joint during the motion.
     double farthest_rad = 0;
-    int farthest = 0;       // joint with this error
-    double farthest_s = 0;  // time of this error, from the start of the motion
-    // Largest error of any joint in the last cycle. Unless `stopped`, this cycle is 0.5 s after the end of
-    // the motion.
+    int farthest = 0;       // joint with the error farthest_rad
+    double farthest_s = 0;  // time of the error farthest_rad, from the start of the motion
+    // Largest position error of any joint in the last cycle. If `stopped` is false, the last cycle is 0.5 s
+    // after the end of the motion.
     double left_rad = 0;
-    int left = 0;          // joint with this error
+    int left = 0;          // joint with the error left_rad
     bool stopped = false;  // true: `stop` ended the motion early
   };
   // Moves slowly to the first pose, then plays the motion. `stop` is called in each cycle and ends the motion

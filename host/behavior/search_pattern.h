@@ -16,12 +16,12 @@ class SearchPattern {
   static constexpr double kSweepDeg = 80;
   static constexpr double kTiltsDeg[] = {20, 52, -15};
 
-  // Starts at the present gaze `start` with the nearest row, toward the nearer end of the sweep.
-  // `left_first` selects the end if both ends are equally near. `speed`: speed of the faster of the two
-  // joints, rad/s.
+  // The search starts at the present gaze `start` and continues with the nearest row, toward the nearer end
+  // of the sweep. If both ends are equally near, `left_first` selects the direction. `speed`: speed of the
+  // faster of the two joints, rad/s.
   SearchPattern(const host::Gaze& start, double speed, bool left_first);
 
-  // Gaze at `t` seconds after the start, t >= 0.
+  // Returns the gaze at `t` seconds after the start, t >= 0.
   host::Gaze at(double t) const;
   // Time from the start until the first scan of all rows is complete, s.
   double once() const { return points_.back().time; }

@@ -24,8 +24,8 @@ class WalkingMap {
   // newer than the newest entered picture. Returns the errors of LocalMap::update().
   Result<void> enter(const std::vector<FloorPicture>& pictures, const PlaceHistory& places);
 
-  // Returns the place after the correction by floor-pattern matches. The standard deviations are still the
-  // ones of odometry.
+  // Returns the place after the correction by floor-pattern matches. The standard deviations are not
+  // corrected.
   motion::Place corrected(const motion::Place& place) const;
   // Compares the floor pattern in a picture with the remembered views, oldest first, and corrects the pose.
   // The robot must have stood still at the exposure. Returns true if any view matched.
@@ -33,13 +33,14 @@ class WalkingMap {
   // Remembers the floor pattern in the picture for later comparison. At most 60 views are remembered.
   void remember(const FloorPicture& picture, const PlaceHistory& places);
   // Returns the directions (rad, positive to the left) in which a robot at `place` can look at remembered
-  // patterns, oldest pattern first. Each direction differs by more than 25 degrees from all earlier ones.
+  // patterns, oldest pattern first. Each direction differs by more than 25 degrees from all earlier
+  // directions in the result.
   std::vector<double> directions_of_patterns(const motion::Place& place) const;
   // Number of calls of align() that corrected the pose.
   int corrections() const { return corrections_; }
 
   const map::LocalMap& map() const { return map_; }
-  // Exposure of the newest picture entered; zero before the first.
+  // Exposure of the newest picture entered; zero before the first picture.
   Time newest() const { return newest_; }
   // Number of pictures entered that were exposed at `since` or later, among the newest 64.
   int entered_since(Time since) const;
@@ -54,14 +55,15 @@ class WalkingMap {
   map::FloorPictureView view_of(const FloorPicture& picture, const Eigen::Isometry3d& foot) const;
   // `now`: estimated pose of the robot at the exposure.
   bool match(const Remembered& before, map::FloorMatcher& matcher, const Eigen::Vector3d& now);
-  // Pose of the foot at the exposure; nothing if posture or place are unknown.
+  // Pose of the foot at the exposure; nothing if the posture or the place is unknown.
   std::optional<Eigen::Isometry3d> foot_at(const FloorPicture& picture,
                                            const PlaceHistory& places) const;
 
   map::LocalMap map_;
   Time newest_{};
-  std::vector<Time> entered_;                           // exposures of the newest pictures
-  std::optional<motion::Place> faded_at_, matched_at_;  // places by odometry, without correction
+  std::vector<Time> entered_;  // exposures of the newest pictures
+  // Uncorrected places at the last fade() and at the last match.
+  std::optional<motion::Place> faded_at_, matched_at_;
   map::PoseFilter pose_;
   std::vector<Remembered> remembered_;
   int corrections_ = 0;

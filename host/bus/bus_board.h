@@ -1,4 +1,4 @@
-// Makes a bus of servos a servo board: answers protocol requests by commands to the servos.
+// Makes a bus of servos look like a servo board: answers protocol requests and sends commands to the servos.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Through this class, Robot and all code above Robot drive bus servos without changes. Differences from a
@@ -43,10 +43,10 @@ class BusBoard {
   // mask, discards earlier requests, so that motors are switched off without delay. The host repeats
   // discarded requests that it still needs.
   void take(std::span<const std::uint8_t> bytes);
-  // Whether the next serve() switches all motors off.
+  // Returns whether the next call of serve() switches all motors off.
   bool off_is_next() const { return !waiting_.empty() && switches_all_off(waiting_.front()); }
   // Executes the oldest queued frame. Returns the bytes of the reply, which are empty for a frame without a
-  // reply; nullopt if no frame was queued. Errors are those of the port.
+  // reply; nullopt if no frame was queued. Returns the errors of the port.
   Result<std::optional<std::vector<std::uint8_t>>> serve();
   const BusDriver::Counts& counts() const { return driver_->counts(); }
   // Lists servos that have not confirmed torque off; see still_on() in bus_driver.h.
@@ -55,8 +55,8 @@ class BusBoard {
   void forget();
 
  private:
-  // `unconfirmed`: the torque should be off, but the servo has not confirmed this. Such a joint takes no
-  // targets and counts as on.
+  // `unconfirmed`: the torque should be off, but the servo has not confirmed that the torque is off. An
+  // unconfirmed joint takes no targets and counts as on.
   enum class Power : std::uint8_t { off, on, unconfirmed };
   struct Joint {
     BusJoint of;
@@ -66,8 +66,8 @@ class BusBoard {
     int missing = 0;       // consecutive readings without a reply
     double angle = 0, speed = 0, duty = 0, target = 0;  // rad, rad/s, -1..1, rad
     std::uint8_t trouble = 0;                           // ServoTrouble
-    s16 lower = 0, upper = 0;                           // 100 urad, soft limits
-    u16 ramp = 60;                                      // 100 urad/ms
+    s16 lower = 0, upper = 0;                           // soft limits, unit 100 urad
+    u16 ramp = 60;                                      // unit 100 urad/ms
     u16 kp = KZ_KP_DEFAULT, kd = KZ_KD_DEFAULT, dead_band = 0;
     u8 friction = 0;
   };
@@ -81,7 +81,7 @@ class BusBoard {
     kz_receiver_init(&receiver_);
     start_ = clock.now();
   }
-  Result<void> look();  // reads all servos, unless the last reading is recent
+  Result<void> look();  // reads the state of all servos, unless the last reading is recent
   Result<void> switch_to(std::uint32_t mask);
   // Switches the joints' torque off and records the replies; see BusDriver::release.
   Result<void> release(std::vector<Joint*> joints, Time within = BusDriver::kReleaseWithin);
@@ -93,7 +93,7 @@ class BusBoard {
   Result<void> move(const kz_targets& targets);
   Result<void> reset();
   void set_limits(const kz_limits& limits);
-  // Recovers servos whose protection has acted.
+  // Recovers servos that were stopped by a protection of the servo, such as the overload protection.
   Result<void> recover();
   std::uint32_t on() const;      // mask of the joints that are not confirmed off
   std::uint32_t driven() const;  // mask of the joints that accept targets
@@ -110,7 +110,7 @@ class BusBoard {
   std::vector<std::vector<std::uint8_t>> waiting_;  // bodies of frames
   std::vector<std::uint8_t> last_body_, last_answer_;
   Time start_{}, moving_until_{}, looked_{}, silent_due_{};
-  std::size_t released_ = 0;  // the joint that release_next() tried last
+  std::size_t released_ = 0;  // number of the joint that release_next() tried last
   bool has_looked_ = false;
   u8 reason_ = 0, detail_ = KZ_NO_DETAIL;
   std::uint32_t shutdown_tick_ = 0;

@@ -3,7 +3,7 @@
 //
 // Positions are in steps of a servo's sensor, speeds in steps/s. A request without an answer is sent once
 // more. If the second answer is also missing, the request is counted as missing, and the result is empty. All
-// errors are errors of the port.
+// errors that the functions return are errors of the port.
 #pragma once
 
 #include <cmath>
@@ -20,12 +20,12 @@
 
 namespace kaz::host {
 
-// "servo 1 (pan)"
+// Returns a name for messages, such as "servo 1 (pan)".
 std::string named(const servo_bus::BusServo& servo);
-// "--robot feetech:/dev/ttyACM0", for commands that a message suggests.
+// Returns a command-line option for commands that a message suggests, such as "--robot feetech:/dev/ttyACM0".
 std::string bus_option(servo_bus::Protocol protocol, const std::string& port_name);
 
-// Faults that a servo reports; bits.
+// Bits for the faults that a servo reports.
 enum ServoTrouble : std::uint8_t {
   kTroubleVoltage = 1,
   kTroubleSensor = 2,
@@ -35,7 +35,7 @@ enum ServoTrouble : std::uint8_t {
 
 struct ServoState {
   double steps = 0, speed = 0, duty = 0;  // duty -1..1
-  double volts = NAN, celsius = NAN;      // NAN: not read this time
+  double volts = NAN, celsius = NAN;      // NAN: not included in this reading
   std::uint8_t trouble = 0;               // ServoTrouble
 };
 
@@ -64,7 +64,7 @@ class BusDriver {
 
   // Reads one register, which the model must have. Returns nullopt if the servo does not answer.
   virtual Result<std::optional<int>> read(const Servo& servo, std::string_view name) = 0;
-  // Reads `count` bytes from the register `first` on. Returns nullopt if the servo does not answer.
+  // Reads `count` bytes, beginning at the register `first`. Returns nullopt if the servo does not answer.
   virtual Result<std::optional<std::vector<std::uint8_t>>> read_block(const Servo& servo,
                                                                       std::string_view first,
                                                                       std::size_t count) = 0;
@@ -76,11 +76,11 @@ class BusDriver {
   // tries.
   Result<bool> set(const Servo& servo, std::string_view name, int value);
 
-  // Reads the state of all servos; empty for a servo that does not answer.
+  // Reads the state of all servos. The state of a servo that does not answer is empty.
   virtual Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) = 0;
-  // Switches torque on at this position, but only if the servo accepts the position as goal. Returns false if
-  // the servo rejects the goal or does not confirm that torque is on. After false, call release(): a goal
-  // alone may have switched the torque on.
+  // Switches torque on with the position `steps` as goal, but only if the servo accepts this goal. Returns
+  // false if the servo rejects the goal or does not confirm that torque is on. If hold() returns false, call
+  // release(), because the goal alone may have switched the torque on.
   Result<bool> hold(const Servo& servo, double steps);
   // Torque state in a servo's answer. `silent`: no answer, or an answer without a value.
   enum class Torque : std::uint8_t { off, on, silent };
@@ -93,11 +93,11 @@ class BusDriver {
     const Servo* servo;
     double steps, speed;
   };
-  // Sends goals in as few requests as possible; servos do not answer them.
+  // Sends goals in as few requests as possible; servos do not answer these requests.
   virtual Result<void> move(std::span<const Goal> goals) = 0;
-  // Prepares servos whose protection has acted, so that they can be switched on again at their present
-  // positions. Returns for each servo whether the servo accepted. Afterwards, the torque of these servos may
-  // be on: call release().
+  // Prepares servos that were stopped by a protection of the servo, such as the overload protection. After
+  // this call, the servos can be switched on again at their present positions. Returns for each servo whether
+  // the servo accepted the recovery. After this call, the torque of the servos may be on, so call release().
   virtual Result<std::vector<bool>> recover(std::span<const Goal> troubled) = 0;
 
   virtual const Counts& counts() const = 0;
@@ -106,9 +106,9 @@ class BusDriver {
   Clock& clock_;
 };
 
-// Lists servos that have not confirmed torque off, with the remedy; empty if all servos have. `torque` has
-// one entry per servo. Example: "pan (id 1) still has torque; lift (id 2) does not confirm that its
-// torque is off: cut the power".
+// Lists servos that have not confirmed torque off, with the remedy; empty if all servos have confirmed.
+// `torque` has one entry per servo. Example: "pan (id 1) still has torque; lift (id 2) does not confirm that
+// its torque is off: cut the power".
 std::string still_on(BusDriver::Servos servos, std::span<const BusDriver::Torque> torque);
 
 }  // namespace kaz::host

@@ -22,16 +22,17 @@ class BusExchange {
  public:
   using Packet = typename Wire::Packet;
   using Answer = std::optional<Packet>;
-  // Timeout of an answer. Longer than the time for which an adapter without low latency delays an answer.
+  // Timeout of an answer. The timeout is longer than the time for which an adapter without low latency delays
+  // an answer.
   static constexpr Time kAnswerWithin = std::chrono::milliseconds(30);
   // Maximum number of transmissions of a request in query().
   static constexpr int kTries = 2;
 
   BusExchange(Link& link, Clock& clock) : link_(link), clock_(clock) {}
 
-  // Discards earlier bytes and sends a request. If the link cannot be read or does not become silent, the
-  // request is sent nevertheless, because it may switch torque off. The error is returned after the request
-  // was sent.
+  // Discards bytes that arrived earlier, and sends a request. If the link cannot be read or does not become
+  // silent, the request is sent nevertheless, because the request may switch torque off. The error is
+  // returned after the request was sent.
   Result<void> send(const Packet& request) {
     const auto drained = drain(link_, clock_);
     come_.clear();
@@ -91,7 +92,8 @@ class BusExchange {
       for (std::size_t i = 0; i < servos.size(); ++i) {
         answers[i] =
             KAZ_TRY(receive(static_cast<std::uint8_t>(servos[i]->id), parameters, *together));
-        // After one missing answer the next ones may be missing, too. These servos are queried one by one.
+        // After one missing answer, the next answers may be missing, too. So the remaining servos are queried
+        // one by one.
         if (!answers[i]) break;
       }
     }
@@ -107,7 +109,7 @@ class BusExchange {
   Link& link_;
   Clock& clock_;
   typename Wire::Reader reader_;
-  std::vector<std::uint8_t> come_;  // received, but not parsed yet
+  std::vector<std::uint8_t> come_;  // bytes that were received, but not parsed yet
   BusDriver::Counts counts_;
 };
 

@@ -21,7 +21,7 @@ class BusPort final : public PortLink {
                                                const Interrupt* interrupt);
 
   std::string name() const override { return port_->name(); }
-  // Frames are exchanged in memory; only the bus behind them takes time.
+  // Frames of the virtual board are exchanged in memory; only the communication with the servos takes time.
   Time byte_time() const override { return Time{1}; }
   // Queues requests. A request that switches all motors off is executed at once.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
@@ -33,7 +33,7 @@ class BusPort final : public PortLink {
   int descriptor() const override { return port_->descriptor(); }
   bool has_unsent() const override { return !answer_.empty() || port_->has_unsent(); }
   std::string still_on() const override { return board_->still_on(); }
-  // Statistics of the bus: "2 of 4100 requests without an answer, 1 answer damaged".
+  // Returns statistics of the bus, such as "2 of 4100 requests without an answer, 1 answer damaged".
   std::string counts() const override;
 
  private:
@@ -43,7 +43,7 @@ class BusPort final : public PortLink {
   std::unique_ptr<PortLink> port_;
   WallClock clock_;
   std::unique_ptr<BusBoard> board_;
-  std::vector<std::uint8_t> answer_;  // not read yet
+  std::vector<std::uint8_t> answer_;  // bytes that read() has not returned yet
 };
 
 }  // namespace kaz::host

@@ -1,4 +1,4 @@
-// Finds the servos on a bus and checks its transmission quality. Never writes to a servo.
+// Finds the servos on a bus and checks the transmission quality. The scan never writes to a servo.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,24 +18,24 @@ struct ScannedServo {
   int number = -1;                          // model number as reported by the servo; -1: unknown
   const servo_bus::Model* model = nullptr;  // null: `number` is not in the tables of models
   // Counts over all pings and readings: requests sent, requests without an answer, and damaged answers.
-  // `late` counts losses while this machine was late. Their cause is undecided, so `lost` and `damaged` do
-  // not include these losses.
+  // `late` counts lost and damaged answers while this machine was late. Such losses are not in `lost` and
+  // `damaged`, because their cause is undecided.
   int requests = 0, lost = 0, damaged = 0, late = 0;
-  std::vector<double> round_trips_s;  // from the first byte sent to the last byte received
-  // Last reading (lowest_volts: minimum of all); NAN or -1: not read.
+  std::vector<double> round_trips_s;  // times from the first byte sent to the last byte received
+  // Values from the last reading (lowest_volts: the minimum over all readings). NAN or -1: not read.
   double volts = NAN, lowest_volts = NAN, celsius = NAN;
   double return_delay_s = NAN;
-  int torque = -1;          // 0, 1
+  int torque = -1;          // 0: off; 1: on
   std::uint8_t errors = 0;  // Feetech: status byte; DYNAMIXEL: hardware_error_status
 };
 
 struct ScanOptions {
   int first_id = 0, last_id = 252;
-  int readings = 20;  // for each servo that is found
-  Time within{};      // timeout of an answer, plus transmission time; 0: 8 ms
+  int readings = 20;  // number of readings of each servo that is found
+  Time within{};      // timeout of an answer, without the transmission time; 0: 8 ms
   // Called before each id of the first pass.
   std::function<void(int id)> progress = nullptr;
-  // Meter around the scan's link and clock, for real hardware; may be null.
+  // Measures this machine's lateness at the scan's link and clock, for real hardware. May be null.
   LatenessMeter* lateness = nullptr;
   // Called for an id without an answer if this machine was late in all repetitions. `excuse` is the text from
   // LatenessMeter::excuse().
@@ -46,13 +46,14 @@ struct ScanOptions {
 Result<std::vector<ScannedServo>> scan_bus(Link& link, Clock& clock, servo_bus::Protocol protocol,
                                            long baud, const ScanOptions& options);
 
-// Bit rates of the protocol's models: the factory setting first, then in falling order.
+// Returns the bit rates of the protocol's models: the factory setting first, then the others in falling
+// order.
 std::vector<long> bus_rates(servo_bus::Protocol protocol);
 
-// Remarks on a servo with remedies: errors that it reports, lost and damaged answers, two servos with one id,
-// a delay before answers.
+// Remarks on a servo with remedies: errors that the servo reports, lost and damaged answers, two servos with
+// one id, a delay before answers.
 struct ScanRemark {
-  bool wrong = false;  // false: it works, but could be better
+  bool wrong = false;  // false: the servo works, but could work better
   std::string text;
 };
 std::vector<ScanRemark> remarks_on(const ScannedServo& servo, servo_bus::Protocol protocol);

@@ -51,11 +51,12 @@ class DynamixelDriver final : public BusDriver {
                                           std::size_t count);
 
   Exchange exchange_;
-  // Whether the servos support the fast read. A firmware version that is too old rules it out. Otherwise the
-  // first answer confirms it, and two missing answers before that rule it out.
+  // may_be_fast_: the servos may support fast sync read. was_fast_: a complete answer has confirmed the
+  // support. An old firmware version, or two missing answers without any complete answer, rule out the
+  // support.
   bool may_be_fast_ = true, was_fast_ = false;
   int fast_silences_ = 0;
-  Time circuit_due_{};  // when voltages and temperatures are next read
+  Time circuit_due_{};  // time at which voltages and temperatures are read next
 };
 
 }  // namespace kaz::host

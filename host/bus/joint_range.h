@@ -3,8 +3,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A servo's position is its encoder reading within one turn, shifted by a register. If the end of the turn
-// lies inside the joint's range, the position jumps from 4095 to 0 there. A position loop then turns back the
-// long way.
+// lies inside the joint's range, the position jumps from 4095 to 0 at this place. After such a jump, a
+// position loop turns the joint back the long way.
 //
 //   STS:        position = (encoder - position_offset) mod 4096. The offset moves the end of the turn.
 //   DYNAMIXEL:  position = encoder + homing_offset, in mode 3. The end stays at the encoder's 0.
@@ -19,7 +19,7 @@
 
 namespace kaz::host {
 
-// Position readings of one joint, unwrapped over the ends of turns. In steps.
+// Position readings of one joint, in steps, unwrapped over the ends of turns.
 class RangeSweep {
  public:
   explicit RangeSweep(const servo_bus::Model& model);
@@ -30,11 +30,12 @@ class RangeSweep {
   double low() const { return low_; }
   double high() const { return high_; }
   double width() const { return high_ - low_; }
-  // Whether two consecutive readings were more than a quarter turn apart, so that the sweep is ambiguous.
+  // Returns whether two consecutive readings were more than a quarter turn apart, which makes the sweep
+  // ambiguous.
   bool jumped() const { return jumped_; }
 
  private:
-  double turn_;  // steps; 0: the position does not wrap, or the servo counts turns
+  double turn_;  // steps per turn; 0: the position does not wrap, or the servo counts turns
   double quarter_;
   double last_ = 0, now_ = 0, low_ = 0, high_ = 0;
   int readings_ = 0;
@@ -43,29 +44,31 @@ class RangeSweep {
 
 // Position registers in the servo's EEPROM.
 struct RangeRegisters {
-  int offset = 0;             // position_offset or homing_offset; 0 if the model has none
-  int low = 0, high = 0;      // goal limits
-  bool counts_turns = false;  // STS: bit 4 of phase
+  int offset = 0;             // position_offset or homing_offset; 0 if the model has no offset
+  int low = 0, high = 0;      // limits of the goal position
+  bool counts_turns = false;  // STS: bit 4 of the register `phase`
   bool operator==(const RangeRegisters&) const = default;
 };
 
 struct RangePlan {
-  std::string fault;         // why the joint cannot be calibrated, with the remedy; empty: it can
+  // Reason why the joint cannot be calibrated, with the remedy; empty if it can.
+  std::string fault;
   bool wrapped = false;      // the end of a turn was inside the range
   double low = 0, high = 0;  // positions at the stops with the new registers, steps
-  RangeRegisters registers;  // new values
-  double zero = 0;           // for bus.json, steps
+  RangeRegisters registers;  // new values of the registers
+  double zero = 0;           // position of the joint's zero, for bus.json, steps
 };
 
 // Minimum distance in steps between the range and the end of a turn.
 inline constexpr double kRangeMargin = 40;
 
-// Share of the joint's range, by its robot file, that was swept so far: 0..1.
+// Returns the share (0..1) of the joint's range in the robot file that was swept so far.
 double range_share(const servo_bus::BusServo& servo, double lower_rad, double upper_rad,
                    const RangeSweep& sweep);
 
-// Plans registers and zero. The middle of the swept range becomes that of the robot file's range, lower_rad
-// to upper_rad. Sets RangePlan::fault if the widths differ by more than 10 % and more than 10 degrees.
+// Plans registers and zero. The middle of the swept range becomes the middle of the range from lower_rad to
+// upper_rad, which is from the robot file. Sets RangePlan::fault if the widths of both ranges differ by more
+// than 10 % and more than 10 degrees.
 RangePlan plan_range(const servo_bus::BusServo& servo, double lower_rad, double upper_rad,
                      const RangeRegisters& now, const RangeSweep& sweep);
 

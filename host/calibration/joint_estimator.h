@@ -6,8 +6,8 @@
 // An equation
 //   sum w_i angle_{j_i}(code_i) + sum v_n x_n = value + noise,  noise with standard deviation sigma
 // is linear in the unknowns. The estimate is the mean of the posterior (Bayesian linear regression, Bishop
-// 2006, 3.3). So an unknown that no equation determines keeps its prior mean, and its uncertainty is included
-// in the expected errors.
+// 2006, 3.3). So an unknown that no equation determines keeps its prior mean, and the expected errors include
+// the uncertainty of this unknown.
 //
 // The board stores a line for each joint: the line with the least mean square error over the joint's range.
 // The expected error in `JointEstimate` includes the curve's deviation from this line and the remaining
@@ -35,12 +35,12 @@ struct AngleTerm {
 struct Equation {
   std::vector<AngleTerm> angles;
   std::vector<std::pair<int, double>> others = {};  // number of the additional unknown, weight
-  double value = 0, sigma = 1;                      // rad, or rad times the unit of the weights
+  double value = 0, sigma = 1;                      // unit: rad times the unit of the weights
 };
 
 struct JointEstimate {
   host::JointCalibration line;  // rounded to the board's 100 urad
-  // Change of the angle in the middle of the joint's range, from the nominal line to this one.
+  // Change of the angle in the middle of the joint's range, from the nominal line to `line`.
   double shift_rad = 0;
   // Expected error of the line, root mean square over the joint's range.
   double expected_error_rad = 0;
@@ -61,7 +61,8 @@ class JointEstimator {
     std::array<JointEstimate, KZ_JOINTS> joints;
     // Mean of the posterior: kPotTerms for each joint, in rad, then the additional unknowns.
     Eigen::VectorXd unknowns;
-    // Largest residual of an equation, in units of its sigma. Above 4, a measurement was wrong.
+    // Largest residual of an equation, in units of its sigma. A value above 4 means that a measurement was
+    // wrong.
     double worst_residual = 0;
     double angle(int joint, double code) const;  // rad
   };

@@ -15,11 +15,11 @@ struct Press {
   Stop stop;
 };
 
-// A posture of the suspended robot. From it, the joints of `presses` move on against their stops, all at
-// once.
+// A posture of the suspended robot. From this posture, all joints in `presses` move against their stops at
+// the same time.
 struct StopStep {
   host::JointAngles posture{};  // rad
-  std::vector<Press> presses;   // empty: only a posture on the way
+  std::vector<Press> presses;   // empty: the robot only moves to the posture
 };
 
 // Motions that the user confirms together before they start.
@@ -29,7 +29,8 @@ struct MotionGroup {
   std::vector<StopStep> steps;
 };
 
-// Returns the groups head and hands, arms, legs. They press each joint against both stops once.
+// Returns three groups: head and hands, arms, legs. The steps of the groups press each joint against both
+// stops once.
 std::span<const MotionGroup> stop_groups();
 
 // Returns stances on both soles: crouches, leans, and the weight shifted to each side.

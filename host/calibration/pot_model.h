@@ -1,8 +1,8 @@
 // Calibration model of a potentiometer: nominal line, offset, and deviation from the line.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Let u = 2 (code + 1/2) / 1024 - 1, from -1 to 1 over the track. The converter rounds down, so a code
-// stands for its middle. The joint's angle, in rad, is
+// Let u = 2 (code + 1/2) / 1024 - 1, from -1 to 1 over the track. The converter rounds down, so a code stands
+// for the middle of an interval. The joint's angle, in rad, is
 //   angle(code) = nominal(code) + p0 + p1 u + (1 - u^2) (p2 + p3 a u + p4 b (9 u^2 - 1)).
 // Here p0 is the mounting offset, and p1 the tolerance of the track's length. The other terms are the
 // linearity error of the resistive element. By the manufacturers' definition, the linearity error is zero at
@@ -19,18 +19,18 @@ namespace kaz::calibration {
 
 inline constexpr int kPotTerms = 5;
 
-// Prior standard deviation of each term, rad. A mounting error is at most 1 degree, and the track's length
-// is right within 1 %. A linearity error is at most 0.5 % of the range (0.95 degrees). This is taken as
-// three standard deviations of the sum of its terms. Slow deviations are larger than fast ones
-// (shared/robot/kaz/sensors.xml).
+// Prior standard deviation of each term, rad. A mounting error is at most 1 degree, and the error of the
+// track's length is at most 1 %. A linearity error is at most 0.5 % of the range (0.95 degrees). This limit
+// is taken as three standard deviations of the sum of the linearity terms. Slow deviations are larger than
+// fast ones (shared/robot/kaz/sensors.xml).
 inline constexpr std::array<double, kPotTerms> kPotPrior{
     0.6 * kDegree, 0.3 * kDegree, 0.27 * kDegree, 0.14 * kDegree, 0.07 * kDegree};
-// Largest distance of a reading from the nominal line that mounting and linearity errors explain, rad.
+// Largest distance of a reading from the nominal line that mounting and linearity errors can explain, rad.
 inline constexpr double kMaxPotError = 2.5 * kDegree;
 
 // Returns the line that a board without a calibration uses.
 host::JointCalibration nominal_calibration(int joint);
-// Angle (rad) at a code on a calibration line, and the inverse function.
+// Conversion from a code to the angle (rad) on a calibration line, and from an angle to the code.
 double angle_at(const host::JointCalibration& line, double code);
 double code_at(const host::JointCalibration& line, double angle_rad);
 // Returns the derivatives of the angle with respect to p0..p4 at a code, which may be a mean and need not

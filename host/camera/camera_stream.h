@@ -11,11 +11,11 @@ namespace kaz::host {
 
 struct CameraStream {
   vision::CameraModel model;
-  Time latency{};  // from the middle of the exposure to the delivery of the pair
+  Time latency{};  // time from the middle of the exposure to the delivery of the pair
 };
 
-// Maximum latency, and maximum time by which an exposure may be ahead of the reader's clock. Both ends use
-// CLOCK_MONOTONIC of one machine.
+// Maximum latency, and maximum time by which an exposure may be ahead of the reader's clock. Writer and
+// reader of a stream use CLOCK_MONOTONIC of the same machine.
 inline constexpr Time kMaxCameraLatency = std::chrono::seconds(10);
 inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 
@@ -23,8 +23,8 @@ inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 // camera. A camera is invalid if its size, intrinsics, baseline or latency is out of range. Messages contain
 // `path`.
 Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& path);
-// Fails (environment) if the header is not a pair's, or if the exposure is before the clock's start or far
-// after `now`.
+// Fails (environment) if the header is not a pair header, or if the exposure is before the start of the clock
+// or more than kMaxCameraAhead after `now`.
 Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream& stream, Time now,
                                 const std::string& path);
 

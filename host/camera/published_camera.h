@@ -44,7 +44,8 @@ class PublishedCamera final : public vision::Camera {
  private:
   PublishedCamera(std::string path, int socket, const CameraStream& stream, Time silence);
   void read_pairs();
-  // Reads `part` of the next pair. Returns false if the camera has stopped.
+  // Reads bytes of the next pair into `to`. `part` names these bytes in error messages. Returns false if the
+  // camera has stopped.
   bool read(std::span<std::uint8_t> to, const char* part, Time deadline);
   void stop(Error error);
 

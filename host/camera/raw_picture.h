@@ -15,7 +15,7 @@ namespace kaz::host {
 
 enum class PixelFormat { yuyv, rgb24, mjpeg, grey };
 
-// "yuyv", "rgb24", "mjpeg", "grey".
+// Returns "yuyv", "rgb24", "mjpeg" or "grey".
 std::string_view pixel_format_name(PixelFormat format);
 std::optional<PixelFormat> pixel_format_by_name(std::string_view name);
 
@@ -28,13 +28,14 @@ struct YuvMeaning {
 
 struct RawLayout {
   PixelFormat format = PixelFormat::yuyv;
-  int width = 0, height = 0;       // px; even width for yuyv
+  int width = 0, height = 0;       // px; for yuyv, the width must be even
   std::size_t bytes_per_line = 0;  // ignored for mjpeg
   YuvMeaning yuv;
 };
 
-// Converts to RGB. Gray becomes R = G = B. Most cameras omit the Huffman tables from MJPEG; then those of the
-// JPEG standard (annex K.3) are used. Fails if bytes are missing or damaged, or if a JPEG has another size.
+// Converts a picture to RGB. Gray becomes R = G = B. Most cameras omit the Huffman tables from MJPEG
+// pictures; the tables of the JPEG standard (annex K.3) then replace the missing tables. Fails if bytes are
+// missing or damaged, or if a JPEG has another size.
 Result<void> convert_picture(std::span<const std::uint8_t> bytes, const RawLayout& layout,
                              vision::Image& image);
 

@@ -22,25 +22,26 @@ struct RawFrame {
 
 struct RawPair {
   RawFrame left, right;
-  // Exposure of the pair: the mean of both.
+  // Exposure of the pair: the mean of both exposures.
   Time exposure() const { return left.exposure + (right.exposure - left.exposure) / 2; }
   Time gap() const;  // time between both exposures, never negative
 };
 
 class StereoPairing {
  public:
-  // Size of each side's queue; the oldest pictures are dropped.
+  // Size of each side's queue. If a queue is full, its oldest picture is dropped.
   static constexpr std::size_t kMostWaiting = 8;
 
-  // `tolerance`: maximum time between the exposures of a pair. If it is at most half the cameras' period, the
-  // first partner within the tolerance is also the nearest. Pairing then need not wait for the next picture.
+  // `tolerance`: maximum time between the exposures of a pair. If the tolerance is at most half the cameras'
+  // period, the first partner within the tolerance is also the nearest partner. So pairing need not wait for
+  // the next picture.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
   // Queues a picture. A picture that is not newer than the last picture of the same side is dropped and
   // counted.
   void add(EyeSide side, RawFrame frame);
-  // Returns the next pair, oldest first; nullopt if none is complete. Drops pictures that can no longer have
-  // a partner.
+  // Returns the next pair, oldest first; nullopt if no pair is complete. Drops pictures that can no longer
+  // have a partner.
   std::optional<RawPair> next();
 
   Time tolerance() const { return tolerance_; }
@@ -54,7 +55,7 @@ class StereoPairing {
     std::uint64_t alone = 0, out_of_order = 0;
     void drop_first();
   };
-  // Whether the second waiting picture of `line` is nearer to `t` than the first.
+  // Returns whether the second waiting picture of `line` is nearer to `t` than the first one.
   static bool second_is_nearer(const Line& line, Time t);
   const Line& of(EyeSide side) const { return lines_[static_cast<std::size_t>(side)]; }
 

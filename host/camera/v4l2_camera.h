@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A thread reads the pictures of both devices, pairs them by time, converts and rectifies them. The cameras
-// need not be synchronized. Pictures of a moving object may then be exposed up to the tolerance apart, which
-// causes depth errors.
+// need not be synchronized. If the cameras are not synchronized, the two pictures of a moving object may be
+// exposed up to the tolerance apart, which causes depth errors.
 #pragma once
 
 #include <array>
@@ -42,16 +42,16 @@ struct V4l2Options {
 };
 
 struct V4l2Statistics {
-  std::uint64_t pairs = 0;            // delivered to the queue of poll()
+  std::uint64_t pairs = 0;            // pairs delivered to the queue of poll()
   std::uint64_t not_taken = 0;        // pairs dropped because poll() was called too rarely
-  std::uint64_t without_partner = 0;  // pictures of either side
+  std::uint64_t without_partner = 0;  // pictures of either side that got no partner
   std::uint64_t damaged = 0;          // pictures marked by the driver, truncated, or not decodable
   std::uint64_t out_of_order = 0;     // pictures not newer than the previous one
   std::uint64_t lost = 0;             // pictures lost by the driver, for lack of a buffer
   std::uint64_t ahead = 0;            // pictures with a time stamp after their arrival
   Time largest_gap{};                 // longest time between the exposures of a pair
   Time tolerance{};
-  std::array<Stamp, 2> stamps{};  // left and right
+  std::array<Stamp, 2> stamps{};  // kind of time stamps, left and right
 };
 
 class V4l2Camera final : public vision::Camera {
@@ -85,7 +85,7 @@ class V4l2Camera final : public vision::Camera {
   void read_devices();
   bool take_all(EyeSide side, bool must_have_some);
   void deliver(const RawPair& raw);
-  void count();  // requires the lock
+  void count();  // the caller must hold mutex_
   bool still_alive();
   void stop(Error error);
 
@@ -94,11 +94,11 @@ class V4l2Camera final : public vision::Camera {
   const vision::CameraModel model_;
   const vision::Rectifier rectifier_;
   const Time silence_;
-  StereoPairing pairing_;         // thread only
-  std::array<Time, 2> heard_{};   // thread only
-  Time paired_{};                 // thread only; time at which the last valid pair came
-  vision::StereoImages scratch_;  // thread only
-  std::uint64_t sequence_ = 0;    // thread only
+  StereoPairing pairing_;        // used only by the reader thread
+  std::array<Time, 2> heard_{};  // used only by the reader thread
+  Time paired_{};  // used only by the reader thread; time at which the last valid pair came
+  vision::StereoImages scratch_;  // used only by the reader thread
+  std::uint64_t sequence_ = 0;    // used only by the reader thread
   mutable std::mutex mutex_;
   std::deque<vision::StereoPair> waiting_;
   V4l2Statistics statistics_;

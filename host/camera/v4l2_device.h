@@ -4,10 +4,10 @@
 // Uses the kernel interface (linux/videodev2.h) with single-planar capture and memory-mapped buffers. A
 // picture's time is the buffer's time stamp on CLOCK_MONOTONIC, the host's clock (docs/explanation/time.md).
 // The buffer's flag shows whether a stamp marks the start of the exposure or the end of the frame. Half the
-// exposure time is added or subtracted to get the middle, if the camera reports the exposure time
-// (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the start). A picture cannot be exposed after its arrival. If a
-// driver reports such a time stamp, the time of arrival is used instead, and the picture is counted. No
-// interface reports the readout time of a rolling shutter, so the readout time is ignored.
+// exposure time is added or subtracted to get the middle of the exposure, if the camera reports the exposure
+// time (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the start). A picture cannot be exposed after its arrival.
+// If a driver's time stamp is later than the arrival, the time of arrival is used instead, and the picture is
+// counted. No interface reports the readout time of a rolling shutter, so the readout time is ignored.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@
 namespace kaz::host {
 
 struct V4l2Wanted {
-  int width = 0, height = 0;          // px, exactly this size
+  int width = 0, height = 0;          // px; the camera must support exactly this size
   double rate_hz = 30;                // pictures per second; the camera's nearest rate is used
   std::optional<PixelFormat> format;  // empty: the best format that reaches the rate
 };
@@ -34,14 +34,14 @@ Error v4l2_error(const std::string& path, const std::string& doing, int error_nu
 // Meaning of a driver's time stamps. `arrival`: the stamps are not on CLOCK_MONOTONIC, and the time at which
 // the picture was read is used instead.
 enum class Stamp : std::uint8_t { start_of_exposure, end_of_frame, arrival };
-// Middle of an exposure with this `exposure_time`, zero if unknown.
+// Returns the middle of an exposure. `exposure_time` is zero if unknown.
 Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);
 
 class V4l2Device {
  public:
   // Opens the device and negotiates a mode. Returns the errors of v4l2_error(). Also fails if `path` is not a
-  // video device, or if it does not deliver pictures. Also fails if the device offers only multi-planar
-  // pictures, no supported format, or not the wanted size.
+  // video device, or if the device does not deliver pictures. Also fails if the device offers only
+  // multi-planar pictures, no supported format, or not the wanted size.
   static Result<std::unique_ptr<V4l2Device>> open(const std::string& path,
                                                   const V4l2Wanted& wanted);
   ~V4l2Device();
@@ -52,14 +52,15 @@ class V4l2Device {
   Result<void> start();
 
   enum class Taken { picture, damaged, nothing };
-  // Takes a picture without blocking. `damaged`: the driver flagged the buffer as corrupt, or it is empty. An
-  // error means that no more pictures will come (unplugged, or fatal driver error).
+  // Takes a picture without blocking. `damaged`: the driver flagged the buffer as corrupt, or the buffer is
+  // empty. An error means that no more pictures will come (unplugged, or fatal driver error).
   Result<Taken> take(RawFrame& frame);
 
   const std::string& path() const { return path_; }
   int descriptor() const { return descriptor_; }  // readable when take() has a picture
   const RawLayout& layout() const { return layout_; }
-  double rate_hz() const { return rate_hz_; }  // as negotiated; 0 if the driver does not report it
+  // Negotiated rate; 0 if the driver does not report a rate.
+  double rate_hz() const { return rate_hz_; }
   // Pictures that the driver lost, from gaps in its sequence numbers.
   std::uint64_t lost() const { return lost_; }
   Stamp stamp() const { return stamp_; }  // meaning of the last picture's time stamp
@@ -72,7 +73,7 @@ class V4l2Device {
     std::size_t size = 0;
   };
   V4l2Device(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
-  int control(unsigned long request, void* argument) const;  // 0 or errno
+  int control(unsigned long request, void* argument) const;  // returns 0 or errno
   Result<void> check_kind() const;
   std::vector<std::uint32_t> formats() const;
   std::string sizes(std::uint32_t format) const;

@@ -14,13 +14,13 @@
 namespace kaz::host {
 
 struct BootOptions {
-  int baud = 9600;  // 9600 or 4800; also 19200 for chips with A mask
+  int baud = 9600;  // bit rate: 9600 or 4800; also 19200 for chips with A mask
   int tries = 60;   // maximum number of H'00 bytes sent
 };
 
-// Loads and starts `program`. Precondition: the board has been reset into boot mode. Returns once the
-// program runs, and leaves the link at `baud`. The boot program erases the flash if it is not blank. Errors
-// contain the step and the bytes received.
+// Loads and starts `program`. Precondition: the board has been reset into boot mode. Returns once the program
+// runs. Afterwards, the link has the bit rate BootOptions::baud. The boot program erases the flash if it is
+// not blank. Errors contain the step and the bytes received.
 Result<void> load_through_boot(Link& link, Clock& clock, std::span<const std::uint8_t> program,
                                const BootOptions& options = {});
 

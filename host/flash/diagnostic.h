@@ -10,9 +10,9 @@
 namespace kaz::host {
 
 struct Diagnostic {
-  std::string what;                 // problem: "boot mode failed at H'55"
-  std::string expected;             // "H'00 in answer to H'00 at 9600 baud"
-  std::string came;                 // bytes or values received: "4b 80 00"
+  std::string what;                 // problem, such as "boot mode failed at H'55"
+  std::string expected;             // such as "H'00 in answer to H'00 at 9600 baud"
+  std::string came;                 // bytes or values received, such as "4b 80 00"
   std::vector<std::string> causes;  // most likely first
   std::string next;                 // next step, for example a command
 };
@@ -21,11 +21,11 @@ struct Diagnostic {
 std::string text_of(const Diagnostic& diagnostic);
 tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic);
 
-// "4b 80 00", up to 16 bytes; "nothing" if empty.
+// Returns up to 16 bytes as text, such as "4b 80 00"; "nothing" if `bytes` is empty.
 std::string hex_of(const std::vector<std::uint8_t>& bytes);
-// "0x0011e0"
+// Returns a text such as "0x0011e0".
 std::string hex_address(std::uint32_t address);
-// "6ef7"
+// Returns a text such as "6ef7".
 std::string hex_word(std::uint16_t word);
 
 }  // namespace kaz::host

@@ -15,14 +15,15 @@
 namespace kaz::host {
 
 inline constexpr std::uint32_t kFlashBytes = 0x20000;
-inline constexpr std::uint32_t kFlashLine = 32;  // bytes programmed at once
-inline constexpr int kFlashBlocks = 10;          // blocks, each erased as a whole
+inline constexpr std::uint32_t kFlashLine = 32;  // number of bytes programmed at once
+// Number of blocks; each block is erased as a whole.
+inline constexpr int kFlashBlocks = 10;
 // First address of each erase block EB0..EB9, and the end of the flash.
 inline constexpr std::uint32_t kBlockStart[kFlashBlocks + 1] = {
     0x0000, 0x0400, 0x0800, 0x0c00, 0x1000, 0x8000, 0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
 // Blocks that an update through the resident loader keeps (firmware/kaz.ld).
 inline constexpr int kVectorBlock = 0, kLoaderBlock = 6;
-// Blocks of the calibration, the second copy of the calibration, and the board's address.
+// Three blocks with the calibration, the second copy of the calibration, and the board's address.
 inline constexpr int kSettingsBlocks[] = {1, 2, 3};
 
 struct FlashRange {
@@ -61,16 +62,18 @@ class FlashImage {
 
   // Returns the header of a Kaz application, valid or not; nullopt for other images.
   std::optional<ImageIdentity> identity() const;
-  // Checks the application against its header. Returns a description of the fault; empty if valid.
+  // Checks the application against its header. Returns a description of the fault; empty if the application
+  // is valid.
   std::string damage() const;
-  // Returns whether vectors or loader are part of the image. An update through the loader does not write
-  // either of them: the board keeps its own vectors and loader.
+  // Returns whether vectors or loader are part of the image. An update through the loader writes neither
+  // vectors nor loader: the board keeps its own vectors and loader.
   bool has_loader() const { return touches(kVectorBlock) || touches(kLoaderBlock); }
-  // Checks vectors and loader against the loader's mark. Returns a description of the fault; empty if valid.
+  // Checks vectors and loader against the loader's mark. Returns a description of the fault; empty if both
+  // are valid.
   std::string loader_damage() const;
 
  private:
-  // CRC-16 of the range, continued from the CRC `from`.
+  // Returns the CRC-16 of the range, continued from the CRC `from`.
   std::uint16_t crc(FlashRange range, std::uint16_t from) const;
   std::vector<FlashRange> ranges(std::uint32_t longest, bool with_blank) const;
 

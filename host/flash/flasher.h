@@ -23,12 +23,12 @@
 namespace kaz::host {
 
 struct FlashProgress {
-  std::string phase;                  // "boot", "erase", "write", "verify"
-  std::uint32_t done = 0, total = 0;  // bytes; in phase "erase": blocks
-  // Mean rate since the phase began. 0 in phase "erase", and as long as no rate is measured.
+  std::string phase;                  // one of "boot", "erase", "write", "verify"
+  std::uint32_t done = 0, total = 0;  // number of bytes; in phase "erase", number of blocks
+  // Mean rate since the phase began. The rate is 0 in phase "erase", and as long as no rate is measured.
   double bytes_per_s = 0;
 };
-// Returns "write 512 of 33088 bytes, 8.1 KB/s"; without the rate if it is 0.
+// Returns "write 512 of 33088 bytes, 8.1 KB/s"; without the rate if the rate is 0.
 std::string progress_text(const FlashProgress& progress);
 
 struct FlasherOptions {
@@ -45,22 +45,25 @@ struct FlasherOptions {
   std::function<void(const std::string&)> note;  // called with one line for the user
 };
 
-// Times of the chip (32-byte generation), for the lower bound on the duration of flashing.
+// Times for erasing and programming of a chip that programs 32 bytes at once, for the lower bound on the
+// duration of flashing.
 struct FlashTimes {
   static constexpr double erase_pulse_s = 0.0051, erase_setup_s = 0.00024;
-  // Sum in us: SWE 10, PSU 50, P 150, alpha 10, beta 10, PV 4, 16 words of 2, 4, and SWE off 100.
+  // Time to program one line, the sum of these times in us: SWE 10, PSU 50, P 150, alpha 10, beta 10, PV 4,
+  // 16 words of 2, 4, and SWE off 100.
   static constexpr double program_line_s = 0.00037;
 };
 
 struct FlashReport {
-  std::uint32_t bytes = 0;        // size of the image
-  std::uint32_t written = 0;      // bytes
-  int erased = 0, unchanged = 0;  // blocks
-  int repeated = 0;               // requests
+  std::uint32_t bytes = 0;        // size of the image, bytes
+  std::uint32_t written = 0;      // number of bytes written
+  int erased = 0, unchanged = 0;  // numbers of blocks
+  int repeated = 0;               // number of requests that were repeated
   bool verified = false;
-  // Time from the first byte sent to the board until everything is verified.
+  // Time from the first byte sent to the board until the end of the verification.
   double seconds = 0;
-  // Lower bound of the time, from the bit rate and the times of the flash cells (docs/howto/flash.md).
+  // Lower bound of `seconds`, computed from the bit rate and the times of the flash cells
+  // (docs/howto/flash.md).
   double min_seconds = 0;
   double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
@@ -72,18 +75,18 @@ Result<void> check_image(const FlashImage& image, bool through_boot, bool force)
 
 class Flasher {
  public:
-  // `program` is the flash writer (firmware's writer.bin). Link, clock and program must outlive this.
+  // `program` is the flash writer (firmware's writer.bin). Link, clock and program must outlive the flasher.
   Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program, FlasherOptions options);
 
-  // Runs check_image() and compares the image's board id with that of the board found. Errors: those of
-  // check_image(), and (failed) if the image is for another board.
+  // Runs check_image() and compares the image's board id with the id of the board found. Returns the errors
+  // of check_image(). Also fails (failed) if the image is for another board.
   Result<void> check(const FlashImage& image, bool through_boot) const;
 
-  // Starts the loader of a board whose firmware or loader answers at 115,200 baud. Afterwards, found()
-  // returns its id. Returns false if there is no answer, as from an erased board.
+  // Starts the loader of a board whose firmware or loader answers at 115,200 baud. After success, found()
+  // contains the board's id. Returns false if the board does not answer, for example because it is erased.
   Result<bool> enter_loader();
-  // Loads the flash writer through boot mode, which erases the whole flash. Retries after line errors. A
-  // board id known from enter_loader() is kept.
+  // Loads the flash writer through boot mode, which erases the whole flash. Retries after line errors. Keeps
+  // a board id that is known from enter_loader().
   Result<void> enter_boot(BoardReset& reset);
 
   const std::optional<WriterInfo>& found() const { return info_; }
@@ -92,19 +95,19 @@ class Flasher {
   // Erases the blocks that differ, writes and verifies everything except the application's header, then
   // writes and verifies the header.
   //
-  // Through the loader, the blocks of vectors and loader stay unchanged. If the image is a Kaz application,
-  // such as a copy of a board's flash, calibration and address stay unchanged, too.
+  // A write through the loader does not change the blocks of vectors and loader. If the image is a Kaz
+  // application, for example a copy of a board's flash, calibration and address stay unchanged, too.
   Result<FlashReport> write(const FlashImage& image);
   // Compares the flash with the image. Errors (failed): the message names the first range or blocks that
   // differ.
   Result<FlashReport> verify(const FlashImage& image);
   Result<void> erase(const std::vector<int>& blocks);
   Result<std::vector<std::uint8_t>> read(FlashRange range);
-  // Leaves the writer through the reset vector, or by `reset` if it is not null.
+  // Leaves the writer through the reset vector, or by `reset` if `reset` is not null.
   Result<void> run(BoardReset* reset);
 
-  // Describes the state of the board after a failure, and the remedy. Empty after success, or if the flash
-  // was not changed.
+  // Describes the state of the board after a failure, and the remedy. The text is empty after success, or if
+  // the flash was not changed.
   std::string left_behind() const;
 
  private:
@@ -117,8 +120,8 @@ class Flasher {
   Result<void> erase_block(int block);
   Result<void> compare(const std::vector<FlashRange>& ranges, const FlashImage& image);
   bool kept(std::uint32_t address) const;
-  // Whether the address lies in calibration or address blocks, which a Kaz application never changes
-  // through the loader.
+  // Returns whether the flash address lies in a block of calibration or board address. A Kaz application that
+  // is written through the loader never changes these blocks.
   bool is_setting(std::uint32_t address, const FlashImage& image) const;
   void report_line(const std::string& line) const;
   void report_progress(const char* phase, std::uint32_t done, std::uint32_t total);

@@ -29,7 +29,7 @@ struct WriterReply {
 struct WriterInfo {
   int protocol = 0;
   bool by_loader = false;
-  std::optional<std::uint16_t> board_id;  // empty: unknown, as in boot mode
+  std::optional<std::uint16_t> board_id;  // empty: unknown, for example in boot mode
 };
 
 // Three checksums over a range of flash.
@@ -39,7 +39,7 @@ struct WriterSums {
   bool operator==(const WriterSums&) const = default;
 };
 
-// Appends `value` in `bytes` bytes, big-endian.
+// Appends `value` as a big-endian number of `bytes` bytes.
 void append(std::vector<std::uint8_t>& to, std::uint32_t value, int bytes);
 // Returns the meaning of a KZ_WRITER_* status.
 std::string status_text(int status);
@@ -47,18 +47,18 @@ std::string status_text(int status);
 class WriterLink {
  public:
   // All arguments must outlive this object. `lateness` measures lateness at the same link and clock, in real
-  // time; may be null. In each exchange, up to LatenessMeter::kRepetitions tries during which this machine
-  // was late do not count.
+  // time; `lateness` may be null. In each exchange, up to LatenessMeter::kRepetitions tries during which this
+  // machine was late do not count.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 
-  // Sends a request and repeats it until a reply arrives. `patience` is the timeout of a try; it doubles
+  // Sends a request and repeats it until a reply arrives. `patience` is the timeout of a try, which doubles
   // after three tries. Errors: no reply, or a link error. A reply with an error status is returned.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
-  // Sends requests in order, up to KZ_WRITER_WINDOW of them outstanding, and repeats each as needed.
-  // `patience` is the shortest timeout; it grows with the response time, up to four times. `next` is called
-  // when there is room for another request and returns nothing at the end. `answered` is called with each
-  // reply in order; an error from it ends the exchange.
+  // Sends requests in order, up to KZ_WRITER_WINDOW of them outstanding, and repeats each request as needed.
+  // The timeout is at least `patience` and grows with the response time, up to four times `patience`. `next`
+  // is called when another request can be sent, and returns nothing after the last request. `answered` is
+  // called with each reply in order; an error from `answered` ends the exchange.
   Result<void> exchange_all(
       const std::function<std::optional<WriterRequest>()>& next, Time patience,
       const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);
@@ -74,14 +74,15 @@ class WriterLink {
 
  private:
   Result<void> send(const WriterRequest& request, std::uint8_t number);
-  // Returns a valid frame, or nothing at `deadline`.
+  // Returns a valid frame, or nothing if no valid frame comes by `deadline`.
   Result<std::optional<WriterReply>> receive(Time deadline);
   bool parse(WriterReply& reply);
-  // Waits until the line is quiet. Replies received meanwhile are kept, because the board may only be slow.
+  // Waits until the line is quiet. Keeps replies that arrive during the wait, because the board may only be
+  // slow.
   Result<void> settle();
   void begin_try();
-  // Returns whether the try since begin_try() does not count because this machine was late. In that case,
-  // decrements `left`, the number of further tries that may be excused.
+  // Returns whether the try since begin_try() does not count because this machine was late. If so, decrements
+  // `left`, the number of further tries that may be excused.
   bool excused(int& left) const;
   tl::unexpected<Error> no_answer(int tries) const;
 

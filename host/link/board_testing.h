@@ -25,8 +25,9 @@ class TestBoard final : public Clock, public Link {
 
   struct Options {
     Time tick_offset = std::chrono::microseconds(123456);  // host time of tick 0
-    double crystal_ppm = 0;  // relative amount by which the board's millisecond is too long
-    // Delay added to each chunk of bytes: uniform from 0 to this, from a generator seeded with `seed`.
+    double crystal_ppm = 0;  // amount by which the board's millisecond is too long, ppm
+    // Largest delay added to a chunk of bytes. The delays are uniformly distributed from 0 to this value.
+    // `seed` is the seed of their random numbers.
     Time latency_to_board{}, latency_to_host{};
     std::uint64_t seed = 1;
     bool state_byte_time = true;  // false: byte_time() returns 0 (unknown)
@@ -55,14 +56,14 @@ class TestBoard final : public Clock, public Link {
   void inject(std::span<const std::uint8_t> bytes);
 
   using Bytes = std::vector<std::uint8_t>;
-  // If set, filters each write to the board, and each complete frame from it.
+  // If set, to_board filters each write to the board, and to_host filters each complete frame from the board.
   std::function<Bytes(Bytes)> to_board, to_host;
   // If set, called after each tick with the tick's start time.
   std::function<void(Time)> after_tick;
-  bool mute = false;                   // the board is off
+  bool mute = false;                   // true: the board behaves as if it were off
   std::optional<Error> link_failure;   // if set, read and write return this error
-  std::optional<double> supply_volts;  // replaces the supply voltage of 10 V
-  // Converter codes of yaw rate, forward and left; 0: not fitted
+  std::optional<double> supply_volts;  // supply voltage; empty: 10 V
+  // Converter codes of the yaw rate and of the accelerations forward and left; 0: sensor not fitted.
   std::array<std::uint16_t, 3> inertial{};
 
  private:
@@ -86,7 +87,7 @@ class TestBoard final : public Clock, public Link {
   std::uint32_t next_tick_ = 0, reset_at_ = 0;
   bool motors_on_ = false;
   Angles angle_{}, speed_{};
-  std::vector<Angles> past_;  // by tick
+  std::vector<Angles> past_;  // past joint angles, indexed by tick
   std::deque<TimedByte> to_board_, to_host_;
   Time line_to_board_free_{}, line_to_host_free_{};
   Bytes frame_from_board_;

@@ -16,9 +16,9 @@ namespace kaz::host {
 
 class ByteStream {
  public:
-  // `name` ("/dev/ttyUSB0") and `closed` appear in error messages. `closed` is the sentence for the case that
-  // the other end has closed. `interrupt` may be null. Otherwise it must outlive the stream, and an
-  // interrupt request makes `read` fail.
+  // `name` ("/dev/ttyUSB0") and `closed` appear in error messages. `closed` is the error message if the other
+  // end has closed the stream. `interrupt` may be null. If `interrupt` is not null, it must outlive the
+  // stream, and an interrupt request makes `read` fail.
   ByteStream(std::string name, std::string closed, const Interrupt* interrupt)
       : name_(std::move(name)), closed_(std::move(closed)), interrupt_(interrupt) {}
 

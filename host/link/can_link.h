@@ -2,23 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A message contains the bytes that are between two zero bytes on a serial line: the stuffed body and the
-// checksum (docs/reference/protocol.md). The zero bytes are not transmitted; the receiver adds them again.
-// The checksum of the protocol is transmitted unchanged, so it covers the whole path.
+// checksum (docs/reference/protocol.md). The zero bytes are not transmitted; the receiver adds the zero bytes
+// again. The checksum of the protocol is transmitted unchanged, so it covers the whole path.
 //
 //   identifier             carries
 //   kCanRequests + 1..14   requests to this address
 //   kCanReplies + 1..14    replies from this address
 //   kCanRequests + 15      requests to all boards
 //
-// The two identifiers of an address form a pair: each identifier carries the flow control for messages with
-// the other one. A broadcast has no flow control, because a broadcast has several receivers.
+// The two identifiers of an address form a pair: each identifier also carries the flow control for messages
+// with the other identifier. A broadcast has no flow control, because a broadcast has several receivers.
 //
-// A frame with any other address (damaged, or from a test) goes to all boards, and all boards ignore the
-// frame, as on a serial line. A CAN link cannot transfer pauses between bytes, framing and parity errors, the
-// bit rate, or bytes that are not followed by a zero byte.
+// A frame with any other address (a damaged frame, or a frame from a test) is sent to all boards. As on a
+// serial line, all boards ignore such a frame. A CAN link cannot transfer pauses between bytes, framing and
+// parity errors, the bit rate, or bytes that are not followed by a zero byte.
 //
 // The kernel aborts a transfer one second after the receiver stops answering. CanLink aborts a transfer after
-// kGiveUp, so that a board that answers again is reachable sooner.
+// kGiveUp, so that a board is reachable again soon after the board starts to answer again.
 #pragma once
 
 #include <array>
@@ -38,12 +38,14 @@ inline constexpr std::uint32_t kCanRequests = 0x6A0, kCanReplies = 0x6B0;
 inline constexpr std::uint8_t kCanAll = 15;
 
 struct CanStatistics {
-  std::uint64_t frames_in = 0, frames_out = 0;  // frames of the wire protocol
-  std::uint64_t error_frames = 0;               // error frames of all kinds from the controller
+  std::uint64_t frames_in = 0, frames_out = 0;  // number of frames of the wire protocol
+  // Number of error frames of all kinds from the controller.
+  std::uint64_t error_frames = 0;
   std::uint64_t bus_off = 0, restarts = 0, overflows = 0;
-  std::uint64_t unfinished_out = 0;  // messages that no receiver accepted completely
+  std::uint64_t unfinished_out = 0;  // sent messages that no receiver accepted completely
   std::uint64_t unfinished_in = 0;   // received messages that were broken off or out of order
-  // Number of frames above 4095 bytes, and of messages dropped because the queue to a receiver was full.
+  // Number of discarded frames: frames longer than 4095 bytes, and frames for a receiver whose queue was
+  // full.
   std::uint64_t discarded = 0;
   // Returns a text such as "3 error frames, bus-off once"; empty if all counts except frames_in and
   // frames_out are 0.
@@ -59,7 +61,7 @@ class CanLink final : public PortLink {
   };
   struct Options {
     End end = End::host;
-    std::vector<std::uint8_t> addresses = {};  // for End::board: 1..14, at least one
+    std::vector<std::uint8_t> addresses = {};  // for End::board: one or more addresses, 1..14
     const Interrupt* interrupt = nullptr;      // may be null; else it must outlive the link
   };
   // Time after which a message is dropped if no receiver accepts the message.
@@ -113,10 +115,11 @@ class CanLink final : public PortLink {
 
   std::unique_ptr<CanSockets> sockets_;
   Options options_;
-  Descriptor events_;  // epoll of all sockets
+  Descriptor events_;  // epoll descriptor that watches all sockets
   Descriptor errors_;
-  std::array<Channel, kCanAll + 1> channels_;  // by address; 15: all
-  std::vector<std::uint8_t> message_;          // message being written, not yet ended by a zero
+  std::array<Channel, kCanAll + 1> channels_;  // indexed by address; 15: broadcasts
+  // Message that is being written, not yet ended by a zero byte.
+  std::vector<std::uint8_t> message_;
   bool too_long_ = false;
   std::deque<std::uint8_t> received_;
   bool bus_off_ = false;

@@ -14,7 +14,8 @@ namespace kaz::host {
 // A pair of identifiers of ISO-TP (ISO 15765-2, normal addressing, 11 bits).
 struct IsoTpChannel {
   enum class Mode {
-    // Sends on tx_id, receives on rx_id. Each identifier carries the flow control for the other one.
+    // Sends on tx_id, receives on rx_id. Each identifier also carries the flow control for the other
+    // identifier.
     pair,
     broadcast,  // sends only, to any number of receivers, without flow control
     listen,     // receives the messages of a `broadcast` channel
@@ -30,7 +31,7 @@ class CanSockets {
   virtual ~CanSockets() = default;
   virtual std::string interface() const = 0;
   // Succeeds if the interface carries frames now. Fails (environment) if the interface does not exist, is not
-  // CAN, is down, or is bus-off. The message contains the command that repairs it.
+  // CAN, is down, or is bus-off. The error message contains the command that repairs the interface.
   virtual Result<void> check() = 0;
   // Opens an ISO-TP socket of the kernel. One message is one frame of the wire protocol. Fails (environment)
   // if the kernel module is missing, or if another program uses the identifiers.

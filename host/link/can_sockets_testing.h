@@ -19,13 +19,13 @@ namespace kaz::host {
 
 // The bus side of each channel.
 struct TestBus {
-  // The remote ends, by the identifier on which the link sends.
+  // Remote ends of the socket pairs, indexed by the identifier on which the link sends.
   std::map<std::uint32_t, Descriptor> far;
   std::map<std::uint32_t, IsoTpChannel> opened;
   Descriptor errors;
-  std::optional<Error> state;  // error that check() returns
+  std::optional<Error> state;  // if set, error that check() returns
 
-  // Sends an error frame to the link. Returns false if the socket does not accept it.
+  // Sends an error frame to the link. Returns false if the socket does not accept the frame.
   bool error_frame(std::uint32_t classes, std::uint8_t controller = 0) {
     can_frame frame{};
     frame.can_id = CAN_ERR_FLAG | classes;
@@ -34,7 +34,7 @@ struct TestBus {
     return send(errors.get(), &frame, sizeof frame, MSG_DONTWAIT | MSG_NOSIGNAL) ==
            static_cast<ssize_t>(sizeof frame);
   }
-  // Sends a message to the link on channel `id`. Returns false if the socket does not accept it.
+  // Sends a message to the link on channel `id`. Returns false if the socket does not accept the message.
   bool deliver(std::uint32_t id, std::span<const std::uint8_t> message) {
     return send(far[id].get(), message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
            static_cast<ssize_t>(message.size());

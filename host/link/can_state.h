@@ -9,19 +9,20 @@ namespace kaz::host {
 
 struct CanState {
   bool up = false;
-  // Carrier state as set by the driver. Not taken from ioctl(): the flag IFF_RUNNING there follows the driver
-  // with a delay of up to a second (net/core/link_watch.c of the kernel), which is too late just after
-  // `ip link set up`.
+  // Carrier state as set by the driver. The state does not come from ioctl(). The flag IFF_RUNNING of ioctl()
+  // follows the driver with a delay of up to a second (net/core/link_watch.c of the kernel). Just after `ip
+  // link set up`, this flag is out of date.
   bool carrier = true;
   // Controller state, an `enum can_state` of linux/can/netlink.h. Virtual interfaces have no controller.
   std::optional<std::uint32_t> controller;
 
-  // Whether the controller is bus-off; without a controller state, whether the carrier is missing.
+  // Returns whether the controller is bus-off. If `controller` is empty, returns whether the carrier is
+  // missing.
   bool bus_off() const;
 };
 
-// Queries rtnetlink(7). `index` is from if_nametoindex(). Empty if the interface is gone, or if a sandbox
-// forbids the query.
+// Queries rtnetlink(7). `index` is from if_nametoindex(). The result is empty if the interface is gone, or if
+// a sandbox forbids the query.
 std::optional<CanState> can_state(unsigned index);
 
 }  // namespace kaz::host

@@ -1,13 +1,13 @@
 // Relates a board's ticks to host time, with a bound on the error.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The times of a request and its reply are bounds on the start s of the tick that the reply contains. In a
-// tick, the board reads only bytes that arrived before the start of the tick. The reply leaves with the next
-// tick at the earliest. Hence
+// The times of a request and its reply give bounds on the start time s of the tick whose number is in the
+// reply. In a tick, the board reads only bytes that arrived before the start of the tick. The reply leaves
+// with the next tick at the earliest. Hence
 //
 //   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //
-// so offset = s - tick * 1 ms lies in an interval [lo, hi]. Intervals of successive exchanges are intersected
+// So offset = s - tick * 1 ms lies in an interval [lo, hi]. Intervals of successive exchanges are intersected
 // (K. Marzullo, "Maintaining the time in a distributed system", 1983), so the fastest exchanges set the
 // bounds. Between exchanges the interval grows on both sides by kDriftBound times the elapsed time, because
 // the crystals of board and host differ. With q = (hi - lo) / 2 the result is
@@ -15,8 +15,8 @@
 //   host time of tick = (lo + hi) / 2 + tick * 1 ms, wrong by at most q + kDriftBound * |distance|
 //
 // where `distance` is the time between that tick and the latest exchange. An empty intersection means that
-// the board was reset, or that its clock is not a crystal (a simulator that lost time). The relation then
-// starts again from the latest exchange.
+// the board was reset, or that the board's clock does not run steadily (for example, because a simulator lost
+// time). The relation then starts again from the latest exchange.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,8 @@ class ClockRelation {
   // Largest relative drift between the clocks, for crystals of up to 100 ppm at both ends.
   static constexpr double kDriftBound = 200e-6;
 
-  // `byte_time`: duration of one byte on the wire; zero if unknown. Zero makes the error bound larger.
+  // `byte_time`: duration of one byte on the wire; zero if unknown. An unknown byte time makes the error
+  // bound larger.
   explicit ClockRelation(Time byte_time) : byte_time_(byte_time) {}
 
   struct Exchange {
@@ -56,7 +57,8 @@ class ClockRelation {
 
   Time byte_time_;
   bool known_ = false;
-  std::uint32_t origin_tick_ = 0;  // tick of the latest exchange; low_ and high_ enclose its start
+  // Tick of the latest exchange; its start is between low_ and high_.
+  std::uint32_t origin_tick_ = 0;
   Time latest_{};
   Time low_{}, high_{};
   int restarts_ = 0;

@@ -27,7 +27,7 @@ struct Request {
 };
 
 struct Reply {
-  bool refused = false;  // true: `fields` are those of kz_refused
+  bool refused = false;  // true: `fields` contains the fields of kz_refused
   Fields fields;
   // The members below are for the clock relation and describe the answered transmission. `timed` is false if
   // the request was repeated, because the reply may then belong to either transmission.
@@ -54,7 +54,8 @@ class Exchanger {
   // not come by `deadline`. The reply of a ticket is returned only once.
   virtual Result<std::optional<Reply>> collect(Ticket ticket, Time deadline) = 0;
 
-  // Sends `request` ahead of all queued and pending requests and waits for its reply. For `stop`.
+  // Sends `request` ahead of all queued and pending requests and waits for its reply. Use this function for
+  // the request `stop`.
   virtual Result<Reply> exchange_at_once(const Request& request) = 0;
 
   // Writes a request without waiting for a reply.
@@ -62,8 +63,8 @@ class Exchanger {
 
   // Reads until `deadline` or until a telemetry frame arrives. Returns whether a frame arrived.
   virtual Result<bool> listen(Time deadline) = 0;
-  // Callback for telemetry frames: type, fields, and the time at which the frame was read. Any function that
-  // reads from the link may call the callback.
+  // Callback for telemetry frames. The arguments are the type, the fields, and the time at which the frame
+  // was read. Any function that reads from the link may call the callback.
   using Telemetry = std::function<void(std::uint8_t, std::span<const std::uint8_t>, Time)>;
   virtual void on_telemetry(Telemetry receiver) = 0;
 
@@ -86,10 +87,11 @@ class Exchanger {
   virtual bool timed_out() const = 0;
   // Whether a sent request was also received, which shows that the line echoes.
   virtual bool heard_echo() const = 0;
-  // Time at which the last request was written. In a group: the oldest of these times over all boards.
+  // Time at which the last request was written. In a group of boards, each board has such a time, and the
+  // oldest one is returned.
   virtual Time last_sent() const = 0;
   // Whether a board of a group has restarted since the last call. Always false for a single board, because
-  // there the ticks of the replies show a restart.
+  // the ticks in the replies of a single board show a restart.
   virtual bool take_restart() { return false; }
 };
 

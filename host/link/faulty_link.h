@@ -1,9 +1,9 @@
 // A link that injects line faults (docs/reference/simulator.md) on any port, including real ones.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Supports only faults of the line. Framing errors cannot be injected here, so a byte that is sampled at a
+// Supports only faults of the line. This class cannot inject framing errors, so a byte that is sampled at a
 // wrong speed arrives with a wrong value and without an error. Delayed bytes to the board leave at the next
-// write or read after the delay. Fault times count from construction.
+// write or read after the delay. Start times of faults count from the construction of the FaultyLink.
 #pragma once
 
 #include <deque>
@@ -16,7 +16,7 @@ namespace kaz::host {
 
 class FaultyLink final : public Link {
  public:
-  // `link` and `clock` must outlive it.
+  // `link` and `clock` must outlive this object.
   FaultyLink(Link& link, Clock& clock, faults::Schedule schedule, std::uint64_t seed);
 
   std::string name() const override { return link_.name(); }

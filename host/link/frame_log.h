@@ -17,7 +17,7 @@ class FrameLog {
   static constexpr std::size_t kFrames = 64;
 
   enum class Direction : std::uint8_t { out, in, damaged };
-  // Adds a frame. Only the last kFrames frames are kept. `body` is truncated to KZ_BODY_MAX bytes.
+  // Adds a frame. The log keeps only the last kFrames frames. `body` is truncated to KZ_BODY_MAX bytes.
   void add(Time time, Direction direction, std::span<const std::uint8_t> body);
   std::size_t size() const { return count_ < kFrames ? count_ : kFrames; }
 

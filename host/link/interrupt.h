@@ -1,4 +1,4 @@
-// A request to stop. A signal handler or another thread makes the request, which ends all waiting.
+// A request to stop the program, from a signal handler or another thread. The request ends all waiting.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,8 +13,8 @@ namespace kaz::host {
 
 // Links and clocks of real time, and the links and clocks of interruptible.h, take an Interrupt at
 // construction. After request(), Clock::sleep_until and Link::read fail with error() at once, until
-// withdraw() is called. During a CleanUp, they work. Link::write always works, so that a program that exits
-// can switch the motors off.
+// withdraw() is called. During a CleanUp, sleep_until and read work nevertheless. Link::write always works,
+// so that a program that exits can switch the motors off.
 class Interrupt {
  public:
   Interrupt();  // throws std::system_error if no file descriptor is free
@@ -32,8 +32,8 @@ class Interrupt {
   // Whether waits must end: requested() is true, and no clean-up is active.
   bool ends_waiting() const noexcept;
 
-  // Descriptor for poll(). Becomes readable on request and stays readable. During a clean-up, returns -1,
-  // which poll() ignores.
+  // Descriptor for poll(). The descriptor becomes readable with request() and stays readable. During a
+  // clean-up, returns -1, which poll() ignores.
   int descriptor() const noexcept;
   // Longest time that poll() may wait if the caller's remaining time is `left`. During a clean-up, the wait
   // must not last beyond the end of the clean-up.
@@ -52,9 +52,9 @@ class Interrupt {
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
-// Suspends an interrupt during the lifetime of this object, but at most for `longest`. Until then, waits and
-// reads work, so that a program can restore a board and read the replies. Only one CleanUp may exist at a
-// time.
+// Suspends an interrupt during the lifetime of this object, but at most for `longest`. While the interrupt is
+// suspended, waits and reads work, so that a program can restore a board and read the replies. Only one
+// CleanUp may exist at a time.
 class CleanUp {
  public:
   explicit CleanUp(Interrupt& interrupt,

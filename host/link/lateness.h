@@ -1,11 +1,11 @@
-// Measures delays of this process at a link, so that they are not attributed to a board.
+// Measures delays of this process at a link, so that the delays are not attributed to a board.
 // SPDX-License-Identifier: Apache-2.0
 //
-// On a busy machine, a process waits for the processor. The process then sends requests late and reads
-// replies late. In the meantime, a board's watchdog may have reacted, or a timeout may have expired.
-// LatenessMeter forwards all calls and compares the end of each wait with the deadline of the wait. A long
-// wait for bytes is divided into slices. Otherwise, a late return of this process with bytes would look like
-// a late arrival of the bytes.
+// On a busy machine, a process may wait for the processor, and then send requests late and read replies late.
+// During such a delay, a board's watchdog may react, or a timeout may expire. LatenessMeter forwards all
+// calls and compares the end of each wait with the deadline of the wait. A long wait for bytes is divided
+// into slices. Without the slices, a late return of this process with bytes would look like a late arrival of
+// the bytes.
 #pragma once
 
 #include <functional>
@@ -26,7 +26,7 @@ class LatenessMeter final : public Link, public Clock {
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
   // Maximum number of repetitions of an operation that failed while this process was late. If all repetitions
-  // also fail late, the result is undecided.
+  // also fail and the process was late each time, the result is undecided.
   static constexpr int kRepetitions = 3;
 
   // Returns the total time by which a program at the other end of the link, on this machine, fell behind.
@@ -40,18 +40,20 @@ class LatenessMeter final : public Link, public Clock {
   // Excludes the time since the last call of this object from the measurement. Call this function after the
   // program has waited for user input.
   void waited() { left_ = clock_.now(); }
-  // Delays since begin(): the longest, and the sum of those above kNoticed.
+  // longest() returns the longest delay since begin(). total() returns the sum of all delays above kNoticed
+  // since begin().
   Time longest() const { return longest_; }
   Time total() const { return total_; }
   // Explains why a failure since begin() is inconclusive: "this program was kept waiting for up to 34 ms,
-  // ...". Empty if this process was on time; the failure is then a failure of the board. `at_least`: delays
-  // shorter than this are no excuse, however many, because the measured operation tolerates them.
+  // ...". Returns an empty text if this process was on time; a failure is then the board's fault. Delays
+  // shorter than `at_least` are no excuse, whatever their number, because the measured operation tolerates
+  // short delays.
   std::string excuse(Time at_least = Time::zero()) const;
-  // Whether the last excuse() found that the program at the other end does not reply. Further repetitions are
-  // then useless.
+  // Whether the last excuse() found that the program at the other end does not reply. If the result is true,
+  // further repetitions are useless.
   bool other_end_gone() const { return other_end_gone_; }
 
-  // Link and Clock
+  // Functions of Link and Clock
   std::string name() const override { return link_.name(); }
   Time byte_time() const override { return link_.byte_time(); }
   Result<void> set_baud(int baud) override { return link_.set_baud(baud); }
@@ -74,8 +76,8 @@ class LatenessMeter final : public Link, public Clock {
 };
 
 // Calls `attempt`. If the attempt fails and this process was late by at least `bears` during the attempt,
-// repeats the call, up to kRepetitions times. `bears`: delay that an attempt tolerates. If `meter` is null,
-// there is only one attempt.
+// repeats the call, up to kRepetitions times. `bears`: longest delay that an attempt tolerates. If `meter` is
+// null, there is only one attempt.
 template <class Attempt>
 auto repeat_if_late(LatenessMeter* meter, Attempt attempt, Time bears = Time::zero()) {
   for (int again = LatenessMeter::kRepetitions;; --again) {

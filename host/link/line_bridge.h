@@ -18,11 +18,11 @@ class LineBridge {
   // Both links and `interrupt` must outlive the bridge.
   LineBridge(PortLink& board, PortLink& far, const Interrupt& interrupt, Report report);
 
-  // Runs until interrupted. Tries to reopen a lost side every 50 ms and drops bytes for this side until then.
-  // Link failures do not end the bridge, except failures with Fault::usage, which run() returns.
+  // Runs until interrupted. Tries to reopen a lost side every 50 ms and drops all bytes for this side in the
+  // meantime. Link failures do not end the bridge, except failures with Fault::usage, which run() returns.
   Result<void> run();
 
-  // "12345 bytes to the board, 23456 back, 12 dropped"
+  // Returns a text such as "12345 bytes to the board, 23456 back, 12 dropped".
   std::string counts() const;
 
  private:
@@ -30,7 +30,7 @@ class LineBridge {
     PortLink& link;
     bool there = true;
     Time lost{}, next_try{};
-    std::uint64_t taken = 0, dropped = 0;  // bytes for this side
+    std::uint64_t taken = 0, dropped = 0;  // counts of bytes for this side
   };
   Result<void> wait();
   Result<void> carry(Side& from, Side& to);

@@ -12,7 +12,7 @@
 
 namespace kaz::host {
 
-// Source of time: CLOCK_MONOTONIC (tty, CAN) or simulated time (lockstep).
+// Source of time: CLOCK_MONOTONIC for real links (tty, CAN), or simulated time.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -27,7 +27,8 @@ class Link {
  public:
   virtual ~Link() = default;
   virtual std::string name() const = 0;  // for messages: "/dev/ttyUSB0", "can0", "the simulator"
-  // Minimum duration of one byte on the wire; zero if unknown. Tightens the bounds of clock_relation.h.
+  // Minimum duration of one byte on the wire; zero if unknown. A known duration tightens the error bounds of
+  // ClockRelation.
   virtual Time byte_time() const { return Time::zero(); }
   // Sets the bit rate of both directions. Bytes that are still queued may leave at the old or the new rate.
   virtual Result<void> set_baud(int baud) {

@@ -16,24 +16,24 @@ namespace kaz::host {
 // A Link with a descriptor for poll(), modem lines, and diagnostics.
 class PortLink : public Link, public ModemLines {
  public:
-  // Low-latency mode of the port, which explains a slow round trip.
+  // Returns the low-latency mode of the port, which may explain a slow round trip.
   virtual LowLatency low_latency() const = 0;
-  // Descriptor for poll(). Becomes readable when `read` has something to do; -1 while the link is lost. The
-  // descriptor may change in reopen().
+  // Descriptor for poll(). The descriptor becomes readable when `read` has work to do. The function returns
+  // -1 while the link is lost. The descriptor may change in reopen().
   virtual int descriptor() const = 0;
   // Whether `read` has work that descriptor() does not indicate: unsent bytes, which `read` also sends, or
   // bytes already received.
   virtual bool has_unsent() const { return false; }
-  // Whether all written bytes have left the port, as far as the system reports this.
+  // Whether all written bytes have left the port, as far as the operating system reports.
   virtual bool drained() const { return !has_unsent(); }
   // Discards received bytes that were not read, or written bytes that were not sent. Does nothing if the link
-  // does not support this.
+  // cannot discard bytes.
   virtual void purge(bool /*received*/, bool /*unsent*/) {}
   // Counts of irregular events as a text, such as "3 error frames, bus-off once"; empty if no such event
   // occurred.
   virtual std::string counts() const { return ""; }
-  // For a servo bus: a sentence that lists the servos that have not confirmed torque off, and the remedy. For
-  // other links: empty.
+  // For a servo bus: a sentence that lists the servos that have not confirmed torque off, and the remedy. The
+  // sentence is empty for other links.
   virtual std::string still_on() const { return ""; }
 };
 

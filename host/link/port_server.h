@@ -14,21 +14,22 @@
 
 namespace kaz::host {
 
-// A link to the currently connected client. Without a client, written bytes are dropped and no bytes are
-// read. If the first client has used the port, a second client is disconnected at once. Otherwise the second
-// client replaces the first. A raw client has used the port after its first byte, an RFC 2217 client after
-// it has agreed to option 44. The link never fails permanently: when a client leaves, the link waits for the
-// next client. If no descriptor is free for a waiting client, the server retries every 100 ms.
+// A link to the currently connected client. As long as there is no client, written bytes are dropped and no
+// bytes are read. If the first client has used the port, a second client is disconnected at once. If the
+// first client has not used the port, the second client replaces the first one. A raw client counts as having
+// used the port after its first byte, an RFC 2217 client after its agreement to option 44. The link never
+// fails permanently: when a client leaves, the link waits for the next client. If no descriptor is free for a
+// waiting client, the server retries every 100 ms.
 //
 // A client that starts like a web browser is disconnected (browser_guard.hpp). With RFC 2217, no byte passes
-// in either direction before the client has agreed to telnet option 44. Until then, the client's bytes are
-// dropped and the client's commands are ignored.
+// in either direction before the client has agreed to telnet option 44. Before this agreement, the client's
+// bytes are dropped and the client's commands are ignored.
 //
 // A client's bytes and commands stay in order. read() first returns all bytes that precede a command; the
 // next read() executes the command. So the caller must write the bytes from read() to `board` before it calls
-// read() again, as LineBridge does. Rate and modem lines change once board.drained(). A client whose bytes
-// the port does not send within 5 s is disconnected. All bytes that a client sent before leaving reach
-// `board`, even if the client left without reading.
+// read() again, as LineBridge does. Rate and modem lines change once board.drained() returns true. A client
+// whose bytes the port does not send within 5 s is disconnected. All bytes that a client sent before leaving
+// reach `board`, even if the client left without reading.
 class PortServer final : public PortLink {
  public:
   enum class Protocol { raw, rfc2217 };
@@ -45,13 +46,13 @@ class PortServer final : public PortLink {
   // errors of listen_tcp (tcp_socket.h).
   static Result<std::unique_ptr<PortServer>> open(PortLink& board, const Options& options);
 
-  std::string name() const override { return name_; }  // address that a client uses
+  std::string name() const override { return name_; }  // address to which clients connect
   std::uint16_t port() const { return port_; }
   bool has_client() const { return stream_.is_open(); }
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
-  // The descriptor also becomes readable when a client connects. -1 while a command waits until the board's
-  // port is drained.
+  // The descriptor also becomes readable when a client connects. Returns -1 while a command waits until the
+  // board's port is drained.
   int descriptor() const override { return command_ ? -1 : events_.get(); }
   bool has_unsent() const override {
     return stream_.has_unsent() || !data_.empty() || !wire_.empty() || command_;
@@ -80,22 +81,24 @@ class PortServer final : public PortLink {
   std::string name_;
   std::uint16_t port_ = 0;
   Descriptor listener_, events_;
-  bool listening_ = true;  // events_ watches listener_
-  Time accept_from_{};     // no accept before this time
+  bool listening_ = true;  // true: events_ watches listener_
+  Time accept_from_{};     // time before which no client is accepted
   ByteStream stream_;
-  bool leaving_ = false;  // the client accepts no more bytes; bytes from it may still be unread
+  // The client accepts no more bytes; bytes from the client may still be unread.
+  bool leaving_ = false;
   std::string peer_;
   BrowserGuard guard_{BrowserGuard::Peer::frames};
   telnet::Reader reader_;
   telnet::Options negotiation_;
-  bool warned_ = false;                     // already reported that bytes came before option 44
-  std::vector<std::uint8_t> wire_;          // from the client, not parsed yet
-  std::vector<std::uint8_t> data_;          // parsed, not read yet
-  std::optional<telnet::Command> command_;  // received after data_
-  Time drain_by_{};                         // deadline for the board's port to be drained
+  // True: report() was called about bytes that came before option 44.
+  bool warned_ = false;
+  std::vector<std::uint8_t> wire_;          // bytes from the client that are not parsed yet
+  std::vector<std::uint8_t> data_;          // parsed bytes that read() has not returned yet
+  std::optional<telnet::Command> command_;  // command that came after the bytes in data_
+  Time drain_by_{};                         // time by which the board's port must be drained
   int baud_ = KZ_BAUD;
-  // The system activates both lines when it opens a port. A port without these lines reports both lines as
-  // always on.
+  // The operating system activates both lines when a port is opened. A port without these lines reports both
+  // lines as always on.
   bool dtr_ = true, rts_ = true;
 };
 

@@ -2,23 +2,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Requests leave in the order in which they were posted. Up to KZ_REQUESTS_UNDER_WAY requests may be pending.
-// A retry has the sequence number of the first transmission. From this number, the board recognizes the retry
-// and does not execute the request twice. A request is repeated at its timeout (round_trip.h). It is also
-// repeated when a later request is answered first, because a board answers in order. A reply must match a
-// pending request in board address, type and sequence number. All other valid frames (late, duplicate, from
-// another board) are counted and discarded.
+// A retry has the sequence number of the first transmission. The board recognizes a retry by its sequence
+// number and does not execute the request twice. A request is repeated at its timeout (round_trip.h). A
+// request is also repeated if a later request is answered first, because a board answers in order. A reply
+// must match a pending request in board address, type and sequence number. All other valid frames (late,
+// duplicate, from another board) are counted and discarded.
 //
 // Some requests only switch motors off: `stop`, `enable` with mask 0, `unlock` with 0 seconds, and
 // `raw_drive` with duty 0. Each transmission of such a request has a new sequence number, because a board
-// with protocol version 2 never executes a repetition (clause REQ-12). A reply to any of the transmissions
-// counts. If the reply to `stop` or `enable` reports a motor on, the request is repeated once. No request
-// reuses one of the last 16 sequence numbers.
+// with protocol version 2 never executes a repetition (clause REQ-12). A reply to any transmission of the
+// request counts. If the reply to a `stop` or to an `enable` with mask 0 reports that a motor is still on,
+// the request is repeated once. No request reuses one of the last 16 sequence numbers.
 //
 // An old command never overtakes a newer command. A request that changes something leaves only after all
 // earlier requests that change something are answered. So at most one query follows a repeated request. The
-// board recognizes the retry, because it remembers KZ_REQUESTS_REMEMBERED requests. A query never returns a
-// state from before a command that was posted ahead of the query. If the query was lost, the reply may be
-// newer than requests that were posted later; the tick in the reply shows this.
+// board still recognizes the retry of this request, because the board remembers KZ_REQUESTS_REMEMBERED
+// requests. A query never returns a state from before a command that was posted ahead of the query. If the
+// query was lost, the reply may show a state from after requests that were posted later. The tick in the
+// reply is the time of this state.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +39,7 @@ struct RequesterOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   RoundTrip::Bounds timeout{std::chrono::milliseconds(50), std::chrono::milliseconds(20),
                             std::chrono::milliseconds(200)};
-  Time flash_timeout = std::chrono::seconds(3);  // for requests that write to flash
+  Time flash_timeout = std::chrono::seconds(3);  // timeout of requests that write to flash
   int retries = 5;                               // number of tries after the first one
 };
 

@@ -19,7 +19,7 @@ namespace kaz::host {
 
 class Rfc2217Link final : public PortLink {
  public:
-  // Connects and sets the port to 8N1 at the address's rate, without handshake. Returns the errors of
+  // Connects and sets the port to 8N1 at the rate in `address`, without flow control. Returns the errors of
   // connect_tcp. Also fails if the server does not support RFC 2217 (environment), or cannot set the rate
   // (usage). `interrupt` may be null; else it must outlive the link.
   static Result<std::unique_ptr<Rfc2217Link>> open(const PortAddress& address,
@@ -27,11 +27,11 @@ class Rfc2217Link final : public PortLink {
 
   std::string name() const override { return address_.name(); }
   Time byte_time() const override { return Time(10'000'000'000 / address_.baud); }
-  // Waits for the server's confirmation.
+  // Sets the bit rate and waits for the server's confirmation.
   Result<void> set_baud(int baud) override;
   // Sets DTR first, then RTS. Fails (environment) if the server's port has no modem lines. RFC 2217 defines
-  // no reply for a port without modem lines. `kaz serve-port` reports missing lines as always on, so the call
-  // only fails when it should switch a line off.
+  // no reply for a port without modem lines. `kaz serve-port` reports missing lines as always on, so
+  // set_dtr_rts() only fails if a missing line should be switched off.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
   int descriptor() const override { return stream_.descriptor(); }

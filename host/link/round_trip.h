@@ -9,7 +9,7 @@
 namespace kaz::host {
 
 // Statistics of the requests that were answered at their first transmission. A round trip starts at the time
-// at which the request's first byte could leave. It ends when the reply's last byte was read.
+// at which the request's first byte could leave, and ends when the reply's last byte was read.
 struct RoundTripStatistics {
   std::uint64_t count = 0;
   double min_s = 0, mean_s = 0, max_s = 0, last_s = 0;

@@ -4,7 +4,7 @@
 //
 // The kernel numbers ports in the order in which adapters are plugged in. An adapter at /dev/ttyUSB0 may
 // return as /dev/ttyUSB1, and another adapter may have become /dev/ttyUSB0. The identity comes from sysfs.
-// /dev/serial/by-id has the same data, but only on systems on which udev runs.
+// /dev/serial/by-id has the same data, but exists only if udev runs.
 #pragma once
 
 #include <optional>

@@ -17,14 +17,14 @@ std::vector<std::string> serial_port_candidates();
 // are not serial ports.
 enum class LowLatency { set, refused, pseudo_terminal, bus, network };
 struct OpenPort {
-  int descriptor = -1;  // the caller closes it
+  int descriptor = -1;  // the caller must close the descriptor
   LowLatency low_latency = LowLatency::refused;
 };
 
 // Opens `path` non-blocking with 8 data bits, no parity, 1 stop bit, no flow control, no echo and no
-// translation. `path` may be a pseudo-terminal or a symbolic link to one. Requests low latency from the
-// driver, which FTDI adapters support. Fails (environment) if the port is missing, not permitted, in use, not
-// a terminal, or left behind by a killed simulator. The message contains the remedy. Fails (usage) for an
+// translation. `path` may also be a pseudo-terminal or a symbolic link to a port. Requests low latency from
+// the driver, which FTDI adapters support. Fails (environment) if the port is missing, not permitted, in use,
+// not a terminal, or left behind by a killed simulator. The message contains the remedy. Fails (usage) for an
 // unsupported `baud`.
 Result<OpenPort> open_serial_port(const std::string& path, int baud);
 
@@ -36,8 +36,9 @@ Result<void> set_serial_rate(int descriptor, const std::string& path, int baud);
 std::string group_with_access(const std::string& path);
 
 // Returns the error message for a port that the user may not open. If `group` (from group_with_access()) is
-// not empty, the message suggests that the user joins this group. Otherwise it suggests a udev rule for the
-// USB adapter, or chmod if `vendor` and `product` are empty. Both are hexadecimal USB numbers, as in sysfs.
+// not empty, the message suggests that the user joins this group. If `group` is empty, the message suggests a
+// udev rule for the USB adapter, or chmod if `vendor` and `product` are empty. `vendor` and `product` are
+// hexadecimal USB numbers, as in sysfs.
 std::string permission_sentence(const std::string& path, const std::string& vendor,
                                 const std::string& product, const std::string& group);
 

@@ -19,13 +19,13 @@ Result<Descriptor> connect_tcp(const std::string& name, const std::string& host,
                                Time patience, const Interrupt* interrupt);
 
 // Returns a listening, non-blocking socket at "HOST:PORT" of this machine. Fails (environment) if the port is
-// in use, or if it is below 1024 and the user has no permission. Fails (usage) if this machine does not have
-// the address.
+// in use, or if the port is below 1024 and the user has no permission. Fails (usage) if this machine does not
+// have the address.
 Result<Descriptor> listen_tcp(const std::string& host, std::uint16_t port);
-// Returns the next client's socket and its address in `peer`: "192.168.1.4:51234". Returns an empty
-// descriptor if no client waits or accept() fails; then errno is set.
+// Returns the next client's socket and its address in `peer`: "192.168.1.4:51234". If no client waits or
+// accept() fails, returns an empty descriptor and sets errno.
 Descriptor accept_tcp(int listener, std::string& peer);
-// Returns the port of a listening socket. If the socket was opened with port 0, this is the port that the
+// Returns the port of a listening socket. For a socket that was opened with port 0, returns the port that the
 // kernel selected.
 std::uint16_t port_of(int listener);
 

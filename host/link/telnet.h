@@ -9,41 +9,41 @@
 
 namespace kaz::host::telnet {
 
-// RFC 854
+// Commands of RFC 854.
 inline constexpr std::uint8_t kSe = 240, kSb = 250, kWill = 251, kWont = 252, kDo = 253,
                               kDont = 254, kIac = 255;
-// Options: RFC 856, 857, 858, 2217
+// Options of RFC 856, 857, 858 and 2217.
 inline constexpr std::uint8_t kBinary = 0, kEcho = 1, kSuppressGoAhead = 3, kComPort = 44;
 
 // Commands of a client, RFC 2217 section 3. The code of a server's reply is the command's code plus 100.
 enum ComPort : std::uint8_t {
   kSignature = 0,
   kBaudRate = 1,  // 4 bytes, big-endian; 0 queries the rate
-  kDataSize = 2,  // 5..8
-  kParity = 3,    // 1: none
-  kStopSize = 4,  // 1: one
-  kControl = 5,   // see below
+  kDataSize = 2,  // number of data bits, 5..8
+  kParity = 3,    // 1: no parity
+  kStopSize = 4,  // 1: one stop bit
+  kControl = 5,   // one of the values below, such as kDtrOn
   kNotifyLineState = 6,
   kNotifyModemState = 7,
   kSuspend = 8,
   kResume = 9,
   kLineStateMask = 10,
   kModemStateMask = 11,
-  kPurge = 12,  // see below
+  kPurge = 12,  // the bits below, such as kPurgeUnsent
   kReply = 100,
 };
 // Values of kControl.
 inline constexpr std::uint8_t kNoFlowControl = 1, kQueryDtr = 7, kDtrOn = 8, kDtrOff = 9,
                               kQueryRts = 10, kRtsOn = 11, kRtsOff = 12;
 
-// Bits of kPurge. They select the bytes that the server has received from its port, and the bytes that the
-// server has not sent to its port yet.
+// Bits of kPurge. The bit kPurgeReceived selects the bytes that the server has received from its port. The
+// bit kPurgeUnsent selects the bytes that the server has not sent to its port yet.
 inline constexpr std::uint8_t kPurgeReceived = 1, kPurgeUnsent = 2;
 
 struct Command {
   std::uint8_t verb = 0;           // kWill, kWont, kDo, kDont, or kSb for COM-PORT-OPTION
-  std::uint8_t what = 0;           // the option; for kSb a ComPort command
-  std::vector<std::uint8_t> data;  // for kSb
+  std::uint8_t what = 0;           // number of the option; if `verb` is kSb, a ComPort command
+  std::vector<std::uint8_t> data;  // data of the command if `verb` is kSb; else empty
   bool operator==(const Command&) const = default;
 };
 
@@ -57,7 +57,7 @@ class Reader {
   // Parses `wire` up to the end of the next command, and returns that command; nullopt if `wire` ends before
   // the end of a command. Removes the parsed bytes from `wire`.
   std::optional<Command> take(std::span<const std::uint8_t>& wire);
-  // Returns the data bytes parsed since the last call. All these bytes came before the command that take()
+  // Returns the data bytes parsed since the last call. All returned bytes came before the command that take()
   // returned last.
   std::vector<std::uint8_t> take_data();
   // Number of sub-negotiations that were dropped: too long, for another option, or broken off.
@@ -70,7 +70,7 @@ class Reader {
 
   State state_ = State::data;
   std::uint8_t verb_ = 0;
-  std::vector<std::uint8_t> sub_;  // option, command, data
+  std::vector<std::uint8_t> sub_;  // bytes of a sub-negotiation: option, command, data
   bool too_long_ = false;
   std::vector<std::uint8_t> data_;
   std::uint64_t dropped_ = 0;
@@ -89,13 +89,13 @@ std::uint32_t read_big_endian(std::span<const std::uint8_t> data);
 enum class End { client, server };
 
 // Option negotiation of one end. Agrees once to each supported option and declines every other option once.
-// So two ends never answer each other endlessly.
+// So two ends that negotiate never answer each other endlessly.
 class Options {
  public:
-  // Writes this end's initial offers and requests. A server does not offer option 44 first: the client
-  // pyserial would take this offer for the reply to its own offer, and then never send its own offer.
+  // Writes this end's initial offers and requests. A server does not offer option 44 first. The client
+  // pyserial would take such an offer for the reply to its own offer, and then never send its own offer.
   void begin(End end, std::vector<std::uint8_t>& wire);
-  // Processes an option command from the other end, and appends the reply to `wire` if one is due.
+  // Processes an option command from the other end, and appends the reply to `wire` if a reply is due.
   void take(const Command& command, std::vector<std::uint8_t>& wire);
   // com_port() returns whether both ends support RFC 2217. refused() returns whether the other end has
   // declined RFC 2217.

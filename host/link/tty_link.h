@@ -13,8 +13,9 @@ namespace kaz::host {
 
 class TtyLink final : public PortLink {
  public:
-  // Returns the errors of open_serial_port (serial_port.h). `interrupt` may be null. Otherwise it must
-  // outlive the link, and an interrupt request makes `read` fail. Deadlines are on WallClock's scale.
+  // Returns the errors of open_serial_port (serial_port.h). `interrupt` may be null. If `interrupt` is not
+  // null, it must outlive the link, and an interrupt request makes `read` fail. Deadlines are on WallClock's
+  // scale.
   static Result<std::unique_ptr<TtyLink>> open(const std::string& path, int baud = 115200,
                                                const Interrupt* interrupt = nullptr);
   TtyLink(const TtyLink&) = delete;
@@ -23,7 +24,7 @@ class TtyLink final : public PortLink {
   std::string name() const override { return path_; }
   Time byte_time() const override;
   Result<void> set_baud(int baud) override;
-  // Fails (environment) if the port has no modem lines. A pseudo-terminal, for example, has no modem lines.
+  // Fails (environment) if the port has no modem lines. For example, a pseudo-terminal has no modem lines.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return low_latency_; }
   int descriptor() const override { return stream_.descriptor(); }
@@ -35,8 +36,8 @@ class TtyLink final : public PortLink {
   // Fails if the port disappears during use (adapter unplugged, or the simulator at the other end has ended).
   // After such a failure, every call fails until reopen() succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
-  // Opens the same USB adapter again, even under another path (serial_identity.h). A port without USB adapter
-  // is opened at its old path. While the port is missing, fails with the error of open().
+  // Opens the same USB adapter again, even if its path has changed (serial_identity.h). Opens a port that has
+  // no USB adapter at the old path. While the port is missing, fails with the error of open().
   Result<void> reopen() override;
 
  private:

@@ -14,7 +14,7 @@ class WallClock final : public Clock {
 
   // Returns CLOCK_MONOTONIC, which is also the time scale of the exposure times in camera_stream.hpp.
   Time now() const override;
-  // Fails only if interrupted. An interrupt ends the wait at once.
+  // Fails only if interrupted; an interrupt ends the wait at once.
   Result<void> sleep_until(Time t) override;
 
  private:

@@ -1,9 +1,9 @@
 // Contact line: where objects meet the floor in a picture, column by column. Internal to host/map.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Depth errs by centimeters at 1 m, and a plain face has depth only at its edges. But the row in which an
-// object meets the floor is exact to a pixel. Its ray meets the floor at the horizontal distance h |r_xy| /
-// -r_z, with the height h of the eye and the ray r, map frame.
+// At 1 m, the measured depth errs by centimeters, and a face without texture has depth only at its edges. But
+// the row in which an object meets the floor is exact to a pixel. The ray r through this pixel (map frame)
+// meets the floor at the horizontal distance h |r_xy| / -r_z from the eye. The height of the eye is h.
 #pragma once
 
 #include <array>
@@ -16,57 +16,60 @@
 
 namespace kaz::map {
 
-// Call begin(), then enter_row() for each row from the lowest to the highest, with the points of the row
-// after it. At the end, call plain_faces().
+// Call begin() first. For each row, from the bottom row to the top row, call enter_row(), then the functions
+// for the points of this row. At the end, call plain_faces().
 class ContactLine {
  public:
-  // A column without depth between two columns with standing points.
+  // A column without depth, between two columns with points that stand at the end of the floor.
   struct Filled {
-    Eigen::Vector3f ray;  // map frame; its depth is 1 in the optical frame
+    Eigen::Vector3f ray;  // ray through the end of the floor, map frame; scaled to a depth of 1
     // Horizontal distance from the eye to the foot of the face.
     float distance_m = 0;
     float votes = 0;  // interpolated between the columns at the ends of the face
     int points = 0;
   };
 
-  // `floor`: true for labels that are floor. `planes` and `floor` must outlive the use.
+  // `floor[label]`: true if the label is floor. `planes` and `floor` must stay valid until the last call for
+  // this picture.
   void begin(const vision::PlaneSegments& planes, const std::array<bool, 256>& floor,
              const Eigen::Isometry3d& map_from_eye);
-  // Enters the floor pixels of row `v`. Call it from the lowest row to the highest.
+  // Enters the floor pixels of row `v`. Enter the rows from the bottom row to the top row.
   void enter_row(int v);
-  // Horizontal distance (m) from the eye to the end of the floor in column `u`, among the rows entered so
-  // far; 0 if no pixel of the column is floor.
+  // Returns the horizontal distance (m) from the eye to the end of the floor in column `u`, in the rows
+  // entered so far. Returns 0 if no entered pixel of the column is floor.
   float distance(int u) const;
-  // Adds a point of the current row that stands at the end of the floor in its column, `height_m` above the
-  // floor.
+  // Adds a point of the current row that stands at the end of the floor in column `u`. `height_m`: height of
+  // the point above the floor.
   void add(int u, float votes, float height_m);
-  // Returns whether the depth of a point of the current row is mixed from a rim and its background. The
-  // point must be farther away than the end of the floor below it. If an object was added that stands at this
-  // end of the floor, a point lower than the object is mixed. If no such object was added, a point is mixed
-  // if its distance beyond the floor's end exceeds the depth of objects.
+  // Returns whether the depth of a point of the current row is a mixture of the depths of an object's rim and
+  // of the background. Precondition: the point is farther away than the end of the floor below the point. If
+  // an object was added that stands at this end of the floor, a point lower than the object counts as mixed.
+  // If no such object was added, a point counts as mixed if it is behind this end of the floor by more than
+  // the assumed depth of objects.
   bool mixed(int u, float distance_m, float height_m) const;
 
-  // Fills plain faces between neighboring columns with standing points that are more than `stride` apart.
-  // Between them, the floor must end along a straight line. Above this line, up to the height `low_m`,
-  // there must be neither floor nor pixels of `own`. The result is valid until the next call.
+  // Fills faces without texture, which are gaps of more than `stride` between two columns with standing
+  // points. In such a gap, the floor must end along a straight line. Above this line, up to the height
+  // `low_m`, there must be neither floor nor pixels of `own`. The returned reference is valid until the next
+  // call.
   const std::vector<Filled>& plain_faces(int stride, double low_m,
                                          const std::vector<std::uint8_t>& own);
 
  private:
   struct Column {
-    int floor_row = -1;  // highest so far
-    int row = -1;        // row of the floor below the first point
+    int floor_row = -1;  // highest row of the column that is floor, so far
+    int row = -1;        // row where the floor ends below the first point
     float votes = 0;
     int points = 0;
-    int top_row = -1;  // row of the floor below the newest points
-    float top_m = 0;   // largest height of these points
-    float foot_m = 0;  // distance() there
+    int top_row = -1;  // row where the floor ends below the newest points
+    float top_m = 0;   // largest height of the points at top_row
+    float foot_m = 0;  // distance() to the end of the floor at top_row
   };
   bool floor_at(int u, int v) const;
   Eigen::Vector3f ray_above(int u, int v) const;
   float distance_above(int u, int v) const;
-  // Returns the row of the floor's end within kStraight_px of `expected` if the `rows` above it are neither
-  // floor nor `own`. Otherwise returns -1.
+  // Returns the row in which the floor ends, within kStraight_px of `expected`. Returns -1 if there is no
+  // such row, or if floor or `own` pixels are among the `rows` pixels above that row.
   int end_near(int u, double expected, int rows, const std::vector<std::uint8_t>& own) const;
 
   const vision::PlaneSegments* planes_ = nullptr;

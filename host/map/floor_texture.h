@@ -26,16 +26,18 @@ namespace kaz::map {
 struct FloorView {
   static constexpr int kCells = 128;
   static constexpr double kCell = 0.008;  // m
-  Eigen::Vector2i corner{0, 0};     // number of the first cell; cell 0 begins at the map's origin
-  std::vector<std::int16_t> value;  // [x * kCells + y], -127..127; 0 where unknown
+  // Numbers of the view's first cell in x and y; cell 0 begins at the map's origin.
+  Eigen::Vector2i corner{0, 0};
+  // Brightness at index x * kCells + y, -127..127; 0 where unknown.
+  std::vector<std::int16_t> value;
   std::vector<std::uint8_t> known;  // 1: visible floor
   int count = 0;                    // number of known cells
 };
 
-// Input of a view: rectified left image, its planes, and the pose of the foot. With `depth` and `map`,
-// pixels also count as floor if the map has floor there and the pixel's depth is missing or agrees. Without
-// these pixels, a floor of planks shows little of its pattern, because the edges of planks are parallel to
-// the picture's rows. All references must outlive this object.
+// Input of a view: rectified left image, its planes, and the pose of the foot. If `depth` and `map` are not
+// null, a pixel also counts as floor if the map has floor at this place, and the pixel's depth is missing or
+// agrees with the floor. Without such additional pixels, a floor of planks shows little of its pattern,
+// because the edges of planks are parallel to the picture's rows. All references must outlive this object.
 struct FloorPictureView {
   const vision::Image& left;
   const vision::PlaneSegments& planes;  // with `info`
@@ -47,34 +49,36 @@ struct FloorPictureView {
 // unknown.
 FloorView floor_view(const FloorPictureView& picture);
 
-// Correction to the pose of the picture, so that it agrees with `before`.
+// Correction of the picture's pose that makes the picture agree with an earlier view.
 struct FloorShift {
-  Eigen::Vector2d shift{0, 0};  // m, of the robot, after the turn
-  double turn_rad = 0;          // about `pivot`
+  Eigen::Vector2d shift{0, 0};  // m, shift of the robot, applied after the turn
+  double turn_rad = 0;          // turn of the robot about `pivot`
   double correlation = 0;       // -1..1
   double overlap_m2 = 0;
   Eigen::Vector2d middle{0, 0};  // center of the common floor
-  // If set, the shift along this direction of the map is unknown, and `shift` is 0 along it.
+  // If set, the shift along this direction of the map is unknown, and `shift` has no component in this
+  // direction.
   std::optional<Eigen::Vector2d> unknown_along;
 };
-// Search range: the largest expected error of odometry. The search covers at most 64 mm and 6 degrees.
+// Search range, which should be the largest expected error of odometry. Larger values than 64 mm and 6
+// degrees have no effect.
 struct FloorSearch {
   double shift_m = 0.064, turn_rad = 6 * kDegree;
 };
-// Compares a picture with views from other places. The objects that the picture refers to must outlive
-// this.
+// Compares a picture with views from other places. The objects that the picture refers to must outlive the
+// matcher.
 class FloorMatcher {
  public:
-  // `pivot`: center of the turns, m, map frame.
+  // `pivot`: center of the turns that are tried, m, map frame.
   FloorMatcher(const FloorPictureView& picture, const Eigen::Vector2d& pivot);
-  // Area of floor, m^2, that is known in both views, at the picture's assumed pose.
+  // Returns the area of floor, m^2, that is known in both views if the picture's assumed pose is right.
   double floor_in_common(const FloorView& before);
   // Returns the correction, or nothing if there is no clear match. A clear match has at least 0.12 m^2 in
-  // common and a correlation of at least 0.4. Its peak is inside `within` and inside the range with enough
-  // common floor. On planks, the shift along the grain is unknown if the correlation hardly falls in that
-  // direction.
+  // common and a correlation of at least 0.4. The peak of the correlation must be inside the search range
+  // `within`, and inside the range of shifts with enough common floor. On planks, the shift along the grain
+  // is unknown if the correlation hardly falls in that direction.
   std::optional<FloorShift> match(const FloorView& before, const FloorSearch& within = {});
-  // View at the picture's assumed pose.
+  // Returns the view at the picture's assumed pose.
   const FloorView& view() { return turned(0); }
 
  private:

@@ -2,39 +2,41 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Follows the paper (README.md), section 4.1 "Conversion of Coordinates to Generate Local Map" and "Map
-// Merging". The detections of each picture are transformed to the map by the camera pose at its exposure.
-// Pictures are merged cell by cell, with a confidence.
+// Merging". The detections of each picture are transformed to the map by the camera pose at its exposure. The
+// detections of all pictures are merged cell by cell, and each cell has a confidence.
 //
-// Map frame: x forward, y left, z up, as the foot frame (vision/image/frame.h) when the map was begun. The
-// floor is z = 0. Units: m, px.
+// Map frame: x forward, y left, z up; equal to the foot frame (vision/image/frame.h) at the start of the map.
+// The floor is z = 0. Units: m, px.
 //
 // Each picture gives a cell at most one vote:
 // - Floor. The center of each cell in view is projected into the picture. The cell is floor if the pixel
-//   belongs to the floor segment. Pixels at the sides of the picture do not count: a thing that is cut off
-//   there may be labeled floor. Projecting cells to pixels, not pixels to cells, leaves no holes far away,
-//   where a pixel is larger than a cell. It also clears nothing behind an obstacle.
-// - Obstacle. Each other pixel with a depth is a point. It votes for its cell if it is lower than the robot
-//   and higher than `obstacle_m`. It must also be above the floor by three sigma of its height. The vote is
-//   1 if the points fill a quarter of a cell's width and height. It is less if a neighboring cell has more
-//   points. Stereo errors are along the ray, and an obstacle's face is not in front of its foot. So a point
-//   whose cell is floor in the same picture is moved along its ray, by up to two sigma, to a cell without
-//   floor. A point within three sigma of the end of the floor below it stands at that end. So does a plain
-//   face, without depth, between two standing edges (contact_line.h).
-// - Hole. If a point is below the floor by more than `drop_m` and three sigma, its ray meets no floor at
-//   the floor's height. The cell there is an obstacle.
+//   belongs to the floor segment. Pixels at the sides of the picture do not count, because an object that is
+//   cut off at a side may be labeled floor. Cells are projected to pixels, not pixels to cells. This
+//   direction of projection leaves no holes far away, where a pixel is larger than a cell, and clears no
+//   cells behind an obstacle.
+// - Obstacle. Each other pixel with a depth is a point. A point votes for an obstacle in its cell if the
+//   point is higher than `obstacle_m` and lower than the robot. The height of the point must also be larger
+//   than three times its standard deviation. A cell's vote is 1 if the cell's points fill a quarter of the
+//   cell's width and height. The vote is less if a neighboring cell has more points. Stereo errors are along
+//   the ray, and the face of an obstacle is not nearer than its foot. So a point whose cell is floor in the
+//   same picture is moved along its ray by up to two sigma, to a cell without floor. A point is moved to the
+//   end of the floor below the point if the distance is at most three sigma. A face without depth between two
+//   edges at the end of the floor is also placed at the end of the floor (contact_line.h).
+// - Hole. If a point is below the floor by more than `drop_m` and three sigma, the point's ray passes the
+//   height of the floor at a place without floor. The cell at this place is an obstacle.
 //
 // Some points are strays and do not count. A point is a stray if the points above and below have another
-// depth, or if a cell has fewer points than even a low obstacle. A point beyond the floor's end is also a
-// stray if it is lower than the object that stands at this end: its depth is mixed from the object's rim and
-// the floor behind the object (contact_line.h).
+// depth. A point is also a stray if its cell has fewer points than even a low obstacle would have. If an
+// object stands at the end of the floor, a lower point beyond this end is a stray, too. The depth of such a
+// point is a mixture of the depths of the object's rim and of the floor behind the object (contact_line.h).
 //
-// Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture
-// shows it. The posture of a walking robot errs by 0.65 degrees and 4 mm (one sigma), which is 4 cm of
-// floor at 1 m.
+// Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture shows
+// it. If tilt, roll and height are computed from the posture of a walking robot, the angles err by 0.65
+// degrees and the height by 4 mm (one sigma). Such errors shift floor at a distance of 1 m by 4 cm.
 //
-// The weight of a vote is min(1, cell_m / dz), with dz = z^2 / (fx baseline) disparity_error_px, one sigma
-// of the depth z. Votes add up as log-odds, so their order does not matter until a cell saturates. An
-// obstacle saturates at 10, floor at -3, which is five votes.
+// The weight of a vote is min(1, cell_m / dz), where dz = z^2 / (fx baseline) disparity_error_px is one sigma
+// of the depth z. Votes add up as log-odds, so their order does not matter until a cell saturates. The
+// log-odds saturate at 10 for an obstacle, and at -3, which is five votes, for floor.
 #pragma once
 
 #include <cstddef>
@@ -56,16 +58,17 @@ enum class CellState { unknown, floor, obstacle };
 
 struct LocalMapOptions {
   double cell_m = 0.01;
-  double size_m = 4.0;        // side; the origin is in the middle; 2 to 2000 cells
+  // Length of the map's side, 2 to 2000 cells; the origin is in the middle.
+  double size_m = 4.0;
   double farthest_m = 1.5;    // maximum distance from the eye along the floor
   double obstacle_m = 0.015;  // objects up to this height are no obstacles
-  // Depth below the floor from which a point shows a hole or an edge.
+  // Minimum depth below the floor at which a point counts as a hole or an edge.
   double drop_m = 0.03;
   double robot_m = 0.36;  // height of the robot; things above this height are no obstacles
-  // Points nearer than this to the foot's origin belong to the robot. There, floor does not clear an
-  // obstacle that several pictures have shown.
+  // Radius around the foot's origin in which points belong to the robot. Within this radius, floor does not
+  // clear an obstacle that several pictures have shown.
   double own_m = 0.13;
-  double disparity_error_px = 0.2;  // one sigma
+  double disparity_error_px = 0.2;  // standard deviation of the disparity
 };
 
 struct Cell {
@@ -73,20 +76,21 @@ struct Cell {
   double confidence = 0;  // 0..1: |2p - 1|, with the probability p of an obstacle
 };
 
-// A part of the robot that its eyes may see: a capsule around the line from `from` to `to`. Foot frame
-// (vision/image/frame.h) at the exposure, m.
+// A part of the robot that its eyes may see: a capsule around the line from `from` to `to`. Coordinates are
+// in the foot frame (vision/image/frame.h) at the exposure, m.
 struct OwnPart {
   Eigen::Vector3d from, to;
   double radius_m = 0;
 };
 
-// State of a rectangle: blocked if any of its cells is an obstacle, free if all are floor.
+// State of a rectangle: blocked if any of its cells is an obstacle, free if all its cells are floor, else
+// unknown.
 enum class Footprint { free, blocked, unknown };
 
 struct MapCounts {
   std::uint64_t updates = 0;
-  std::uint64_t without_posture = 0;  // rejected pictures
-  std::uint64_t out_of_order = 0;     // rejected pictures
+  std::uint64_t without_posture = 0;  // pictures rejected because the posture was unknown
+  std::uint64_t out_of_order = 0;     // pictures rejected because they were not newer
 };
 
 class LocalMap {
@@ -95,12 +99,12 @@ class LocalMap {
   static Result<LocalMap> make(const LocalMapOptions& options = {});
 
   // Enters the floor and depth of one image pair. `info` (usually planes.info) contains camera and posture.
-  // `map_from_foot` is the pose of the foot at the exposure, with its sole on z = 0. Pixels that show
-  // `own`, or lie within 10 px (at a width of 320) of its outline, are no obstacles.
+  // `map_from_foot` is the pose of the foot at the exposure, with the sole on z = 0. Pixels that show a part
+  // in `own`, or lie within 10 px of the part's outline (in a picture 320 px wide), are no obstacles.
   //
-  // Errors (failed): the posture at the exposure is unknown, or the exposure is not later than that of the
-  // last update. Errors (usage): planes and depth of different exposures or sizes, no camera model, or
-  // numbers that are not finite. After an error, only counts() has changed.
+  // Errors (failed): the posture at the exposure is unknown, or the exposure is not later than the exposure
+  // of the last update. Errors (usage): planes and depth have different exposures or sizes, the camera model
+  // is missing, or a number is not finite. After an error, only counts() has changed.
   Result<void> update(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
                       const vision::FrameInfo& info,
                       const Eigen::Isometry3d& map_from_foot = Eigen::Isometry3d::Identity(),
@@ -111,25 +115,25 @@ class LocalMap {
   void fade(double share);
 
   // Cells are numbered from 0 at the rear right corner. Everything outside of the map is unknown.
-  int cells() const { return cells_; }  // along each side
+  int cells() const { return cells_; }  // number of cells along each side
   const LocalMapOptions& options() const { return options_; }
   Cell cell(int x, int y) const;
   Cell at(double x_m, double y_m) const { return cell(number(x_m), number(y_m)); }
-  // Number of the cell that contains this coordinate.
+  // Returns the number of the cell that contains the coordinate `m`, along either axis.
   int number(double m) const;
   double middle(int cell) const;  // center of a cell, m
-  // Like the state of cell(), but an obstacle with only a single vote is reported as unknown.
+  // Returns the state of cell(), except that an obstacle with only a single vote is reported as unknown.
   CellState certain(int x, int y) const;
   CellState certain_at(double x_m, double y_m) const { return certain(number(x_m), number(y_m)); }
-  // Log-odds of an obstacle; 0 if unknown.
+  // Returns the log-odds of an obstacle in the cell; 0 if unknown.
   double log_odds(int x, int y) const;
 
-  // Returns the state of a rectangle, `length_m` long on its forward axis and `width_m` wide, with its
-  // center at `pose` in the map. It covers the cells whose center is inside.
+  // Returns the state of a rectangle, `length_m` long on its forward axis and `width_m` wide, with its center
+  // at `pose` in the map. The rectangle covers the cells whose center is inside the rectangle.
   Footprint footprint(const Eigen::Isometry2d& pose, double length_m, double width_m) const;
 
-  // Returns a picture of the map, one pixel per cell: floor green, obstacle red, unknown gray; paler where
-  // the confidence is lower. Forward is up.
+  // Returns a picture of the map, one pixel per cell: floor green, obstacle red, unknown gray; colors are
+  // paler where the confidence is lower. Forward is up in the picture.
   vision::Image picture() const;
   const MapCounts& counts() const { return counts_; }
 
@@ -154,14 +158,14 @@ class LocalMap {
   Time last_{};
   MapCounts counts_;
   std::vector<std::int16_t> odds_;  // log-odds in steps of kStep
-  // Members of the current update():
-  std::vector<std::uint32_t> seen_;    // number of the last update that showed floor here
-  std::vector<float> hits_;            // votes for an obstacle
-  std::vector<std::uint16_t> points_;  // number of obstacle points
+  // The members below are used only during update().
+  std::vector<std::uint32_t> seen_;    // by cell: number of the last update that showed floor
+  std::vector<float> hits_;            // by cell: votes for an obstacle
+  std::vector<std::uint16_t> points_;  // by cell: number of obstacle points
   std::vector<std::uint32_t> touched_;
   std::vector<int> row_u_, row_v_, row_vote_;  // pixel coordinates and votes for a row of cells
   ContactLine contact_;
-  std::vector<float> row_up_;      // heights in a row of pixels, m
+  std::vector<float> row_up_;      // heights of the points in a row of pixels, m
   std::vector<std::uint8_t> own_;  // by pixel; 1: shows the robot itself
 };
 

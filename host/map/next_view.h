@@ -6,7 +6,7 @@
 // candidates. The selection stops when no view contains enough unknown floor. A view ends at the first
 // obstacle of the map.
 //
-// Map frame. Units: m, rad; directions are relative to `heading_rad`, positive to the left.
+// Map frame. Units: m, rad; directions are relative to Viewpoint::heading_rad, positive to the left.
 #pragma once
 
 #include <span>
@@ -25,7 +25,7 @@ struct Viewpoint {
   double nearest_m = 0.25, farthest_m = 1.2;  // range of the visible floor
 };
 
-// Returns those of `candidates` that are worth a look, best first. `path`: corners of the path to be
+// Returns the candidates that are worth a look, the best candidate first. `path`: corners of the path to be
 // walked; with fewer than two corners, all unknown floor has equal weight. `worth_m2`: smallest weighted area
 // of unknown floor for which a view is chosen.
 std::vector<double> directions_worth_a_look(const LocalMap& map, const Viewpoint& from,

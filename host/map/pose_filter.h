@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Extended Kalman filter over the present pose and copies of past poses, from which the floor was seen.
-// Odometry widens the covariance of the present pose. A match measures the present pose relative to a past
-// pose, and corrects both by their uncertainty (S. I. Roumeliotis, J. W. Burdick, "Stochastic cloning: a
-// generalized framework for processing relative state measurements", ICRA 2002). A match that is too far
-// off for both uncertainties is rejected, because it belongs to another plank or another square of the
-// floor.
+// Odometry widens the covariance of the present pose. A match of two floor views measures the present pose
+// relative to a past pose. The match corrects both poses according to their uncertainty (S. I. Roumeliotis,
+// J. W. Burdick, "Stochastic cloning: a generalized framework for processing relative state measurements",
+// ICRA 2002). A match is rejected if its deviation is too large for the uncertainty of both poses. Such a
+// match usually belongs to another plank or another square of the floor.
 //
-// Map frame. Poses are (x, y, heading): m, rad. A relative pose is seen from the first pose, with its x
+// Map frame. Poses are (x, y, heading): m, rad. A relative pose is in the frame of its reference pose, with x
 // ahead.
 #pragma once
 
@@ -16,8 +16,8 @@
 
 namespace kaz::map {
 
-// pose_between() returns pose `to` relative to `from`. pose_after() is the inverse: `from` moved by
-// `relative`.
+// pose_between() returns pose `to` relative to `from`. The inverse function pose_after() returns `from` moved
+// by `relative`.
 Eigen::Vector3d pose_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 Eigen::Vector3d pose_after(const Eigen::Vector3d& from, const Eigen::Vector3d& relative);
 
@@ -25,19 +25,20 @@ class PoseFilter {
  public:
   PoseFilter() : mean_(Eigen::Vector3d::Zero()), covariance_(Eigen::Matrix3d::Zero()) {}
 
-  // Enters a pose of odometry, in the frame of odometry. The first pose becomes the pose on the map. A later
-  // pose moves the pose on the map by its change since the previous pose.
+  // Enters a pose of odometry, in the frame of odometry. The first pose entered becomes the pose on the map.
+  // A later pose moves the pose on the map by the change of odometry since the previous call.
   void move(const Eigen::Vector3d& by_odometry);
   // Converts a pose of odometry to a pose on the map.
   Eigen::Vector3d at(const Eigen::Vector3d& by_odometry) const;
-  // Remembers the present pose and returns its number. If the robot has not moved since the last call,
-  // returns the same number again.
+  // Remembers the present pose and returns its number. If the robot has not moved since the last call of
+  // remember(), returns the number of that call.
   int remember();
   Eigen::Vector3d remembered(int number) const { return mean_.segment<3>(3 + 3 * number); }
-  // Covariance of the present pose as seen from a remembered one.
+  // Returns the covariance of the present pose relative to the remembered pose `number`.
   Eigen::Matrix3d covariance_from(int number) const;
-  // Measures the present pose as seen from a remembered one. Returns false and changes nothing if the
-  // measurement is farther off than 4 sigma (chi-squared with three degrees of freedom, 99.9 %).
+  // Enters a measurement of the present pose relative to the remembered pose `number`. Returns false and
+  // changes nothing if the measurement deviates by more than 4 sigma (chi-squared with three degrees of
+  // freedom, 99.9 %).
   bool measure(int number, const Eigen::Vector3d& relative, const Eigen::Matrix3d& covariance);
 
   Eigen::Vector3d pose() const { return mean_.head<3>(); }
@@ -46,7 +47,7 @@ class PoseFilter {
  private:
   // d(pose_between(remembered, present)) / d(mean).
   Eigen::MatrixXd slope(int number) const;
-  Eigen::VectorXd mean_;        // present pose, then the remembered ones
+  Eigen::VectorXd mean_;        // present pose, followed by the remembered poses
   Eigen::MatrixXd covariance_;  // covariance of mean_
   Eigen::Vector3d odometry_{0, 0, 0};
   bool started_ = false, moved_ = true;

@@ -1,4 +1,4 @@
-// Test scene of rectangles as input of the map: depth from rays, and the floor as one segment.
+// Test scene of rectangles, which gives input for the map: depth from rays, and the floor as one segment.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -32,7 +32,7 @@ struct TestYard {
     Eigen::Vector3d middle, size;
   };
   std::vector<Box> boxes;
-  double floor_m = 6;  // length of its side
+  double floor_m = 6;  // length of the floor's sides, m
 
   // Returns the view through `eye`, with noise of `sigma_px` in the disparity.
   TestView seen(const Eigen::Isometry3d& eye, double sigma_px = 0, std::uint64_t number = 1,

@@ -4,15 +4,15 @@
 // The gait (gait.h) depends on time only, without feedback. A push that moves the center of mass close to a
 // sole's edge topples the robot. In each control cycle, the network corrects the speed of the gait's phase,
 // the roll of the trunk, and the height and length of the steps. The network also corrects the depth of the
-// crouch and the lean. Inputs of the network are the phase, the accelerometer, the gyro, and the deflection
-// of the leg joints under load.
+// crouch and the forward lean of the trunk. Inputs of the network are the phase, the accelerometer, the gyro,
+// and the deflection of the leg joints under load.
 //
-//   u = limit * tanh(W2 tanh(W1 x + b1) + b2),   x: kInputs numbers of about 1, u: kOutputs
+//   u = limit * tanh(W2 tanh(W1 x + b1) + b2),   x: kInputs inputs of order 1, u: kOutputs outputs
 //
-// The robot is symmetric, so the network is made symmetric, too. With the mirror matrices M of the inputs
-// and N of the outputs, the correction is (u(x) + N u(M x)) / 2. The weights are in learned_balance.inc,
-// written by ./tools/dev train-balance (docs/explanation/motion.md#balance). Units: m, s, rad. Frames and
-// signs as in gait.h.
+// The robot is symmetric, so the network is made symmetric, too. With the mirror matrices M of the inputs and
+// N of the outputs, the correction is (u(x) + N u(M x)) / 2. The weights are in learned_balance.inc, written
+// by ./tools/dev train-balance (docs/explanation/motion.md#balance). Units: m, s, rad. Frames and signs are
+// the same as in gait.h.
 #pragma once
 
 #include <optional>
@@ -30,11 +30,11 @@ namespace kaz::motion {
 // Correction of the gait. The default changes nothing.
 struct Correction {
   double phase_rate = 1;  // factor on the speed of the phase
-  double roll = 0;        // rad, of the trunk, added to the gait's, + to the right
-  double lift = 1;        // factor on the height of a swing
-  double stride = 1;      // factor on the strides
-  double height = 0;      // m, of the hips, added to the stance's
-  double lean = 0;        // rad, of the trunk, + forward
+  double roll = 0;        // rad, added to the gait's roll of the trunk; positive to the right
+  double lift = 1;        // factor on the height to which a swinging foot is lifted
+  double stride = 1;      // factor on the length of the strides
+  double height = 0;      // m, added to the stance's height of the hips
+  double lean = 0;        // rad, added to the trunk's lean; positive forward
 };
 
 class BalancePolicy {
@@ -44,16 +44,17 @@ class BalancePolicy {
   using Input = Eigen::Matrix<double, kInputs, 1>;
   using Output = Eigen::Matrix<double, kOutputs, 1>;
 
-  // `weights`: W1 by rows, b1, W2 by rows, b2.
+  // `weights`: the elements of W1 (row by row), b1, W2 (row by row) and b2.
   explicit BalancePolicy(std::span<const double, kWeights> weights);
 
-  // Returns the policy that Kaz comes with.
+  // Returns the trained policy from learned_balance.inc.
   static BalancePolicy learned();
-  // Parses a text like learned_balance.inc: kWeights numbers, separated by commas or white space; // begins
-  // a comment. Errors (usage): the message contains `name`, the line and the fault.
+  // Parses a text in the format of learned_balance.inc: kWeights numbers, separated by commas or white space;
+  // // begins a comment. Fails (usage) if the text is not valid; the message contains `name`, the line and
+  // the fault.
   static Result<BalancePolicy> parse(const std::string& text, const std::string& name);
 
-  // Returns the outputs, each -1..1.
+  // Returns the outputs before the multiplication by their limits, each from -1 to 1.
   Output evaluate(const Input& x) const;
 
  private:
@@ -63,23 +64,24 @@ class BalancePolicy {
   Eigen::Matrix<double, kOutputs, 1> b2_;
 };
 
-// Filters the sensors' readings and computes the policy's inputs from them. The sensors' zeros are measured
-// while the robot stands.
+// Filters the sensors' readings and computes the policy's inputs from the filtered readings. The zero offsets
+// of the sensors are measured while the robot stands.
 class Balance {
  public:
   explicit Balance(const BalancePolicy& policy) : policy_(policy) {}
 
   struct Sensed {
-    double dt = 0;       // s since the last call
-    bool still = false;  // true: the robot stands, so the sensors' zeros are measured
-    bool walks = false;  // if false, the correction fades
+    double dt = 0;       // time since the last call of step(), s
+    bool still = false;  // true: the robot stands, so the zero offsets of the sensors are measured
+    bool walks = false;  // if false, the correction decays to the default
     double phase = 0, amplitude = 0;
     double yaw_rate = 0;                     // rad/s
-    const host::Posture* posture = nullptr;  // must be set, with `inertial`
+    const host::Posture* posture = nullptr;  // not null; Posture::inertial must be set
   };
-  // Returns the correction for the next cycle. Call it once per control cycle.
+  // Returns the correction for the next cycle. Call step() once per control cycle.
   Correction step(const Sensed& sensed);
-  // Records the leg targets that were sent in this cycle. The deflection is computed from them.
+  // Records the leg targets that were sent in this cycle. The deflection of the leg joints is computed from
+  // these targets.
   void sent(const JointAngles& angles) { sent_ = angles; }
 
  private:

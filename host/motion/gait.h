@@ -1,17 +1,25 @@
-// Gait generator: poses of trunk and feet by phase of walking and turning, and their leg angles.
+// Gait generator for walking and turning: poses of trunk and feet at each phase, and the leg angles.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pure functions. Units: m, s, rad. Frame: x forward, y left, z up. Phase 0..1 is one cycle of two steps:
 // the left foot supports in (0, 0.5), the right one in (0.5, 1).
 //
-// The legs have no ankle roll: a sole is flat if hip roll is minus the trunk's roll. So the weight is
-// shifted sideways by rolling the trunk about the hips with the legs vertical. There is no yaw joint
-// either: the robot turns by sliding its two soles in opposite directions during double support.
+// The ankles have no roll joint. So a sole is flat on the floor only if the hip roll is the negative of the
+// trunk's roll. The robot shifts its weight sideways by rolling the trunk about the hips; the legs stay
+// vertical. The legs have no yaw joint either. The robot turns by sliding its two soles in opposite
+// directions during double support.
 //
-// Zero moment point criterion: the planned center of mass moves sideways by c(t) = C sin(2 pi phase). This
-// is relative to the middle of the feet, at height h above the floor. With the mass concentrated there
-// (cart-table model: Kajita et al. 2003, eq. 3), the zero moment point (ZMP) is p = c - (h/g) c''. For a
-// sine this is
+// Zero moment point criterion: the planned center of mass moves sideways by c(t) = C sin(2 pi phase) from the
+// middle of the feet. The height of the center of mass is h. In the cart-table model (Kajita et al. 2003, eq.
+// 3), the whole mass is concentrated at the center of mass, and the zero moment point (ZMP) is p = c - (h/g)
+// c''. For the sine c(t), the ZMP is
+//   p(t) = C (1 + h w^2 / g) sin(2 pi phase),   w = 2 pi / period.
+//
+// A foot may leave the floor only while p lies inside the other sole, by at least `margin` from its inner
+// edge. A swing is centered on the peak of the sine and lasts for the share `swing` of the cycle. So the sine
+// is cos(pi swing) at both ends of the swing. The inner edges of the soles are hip_y cos(roll) - kHalfSole
+// from the middle of the feet. These conditions determine the amplitude of the trunk's roll, which roll_for()
+// computes.
 #pragma once
 
 #include "host/motion/inverse.h"
@@ -19,63 +27,67 @@
 
 namespace kaz::motion {
 
-// Edges of the sole relative to the ankle's axis, m, from the collision box in kaz.urdf.
+// Edges of the sole relative to the ankle's axis, m. The values are from the collision box in kaz.urdf.
 inline constexpr double kToe = 0.060, kHeel = -0.040, kHalfSole = 0.030;
 
-// Pose of the trunk. Origin: on the floor below the midpoint of the ankles.
+// Pose of the trunk. The origin is on the floor below the midpoint of the ankles.
 struct Stance {
   double x = 0, z = 0.145;
-  double pitch = 3 * kDegree;  // + forward
-  double roll = 0;             // + to the right, about the axis that is rotated by pitch
+  double pitch = 3 * kDegree;  // rad; positive: leans forward
+  // Roll, rad; positive to the right, about the forward axis after rotation by `pitch`.
+  double roll = 0;
 };
 
-// Returns the arms and crouch in which every gait starts and ends.
+// Returns the joint angles of the crouch, arms included, in which every gait starts and ends.
 JointAngles home();
 
-// Positions of the feet, m: `forward` of the midpoint, `lift` above the floor.
+// Positions of the feet, m. `*_forward`: distance ahead of the midpoint. `*_lift`: height above the floor.
 struct Feet {
   double left_forward = 0, left_lift = 0, right_forward = 0, right_lift = 0;
 };
-// Sets the leg angles for flat feet. A position out of reach is replaced by the nearest reachable position on
-// the line from the hip.
+// Sets the leg angles so that both soles are parallel to the floor. A position out of reach is replaced by
+// the nearest reachable position on the line from the hip.
 void place_legs(JointAngles& angles, const Stance& stance, const Feet& feet);
 
-// Center of mass for this stance, from the midpoint of the ankles, m.
+// Returns the center of mass for this stance, relative to the midpoint of the ankles, m.
 Eigen::Vector3d centre_over_feet(const Stance& stance);
 
 // Parameters of a gait.
 struct Shape {
   double period = 1.0;    // s
-  double margin = 0.011;  // m, see the criterion above
-  double swing = 0.30;    // share of the cycle for the swing of each foot
-  double lift = 0.010;    // m
-  // Delay of the feet behind the trunk, as a share of the cycle: the servo lag.
+  double margin = 0.011;  // m, margin of the ZMP criterion above
+  double swing = 0.30;    // duration of each foot's swing, as a share of the cycle
+  double lift = 0.010;    // m, height to which a swinging foot is lifted
+  // Delay of the feet relative to the trunk, as a share of the cycle. The delay compensates for the lag of
+  // the servos.
   double lag = 0.02;
-  double max_roll = 22 * kDegree;  // the feet touch at 24.6 degrees
+  double max_roll = 22 * kDegree;  // the feet touch each other at 24.6 degrees
 };
-// Amplitude of the trunk's roll that satisfies the criterion, at most max_roll.
+// Returns the amplitude of the trunk's roll that satisfies the ZMP criterion, at most max_roll.
 double roll_for(const Shape& shape);
-// Amplitude of the ZMP for this roll (m), and the lateral position of the soles' inner edge (m).
+// zmp_amplitude() returns the amplitude of the ZMP for this roll (m). inner_edge() returns the lateral
+// position of the soles' inner edge (m).
 double zmp_amplitude(const Shape& shape, double roll);
 double inner_edge(double roll);
 
 // Step parameters of a cycle.
 struct Steps {
   double amplitude = 0;        // 0: standing; 1: full steps
-  double left = 0, right = 0;  // m, stride of each foot relative to the hips
-  double reach = 0;            // m, sliding amplitude of each foot; > 0 turns to the left
-  double lean = 0;             // rad, of the trunk, + forward, added to its pitch
-  double roll = 0;             // rad, of the trunk, + to the right, added to the gait's
-  double lift = 1;             // factor on the height of a swing
-  double height = 0;           // m, of the hips, added to the stance's
+  double left = 0, right = 0;  // m, length of each foot's stride relative to the hips
+  // Sliding amplitude of each foot, m; positive if the robot turns to the left.
+  double reach = 0;
+  double lean = 0;    // rad, added to the stance's pitch of the trunk; positive forward
+  double roll = 0;    // rad, added to the gait's roll of the trunk; positive to the right
+  double lift = 1;    // factor on the height to which a swinging foot is lifted
+  double height = 0;  // m, added to the stance's height of the hips
 };
-// Returns the joint angles at a phase, arms as in home(). `roll`: amplitude of the trunk's roll, from
-// roll_for().
+// Returns the joint angles at a phase. The arms have the angles of home(). `roll`: amplitude of the trunk's
+// roll, from roll_for().
 JointAngles legs_at(const Shape& shape, double roll, double phase, const Steps& steps);
 
-// Planned roll of the trunk at a phase.
+// Returns the planned roll of the trunk at a phase.
 double roll_at(double roll, double phase, double amplitude);
-// Planned share of the weight on the left foot: 1 while the right one swings.
+// Returns the planned share of the weight on the left foot, which is 1 while the right foot swings.
 double left_share(const Shape& shape, double phase, double amplitude);
 
 }  // namespace kaz::motion

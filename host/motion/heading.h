@@ -1,13 +1,14 @@
 // Heading of the robot by integration of the yaw gyro, whose zero is measured while the robot stands.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The gyro turns with the trunk, which leans by pitch and roll: it measures the rate about the trunk's z
-// axis. While only yaw changes, this is the rate about the vertical times cos(pitch) cos(roll).
+// The gyro is fixed to the trunk, which leans by pitch and roll. So the gyro measures the rate about the
+// trunk's z axis. While only yaw changes, this rate is the rate about the vertical times cos(pitch)
+// cos(roll).
 //
-// A Kalman filter with two states estimates the heading and the gyro's zero together. The zero is modeled
-// as a random walk, and each sample of a standing robot measures it. Such a sample also corrects the
-// heading, by the covariance of both, for the drift of the zero since the last stand. Units: rad, + to the
-// left.
+// A Kalman filter with two states estimates the heading and the gyro's zero together. The model of the zero
+// is a random walk, and each sample of a standing robot measures the zero. Through the covariance of heading
+// and zero, each such sample also corrects the heading for the drift of the zero since the robot last stood.
+// Units: rad, positive to the left.
 #pragma once
 
 #include "host/robot/inertial.h"
@@ -23,17 +24,18 @@ class Heading {
   void add(const host::Inertial& sample, bool still, double upright);
 
   double rad() const { return heading_; }
-  // One sigma of the rotation since the first sample. Includes noise, the error of the measured zero, and the
-  // drift of the zero. Motion adds the error from lean and shaking of the trunk during walking.
+  // Standard deviation of the rotation since the first sample. The value includes the noise, the error of the
+  // measured zero, and the drift of the zero. The value does not include the errors from lean and shaking of
+  // the trunk during walking, which the class Motion adds.
   double sigma_rad() const;
   double sigma_zero() const;  // rad/s
   // Time for which the zero was measured, s.
   double zeroed_s() const { return zeroed_s_; }
-  double rate() const { return rate_; }  // rad/s, zero subtracted
+  double rate() const { return rate_; }  // yaw rate after subtraction of the zero, rad/s
 
  private:
   double heading_ = 0, zero_ = 0, zeroed_s_ = 0, rate_ = 0;
-  // Covariance matrix: variance of the heading, covariance of both, variance of the zero.
+  // Covariance matrix: variance of the heading, covariance of heading and zero, variance of the zero.
   double heading_2_ = 0, both_ = 0, zero_2_;
   Time last_{};
   bool started_ = false;

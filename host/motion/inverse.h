@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Units: m, rad. Frame: trunk (x forward, y left, z up). There are no yaw joints. A leg has 4 degrees of
-// freedom (position of the ankle, pitch of the foot), an arm 3 (position of the grasp). The remaining
-// orientation follows.
+// freedom (position of the ankle, pitch of the foot), an arm has 3 (position of the grasp). The other angles
+// of the foot or hand result from these coordinates.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,9 @@ namespace kaz::motion {
 struct LegAngles {
   double hip_roll = 0, hip_pitch = 0, knee = 0, ankle_pitch = 0;
 };
-// `ankle`: position of its axis. `foot_pitch`: relative to the trunk, + toes down. The knee bends forward.
-// Returns nothing if the position is out of reach or a joint would exceed its limits.
+// `ankle`: position of the ankle's axis. `foot_pitch`: relative to the trunk; positive if the toes point
+// down. The knee bends forward. Returns nothing if the position is out of reach or a joint would exceed its
+// limits.
 std::optional<LegAngles> leg_to(Side side, const Eigen::Vector3d& ankle, double foot_pitch);
 LegAngles leg_of(const JointAngles& angles, Side side);
 void set_leg(JointAngles& angles, Side side, const LegAngles& leg);
@@ -24,9 +25,9 @@ void set_leg(JointAngles& angles, Side side, const LegAngles& leg);
 struct ArmAngles {
   double sh_pitch = 0, sh_roll = 0, elbow = 0;
 };
-// `grasp`: position of the grasp's center. The elbow bends forward. Returns nothing if the position is out
-// of reach, or if a joint would exceed its limits. Also returns nothing if the arm must bend so much that the
-// shoulder's roll cannot reach a position so far to the side.
+// `grasp`: position of the grasp's center. The elbow bends forward. Returns nothing if the position is out of
+// reach, or if a joint would exceed its limits. Also returns nothing if the position is too far to the side:
+// the bent arm cannot reach the position by any shoulder roll.
 std::optional<ArmAngles> arm_to(Side side, const Eigen::Vector3d& grasp);
 ArmAngles arm_of(const JointAngles& angles, Side side);
 void set_arm(JointAngles& angles, Side side, const ArmAngles& arm);

@@ -1,15 +1,17 @@
 // Standing, walking and turning: leg targets from posture and gyro. One step() per control cycle.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The caller calls step() in each control cycle (10 to 20 ms) with the newest posture. It sends the
-// returned leg targets, ramped over the time to the next cycle. Head and arms are the caller's, so that all
-// share one exchange() with the board. The gait assumes arms at home() or close to it. Commands may come at
-// any time. A foot's stride changes only when it passes below the hips. The robot changes between walking
-// and turning through standing, in about one cycle.
+// The caller calls step() in each control cycle (10 to 20 ms) with the newest posture. The caller sends the
+// returned leg targets, ramped over the time to the next cycle. Targets for head and arms come from the
+// caller, so that one exchange() with the board sends all targets. The gait assumes that the arms are near
+// the angles of home(). Commands may come at any time. The stride of a foot changes only at the moment at
+// which the foot passes below the hips. Between walking and turning, the robot first returns to standing,
+// which takes about one cycle.
 //
-// With a gyro (Posture::inertial, after Robot::sense_inertial()), heading is measured and held. Without, it
-// is estimated from the strides. This is rough, because friction decides (docs/explanation/motion.md).
-// Units: m, rad, s. Headings are + to the left, 0 at the start.
+// With a gyro (Posture::inertial, after Robot::sense_inertial()), the heading is measured and held. Without a
+// gyro, the heading is estimated from the strides. The estimate is rough, because rotation depends on the
+// friction of the soles (docs/explanation/motion.md). Units: m, rad, s. Headings are positive to the left and
+// 0 at the start.
 #pragma once
 
 #include <array>
@@ -26,13 +28,13 @@ namespace kaz::motion {
 
 struct Settings {
   Shape walk{};
-  // Turning slips both soles. So it is slow, with a lean that holds on every floor
-  // (docs/explanation/motion.md).
+  // Both soles slip during a turn. So turning has a long period, at which the robot stays upright on every
+  // floor (docs/explanation/motion.md).
   Shape turn{.period = 2.2};
   double stride = 0.040;     // m, largest stride of each foot relative to the hips
   double reach = 0.012;      // m, largest sliding amplitude for turning
   bool use_gyro = true;      // false: ignores the gyro
-  bool hold_heading = true;  // while walking
+  bool hold_heading = true;  // true: corrects the heading while walking
   // Policy that corrects the gait during walking; needs gyro and accelerometer. Null: no corrections.
   std::shared_ptr<const BalancePolicy> balance = {};
 };
@@ -41,7 +43,7 @@ enum class State {
   standing,
   walking,
   turning,
-  // Final: switch the motors off, set the robot up, and make a new Motion.
+  // Final state. The caller must switch the motors off, set the robot upright, and construct a new Motion.
   fallen,
 };
 
@@ -51,19 +53,19 @@ class Motion {
 
   explicit Motion(const Settings& settings = {});
 
-  // Walks `distance` m ahead (negative: back) and holds the present heading plus `turned` rad. Heading
-  // errors are corrected by unequal strides, at most 2 degrees a cycle.
+  // Walks `distance` m ahead (negative: back) and holds the present heading plus `turned` rad. Heading errors
+  // are corrected by unequal strides, by at most 2 degrees per cycle.
   void walk(double distance, double turned = 0);
   // Walks until stop() with this stride (m, at most Settings::stride, negative: back) and holds a heading
   // (rad).
   void walk_on(double stride, double heading);
-  // Turns on the spot by `angle` rad, + to the left. The soles slip on the floor.
+  // Turns on the spot by `angle` rad, positive to the left. The soles slip on the floor.
   void turn(double angle);
-  // Stops within a cycle and a half.
+  // Stops within one and a half gait cycles.
   void stop();
 
-  // Returns the leg targets for the next cycle; in State::fallen, the measured angles. `now`: the time at
-  // which the targets will have been reached.
+  // Returns the leg targets for the next cycle. In State::fallen, returns the measured angles. `now`: the
+  // time at which the joints reach the targets.
   LegTargets step(Time now, const host::Posture& posture);
 
   State state() const { return state_; }
@@ -71,13 +73,14 @@ class Motion {
   // compare heading() with the commanded heading.
   bool idle() const { return state_ == State::standing && wish_ == Wish::stand; }
   bool has_gyro() const { return gyro_; }
-  // Time (s) over which the gyro's zero was averaged while the robot stood. A walk of 1 m needs 4 s, a turn
-  // of 45 degrees needs 1 s.
+  // Time (s) over which the gyro's zero was averaged while the robot stood. An accurate walk of 1 m needs a
+  // zero from 4 s of standing, and a turn of 45 degrees needs a zero from 1 s.
   double zeroed_s() const { return heading_.zeroed_s(); }
   double heading() const;
   const Place& place() const { return odometry_.place(); }
-  double walked() const { return odometry_.walked(); }  // m since the start; back is negative
-  double roll() const { return roll_; }                 // rad, planned roll of the trunk
+  // Distance walked since the start, m; steps back count negative.
+  double walked() const { return odometry_.walked(); }
+  double roll() const { return roll_; }  // rad, planned roll of the trunk
   double phase() const { return phase_; }
   double amplitude() const { return steps_.amplitude; }
 
@@ -109,7 +112,7 @@ class Motion {
   Correction correction_;
   Heading heading_;
   Odometry odometry_;
-  double reckoned_ = 0;  // rad, heading without a gyro
+  double reckoned_ = 0;  // rad, heading estimated without a gyro
   double turned_a_support_, amplitude_before_ = 0, heading_before_ = 0;
   double still_s_ = 0, tipped_s_ = 0;
   double forward_g_ = 0, left_g_ = 0;  // smoothed specific force, in g

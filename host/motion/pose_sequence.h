@@ -7,8 +7,8 @@
 //    "poses": [{"time_s": 0, "angles_rad": {"r_sh_pitch": 0}},
 //              {"time_s": 1.5, "angles_rad": {"r_sh_pitch": -0.8, "neck_pan": 0.3}}]}
 //
-// A joint moves through the poses that contain it. Before the first and after the last of these, it does
-// not move. A joint in no pose is left where it is.
+// A joint moves through the poses that contain the joint. Before the first of these poses and after the last
+// one, the joint does not move. A joint that is in no pose never moves.
 #pragma once
 
 #include <cstddef>
@@ -32,25 +32,27 @@ struct Pose {
 };
 
 struct PoseSequence {
-  std::vector<Pose> poses;  // at least one, in order of time
+  std::vector<Pose> poses;  // one or more poses, in order of time
 };
 
 // Parses a pose file. `name`: the file's name in messages. Errors (usage): the text is not a valid pose
 // file, or times do not increase.
 Result<PoseSequence> parse_poses(std::string_view text, const std::string& name);
-// Returns the sequence as a pose file, on one line.
+// Returns the text of a pose file for this sequence, on one line.
 std::string text_of(const PoseSequence& sequence);
 
-// Angles over time: monotone cubic pieces (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), at
-// rest at both ends. A joint never leaves the range between the two neighboring poses.
+// Angles over time: monotone cubic pieces (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984). All
+// joints are at rest at both ends. Between two poses, a joint stays within the range from one pose's angle to
+// the other pose's angle.
 class PoseMotion {
  public:
-  // `joints`: names by joint number. Errors (usage): the sequence contains another joint.
+  // `joints`: joint names, indexed by joint number. Fails (usage) if the sequence contains a joint that is
+  // not in `joints`.
   static Result<PoseMotion> create(const PoseSequence& sequence,
                                    std::span<const std::string> joints);
 
   double end_s() const { return end_s_; }
-  // Returns the targets at that time, for the joints that the poses contain.
+  // Returns the targets at `time_s`, for the joints that the poses contain.
   std::vector<host::JointTarget> at(double time_s) const;
 
   struct Extent {
@@ -58,7 +60,7 @@ class PoseMotion {
     double lowest_rad = 0, highest_rad = 0;
     double fastest_rad_per_s = 0, fastest_at_s = 0;
   };
-  // Returns the extremes of angle and speed for each of these joints.
+  // Returns the extremes of angle and speed for each joint that the poses contain.
   std::vector<Extent> extents() const;
 
  private:

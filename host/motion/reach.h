@@ -1,10 +1,10 @@
 // Trajectory for picking up a ball from the floor with one hand: joint angles over time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sequence: bend with the arm forward and the hand open, swing the arm down onto the ball, close, lift,
-// stand up. At each time, the hips are placed so that the center of mass is over the planned point of the
-// soles (static balance). Units: m, s, rad. Frame: origin on the floor below the midpoint of the ankles, x
-// ahead, y left, z up.
+// First, the robot bends forward with the arm ahead and the hand open. Then the robot swings the arm down
+// onto the ball, closes the hand, lifts the arm, and stands up. At each time, the hips are placed so that the
+// center of mass is over the planned point of the soles (static balance). Units: m, s, rad. Frame: origin on
+// the floor below the midpoint of the ankles, x ahead, y left, z up.
 #pragma once
 
 #include <optional>
@@ -16,12 +16,13 @@ namespace kaz::motion {
 
 class Pickup {
  public:
-  // `ball`: position of its center on the floor. Returns nothing if it is out of reach.
+  // `ball`: position of the ball's center, seen from above. Returns nothing if the ball is out of reach.
   static std::optional<Pickup> plan(Side hand, const Eigen::Vector2d& ball, double radius);
-  // Returns this plan with the arm aimed at a new position of the ball; nothing if it is out of reach.
+  // Returns this plan with the arm aimed at a new position of the ball; nothing if the ball is out of reach.
   std::optional<Pickup> aimed_at(const Eigen::Vector2d& ball) const;
 
-  // End time of each part: bent with the arm forward; arm down; hand closed; arm up; standing.
+  // Times at which these postures are reached: bent with the arm forward; arm down; hand closed; arm up;
+  // standing.
   double bent_s() const { return keys_[kBent].time; }
   double down_s() const { return keys_[kDown].time; }
   double closed_s() const { return keys_[kClosed].time; }
@@ -30,16 +31,16 @@ class Pickup {
 
   Side hand() const { return hand_; }
   int hand_joint() const { return hand_ == Side::left ? host::l_hand : host::r_hand; }
-  // closed(): target of the closing hand. stopped(): the largest closing angle at which a ball of this radius
-  // stops the hand. Both in rad.
+  // closed() returns the target angle of the closing hand. stopped() returns the largest closing angle at
+  // which a ball of this radius stops the hand. Units: rad.
   double closed() const { return closed_; }
   double stopped() const { return stopped_; }
 
-  // Returns the angles of legs, arms and hands (not of the neck). Before 0 and after the end: the first and
-  // the last pose, which stand.
+  // Returns the angles of legs, arms and hands (not of the neck). Before time 0 and after the end, returns
+  // the first or the last pose, in which the robot stands.
   JointAngles at(double time_s) const;
-  // Motion that aborts the pickup: from at(from_s) back to home() with the hand open. `time_s`: 0 to
-  // kGiveUp_s.
+  // Motion that aborts the pickup: from at(from_s) back to home() with the hand open. `time_s`: time since
+  // the start of this motion, 0 to kGiveUp_s.
   JointAngles back(double from_s, double time_s) const;
   static constexpr double kGiveUp_s = 3.4;
 

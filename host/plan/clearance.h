@@ -9,25 +9,26 @@
 
 namespace kaz::plan {
 
-// Built for one grid, which must outlive this object. With an infinite PlanOptions::unknown_factor, unknown
-// cells are obstacles.
+// A Clearance belongs to one grid, which must outlive the Clearance. With an infinite
+// PlanOptions::unknown_factor, unknown cells are obstacles.
 class Clearance {
  public:
   Clearance(const Grid& grid, const PlanOptions& options);
 
-  // Clearance, m: a lower bound on the distance from the cell's center to the nearest obstacle cell. The
-  // bound is the distance between both cell centers minus half a cell diagonal, but at least 0.
+  // Returns the clearance, m, which is a lower bound on the distance from the cell's center to the nearest
+  // obstacle cell. The bound is the distance between both cell centers minus half a cell diagonal, but at
+  // least 0.
   double m(int x, int y) const { return clear_m_[grid_.index(x, y)]; }
   // Returns whether the robot may stand with its center in this cell.
   bool free(int x, int y) const { return grid_.inside(x, y) && free_[grid_.index(x, y)] != 0; }
-  // Factor on the time spent in this cell.
+  // Returns the factor on the time spent in this cell.
   double factor(int x, int y) const {
     return grid_.state[grid_.index(x, y)] == map::CellState::unknown ? unknown_factor_ : 1;
   }
-  // Returns the length of the line from `a` to `b`, weighted by factor(); infinite if it meets a cell that
-  // is not free.
+  // Returns the length of the line from `a` to `b`, weighted by factor(); infinite if the line meets a cell
+  // that is not free.
   double weighted_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const;
-  // Returns whether neighboring free cells (sides or corners) connect the two cells. Both must be free.
+  // Returns whether neighboring free cells (sides or corners) connect the two cells. Both cells must be free.
   bool connected(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
   // Returns the floor cell nearest to `to` among the cells connected with `from`. Returns nothing if `from`
   // is not free, or if no floor cell is connected.
@@ -38,7 +39,7 @@ class Clearance {
   const Grid& grid() const { return grid_; }
 
  private:
-  // Returns the center of the obstacle cell nearest to this one.
+  // Returns the center of the obstacle cell nearest to `cell`.
   Eigen::Vector2d obstacle_near(const Eigen::Vector2i& cell) const;
   const Grid& grid_;
   double unknown_factor_;

@@ -1,16 +1,17 @@
 // Reference planner: A* over cells and 16 headings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A state is a cell and one of 16 headings. The headings are the directions of the steps (1, 0), (2, 1),
-// (1, 1), (1, 2) and their reflections. The successors of a state are a step ahead, and a turn to the next
-// heading on either side. The cost is time.
+// A state is a cell and one of 16 headings. The headings are the directions of the steps (1, 0), (2, 1), (1,
+// 1), (1, 2) and their reflections. The successors of a state are reached by a step ahead, or by a turn to
+// the next heading on either side. The cost is time.
 //
-// The heuristic is the time without obstacles: turn toward the goal, walk there, turn to the goal's heading.
-// No path takes less time. A path turns at least to the direction of the goal, or to both sides of this
-// direction. The length of a path is at least the distance. So the path found is the fastest on this graph.
+// The heuristic is the time without obstacles: turn toward the goal, walk to the goal, turn to the goal's
+// heading. No path takes less time than the heuristic. Every path turns at least to the direction of the
+// goal, or to both sides of this direction. Every path is at least as long as the distance to the goal. So
+// the path found is the fastest path on this graph.
 //
-// With any_heading, straight lines of any heading then replace parts of the path if the lines are free.
-// Dynamic programming over pairs of corners, with time as cost, selects the lines.
+// With PlanOptions::any_heading, straight lines of any heading then replace parts of the path if the lines
+// are free. Dynamic programming over pairs of corners, with time as cost, selects the lines.
 #pragma once
 
 #include <memory>
@@ -19,7 +20,8 @@
 
 namespace kaz::plan {
 
-enum class Search { astar, exhaustive };  // exhaustive: without the heuristic, to test it
+// Exhaustive: search without the heuristic, to test the heuristic.
+enum class Search { astar, exhaustive };
 
 // The planner keeps allocated memory between calls. Use a separate planner in each thread.
 std::unique_ptr<Planner> make_grid_planner(Search search = Search::astar);

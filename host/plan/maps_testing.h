@@ -7,7 +7,7 @@
 
 namespace kaz::plan {
 
-// Returns 2 m by 2 m of floor, x from 0, y from -1 m.
+// Returns a floor of 2 m by 2 m, which begins at x = 0 and y = -1 m.
 inline Grid floor_grid() {
   Grid grid;
   grid.cells_x = grid.cells_y = 200;

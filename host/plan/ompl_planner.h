@@ -1,15 +1,15 @@
 // Second planner: ABIT* of OMPL, which samples poses instead of cells and headings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ABIT* draws batches of random poses. It connects each pose with the nearest poses and searches this graph
-// for the fastest path. Source: Strub and Gammell, "Advanced BIT* (ABIT*): sampling-based planning with
-// advanced graph-search techniques", ICRA 2020. ABIT* here uses the heuristic of the grid planner. An edge is
-// a turn toward the other pose, a straight line, and a turn to the heading of the other pose. The cost of an
-// edge is time and may differ between both directions. An edge is checked for obstacles every half cell. The
-// path found is straightened like a path of the grid planner.
+// ABIT* draws batches of random poses. The planner connects each pose with the nearest poses and searches
+// this graph for the fastest path. Source: Strub and Gammell, "Advanced BIT* (ABIT*): sampling-based planning
+// with advanced graph-search techniques", ICRA 2020. ABIT* here uses the heuristic of the grid planner. An
+// edge between two poses is a turn toward the second pose, a straight line, and a turn to the heading of the
+// second pose. The cost of an edge is time and may differ between both directions. An edge is checked for
+// obstacles every half cell. The path found is straightened like a path of the grid planner.
 //
-// The search ends after a number of batches, or when no path can be faster. The search reads no clock, so the
-// same seed gives the same path.
+// The search ends after a number of batches, or when no faster path can exist. The search reads no clock, so
+// the same seed gives the same path.
 #pragma once
 
 #include <cstdint>
@@ -27,11 +27,11 @@ struct OmplOptions {
   int batch_size = 100;         // number of poses in a batch, 1 or more
 };
 
-// Errors: Kaz was built without OMPL (environment), or options are out of range (usage).
+// Fails if Kaz was built without OMPL (environment), or if options are out of range (usage).
 //
 // The planner's plan() also fails (usage) if PlanOptions::any_heading is false, because only the grid planner
-// can be restricted to turns of 45 degrees. It fails (failed) if OMPL fails. The reason for a missing path
-// may be NoPath::Why::not_found. Only one thread at a time may use a planner.
+// can be restricted to turns of 45 degrees. If OMPL fails, plan() fails (failed). If plan() finds no path,
+// the reason may be NoPath::Why::not_found. Only one thread at a time may use a planner.
 Result<std::unique_ptr<Planner>> make_ompl_planner(const OmplOptions& options = {});
 
 }  // namespace kaz::plan

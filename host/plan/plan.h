@@ -25,12 +25,13 @@
 
 namespace kaz::plan {
 
-// State of each cell of the floor. Everything outside of the grid is unknown, and no path leads there.
+// State of each cell of the floor. Everything outside of the grid is unknown, and no path leads out of the
+// grid.
 struct Grid {
   int cells_x = 0, cells_y = 0;
   double cell_m = 0.01;
   Eigen::Vector2d corner{0, 0};       // corner of cell (0, 0) with the smallest x and y
-  std::vector<map::CellState> state;  // [x * cells_y + y]
+  std::vector<map::CellState> state;  // state of cell (x, y) at index x * cells_y + y
 
   map::CellState at(int x, int y) const {
     return inside(x, y) ? state[index(x, y)] : map::CellState::unknown;
@@ -62,14 +63,14 @@ struct Pose {
 };
 struct Goal {
   Eigen::Vector2d position{0, 0};
-  std::optional<double> heading_rad;  // empty: any
+  std::optional<double> heading_rad;  // empty: any heading
 };
 
 // The default times come from measured walks and turns (docs/results/README.md).
 struct PlanOptions {
   double turn_s_per_rad = 6.6 / (45 * kDegree);
   double go_s_per_m = 6.6 / 0.33;
-  // Radius of the robot's disc. Includes the hands, as held in the crouch, and 2 cm of sway.
+  // Radius of the robot's disc. The disc includes the hands in the posture of the crouch, and 2 cm of sway.
   double radius_m = 0.16;
   // Factor on the time spent in unknown cells, 1 or more. Infinite: unknown cells are obstacles.
   double unknown_factor = 2;
@@ -87,11 +88,12 @@ struct Leg {
 struct Path {
   std::vector<Leg> legs;                 // legs of zero length are omitted
   std::vector<Eigen::Vector2d> corners;  // start, turning points, goal
-  // Duration, without PlanOptions::unknown_factor.
+  // Duration of the path, s. PlanOptions::unknown_factor is not applied.
   double seconds = 0;
-  // Duration of the path on the planner's graph, with PlanOptions::unknown_factor, before straight lines
-  // replace parts of the path. The grid planner's path leads from cell center to cell center. So `seconds`
-  // exceeds `searched_seconds` by at most the time for the offsets of start and goal from their cell centers.
+  // Duration of the path on the planner's graph, before straight lines replace parts of the path, s.
+  // PlanOptions::unknown_factor is applied. The grid planner's path leads from cell center to cell center. So
+  // `seconds` exceeds `searched_seconds` by at most the time for the offsets of start and goal from their
+  // cell centers.
   double searched_seconds = 0;
   std::size_t expanded = 0;  // number of states that the search expanded
 };
@@ -106,7 +108,8 @@ struct NoPath {
   Eigen::Vector2d where{0, 0};
   double clear_m = 0;  // distance to the obstacle, from the start, the goal or the narrowest place
 };
-// Returns the reason: "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs 0.16 m".
+// Returns the reason as text, such as "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs
+// 0.16 m".
 std::string text(const NoPath& none, const PlanOptions& options);
 
 // Returns the center of the floor cell nearest to `to` that the robot can reach from `from` by steps between

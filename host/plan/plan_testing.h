@@ -23,7 +23,7 @@ inline Planned planned(Planner& planner, const Grid& grid, const Pose& start, co
   return *result;
 }
 
-// Tests that every planner must pass; instantiated for each.
+// Tests that every planner must pass. The tests are instantiated for each planner.
 class EachPlanner : public testing::TestWithParam<std::function<std::unique_ptr<Planner>()>> {
  protected:
   Planned planned(const Grid& grid, const Pose& start, const Goal& goal,
@@ -75,7 +75,7 @@ inline Walked walked(const Grid& grid, const Pose& start, const Path& path) {
   return w;
 }
 
-// Start, goal and a map of boxes by `seed`. Every other goal has a heading.
+// Start, goal and a map of random boxes. The goal has a heading if the seed is odd.
 struct Task {
   Pose start;
   Goal goal;
@@ -90,7 +90,8 @@ inline Task task_of(std::uint64_t seed) {
   return task;
 }
 
-// Checks that the path ends at the goal and that no obstacle is nearer than allowed, up to a cell.
+// Checks that the path ends at the goal and that no obstacle is nearer than allowed, with a tolerance of one
+// cell.
 inline void expect_valid(const Task& task, const Path& path, const PlanOptions& options) {
   const Walked end = walked(task.grid, task.start, path);
   EXPECT_LT((end.end.position - task.goal.position).norm(), 1e-6);

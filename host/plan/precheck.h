@@ -1,4 +1,4 @@
-// Checks that each planner makes before it searches. Internal to host/plan.
+// Checks that every planner runs before its search. Internal to host/plan.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,4 +1,4 @@
-// Replaces corners of a path by straight lines, and makes its legs. Internal to host/plan.
+// Replaces corners of a path by straight lines, and computes the legs of the new path. Internal to host/plan.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

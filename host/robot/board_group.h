@@ -8,14 +8,16 @@
 // - A `state_reply` contains the angles of all joints at the reference's tick. Angles of other boards are
 //   interpolated between the last two states, or extrapolated by at most kMaxAhead. The angle error is the
 //   time error of both clock relations (about 0.1 ms to 1 ms) times the joint's speed.
-// - A status flag is set if any board sets this flag. ENABLED is set only if all boards on which motors were
-//   switched on set it. UNLOCKED is set only if all boards set it.
+// - A status flag of the group is set if any board sets this flag, with two exceptions. ENABLED is set only
+//   if every board on which motors were switched on sets ENABLED. UNLOCKED is set only if every board sets
+//   UNLOCKED.
 // - If one board shuts down for another reason than its link watchdog, the motors of all boards are switched
 //   off.
-// - If one board refuses a request, the group reports the request as refused. Other boards may have executed
-//   the request. After a refused `enable`, the motors of all boards are switched off.
+// - If one board refuses a request, the group reports the request as refused, even if other boards have
+//   executed the request. After a refused `enable`, the motors of all boards are switched off.
 //
-// Telemetry and `set_address` need a single board and are rejected (usage).
+// The group rejects (usage) requests for telemetry and `set_address` requests, because they need a single
+// board.
 #pragma once
 
 #include <map>
@@ -35,8 +37,8 @@ class BoardGroup final : public Exchanger {
  public:
   // Maximum time by which angles are extrapolated.
   static constexpr Time kMaxAhead = std::chrono::milliseconds(10);
-  // Angles are not interpolated between two states that are further apart than this. The latest angle is used
-  // instead.
+  // Maximum time between two states for an interpolation of angles. If the states are further apart, the
+  // latest angle is used.
   static constexpr Time kMaxBetween = std::chrono::milliseconds(100);
 
   // Requires at least one board, and each joint on exactly one board (check_boards). `clock` and all links
@@ -56,7 +58,7 @@ class BoardGroup final : public Exchanger {
   void limit_tries(std::optional<int> tries) override;
   const LinkStatistics& statistics() const override;
   std::string recent_frames() const override;
-  // Returns a link that supports only name() and reopen(). reopen() reopens all lost links.
+  // Returns a link that supports only name() and reopen(), which reopens all lost links.
   Link& link() override;
   std::string failed_name() override;
   std::span<const std::uint8_t> noise() const override;
@@ -85,7 +87,7 @@ class BoardGroup final : public Exchanger {
   std::unique_ptr<Links> links_;
   std::map<Ticket, std::unique_ptr<Exchange>> open_;
   Ticket next_ticket_ = 1;
-  std::size_t failed_ = 0;  // the member that failed last
+  std::size_t failed_ = 0;  // index of the member that failed last
   mutable LinkStatistics statistics_;
 };
 

@@ -6,7 +6,7 @@
 
 namespace kaz::host {
 
-// "neck_pan, neck_tilt"
+// Returns the names of the joints in a mask, such as "neck_pan, neck_tilt".
 std::string joint_names_of(std::uint32_t joints);
 
 struct BoardGroup::Member {
@@ -24,7 +24,7 @@ struct BoardGroup::Member {
   std::optional<std::uint32_t> last_tick;
   std::uint16_t status = 0;
   bool restarted = false;
-  std::uint32_t to_be_on = 0;  // joints that were switched on
+  std::uint32_t to_be_on = 0;  // mask of the joints that were switched on
   bool to_be_off = false;      // switch_off() was called after joints were switched on
   bool link_lost = false;      // the link must be reopened
   struct State {
@@ -32,8 +32,8 @@ struct BoardGroup::Member {
     std::array<s16, KZ_JOINTS> angle{};
   };
   std::optional<State> before, latest;  // the board's last two states
-  // Angle at time `t` on the line through the last two states. Returns the latest angle if these states are
-  // further apart than kMaxBetween.
+  // Angle at time `t` on the line through the last two states. If the two states are further apart than
+  // kMaxBetween, returns the latest angle.
   s16 angle_at(std::size_t joint, Time t) const;
 };
 
@@ -44,7 +44,7 @@ struct BoardGroup::Exchange {
     std::optional<Reply> reply;
   };
   Request request;
-  std::vector<Part> parts;  // in the order of the members
+  std::vector<Part> parts;  // parts of the request, in the order of the members
 };
 
 }  // namespace kaz::host

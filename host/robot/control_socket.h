@@ -1,4 +1,4 @@
-// Client of the simulator's control socket: reset, mode pins and other signals that a pty lacks.
+// Client of the simulator's control socket: reset, mode pins and other signals that a pty cannot transfer.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -14,22 +14,23 @@ namespace kaz::host {
 struct FindOptions {
   // Wait after each address; a reply takes 3 ms.
   Time each = std::chrono::milliseconds(25);
-  // Additional wait after the last address, because adapters deliver late.
+  // Additional wait after the last address, because some adapters deliver bytes late.
   Time last = std::chrono::milliseconds(120);
   int rounds = 2;  // maximum number of rounds; the search ends after the first round with a reply
 };
 
 // Sends `identify` to each address. Returns the addresses at which a board answered, in ascending order. The
-// boards' link watchdogs restart; nothing else changes. Fails if the link is lost or the program is
+// only effect on the boards is that their link watchdogs restart. Fails if the link is lost or the program is
 // interrupted.
 Result<std::vector<std::uint8_t>> find_boards(Link& link, Clock& clock,
                                               const FindOptions& options = {});
 
-// "address 3", "addresses 1, 3 and 5"
+// Returns a text such as "address 3" or "addresses 1, 3 and 5".
 std::string addresses_text(const std::vector<std::uint8_t>& addresses);
 
-// Explains `error`, which reports that the board at `address` did not reply. If boards answer at other
-// addresses only, returns a sentence with these addresses and the option to use. Else returns `error`.
+// Explains why the board at `address` did not reply. `error`: the error of the failed request. If boards
+// answer at other addresses only, returns a sentence with these addresses and the option to use. Otherwise
+// returns `error`.
 Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error);
 
 }  // namespace kaz::host

@@ -1,9 +1,10 @@
 // Saves and restores the state of a board, for runs that change boards.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The saved state is: address, link watchdog, gains, limits and calibration, in RAM and in flash. It does not
-// include which motors are on: afterwards, all motors are off or unchanged. Nor does it include the counters,
-// a latched shutdown and telemetry, which a reset clears.
+// The saved state consists of the address, the link watchdog, gains, limits, and the calibrations in RAM and
+// in flash. The saved state does not include which motors are on: after a restore, all motors are off, or
+// unchanged if PutBackOptions::motors_off is false. The saved state includes no counters, no latched shutdown
+// and no telemetry settings, because a reset clears them.
 #pragma once
 
 #include <array>
@@ -25,7 +26,7 @@ struct KeptJoint {
   std::uint16_t ramp = 0;
   std::int16_t lower = 0, upper = 0;
   std::int16_t centre = 0, scale = 0;  // calibration in use
-  // Calibration in flash; valid if BoardState::flash is true
+  // Calibration in flash; valid if BoardState::flash is true.
   std::int16_t stored_centre = 0, stored_scale = 0;
   bool operator==(const KeptJoint&) const = default;
 };
@@ -35,7 +36,7 @@ struct BoardState {
   bool shared_line = false;  // other boards share the board's line
   std::uint8_t watchdog_10ms = 0, reaction = 0;
   bool flash = false;             // the calibration in flash was read
-  std::uint16_t stored_copy = 0;  // number of the stored copy; 0: none is stored
+  std::uint16_t stored_copy = 0;  // number of the stored copy; 0: no calibration is stored
   std::array<KeptJoint, KZ_JOINTS> joints{};
   bool operator==(const BoardState&) const = default;
 };
@@ -54,31 +55,37 @@ std::string how_calibration_goes(const kz_identify_reply& identity, const std::s
                                  std::uint8_t address);
 
 struct PutBackOptions {
-  // Timeout of put_back(). A loader takes 3 s, a write to flash up to 3 s.
+  // Timeout of put_back(). A board that is in its loader does not answer for 3 s, and a write to flash takes
+  // up to 3 s.
   Time patience = std::chrono::seconds(8);
-  // True if address and flash may have changed: start with a reset and search all addresses.
+  // If true, put_back() starts with a reset and searches all addresses, because address and flash may have
+  // changed.
   bool flash = false;
-  // Start with a reset, which clears a latched shutdown; implied by `flash`.
+  // If true, put_back() starts with a reset, which clears a latched shutdown. `flash` implies `reset`.
   bool reset = false;
-  bool motors_off = true;                 // false: leave motors as they are
-  bool settings = true;                   // restore watchdog, gains, limits and calibration in RAM
-  std::vector<std::uint8_t> others = {};  // other boards on the line: leave them alone
+  bool motors_off = true;  // false: put_back() does not switch motors off
+  // True: put_back() restores watchdog, gains, limits and calibration in RAM.
+  bool settings = true;
+  // Addresses of other boards on the line, which put_back() does not change.
+  std::vector<std::uint8_t> others = {};
 };
 
 struct PutBack {
   std::uint8_t found_at = 0;      // the board's address at the start; 0: not found
   std::uint16_t status = 0;       // status of the board at the end
-  std::vector<std::string> done;  // items that were restored: "address 3 to 1"
-  // Items that were not restored. Empty: the board has its saved state again. If
-  // PutBackOptions::motors_off is true, the board has also confirmed that all motors are off.
+  std::vector<std::string> done;  // items that were restored, such as "address 3 to 1"
+  // Items that were not restored. If `left` is empty, the board has its saved state again. With
+  // PutBackOptions::motors_off, an empty `left` also means that the board has confirmed that all motors are
+  // off.
   std::vector<std::string> left;
   // Remarks for the user.
   std::vector<std::string> notes;
 };
 
-// Finds the board, switches its motors off, and restores `state`. The board may be starting, in its loader
-// or unresponsive. With PutBackOptions::flash, the board may be at any address. Retries until success or
-// timeout, and reopens a lost link. `link` and `clock` must not be interrupted.
+// Finds the board, switches its motors off, and restores `state`. At the call, the board may be starting, in
+// its loader, or unresponsive. With PutBackOptions::flash, the board may be at any address. Retries until
+// success or timeout, and reopens a lost link. During the call, an interrupt must not end waits on `link` or
+// `clock` (see CleanUp in interrupt.h).
 PutBack put_back(Link& link, Clock& clock, const BoardState& state, const PutBackOptions& options);
 
 }  // namespace kaz::host

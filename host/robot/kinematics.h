@@ -1,9 +1,9 @@
 // Forward kinematics of eyes and feet, and the head angles that point an eye.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Link frames are those of shared/robot/kaz/kaz.urdf, with the origin on the link's joint. In the zero
-// posture, all link frames are parallel to the trunk's frame (x forward, y left, z up). An eye is the optical
-// frame of a camera (vision/image/frame.h). Units: meters and radians.
+// The link frames are defined in shared/robot/kaz/kaz.urdf. The origin of a link's frame is on the link's
+// joint. In the zero posture, all link frames are parallel to the trunk's frame (x forward, y left, z up). An
+// eye is the optical frame of a camera (vision/image/frame.h). Units: meters and radians.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -21,15 +21,15 @@ struct LegGeometry {
 };
 inline constexpr LegGeometry kLeg;
 
-// Pose of an eye's optical frame in the trunk's frame. Agrees with the URDF to 0.01 mm (tested).
+// Pose of an eye's optical frame in the trunk's frame. The pose agrees with the URDF to 0.01 mm (tested).
 Eigen::Isometry3d trunk_from_eye(const JointAngles& angle, Side eye = Side::left);
 
-// Pose of the middle of a sole, below the ankle, in the trunk's frame. The axes of this pose are those of the
-// foot link.
+// Pose of the middle of a sole, below the ankle, in the trunk's frame. The axes are parallel to the axes of
+// the foot link.
 Eigen::Isometry3d trunk_from_sole(const JointAngles& angle, Side foot);
 
-// The foot that is lower along the trunk's vertical axis. If the heights differ by less than 1 mm: the left
-// foot.
+// Returns the foot that is lower along the trunk's vertical axis. If the heights differ by less than 1 mm,
+// returns the left foot.
 Side supporting_foot(const JointAngles& angle);
 
 // Pose of the left eye in the foot frame of vision/image/frame.h.
@@ -37,12 +37,12 @@ Eigen::Isometry3d foot_from_eye(const JointAngles& angle);
 
 // Head angles.
 struct Gaze {
-  double pan_rad = 0, tilt_rad = 0;  // positive: left, down
+  double pan_rad = 0, tilt_rad = 0;  // a positive pan is to the left, a positive tilt is down
 };
 Gaze gaze_of(const JointAngles& angle);
 
-// Angles at which `point` (trunk frame, m) lies on the optical axis of the left eye. The angles may exceed
-// the joints' ranges. A point less than 5 cm from the pan axis is treated like a point at 5 cm.
+// Returns the angles at which `point` (trunk frame, m) lies on the optical axis of the left eye. The angles
+// may exceed the joints' ranges. A point less than 5 cm from the pan axis is treated like a point at 5 cm.
 Gaze gaze_at(const Eigen::Vector3d& point);
 
 // Clamps each angle to its joint's limits, reduced by `margin_rad` at both ends.

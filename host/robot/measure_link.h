@@ -1,4 +1,4 @@
-// Measures the round-trip time of a port and diagnoses a slow one.
+// Measures the round-trip time of a port and explains a slow round trip.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,16 +11,17 @@ namespace kaz::host {
 
 struct RoundTripCheck {
   double round_trip_s = 0;  // median of several heartbeats
-  double expected_s = 0;    // time of the heartbeat's and reply's bytes, plus 2.2 ms for the board
-  bool slow = false;        // more than 2 ms above expected_s
-  std::string sentence;     // "round trip on /dev/kaz: 4.1 ms (...)", with a remedy if slow
+  double expected_s = 0;    // transmission time of heartbeat and reply, plus 2.2 ms for the board
+  bool slow = false;        // true: round_trip_s is more than 2 ms above expected_s
+  // For the user: "round trip on /dev/kaz: 4.1 ms (...)"; with a remedy if `slow`.
+  std::string sentence;
 };
 
 // Sends heartbeats to the board and evaluates their round trips. Returns the errors of Robot::heartbeat.
 Result<RoundTripCheck> measure_round_trip(Robot& robot, const PortLink& port);
 
-// Evaluates a measured round trip. Separate from the measurement, so that tests cover all kinds of ports.
-// `byte_time` may be zero (unknown).
+// Evaluates a measured round trip. This function is separate from the measurement, so that tests can cover
+// all kinds of ports. `byte_time` may be zero (unknown).
 RoundTripCheck judge_round_trip(const std::string& port, double round_trip_s, Time byte_time,
                                 LowLatency low_latency);
 

@@ -1,4 +1,4 @@
-// History of the last seconds' postures, by host time.
+// History of the postures of the last seconds, searched by host time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,11 +13,11 @@ class PostureHistory {
  public:
   // Maximum age of a posture relative to the newest; older postures are removed.
   static constexpr Time kSpan = std::chrono::seconds(5);
-  // Maximum distance of a query from the nearest posture.
+  // Maximum time between a query and the nearest posture.
   static constexpr Time kReach = std::chrono::milliseconds(100);
 
-  // Adds a posture. Removes earlier entries whose time is not before the time of `posture`: their times are
-  // wrong, because the board was reset or its clock relation has improved.
+  // Adds a posture. Removes earlier entries whose time is not before the time of `posture`. The times of
+  // these entries are wrong, because the board was reset or its clock relation has improved.
   void add(const Posture& posture);
 
   // Interpolates angles linearly between the postures before and after `t`. Tick, status and supply are

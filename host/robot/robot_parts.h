@@ -1,4 +1,4 @@
-// Internals of Robot: the board, its settings, and reconnection.
+// Internals of Robot: the board, the settings sent to the board, and reconnection.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace kaz::host {
 
-// Converts a number for the wire; nullopt if it does not fit the field.
+// Converts a number for the wire; nullopt if the number does not fit the field.
 template <class Number>
 std::optional<Number> to_wire(double value) {
   const double rounded = std::round(value);
@@ -38,7 +38,8 @@ inline double angle_of(s16 wire) {
 Result<void> check_mask(std::uint32_t mask);
 Result<void> check_joint(int joint);
 
-// Action after the link was lost and restored during a request: repeat the request, or report an error.
+// Reaction of a call to a link that was lost and restored during a request: repeat the request, or report an
+// error.
 enum class AfterLoss { repeat, report };
 
 struct Robot::Parts {
@@ -61,26 +62,27 @@ struct Robot::Parts {
   void observe(std::uint8_t request, const Reply& reply);
   // Converts a `state_reply` and adds it to the history.
   Result<Posture> take_state(const Reply& reply);
-  // Converts a state and the inertial reply; `motion` is null if it was not queried.
+  // Converts a state and the inertial reply; `motion` is null if the inertial sensors were not queried.
   Result<Posture> take_sensed(const Reply& state, const Reply* motion);
   std::string describe_fault(std::uint16_t status);
-  // "pan, lift", from ConnectOptions::joint_names.
+  // Returns joint names from ConnectOptions::joint_names, such as "pan, lift".
   std::string names_of(std::uint32_t mask) const;
-  // "still on: pan, lift", from a reply that must confirm motors off; empty if it does.
+  // Checks a reply that must confirm that motors are off. Returns a text such as "still on: pan, lift"; empty
+  // if the reply confirms that all motors are off.
   std::string still_on(std::uint32_t mask, std::uint16_t status) const;
   // Evaluates the replies of a cycle. `move` is null if no targets were sent.
   Result<Posture> take_cycle(const Reply* move, const Reply& state,
                              std::span<const JointTarget> targets, const Reply* motion = nullptr);
   void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> fields, Time now);
 
-  // Reconnects. `error` is the error of `requester`, or null if only `link_fault` was detected. After success
-  // the board answers, and the same motors are on as before.
+  // Reconnects. `error` is the error of `requester`, or null if only `link_fault` was detected. After
+  // success, the board answers, and the motors that were on before the loss are on again.
   Result<void> resume(const Error* error);
   Result<void> restore();
-  Result<void> set_up();  // watchdog, gains, limits
+  Result<void> set_up();  // sends watchdog, gains and limits
   Result<void> switch_on(std::uint32_t mask);
-  // Completes the error of a permanent link failure. Also writes the recent frames to
-  // ConnectOptions::frames_path.
+  // Handles a permanent link failure: writes the recent frames to ConnectOptions::frames_path and adds the
+  // file's name to the error.
   Error for_good(Error error);
   Error not_done(std::span<const Request> requests) const;
   // Adds the joints with faulty potentiometers to the error of a refused `enable` or `clear`.
@@ -113,7 +115,7 @@ struct Robot::Parts {
   PostureHistory history;
   kz_identify_reply identity{};
 
-  // Settings sent to the board, restored after a reconnection.
+  // Settings that were sent to the board and are restored after a reconnection.
   std::uint32_t on = 0;
   bool telemetry_on = false;
   bool inertial = false;  // true: each state() also queries the inertial sensors
@@ -123,8 +125,9 @@ struct Robot::Parts {
   kz_telemetry telemetry_request{};
 
   std::optional<std::uint32_t> last_tick;
-  std::optional<Resumption::Cause> link_fault;  // cause of a loss that a reply has shown
-  bool resumed = false;                         // true: the latest exchange() has reconnected
+  // Cause of a lost link, if a reply has shown the loss.
+  std::optional<Resumption::Cause> link_fault;
+  bool resumed = false;  // true: the latest exchange() has reconnected
   std::string frames_at_loss;
   std::deque<Resumption> resumptions;
 
@@ -134,7 +137,8 @@ struct Robot::Parts {
     std::vector<JointTarget> targets;
   };
   std::deque<Cycle> cycles;
-  bool found_again = false;  // send_cycle() has reconnected, and receive_cycle() must report this
+  // True: send_cycle() has reconnected, and receive_cycle() must report the reconnection.
+  bool found_again = false;
   std::deque<TelemetryFrame> telemetry;
 };
 

@@ -21,8 +21,9 @@ struct JointTarget {
   double angle_rad;
 };
 
-// duty = kp * error - kd * speed + friction * sign(error); within the dead band, duty = 0.
-// The defaults are those of the board after a reset: kp 16 /rad (hands 0.8 /rad) and kd 0.09 s/rad.
+// duty = kp * error - kd * speed + friction * sign(error). If |error| is at most the dead band, the error
+// counts as 0. The default gains are the gains of the board after a reset: kp 16 /rad (hands 0.8 /rad) and kd
+// 0.09 s/rad.
 struct Gains {
   double kp_per_rad = KZ_KP_DEFAULT / 256.0;     // duty per rad, 0..80
   double kd_s_per_rad = KZ_KD_DEFAULT / 4096.0;  // duty per rad/s, 0..1
@@ -47,15 +48,16 @@ struct JointDetail {
   int joint = 0;
   double angle_rad = 0;
   double speed_rad_per_s = 0;  // smoothed over 8 ms
-  double duty = 0;             // -1..1; positive duty turns the joint in positive direction
+  double duty = 0;             // -1..1; a positive duty turns the joint in the positive direction
   double load = 0;             // estimated torque as a share of the stall torque
   std::uint8_t flags = 0;      // KZ_JOINT_*
 };
 
 struct Health {
   std::uint32_t tick = 0;
-  std::uint16_t status = 0;         // KZ_STATUS_*, KZ_SHUTDOWN_* in the upper byte
-  std::string shutdown;             // reason of a latched shutdown, in words; empty: none
+  std::uint16_t status = 0;  // KZ_STATUS_*, KZ_SHUTDOWN_* in the upper byte
+  // Reason of a latched shutdown, in words; empty if no shutdown is latched.
+  std::string shutdown;
   std::optional<int> joint;         // joint that caused the shutdown
   std::uint32_t shutdown_tick = 0;  // board time of the shutdown
   double supply_volts = 0, supply_lowest_volts = 0;
@@ -70,9 +72,10 @@ struct JointCalibration {
 };
 
 struct Calibration {
-  std::uint8_t source = 0;         // KZ_CALIBRATION_*: source of the values at board start
-  std::uint16_t sequence = 0;      // number of the stored copy; 0: none is stored
-  int erases_a = 0, erases_b = 0;  // erase cycles of the two flash blocks; rated for 100 each
+  std::uint8_t source = 0;     // KZ_CALIBRATION_*: source of the values at board start
+  std::uint16_t sequence = 0;  // number of the stored copy; 0: no calibration is stored
+  // Erase cycles of the two flash blocks; each block is rated for 100.
+  int erases_a = 0, erases_b = 0;
   std::array<JointCalibration, KZ_JOINTS> joints{};
 };
 
@@ -83,9 +86,10 @@ struct StoredCalibration {
 
 struct SelfTest {
   std::uint8_t done = 0, failed = 0;  // KZ_TEST_*
-  std::string failed_names;           // "RAM, FLASH"; empty if all passed
+  // Names of the failed tests, such as "RAM, FLASH"; empty if all passed.
+  std::string failed_names;
   std::uint16_t image_crc = 0;
-  double start_s = 0;  // from the start of the application to the first tick
+  double start_s = 0;  // time from the start of the application to the first tick
 };
 
 // One telemetry frame. Members that the frame's selection does not contain are 0 or empty.
@@ -94,11 +98,14 @@ struct TelemetryFrame {
   std::uint32_t tick = 0;      // board time
   Time time{};                 // host time of that tick
   std::uint16_t status = 0;
-  JointAngles values{};                  // STATE, COMMANDS: rad; DRIVES: duty, -1..1
-  double supply_volts = 0;               // STATE, HEALTH
-  std::optional<int> joint;              // HEALTH: joint that caused the shutdown
-  double temperature_c = 0;              // HEALTH
-  double tick_busy = 0, tick_worst = 0;  // HEALTH: last and longest busy time, in ticks
+  // In STATE and COMMANDS frames: rad; in DRIVES frames: duty, -1..1.
+  JointAngles values{};
+  double supply_volts = 0;   // in STATE and HEALTH frames
+  std::optional<int> joint;  // in HEALTH frames: joint that caused the shutdown
+  double temperature_c = 0;  // in HEALTH frames
+  // In HEALTH frames: computation time of the last tick and of the longest tick, as a share of a tick's
+  // duration.
+  double tick_busy = 0, tick_worst = 0;
 };
 
 // Reaction of the link watchdog when it expires.
@@ -117,37 +124,37 @@ struct Resumption {
     reset,     // the board was restarted
   };
   Cause cause = Cause::link;
-  Time lost{};            // when the loss was detected
-  Time resumed{};         // when requests were answered again
-  bool reported = false;  // ConnectOptions::on_lost was called
+  Time lost{};            // time at which the loss was detected
+  Time resumed{};         // time at which requests were answered again
+  bool reported = false;  // true: ConnectOptions::on_lost was called
 };
 
 // A lost link, as reported at the start of the search for the board.
 struct Loss {
   Resumption::Cause cause = Resumption::Cause::link;
-  Time at{};        // when the loss was detected
-  Time at_most{};   // time limit of the search: ConnectOptions::reconnect
+  Time at{};        // time at which the loss was detected
+  Time at_most{};   // time limit of the search, as in ConnectOptions::reconnect
   std::string why;  // error message of the link or the board
 };
 
 struct ConnectOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  int retries = 5;  // tries after the first
+  int retries = 5;  // number of tries after the first one
   // Time limit of the board's link watchdog, 10 ms..1 s; zero leaves limit and reaction unchanged. With a
   // limit of 90 ms, the board reacts within 100 ms after the last request that it received.
   Time watchdog = std::chrono::milliseconds(90);
   Reaction reaction = Reaction::hold;
-  // Time limit of reconnection. Zero: no reconnection, a lost link is an error at once.
+  // Time limit of reconnection. Zero: there is no reconnection, and a lost link is an error at once.
   Time reconnect = std::chrono::seconds(3);
-  // Called before the search, once for each link that does not answer. Not called if the board answers at
-  // once, which is typical after an expired watchdog.
+  // Called before the search for the board, once for each link that does not answer. Not called if the board
+  // answers at once, which is typical after an expired watchdog.
   std::function<void(const Loss&)> on_lost = {};
   // Called after each reconnection, in addition to Robot::take_resumption().
   std::function<void(const Resumption&)> on_resumed = {};
   // Path of a file that gets the last 64 frames after a permanent link failure, or "-" for standard error.
   // The error message names the file. Empty: the frames are not written (see Robot::recent_frames).
   std::string frames_path = {};
-  // Joint names by number, for messages; empty: Kaz's names.
+  // Joint names for messages, indexed by joint number; empty: the names of Kaz's joints.
   std::vector<std::string> joint_names = {};
 };
 
@@ -158,11 +165,11 @@ struct RobotBoard {
   std::uint32_t joints = 0;  // mask of the joints that this board drives
 };
 
-// Checks that each board has a joint, and that each joint is on exactly one board. Errors (usage) name the
-// joints.
+// Checks that each board has a joint, and that each joint is on exactly one board. Otherwise fails (usage);
+// the error message names the joints.
 Result<void> check_boards(std::span<const RobotBoard> boards);
 
-// "the board was reset"
+// Returns the cause as text, such as "the board was reset".
 const char* text(Resumption::Cause cause);
 
 }  // namespace kaz::host

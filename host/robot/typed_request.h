@@ -9,13 +9,13 @@
 
 namespace kaz::host {
 
-// Error of a refused request: one sentence with joint, reason and remedy. `targets`: the targets in the
-// request, so that the message contains the refused value; empty for a request without targets.
+// Returns the error of a refused request: one sentence with joint, reason and remedy. `targets`: the targets
+// in the request, so that the message contains the refused value; empty for a request without targets.
 Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets);
 
-// Error of a target outside `set`, the limits in force on the board, which another program may have set. If
-// `set` is narrower than the joint's own limits, the message contains `set` and `recover`, a command that
-// restores the joint's own limits. `joint` must be in the joint table.
+// Returns the error of a target outside `set`, the limits in force on the board, which another program may
+// have set. If `set` is narrower than the joint's own limits, the message contains `set` and `recover`, a
+// command that restores the joint's own limits. `joint` must be in the joint table.
 Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set,
                          const std::string& recover);
 
@@ -29,8 +29,8 @@ Request make_request(std::uint8_t type, const Message& message,
   return request;
 }
 
-// Unpacks a reply. Fails if the request was refused (refusal_error), or if the length does not fit the type
-// (environment).
+// Unpacks a reply. Fails if the request was refused (refusal_error), or if the reply's length does not match
+// its type (environment).
 template <class Message>
 Result<Message> read_reply(const Reply& reply, u8 (*unpack)(Message*, const u8*, u8),
                            std::span<const JointTarget> targets = {}) {

@@ -13,11 +13,11 @@ namespace kaz::python {
 // sensors, dynamics, physics_step_ms, supply_volts, suspended, imu, faults (a file). Raises UsageError for an
 // invalid value.
 tools::BackendOptions take_world_arguments(py::dict& arguments);
-// Raises UsageError if an argument is left over.
+// Raises UsageError if `arguments` is not empty.
 void nothing_left(const std::string& function, const py::dict& arguments);
 
-// Removes and returns an argument, or `otherwise` if it is missing. Raises TypeError for None or a value of
-// another type.
+// Removes and returns an argument. Returns `otherwise` if the argument is missing. Raises TypeError for None
+// or a value of another type.
 template <class T>
 T take(py::dict& arguments, const char* name, T otherwise) {
   if (!arguments.contains(name)) return otherwise;

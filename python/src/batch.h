@@ -1,11 +1,11 @@
-// Many simulated robots, stepped in threads: the core of kaz.VectorEnv.
+// Simulates many robots in several threads. The core of kaz.VectorEnv.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A step is one control period. With the engines `native` and `h8`, each robot has its own servo board.
 // Targets are sent over the emulated serial line at the beginning of a period. Measurements are the
-// potentiometer readings of the newest reply. With the engine `none` there is no board. A control law like
-// the law of the board, but with true angles and speeds, drives the motor model directly in each physics
-// step.
+// potentiometer readings of the newest reply. With the engine `none` there is no board. In each physics step,
+// a control law drives the motor model directly. This law is like the control law of the board, but uses true
+// angles and speeds.
 //
 // Robots share no mutable state, so results do not depend on the number of threads. A Batch is not
 // thread-safe.
@@ -35,59 +35,61 @@ constexpr const char* to_string(Engine engine) {
 }
 
 struct BatchOptions {
-  sim::SimulationOptions simulation;  // files and kinds; the seed is set by reset()
+  sim::SimulationOptions simulation;  // options of each simulation; reset() sets the seed
   Engine engine = Engine::native;
   int robots = 1, threads = 1;
-  bool pictures = false;  // whether the cameras are on; not with the engine `none`
+  bool pictures = false;  // whether the cameras are on; must be false with the engine `none`
   int period_ms = 20;     // 20 to 200; the serial line needs at least 20 ms
   // Posture after a reset, rad by joint, and the time in which the robot settles in this posture.
   std::array<double, KZ_JOINTS> posture{};
   int settle_ms = 300;
-  double kp_per_rad = 16, kd_s_per_rad = 0.09;  // board defaults after a reset
+  // Gains; the defaults are the board's gains after a reset.
+  double kp_per_rad = 16, kd_s_per_rad = 0.09;
 };
 
 // State of each robot after a period. `measured` and `inertial` are received over the serial line, all other
 // members are ground truth. With the engine `none`, all members are ground truth.
 struct BatchState {
   static constexpr std::size_t kJoints = KZ_JOINTS;
-  std::vector<double> measured;  // robots x 18, rad
+  std::vector<double> measured;  // measured joint angles, robots x 18, rad
   // Robots x 3: yaw rate, rad/s; specific force forward and to the left, m/s^2.
   std::vector<double> inertial;
   std::vector<double> trunk;      // robots x 7, world frame: position m, quaternion x y z w
   std::vector<double> ball;       // robots x 3, world frame, m; 0 if the world has no ball
   std::vector<std::uint8_t> off;  // one per robot: 1 if the motor drivers are off
-  // One per robot: time since the exposure of the pair that pictures() returns, s. Empty without pictures.
+  // One per robot: time since the exposure of the pair that pictures() returns, s. Empty if the cameras are
+  // off.
   std::vector<double> picture_age;
 };
 
 class Batch {
  public:
   // Loads the world once. Then powers on the board of one robot, enables the motors, moves the robot to the
-  // posture and lets it settle. Each episode starts from this state. Errors: the errors of
-  // Simulation::create; robots, threads or period out of range; a robot with other joints; pictures
-  // requested, but this engine or robot has none.
+  // posture and waits until the robot has settled. Each episode starts from the settled state. Returns the
+  // errors of Simulation::create. Other errors: robots, threads or period out of range; a robot with other
+  // joints; `pictures` with an engine or robot without cameras.
   static Result<std::unique_ptr<Batch>> create(BatchOptions options);
   ~Batch();
 
-  // Starts a new episode for each robot `i` that has a seed. The robot stands in the posture. The seed
-  // determines noise and errors of the sensors. The board reads these sensors for one period before the
-  // episode starts. If sensor errors shift the posture (pot_as_built), the robot settles for another
-  // `settle_ms`.
+  // Starts a new episode for each robot `i` that has a seed in `seeds`. The episode starts in the posture of
+  // the options. The seed determines noise and errors of the sensors. The board reads these sensors for one
+  // period before the episode starts. If sensor errors shift the posture (pot_as_built), the robot settles
+  // for another `settle_ms`.
   Result<void> reset(std::span<const std::optional<std::uint64_t>> seeds);
-  // Advances all robots by one period, except those whose entry in `resting` (one per robot) is not 0.
-  // `targets`: robots x 18, rad, clipped to the joints' limits. Errors: called before reset(); a robot's
-  // chip or board has stopped.
+  // Advances all robots by one period, except robots whose entry in `resting` is not 0. `resting` has one
+  // entry per robot. `targets`: robots x 18, rad, clipped to the joints' limits. Errors: called before
+  // reset(); a robot's chip or board has stopped.
   Result<void> step(std::span<const double> targets, std::span<const std::uint8_t> resting);
-  // Applies an impulse to a link in the next period, N s, world frame. Errors of this and the following
-  // functions: called before reset(); no such robot, link or model.
+  // Applies an impulse (N s, world frame) to a link during the next period. Errors of push(), accelerate()
+  // and link_pose(): called before reset(); no such robot, link or model.
   Result<void> push(int robot, const std::string& link, const Eigen::Vector3d& impulse);
-  // Changes an object's velocity, m/s, world frame.
+  // Adds `change` (m/s, world frame) to the velocity of an object.
   Result<void> accelerate(int robot, const std::string& model, const Eigen::Vector3d& change);
   const BatchState& state() const { return state_; }
   const BatchOptions& options() const { return options_; }
   const vision::CameraModel& camera() const { return model_; }
-  // Returns the newest pair of pictures that robot `i` has received by the end of the period. Valid until
-  // the next step() or reset(). Null if no pair has arrived yet, or without pictures.
+  // Returns the newest pair of pictures that robot `i` has received by the end of the period. Valid until the
+  // next step() or reset(). Null if no pair has arrived yet, or the cameras are off.
   const vision::StereoImages* pictures(std::size_t i) const;
   Result<Eigen::Isometry3d> link_pose(int robot, const std::string& link) const;
 
@@ -105,8 +107,8 @@ class Batch {
   Result<Robot*> robot_at(int robot) const;
 
   BatchOptions options_;
-  // Initial state of all episodes: `settled_` on the engine `none`, else `start_`. `prototype_` is the world
-  // as loaded.
+  // Initial state of all episodes: `settled_` with the engine `none`, else `start_`. `prototype_` is the
+  // world as loaded.
   std::unique_ptr<sim::World> prototype_;
   std::unique_ptr<Robot> settled_;
   sim::Simulation::Start start_;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Calls run without the GIL, so only this lock keeps a second thread out. While a call is running, a call of
-// another thread is refused, but a stop is not. The stop requests the interrupt, waits until the running
-// call has left the object, and then works alone. Thread-safe. Does not use Python.
+// another thread is refused, but a stop is not. The stop requests the interrupt, waits until the running call
+// has left the object, and is then the only user of the object. Thread-safe. Does not use Python.
 #pragma once
 
 #include <condition_variable>
@@ -23,9 +23,9 @@ class ObjectLock {
   ObjectLock(const ObjectLock&) = delete;
   ObjectLock& operator=(const ObjectLock&) = delete;
 
-  // One call, which consists of one or several pieces of work. Between two pieces, the calling thread may
-  // run other Python code, such as a signal handler. If that code calls the same object, the new call is
-  // nested in the running call.
+  // One call of the object. A call consists of one or several pieces of work. Between two pieces, the calling
+  // thread may run other Python code, such as a signal handler. If that code calls the same object, the new
+  // call is nested in the running call.
   class Call {
    public:
     enum class State { begun, in_use, stopping };
@@ -34,11 +34,11 @@ class ObjectLock {
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
 
-    // in_use: another thread's call is running. stopping: a stop is running. In both cases the call must not
-    // go on.
+    // in_use: another thread's call is running. stopping: a stop is running. If the state is in_use or
+    // stopping, the call must not go on.
     State state() const { return state_; }
-    // Begins a piece of work, after waiting for a running stop. If a stop came since the call began, returns
-    // false without beginning a piece.
+    // Begins a piece of work, after waiting for a running stop. If a stop has run since the call began,
+    // returns false without beginning a piece.
     bool enter();
     void leave();
 

@@ -1,9 +1,9 @@
 // Common parts of the Python module: errors as exceptions, arrays, joint names.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Operations of more than some microseconds run without the GIL, after their arguments are checked.
-// Therefore each object that a call changes has an ObjectLock, and all member functions of the object use
-// LockedCall.
+// Operations of more than some microseconds run without the GIL. The arguments are checked before the GIL is
+// released. Therefore each object that a call changes has an ObjectLock, and all member functions of the
+// object use LockedCall.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -33,7 +33,7 @@ namespace py = pybind11;
 
 // Throws a Python exception with the error's message. UsageError (a ValueError): invalid values.
 // EnvironmentFault (an OSError): ports, files and similar. Stopped (a RobotError): an interrupted call.
-// RobotError: all others.
+// RobotError: all other errors.
 [[noreturn]] void raise(const Error& error);
 
 template <class T>
@@ -63,9 +63,9 @@ class LockedCall {
  public:
   explicit LockedCall(ObjectLock& lock);
 
-  // Runs `work` without the GIL. No other thread works on the object meanwhile. Throws Stopped if stop() or
-  // close() was called before. The object is released before the GIL is taken, so that stop() does not wait
-  // for the GIL.
+  // Runs `work` without the GIL. While `work` runs, no other thread works on the object. Throws Stopped if
+  // stop() or close() was called before. The object is released before the GIL is taken, so that stop() does
+  // not wait for the GIL.
   template <class F>
   auto piece(F work) {
     const py::gil_scoped_release release;
@@ -93,11 +93,11 @@ class Locked {
   Locked(const std::string& name, std::unique_ptr<T> object)
       : lock_(name), object_(std::move(object)) {}
   ObjectLock& lock() { return lock_; }
-  // Only for use in a piece of a LockedCall.
+  // Call object() only in a piece of a LockedCall.
   T& object() { return *object_; }
 
-  // Runs `work` on the object without the GIL, and returns the result of `work`. No other thread works on
-  // the object meanwhile. `work` must not use Python.
+  // Runs `work` on the object without the GIL, and returns the result of `work`. While `work` runs, no other
+  // thread works on the object. `work` must not use Python.
   template <class F>
   auto alone(F work) {
     return LockedCall(lock_).piece([&] { return work(*object_); });
@@ -137,7 +137,7 @@ struct Pair {
 // Waits for the pixels of a pair and returns the pictures.
 Pair pair_of(const vision::StereoPair& pair);
 
-// Copies an array of height x width x 3, RGB, to an image.
+// Copies an RGB array of height x width x 3 to an image.
 vision::Image image_of(
     const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& picture);
 

@@ -1,8 +1,8 @@
-// Renderers of one scene for many robots, one per drawing thread.
+// Renderers of one scene for many robots: one renderer per drawing thread.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A renderer contains meshes and textures, which are equal for all robots of one world. So robots share
-// renderers. Thread-safe.
+// A renderer contains meshes and textures. All robots of one world have equal meshes and textures, so they
+// share the renderers. Thread-safe.
 #pragma once
 
 #include <map>

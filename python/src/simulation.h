@@ -15,7 +15,7 @@ namespace kaz::python {
 // Robot's calls advance the simulation.
 class SimulatedWorld : public Locked<sim::Simulation> {
  public:
-  // `links`: names of the robot's links, including welded ones.
+  // `links`: names of the robot's links, including welded links.
   SimulatedWorld(std::unique_ptr<sim::Simulation> simulation, std::vector<std::string> links)
       : Locked("this Simulation, or a Robot in it,", std::move(simulation)),
         links_(std::move(links)) {}

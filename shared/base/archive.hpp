@@ -1,17 +1,17 @@
-// Serialization of states: each class lists its members once, for writing and reading.
+// Serialization of states. Each class lists its members once, and the list is used for writing and reading.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A class lists its members in a member function
 //   template <class A> void transfer(A& a) { a(first_, second_); }
 //
 // StateWriter appends the members, StateReader fills them. Numbers are little-endian and as wide as their
-// type. Containers begin with their length. A reader never reads beyond the end of the archive. If bytes are
-// missing, the reader refuses the archive and sets the missing numbers to zero.
+// type. A container begins with the number of elements. A reader never reads beyond the end of the archive.
+// If bytes are missing, the reader refuses the archive and sets the missing numbers to zero.
 //
 // Bytes may be damaged or hostile, and a checksum does not exclude hostile bytes. So the reader refuses
-// values out of range. last_value() bounds enumerations. The limits below bound floating-point numbers and
-// times. The remaining bytes bound lengths. A class checks all other indices, lengths, shifts and divisors
-// itself, with require() in transfer().
+// values out of range. The limit of an enumeration is last_value(). kMaxArchived limits floating-point
+// numbers, and kMaxArchivedTime limits times. The number of remaining bytes limits lengths. A class checks
+// all other indices, lengths, shifts and divisors itself, with require() in transfer().
 //
 // After a refusal, members may have any value, and the owner of the object must restore the old values.
 #ifndef KAZ_SHARED_BASE_ARCHIVE_HPP
@@ -65,10 +65,10 @@ inline constexpr bool is_duration<std::chrono::duration<R, P>> = true;
 // Maximum magnitudes. Within these limits, products of numbers are finite, and differences of times fit 64
 // bits.
 inline constexpr double kMaxArchived = 1e15;
-// 9 years for times in ns, 495 years for times in H8 states.
+// Maximum time or counter: 9 years in ns, 495 years in H8 states.
 inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;
 
-// Whether a time or counter is within the limit. Two values outside the limit are also valid and mean
+// Returns whether a time or counter is within the limit. Two values outside the limit are also valid and mean
 // "never".
 constexpr bool is_archivable(std::int64_t number) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
@@ -97,12 +97,12 @@ class StateArchive {
   // Returns the first error, as the rest of a sentence that begins with the archive's name; empty: no error.
   const std::string& error() const { return error_; }
   bool good() const { return error_.empty(); }
-  // Records an error; only the first one counts.
+  // Records an error. After the first error, further errors are ignored.
   void refuse(std::string why) {
     if (good()) error_ = std::move(why);
   }
-  // Refuses the archive if `fits` is false; `what` names the value. Returns good(). A StateWriter checks the
-  // values as well, so that every written archive can be read back.
+  // Refuses the archive if `fits` is false; `what` names the value. Returns good(). A StateWriter also checks
+  // the values, so that every written archive can be read again.
   bool require(bool fits, const char* what) {
     if (!fits) refuse_range(what);
     return good();
@@ -161,8 +161,8 @@ class StateArchive {
       if constexpr (Derived::reading) {
         if (!self.holds(size)) return;
         value.clear();
-        // Adds the elements one by one, because `size` may be wrong and elements can need more memory than
-        // bytes.
+        // Adds the elements one by one. `size` may be wrong, and an element can need more memory than its
+        // bytes in the archive.
         for (; size > 0 && good(); --size) {
           value.push_back({});
           one(value.back());

@@ -17,7 +17,7 @@
 
 namespace kaz {
 
-// Maximum nesting depth. No file of Kaz nests this deep. To copy, compare or print a document,
+// Maximum nesting depth. The files of Kaz have fewer levels. To copy, compare or print a document,
 // nlohmann::json recurses once per level. A stack holds only some thousand levels.
 inline constexpr std::size_t kJsonDepthMax = 64;
 
@@ -25,8 +25,8 @@ enum class JsonComments { refused, ignored };
 
 namespace bounded_json_detail {
 
-// Checks nesting and duplicate keys in the parser's own events, so that both see the same structure. The
-// callbacks return false to stop the parser; why() is then the reason.
+// Checks nesting and duplicate keys in the events of the parser itself, so that check and parser see the same
+// structure. A callback returns false to stop the parser; why() then returns the reason.
 template <class Json>
 class Guard final : public nlohmann::json_sax<Json> {
  public:

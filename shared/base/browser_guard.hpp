@@ -6,8 +6,8 @@
 // method can be any token of RFC 9110, even text that is valid in GDB's protocol. A server of raw bytes
 // would ignore the HTTP header as noise and execute the body.
 //
-// So each TCP listener that does not speak HTTP first passes received bytes through a BrowserGuard. The
-// guard admits only connections whose first bytes could come from a client of this port.
+// So each TCP listener that does not speak HTTP first passes received bytes through a BrowserGuard. The guard
+// admits a connection only if the first bytes could come from a client of the port.
 #pragma once
 
 #include <algorithm>
@@ -43,8 +43,8 @@ class BrowserGuard {
 
   // Checks the next received bytes. Returns the bytes to pass on, or nullopt if the peer may be a browser.
   // The caller must then close the connection. The result is valid until the next call, and as long as
-  // `bytes` is valid. The result is empty while the first GDB packet is incomplete. There is no timeout for
-  // the first packet.
+  // `bytes` is valid. As long as the first GDB packet is incomplete, the result is empty. There is no timeout
+  // for the first packet.
   std::optional<std::span<const std::uint8_t>> admit(std::span<const std::uint8_t> bytes) {
     if (admitted_ || bytes.empty()) return bytes;
     if (peer_ == Peer::frames) {
@@ -57,7 +57,7 @@ class BrowserGuard {
     if (!admitted_) return std::span<const std::uint8_t>();
     return first_;
   }
-  // Whether the connection was admitted.
+  // Returns whether the connection was admitted.
   bool admitted() const { return admitted_; }
 
  private:
@@ -67,7 +67,8 @@ class BrowserGuard {
     return (byte >= 0x20 && byte < 0x7f) || (byte >= 9 && byte <= 13);
   }
 
-  // Whether first_ may begin a GDB packet. Sets admitted_ if first_ is a whole packet: "$...#xx".
+  // Returns whether first_ may be the beginning of a GDB packet. Sets admitted_ if first_ is a whole packet:
+  // "$...#xx".
   bool may_be_gdb() {
     std::span<const std::uint8_t> rest = first_;
     if (rest.front() == '+') rest = rest.subspan(1);
@@ -81,7 +82,7 @@ class BrowserGuard {
   }
 
   Peer peer_;
-  std::vector<std::uint8_t> first_;  // start of a GDB connection
+  std::vector<std::uint8_t> first_;  // first received bytes of a GDB connection
   bool admitted_ = false;
 };
 

@@ -5,8 +5,9 @@
 //   CameraStreamHeader, then for each pair: CameraStreamPair, left picture, right picture
 //
 // A picture is width * height * 3 bytes of RGB, rows from top to bottom, without padding. Numbers are
-// little-endian at the offsets below. Readers send nothing. The stream ends when the publisher closes the
-// socket, possibly within a pair. docs/reference/camera-stream.md helps authors of readers.
+// little-endian, at the offsets of the structs below. Readers send nothing. The stream ends when the
+// publisher closes the socket, possibly within a pair. For authors of readers, there is
+// docs/reference/camera-stream.md.
 //
 // The publisher sends a pair as soon as the pair is drawn and never waits for a slow reader. The publisher
 // skips whole pairs for a slow reader; gaps in `sequence` show the skipped pairs. A reader should deliver a
@@ -23,7 +24,8 @@ namespace kaz {
 inline constexpr char kCameraStreamMagic[4] = {'K', 'A', 'Z', 'C'};
 inline constexpr char kCameraPairMagic[4] = {'P', 'A', 'I', 'R'};
 inline constexpr std::uint32_t kCameraStreamVersion = 1;
-inline constexpr std::uint32_t kCameraStreamMaxSide = 4096;  // pixels; readers reject more
+// Pixels; readers reject larger pictures.
+inline constexpr std::uint32_t kCameraStreamMaxSide = 4096;
 
 struct CameraStreamHeader {
   char magic[4];            // kCameraStreamMagic
@@ -32,11 +34,11 @@ struct CameraStreamHeader {
   std::uint32_t height;     // pixels
   double fx, fy, cx, cy;    // pixels; pixel centers have integer coordinates (vision/image/frame.h)
   double baseline_m;        // offset of the right lens along +x of the left optical frame, m
-  std::int64_t latency_ns;  // from the middle of the exposure to delivery, >= 0
+  std::int64_t latency_ns;  // time from the middle of the exposure to delivery, >= 0
 };
 
 struct CameraStreamPair {
-  char magic[4];             // kCameraPairMagic; if not, the reader is out of step
+  char magic[4];             // kCameraPairMagic; other values: the reader lost synchronization
   std::uint32_t reserved;    // 0
   std::uint64_t sequence;    // number of the exposure, from 0 at the publisher's start
   std::int64_t exposure_ns;  // middle of the exposure on CLOCK_MONOTONIC

@@ -1,4 +1,4 @@
-// Text of a number with its noun, for messages: "1 case", "2 cases".
+// Formats a number with a noun for messages: "1 case", "2 cases".
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace kaz {
 
-// Returns the number and the noun. The noun's plural must be formed with s.
+// Returns the number and the noun. The noun must form its plural with s.
 template <class Number>
 std::string counted(Number number, const std::string& noun) {
   return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");

@@ -1,7 +1,8 @@
 // Conversion between enum values and their names in options, files and messages.
 // SPDX-License-Identifier: Apache-2.0
 //
-// An enum T needs constexpr const char* to_string(T) in its namespace, and an array of all values of T.
+// For an enum T, the functions need constexpr const char* to_string(T) in the namespace of T, and an array of
+// all values of T.
 #ifndef KAZ_SHARED_BASE_ENUM_NAMES_HPP
 #define KAZ_SHARED_BASE_ENUM_NAMES_HPP
 

@@ -1,8 +1,8 @@
 // Reads whole files, writes files atomically, and creates temporary folders.
 // SPDX-License-Identifier: Apache-2.0
 //
-// New files and folders get unused names (O_EXCL, mkdtemp). So in a folder that others can write to, such as
-// /tmp, a planted link under a guessed name is not followed.
+// New files and folders get unused names (O_EXCL, mkdtemp). So in a folder that other users can write to,
+// such as /tmp, a planted link under a guessed name is not followed.
 #ifndef KAZ_SHARED_BASE_FILES_HPP
 #define KAZ_SHARED_BASE_FILES_HPP
 
@@ -24,7 +24,7 @@
 
 namespace kaz {
 
-// Whether the errno value `error` means lack of space: full disk, quota, or file size limit.
+// Returns whether the errno value `error` means lack of space: full disk, quota, or file size limit.
 inline bool lacks_space(int error) {
   return error == ENOSPC || error == EDQUOT || error == EFBIG;
 }
@@ -44,10 +44,11 @@ inline bool is_disk_full(const Error& error) {
   return error.message.starts_with("disk full while writing ");
 }
 
-// Flushes a file to disk. Some file systems report a full disk only here. Returns false and sets errno on
-// failure.
+// Flushes a file to disk. Some file systems report a full disk only when a file is flushed. Returns false and
+// sets errno on failure.
 inline bool sync_file(int fd) {
-  return fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS;  // no error: not a flushable file
+  // EINVAL and ENOSYS are not errors: some files, such as devices, cannot be flushed.
+  return fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS;
 }
 
 // Creates an empty folder in TMPDIR or /tmp that only this user can access, and returns the path. The
@@ -114,8 +115,9 @@ inline Result<std::string> read_whole_file(const std::string& path, std::size_t 
   }
 }
 
-// Renames `from`, which must be flushed to disk, to `to`, and flushes the folder's entry. If the entry is
-// not flushed, a power failure may restore the previous file. Returns false and sets errno on failure.
+// Renames the file `from` to `to`, and flushes the folder's entry to disk. `from` must already be flushed to
+// disk. Without the flush of the folder's entry, a power failure may restore the previous file. Returns false
+// and sets errno on failure.
 inline bool move_into_place(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) return false;
   const auto parent = std::filesystem::path(to).parent_path();
@@ -124,9 +126,9 @@ inline bool move_into_place(const std::string& from, const std::string& to) {
   return !folder || sync_file(folder.get());  // a folder without read permission cannot be opened
 }
 
-// Replaces the file at `path` atomically: an existing file stays until all new bytes are on disk. A symbolic
-// link stays, and its target is replaced. Devices and pipes are written directly. Returns Fault::environment
-// on failure.
+// Replaces the file at `path` atomically: an existing file stays until all new bytes are on disk. If `path`
+// is a symbolic link, the target of the link is replaced. Devices and pipes are written directly. Returns
+// Fault::environment on failure.
 inline Result<void> write_whole_file(const std::string& path, std::string_view bytes) {
   const auto cannot = [&](const char* what, int error) { return write_failure(path, what, error); };
   std::error_code no_link;
@@ -136,7 +138,8 @@ inline Result<void> write_whole_file(const std::string& path, std::string_view b
     if (no_link) break;
     target = (std::filesystem::path(target).parent_path() / to).string();
   }
-  // Devices and pipes are written directly, because a rename would remove them for all programs.
+  // Devices and pipes are written directly, because a rename would remove the device or pipe for all
+  // programs.
   const auto status = std::filesystem::status(target, no_link);
   const bool stream = std::filesystem::exists(status) &&
                       !std::filesystem::is_regular_file(status) &&

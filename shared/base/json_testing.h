@@ -1,4 +1,4 @@
-// JSON for tests. Parsing and printing are compiled only once, because they cost 2 s per test.
+// JSON for tests. Parsing and printing are compiled only once, because compiling both takes 2 s per test.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <iosfwd>

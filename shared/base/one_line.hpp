@@ -10,8 +10,8 @@
 
 namespace kaz {
 
-// Returns the length of the UTF-8 character that begins at `at`, or 0 if the character is invalid or `at` is
-// the end of the text. RFC 3629: no overlong forms, no surrogates, at most U+10FFFF.
+// Returns the length of the UTF-8 character that begins at `at`. Returns 0 if the character is invalid, or
+// `at` is the end of the text. RFC 3629: no overlong forms, no surrogates, at most U+10FFFF.
 inline std::size_t utf8_length(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
@@ -59,8 +59,8 @@ inline std::string one_line(std::string_view text) {
   return out;
 }
 
-// Returns the first `max` bytes of `text`, or fewer so as not to cut a UTF-8 character. "..." replaces the
-// rest.
+// Returns the first `max` bytes of `text`, or slightly fewer, so that no UTF-8 character is cut. "..."
+// replaces the rest.
 inline std::string cut_text(std::string_view text, std::size_t max = 80) {
   if (text.size() <= max) return std::string(text);
   std::size_t end = max;

@@ -1,10 +1,10 @@
-// Profiler: CPU and waiting time of each part of the program and of each thread.
+// Profiler: measures CPU time and waiting time of each part of the program and of each thread.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A ProfileScope assigns the time of its thread to a part of the program. Scopes nest, and time counts for
-// the innermost scope. So the parts add up to the time of the outermost scopes. While no Profile exists, a
-// scope costs one load and a branch. While a Profile exists, a scope reads two clocks at its begin and at
-// its end, which takes 1.55 us (docs/explanation/time.md).
+// the innermost scope. So the times of the parts add up to the time of the outermost scopes. While no Profile
+// exists, a scope costs one load and a branch. While a Profile exists, a scope reads two clocks at the begin
+// and at the end. Both readings take 1.55 us (docs/explanation/time.md).
 #ifndef KAZ_SHARED_BASE_PROFILE_HPP
 #define KAZ_SHARED_BASE_PROFILE_HPP
 
@@ -31,13 +31,14 @@ class Profile {
     std::uint64_t count = 0;  // ended scopes
   };
   struct Thread {
-    // Part of the thread's outermost scope. A number follows if an earlier thread has the same name.
+    // Name of the part of the thread's outermost scope. If an earlier thread has the same name, a number is
+    // appended.
     std::string name;
     double cpu_s = 0;  // CPU time in scopes
   };
 
-  // Measures the scopes of all threads during its lifetime. At most one Profile may exist. Scopes that are
-  // open when the Profile begins or ends do not count.
+  // A Profile measures the scopes of all threads during the lifetime of the Profile. At most one Profile may
+  // exist. Scopes that are open when the Profile begins or ends do not count.
   Profile() {
     epoch().fetch_add(1);
     current().store(this);
@@ -46,7 +47,7 @@ class Profile {
   Profile(const Profile&) = delete;
   Profile& operator=(const Profile&) = delete;
 
-  // Returns the parts of number of ended scopes, by decreasing CPU time.
+  // Returns the parts that had scopes, by decreasing CPU time.
   std::vector<Part> parts() const {
     std::vector<Part> all;
     const std::lock_guard lock(mutex_);
@@ -83,7 +84,8 @@ class Profile {
 
  private:
   friend class ProfileScope;
-  // Times of one part in one thread. Only that thread writes the times; any thread may read them.
+  // Times of one part in one thread. Only the thread of the Row writes the times; any thread may read the
+  // times.
   struct Row {
     explicit Row(const char* part) : name(part) {}
     std::string name;
@@ -99,7 +101,8 @@ class Profile {
     static std::atomic<Profile*> profile{nullptr};
     return profile;
   }
-  // Number of profiles so far. A thread thus detects a new profile at the address of an earlier profile.
+  // Number of profiles so far. With this number, a thread detects a new profile even if the new profile is at
+  // the address of an earlier profile.
   static std::atomic<std::uint64_t>& epoch() {
     static std::atomic<std::uint64_t> count{0};
     return count;
@@ -119,10 +122,10 @@ class Profile {
   }
 
   mutable std::mutex mutex_;
-  std::vector<std::shared_ptr<Table>> tables_;  // one per thread
+  std::vector<std::shared_ptr<Table>> tables_;  // one table per thread
 };
 
-// While a ProfileScope exists, the time of its thread counts for a part.
+// While a ProfileScope exists, the time of the scope's thread counts for a part of the program.
 class ProfileScope {
  public:
   // `part` must outlive the scope.

@@ -16,7 +16,7 @@ enum class Fault {
   failed = 1,         // the task failed: ball not caught, verify mismatch
   usage = 2,          // wrong options, unusable input file
   environment = 3,    // no such port, port lost, no reply, no display
-  interrupted = 128,  // plus the signal's number: 130 after Ctrl-C
+  interrupted = 128,  // exit status 128 plus the signal's number: 130 after Ctrl-C
 };
 
 // An error. `message` is one sentence: what failed, where (file, line, port), and what to do. No trailing
@@ -34,8 +34,8 @@ inline tl::unexpected<Error> fail(Fault fault, std::string message) {
   return tl::unexpected<Error>(Error{fault, std::move(message)});
 }
 
-// Returns an error with the default fault. For libraries that cannot select a fault, such as the image
-// parsers and the emulator. The caller passes the message on with a fault of its own choice.
+// Returns an error with the default fault. This function is for libraries that cannot select a fault, such as
+// the image parsers and the emulator. The caller of the library replaces the fault.
 inline tl::unexpected<Error> fail(std::string message) {
   return tl::unexpected<Error>(Error{.message = std::move(message)});
 }
@@ -62,9 +62,9 @@ T value_of(tl::expected<T, E>&& result) {
 //   const auto image = KAZ_TRY(load_image(path));  // Result<Image>: image is an Image
 //   KAZ_TRY(robot.enable());                       // Result<void>, or any Result whose value is not used
 //
-// Evaluates the expression once. Use KAZ_TRY only as a whole initializer or a whole statement, as above.
-// Within a larger expression, the return may leave temporaries undestroyed. Uses a statement expression of
-// GCC and clang.
+// KAZ_TRY evaluates the expression once. Use KAZ_TRY only as a whole initializer or a whole statement, as
+// above. Within a larger expression, the return may leave temporaries undestroyed. KAZ_TRY uses a statement
+// expression, an extension of GCC and clang.
 #define KAZ_TRY(...) KAZ_TRY_NUMBERED(__COUNTER__, __VA_ARGS__)
 #define KAZ_TRY_NUMBERED(number, ...) KAZ_TRY_JOINED(number, __VA_ARGS__)
 #define KAZ_TRY_JOINED(number, ...) KAZ_TRY_NAMED(kaz_try_##number, __VA_ARGS__)

@@ -8,7 +8,8 @@
 
 namespace kaz {
 
-// Returns `word`, in single quotes if it contains characters with a meaning to the shell.
+// Returns `word`. If `word` contains characters with a special meaning to the shell, the result is in single
+// quotes.
 inline std::string shell_word(const std::string& word) {
   constexpr std::string_view plain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";

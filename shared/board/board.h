@@ -1,5 +1,5 @@
-// Hardware constants of the servo board: clock, A/D channels, output bits and angle units.
-// joints.def has the wiring of each joint.
+// Hardware constants of the servo board: clock, A/D channels, output bits and angle units. The wiring of each
+// joint is in joints.def.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BOARD_BOARD_H
 #define KAZ_SHARED_BOARD_BOARD_H
@@ -8,8 +8,8 @@
 
 #define KZ_JOINTS 18
 
-// Crystal frequency, Hz. One CPU state is one period of the crystal. One bit at 115,200 baud takes a whole
-// number of states, and so does 1 ms.
+// Crystal frequency, Hz. One CPU state is one period of the crystal. One bit at 115,200 baud and 1 ms are
+// both whole numbers of states.
 #define KZ_CLOCK_HZ 18432000L
 #define KZ_TICK_HZ 1000
 #define KZ_STATES_PER_TICK 18432L
@@ -28,7 +28,7 @@
 // Temperature of the motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale.
 #define KZ_ANALOG_TEMPERATURE 14
 // Optional inertial sensors on AN3..AN5; half of AVCC means zero. Boards without inertial sensors ground
-// these pins. The indices belong to multiplexer inputs that are not connected.
+// these pins. For the inertial sensors, the indices of unconnected multiplexer inputs are used.
 #define KZ_ANALOG_YAW_RATE 15
 #define KZ_ANALOG_FORWARD_FORCE 22
 #define KZ_ANALOG_LEFT_FORCE 23
@@ -39,9 +39,9 @@
 #define KZ_POT_CODES 1024
 #define KZ_POT_RANGE_DECIDEG 1900
 
-// Outputs of port 4 that are not joint directions.
-// P40..P42 select the multiplexer input. Pull-ups keep them high, which boot mode requires.
-// P45 enables all motor drivers. A pull-down keeps them off while the pin floats.
+// Outputs of port 4 that are not joint directions. P40..P42 select the multiplexer input. Pull-ups keep
+// P40..P42 high, because boot mode requires high levels. P45 enables all motor drivers. A pull-down keeps the
+// drivers off while the pin floats.
 #define KZ_P4_MUX_MASK 0x07
 #define KZ_P4_ENABLE 0x20
 

@@ -5,8 +5,8 @@
 
 #include "shared/board/table.h"
 
-// Joint angle of half the potentiometer's range, 100 urad, negative if `sign` is. Argument `scale` of
-// kz_pot_angle_from.
+// Change of the joint angle over half the potentiometer's range, 100 urad; negative if `sign` is negative.
+// Use KZ_POT_SCALE for the argument `scale` of kz_pot_angle_from.
 #define KZ_POT_SCALE(sign) ((s16)((sign) > 0 ? KZ_POT_HALF_SPAN : -KZ_POT_HALF_SPAN))
 
 // Returns the joint angle, 100 urad, at A/D code `code`, 0..1023. `centre` and `scale` are pot_centre and

@@ -1,5 +1,5 @@
-// Joint table for the servo loop: calibration, limits and A/D input of each joint.
-// Generated at compile time from joints.def and the limits of the URDF.
+// Joint table for the servo loop: calibration, limits and A/D input of each joint. Generated at compile time
+// from joints.def and the limits of the URDF.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BOARD_TABLE_H
 #define KAZ_SHARED_BOARD_TABLE_H
@@ -16,7 +16,7 @@ extern "C" {
 
 typedef struct kz_board_joint {
   s16 pot_centre;  // joint angle at code 512, 100 urad (kz_pot_angle)
-  s16 pot_scale;   // joint angle of 512 codes: KZ_POT_HALF_SPAN or -KZ_POT_HALF_SPAN
+  s16 pot_scale;   // change of joint angle over 512 codes: KZ_POT_HALF_SPAN or -KZ_POT_HALF_SPAN
   s16 lower;       // mechanical limits (URDF), 100 urad
   s16 upper;
   u8 analog;    // index into kz_tick_input.analog
@@ -26,10 +26,9 @@ typedef struct kz_board_joint {
 extern const kz_board_joint kz_board_joints[KZ_JOINTS];
 
 // Returns the joint angle in 100 urad at potentiometer code `code`, 0..1023, with the nominal calibration.
-// One code is 190/1024 degrees. The converter rounds down, so the angle of a code is the middle of its
-// range. Code 512 begins at the angle in joints.def; pot_centre is half a code beyond that angle. Without
-// the half code, a pair of mirrored servos would err in opposite directions, and the robot would walk in a
-// curve.
+// One code is 190/1024 degrees. The converter rounds down, so the angle of a code is the middle of the code's
+// range. Code 512 begins at the angle in joints.def; pot_centre is half a code beyond that angle. Without the
+// half code, a pair of mirrored servos would err in opposite directions, and the robot would walk in a curve.
 s16 kz_pot_angle(const kz_board_joint* joint, u16 code);
 
 #ifdef __cplusplus

@@ -32,7 +32,7 @@ enum class Instruction : std::uint8_t {
   factory_reset = 0x06,
   reboot = 0x08,
   clear = 0x10,   // clears the counted turns
-  backup = 0x20,  // stores EEPROM registers and gains, or restores them
+  backup = 0x20,  // stores or restores EEPROM registers and gains
   status = 0x55,  // a reply
   sync_read = 0x82,
   sync_write = 0x83,
@@ -51,7 +51,7 @@ enum class Failure : std::uint8_t {
   range = 4,   // value out of the register's range
   length = 5,  // data end in the middle of a register
   limit = 6,   // value beyond the limit set by another register
-  access = 7,  // register is read-only or locked, or no register at the address
+  access = 7,  // the register is read-only or locked, or the address has no register
 };
 // Flag in the error byte: hardware_error_status is not 0.
 inline constexpr std::uint8_t kAlert = 0x80;
@@ -76,7 +76,7 @@ struct Packet {
 // Maximum LENGTH that PacketReader accepts. The manual states no limit; 1024 is the limit in ROBOTIS's SDK.
 inline constexpr std::size_t kMaxLength = 1024;
 
-// Returns the CRC-16 with polynomial 8005 after `bytes`, starting at `crc`.
+// Returns the CRC-16 (polynomial 8005) of `bytes`, starting from `crc`.
 std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t crc = 0);
 
 // Encodes a packet: adds header, length, stuffing and CRC.
@@ -96,9 +96,9 @@ inline std::uint8_t high(std::size_t value) {
   return static_cast<std::uint8_t>(value >> 8);
 }
 
-// The joined reply to a fast read begins with this many bytes: header, id, length, instruction.
+// Number of bytes at the start of the joined reply to a fast read: header, id, length, instruction.
 inline constexpr std::size_t kFastHead = 8;
-// In a joined reply, each servo sends this many bytes besides its data: error, id, CRC.
+// Number of bytes that each servo sends in a joined reply besides the data: error, id, CRC.
 inline constexpr std::size_t kFastFrame = 4;
 
 // Stream decoder: finds packets in received bytes. Not thread-safe.
@@ -109,13 +109,13 @@ class PacketReader {
 
   // Processes one byte. Returns the event that the byte completes, or Event::none.
   Event take(std::uint8_t byte);
-  // The last packet; valid after Event::packet until the next byte. After bad_checksum, the content of the
-  // damaged packet.
+  // Returns the last packet. Valid after Event::packet until the next byte. After Event::bad_checksum,
+  // returns the content of the damaged packet.
   const Packet& packet() const { return packet_; }
   // Drops an incomplete packet and counts the packet as abandoned. Call reset() after a timeout between
   // bytes or a framing error.
   void reset();
-  // Whether an incomplete packet, or a part of a possible header, has been received.
+  // Returns whether an incomplete packet, or a part of a possible header, has been received.
   bool inside() const { return !bytes_.empty(); }
   const Counts& counts() const { return counts_; }
 

@@ -1,14 +1,14 @@
-// Injected faults: the vocabulary, schedules as text, and random schedules.
+// Injected faults: the kinds of faults, schedules as text, and random schedules.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Simulator, tests and real ports share one vocabulary (faults.def); real ports support only some faults.
-// A schedule is text with one fault per line (docs/reference/simulator.md):
+// Simulator, tests and real ports share one list of fault kinds (faults.def). Real ports support only some
+// kinds. A schedule is text with one fault per line (docs/reference/simulator.md):
 //
 //   at 1.250 s for 0.2 s pot_open joint 3
 //   at 2 s for 500 ms link_drop 0.05 to board   # 5 % of the bytes from the host
 //   at 4 s power_reset
 //
-// Times count from the start of the simulation or port that gets the schedule.
+// Times count from the start of the simulation, or of the port, to which the schedule is given.
 #pragma once
 
 #include <chrono>
@@ -49,13 +49,13 @@ struct Kind {
   Name id;
   std::string_view name;
   Target target;
-  std::string_view parameter, unit;  // empty: no parameter, no unit
+  std::string_view parameter, unit;  // empty if the kind has no parameter or no unit
   double low, high, initial;         // bounds and default of the parameter
   Where where;
   std::string_view text;
 };
 
-// All kinds, in the order of Name.
+// Returns all kinds of faults, in the order of Name.
 std::span<const Kind> kinds();
 const Kind& kind_of(Name name);
 
@@ -70,9 +70,10 @@ struct Fault {
   double value = 0;     // parameter, in the unit of the fault's kind
   bool operator==(const Fault&) const = default;
 
-  // Whether joint and value are valid for the kind of fault.
+  // Returns whether joint and value are valid for the kind of fault.
   bool is_possible() const;
-  // Whether the fault is active at time `t`. A fault is active from `at` on, for the duration `length`.
+  // Returns whether the fault is active at time `t`. A fault is active from `at` on, for the duration
+  // `length`.
   bool active(Time t) const { return t >= at && (length == kForEver || t - at < length); }
   template <class A>
   void transfer(A& a) {
@@ -92,7 +93,8 @@ class Schedule {
  public:
   Schedule() = default;
   explicit Schedule(std::vector<Fault> faults) : faults_(std::move(faults)) {}
-  // Read a schedule. Errors name `path` or `name`, and the line. load() also rejects a file without faults.
+  // Read a schedule from a file or from text. Error messages contain `path` or `name`, and the line. load()
+  // also rejects a file without faults.
   static Result<Schedule> load(const std::string& path);
   static Result<Schedule> parse(std::string_view text, const std::string& name);
 
@@ -121,11 +123,11 @@ struct RandomOptions {
   Time length = std::chrono::seconds(10);         // all faults begin within this time
   double per_second = 1;                          // mean rate of faults, 1/s
   Time longest = std::chrono::milliseconds(500);  // maximum duration of a fault
-  // Which faults to draw: faults of the line, of joints, of the board's power.
+  // Whether to draw faults of the line, of joints, and of the board's power.
   bool line = true, joints = true, power = true;
 };
 // Returns a message such as "1 fault never began, because the run ended before it: at 100 s power_reset", or
-// an empty text without faults.
+// an empty text if `faults` is empty.
 std::string not_begun_text(std::span<const Fault> faults);
 // Draws a schedule. The same seed and options give the same schedule.
 Schedule random_schedule(std::uint64_t seed, const RandomOptions& options);

@@ -16,7 +16,8 @@ struct LineByte {
   bool framing_error = false;
 };
 
-// Result for one sent byte: up to three bytes arrive, namely noise, the byte and its duplicate.
+// The bytes that arrive for one sent byte: up to three, namely noise, the sent byte, and a duplicate of the
+// sent byte.
 struct LineBytes {
   std::array<LineByte, 3> bytes{};
   std::size_t count = 0;

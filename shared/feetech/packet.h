@@ -29,12 +29,12 @@ enum class Instruction : std::uint8_t {
   reg_write = 0x04,  // a write that the instruction `action` executes
   action = 0x05,
   restore = 0x06,      // restores the registers of the last backup, except the id
-  restart = 0x08,      // has no reply
+  restart = 0x08,      // servos do not reply
   backup = 0x09,       // stores the registers for `restore`
   reset_turns = 0x0A,  // clears the turn counter
-  set_middle = 0x0B,   // sets the present position to the middle, or to the 2-byte parameter
-  sync_read = 0x82,    // address, length, ids; SCS servos do not support it
-  sync_write = 0x83,   // address, length, then id and data per servo
+  set_middle = 0x0B,   // makes the present position the middle, or the 2-byte parameter
+  sync_read = 0x82,    // parameters: address, length, ids; SCS servos do not support sync_read
+  sync_write = 0x83,   // parameters: address, length, then id and data per servo
 };
 
 // Bits of the status byte in replies, and of the registers `status`, `unload_condition`, `led_alarm`.
@@ -53,9 +53,9 @@ struct Packet {
   std::vector<std::uint8_t> parameters;  // at most kMaxParameters
   bool operator==(const Packet&) const = default;
 };
-inline constexpr std::size_t kMaxParameters = 253;  // LENGTH is one byte
+inline constexpr std::size_t kMaxParameters = 253;  // maximum, because LENGTH is one byte
 
-// Returns the checksum of `bytes`, which are the bytes from ID to the last parameter.
+// Returns the checksum of `bytes`. `bytes` are the bytes of a packet from ID to the last parameter.
 std::uint8_t checksum(std::span<const std::uint8_t> bytes);
 
 // Encodes a packet. Precondition: at most kMaxParameters parameters.
@@ -80,7 +80,7 @@ class PacketReader {
   // Drops an incomplete packet and counts the packet as abandoned. Call reset() after a timeout between
   // bytes or a framing error.
   void reset();
-  // Whether an incomplete packet, or a part of a possible header, has been received.
+  // Returns whether an incomplete packet, or a part of a possible header, has been received.
   bool inside() const { return state_ != State::header || headers_ > 0; }
   const Counts& counts() const { return counts_; }
 

@@ -6,7 +6,7 @@
 
 #include "shared/base/types.h"
 
-// firmware/kaz.ld has the flash map. The application begins with a jump table. The first entry jumps to the
+// The flash map is in firmware/kaz.ld. The application begins with a jump table. The first entry jumps to the
 // start of the application.
 #define KZ_APPLICATION 0x1000UL
 #define KZ_APPLICATION_HEADER 0x11E0UL

@@ -12,7 +12,7 @@
 
 namespace kaz::h8s {
 
-// Parses one file; use an object once.
+// Parses one file. Use a new object for each file.
 class HexRecords {
  public:
   virtual ~HexRecords() = default;
@@ -20,21 +20,21 @@ class HexRecords {
   Result<Image> parse(std::string_view text);
 
  protected:
-  // `name` names the file in messages and must outlive the object. `segment` names the segments. `end` names
-  // the end record in messages.
+  // `name` names the file in messages and must outlive the object. `segment` is the name of the image's
+  // segments. `end` names the end record in messages.
   HexRecords(const std::string& name, std::string segment, std::string end)
       : name_(name), segment_(std::move(segment)), end_(std::move(end)) {}
 
   // Parses a record: a line without trailing blanks, never empty.
   virtual Result<void> record(std::string_view line) = 0;
 
-  // Returns an error at the present line.
+  // Returns an error that names the present line.
   tl::unexpected<Error> error(const std::string& what) const;
   // Converts the hex digits of `line` from index `first` on to bytes.
   Result<std::vector<std::uint8_t>> digits(std::string_view line, std::size_t first) const;
   // Reads a big-endian number of up to four bytes.
   static std::uint32_t big(std::span<const std::uint8_t> bytes);
-  // Adds data to the image. Data whose address follows directly on the previous data extend the same
+  // Adds data to the image. If `address` directly follows the previous data, the data extend the same
   // segment.
   void append(std::uint32_t address, std::span<const std::uint8_t> data);
   void entry(std::uint32_t address) { image_.entry = address; }

@@ -1,4 +1,4 @@
-// Program images as written by a toolchain, and parsers of their formats: segments, entry, symbols, lines.
+// Program images as written by a toolchain (segments, entry, symbols, lines), and parsers of image files.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,13 +15,13 @@ namespace kaz::h8s {
 
 struct Segment {
   std::uint32_t load_address = 0;  // address in flash
-  std::uint32_t run_address = 0;   // address at run time; differs for .data
+  std::uint32_t run_address = 0;   // address at run time; differs from load_address for .data
   std::string name;
   std::vector<std::uint8_t> bytes;
 };
 
 struct Symbol {
-  std::string name;  // as in the object file: `_main` for C's main
+  std::string name;  // name in the object file: `_main` for C's main
   std::uint32_t address = 0;
   bool function = false;
   std::uint32_t size = 0;  // bytes of a function; 0: unknown
@@ -35,7 +35,7 @@ struct SourceLine {
 };
 
 // Finds symbols by name and address, and source lines by address. Returned pointers are valid as long as the
-// table.
+// table exists.
 class SymbolTable {
  public:
   SymbolTable() = default;
@@ -62,11 +62,11 @@ class SymbolTable {
 struct Image {
   std::vector<Segment> segments;
   std::optional<std::uint32_t> entry;
-  bool normal_mode = false;  // built for 16-bit addresses
+  bool normal_mode = false;  // true: built for 16-bit addresses
   SymbolTable symbols;
 };
 
-// The parsers return errors with `name` and the place of the fault.
+// Errors of the parsers contain `name` and the place of the fault in the file.
 //
 // Parses Motorola S-records: S0, S1/S2/S3, S5/S6, S7/S8/S9.
 Result<Image> parse_srecord(std::string_view text, const std::string& name);
@@ -83,7 +83,8 @@ enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
 
 struct LoadOptions {
   Format format = Format::automatic;  // automatic: detected from the first bytes, never raw
-  // Address of the first byte of a raw image, also its entry. Invalid for other formats.
+  // Address of the first byte of a raw image, which is also the image's entry. Must be nullopt for other
+  // formats.
   std::optional<std::uint32_t> address;
 };
 // Reads an image file of up to 128 MB. Returns an error if the file is unreadable or invalid.

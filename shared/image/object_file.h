@@ -18,10 +18,10 @@ class ObjectFile {
       : bytes_(bytes), name_(name) {}
 
  protected:
-  // Maximum length of a name, against files made to exhaust memory.
+  // Maximum length of a name. Protects against files that are made to exhaust memory.
   static constexpr std::size_t kLongestName = 1024;
 
-  // Whether `size` bytes at offset `at` lie inside the file.
+  // Returns whether `size` bytes at offset `at` lie inside the file.
   bool fits(std::size_t at, std::size_t size) const {
     return at <= bytes_.size() && size <= bytes_.size() - at;
   }
@@ -49,7 +49,8 @@ class ObjectFile {
 
  private:
   const std::string& name_;
-  std::uint64_t contents_ = 0;  // bytes of all segments so far, which may overlap in the file
+  // Total bytes of all segments so far; segments may overlap in the file.
+  std::uint64_t contents_ = 0;
 };
 
 }  // namespace kaz::h8s

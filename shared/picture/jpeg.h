@@ -11,8 +11,9 @@
 namespace kaz::picture {
 
 struct JpegSettings {
-  int quality = 85;              // 1..100
-  bool optimized_tables = true;  // Huffman tables for this picture: smaller file, slower
+  int quality = 85;  // 1..100
+  // True: Huffman tables made for the picture; smaller file, but slower.
+  bool optimized_tables = true;
 };
 
 // Encodes 8-bit samples. Returns Fault::usage if `pixels` is not valid or a side exceeds 65500 px, or

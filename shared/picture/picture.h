@@ -25,8 +25,8 @@ inline std::size_t bytes_per_row(const PixelView& pixels) {
          static_cast<std::size_t>(pixels.bits / 8);
 }
 
-// Whether the picture is not empty, has supported channels and bits, and the number of bytes that its size
-// requires.
+// Returns whether the picture is valid: not empty, with supported channels and bits, and with as many bytes
+// as the size requires.
 inline bool valid(const PixelView& pixels) {
   return pixels.width > 0 && pixels.height > 0 && (pixels.channels == 1 || pixels.channels == 3) &&
          (pixels.bits == 8 || pixels.bits == 16) &&
@@ -48,7 +48,7 @@ struct SizeLimits {
   std::uint64_t max_pixels = kMaxPixels;
 };
 
-// Whether a picture of this size, px, is within the limits and not empty.
+// Returns whether a picture of this size (px) is within the limits and not empty.
 inline bool within(const SizeLimits& limits, std::uint64_t width, std::uint64_t height) {
   const auto side = static_cast<std::uint64_t>(limits.max_side);
   return width >= 1 && height >= 1 && width <= side && height <= side &&
@@ -59,7 +59,7 @@ inline bool within(const SizeLimits& limits, std::uint64_t width, std::uint64_t 
 struct DecodeError {
   enum class Kind {
     invalid,  // wrong format or truncated; `reason` is the library's message
-    damaged,  // complete, but the library warned; `reason` is the warning
+    damaged,  // complete, but the library gave a warning, which is `reason`
     size      // outside the limits; `width` and `height` are from the header
   };
   Kind kind = Kind::invalid;

@@ -13,7 +13,7 @@ namespace kaz::picture {
 struct PngSettings {
   int level = 6;        // zlib level: 0 does not compress, 9 compresses most
   bool filters = true;  // libpng selects a filter for each row; false: faster, larger files
-  bool srgb = false;    // samples are sRGB; adds chunk sRGB, and gAMA and cHRM for old readers
+  bool srgb = false;    // samples are sRGB: writes chunk sRGB, plus gAMA and cHRM for old readers
   const char* software = nullptr;  // if not null: value of the text chunk "Software"
 };
 
@@ -23,7 +23,7 @@ struct PngSettings {
 Result<std::vector<std::uint8_t>> encode_png(const PixelView& pixels,
                                              const PngSettings& settings = {});
 
-// Treatment of libpng's warnings, for example of a wrong checksum after the last pixel.
+// Reaction to libpng's warnings, for example to the warning about a wrong checksum after the last pixel.
 enum class PngWarnings { ignored, are_errors };
 
 // Decodes any PNG to 8-bit RGB: gray becomes R = G = B, 16 bits become 8, transparency is blended with black.

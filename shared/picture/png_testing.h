@@ -1,4 +1,4 @@
-// Test helper: reads the stored samples of a PNG. decode_png would convert them to 8-bit RGB.
+// Test helper: reads the stored samples of a PNG. decode_png would convert the samples to 8-bit RGB.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -21,17 +21,18 @@ class Axis {
   };
 
   // Returns an axis with about `count` ticks. The tick step is 1, 2 or 5 times a power of ten. If the ends
-  // are equal, in reverse order or not finite (no data), a valid range replaces them.
+  // are equal, in reverse order or not finite (no data), the axis gets a valid range instead.
   static Axis linear(double low, double high, int count, End low_end, End high_end);
-  // Returns an axis for positive values, with a margin of 2 %. If the ends are not positive and finite, or
-  // in reverse order, 1 and 10 replace them.
+  // Returns an axis for positive values, with a margin of 2 %. If an end is not positive and finite, or the
+  // ends are in reverse order, the axis goes from 1 to 10.
   static Axis logarithmic(double low, double high);
 
-  // Whether the axis can show the value: finite, and positive on a logarithmic axis.
+  // Returns whether the axis can show the value. The value must be finite, and on a logarithmic axis
+  // positive.
   bool shows(double value) const;
-  double at(double value) const;  // position: 0 to 1 between the ends
+  double at(double value) const;  // position on the axis: 0 to 1 between the ends
   const std::vector<Tick>& ticks() const { return ticks_; }
-  // Text of the common factor of the labels, such as "10⁶"; empty if the factor is 1.
+  // Returns the common factor of all labels as text, such as "10⁶"; empty if the factor is 1.
   const std::string& factor() const { return factor_; }
 
  private:
@@ -41,7 +42,7 @@ class Axis {
 
   bool logarithmic_ = false;
   double unit_ = 1;            // factor of the labels
-  double low_ = 0, high_ = 1;  // ends, scaled
+  double low_ = 0, high_ = 1;  // ends of the axis, scaled
   std::vector<Tick> ticks_;
   std::string factor_;
 };

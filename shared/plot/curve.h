@@ -1,4 +1,4 @@
-// Reduces curves and point clouds, in px, to their visible parts.
+// Reduces curves and point clouds (in px) to the visible parts.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

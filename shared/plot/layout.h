@@ -1,4 +1,4 @@
-// Lays out a page of plots and paints it.
+// Lays out and paints a page of plots.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,7 +21,7 @@ class Layout {
   void paint(Painter& painter) const;
 
  private:
-  // A plot with its y axis and its position on the page.
+  // A plot, the y axis of the plot, and the plot's position on the page.
   struct Placed {
     const LinePlot* plot;
     Axis y;

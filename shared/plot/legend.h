@@ -1,4 +1,4 @@
-// Legend of a plot: collects entries, places and paints them.
+// Legend of a plot: collects, places and paints the entries.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

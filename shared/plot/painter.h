@@ -27,7 +27,7 @@ struct TextStyle {
   Color color;
   Anchor anchor = Anchor::start;
   bool bold = false;
-  bool upwards = false;  // rotated by 90 degrees, reads upward
+  bool upwards = false;  // rotated by 90 degrees, so that the text reads upward
 };
 
 inline constexpr double kDashPx = 6, kDashGapPx = 4;

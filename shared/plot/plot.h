@@ -1,4 +1,4 @@
-// Description of a page of line plots. svg.h draws it as SVG, tools/figure as PNG.
+// Description of a page of line plots. svg.h draws the page as SVG, tools/figure as PNG.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,10 +18,10 @@ inline constexpr Color kBlue{0.12, 0.42, 0.75}, kRed{0.84, 0.19, 0.15}, kGreen{0
 
 struct Series {
   enum class Style { line, dashed, points };
-  std::string label;  // in the legend, if not empty
+  std::string label;  // text in the legend; empty: no entry
   Color color;
-  // Coordinates, equal lengths. A point that is not finite, or not positive on a logarithmic axis, is not
-  // drawn and interrupts the line.
+  // Coordinates of the points; x and y have equal lengths. A point that is not finite, or not positive on a
+  // logarithmic axis, is not drawn and interrupts the line.
   std::vector<double> x, y;
   double width_px = 1.8;  // width of lines
   Style style = Style::line;
@@ -54,7 +54,7 @@ struct Span {
 struct HorizontalLine {
   double y = 0;
   Color color = kGrey;
-  std::string label;  // in the legend, if not empty
+  std::string label;  // text in the legend; empty: no entry
 };
 
 struct LinePlot {
@@ -63,7 +63,7 @@ struct LinePlot {
   std::vector<Span> spans;
   std::vector<HorizontalLine> lines;
   std::optional<double> y_min, y_max;  // ends of the y axis; nullopt: chosen from the data
-  std::string caption;                 // below the plot, wrapped
+  std::string caption;                 // text below the plot, wrapped into lines
 };
 
 // Plots on top of each other with a common x axis.

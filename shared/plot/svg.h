@@ -8,8 +8,8 @@
 
 namespace kaz::plot {
 
-// Returns SVG 1.1 for a separate file or inside an HTML page. Text is stored as text, so readers can search
-// it, and it is drawn with the reader's font.
+// Returns SVG 1.1 for a separate file or inside an HTML page. Text is stored as text, so that readers can
+// search the text, and viewers draw the text with their own font.
 std::string plot_svg(const PlotPage& page);
 
 }  // namespace kaz::plot

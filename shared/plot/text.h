@@ -11,7 +11,8 @@ namespace kaz::plot {
 // unknown.
 double text_width(const std::string& utf8, double size_px, bool bold = false);
 
-// Breaks the text at spaces into lines of at most `width_px`. A longer word gets its own line.
+// Breaks the text at spaces into lines of at most `width_px`. A word that is wider than `width_px` gets its
+// own line.
 std::vector<std::string> wrapped(const std::string& text, double width_px, double size_px);
 
 }  // namespace kaz::plot

@@ -1,4 +1,4 @@
-// Inline step of kz_crc16 (frame.h) by one byte, for code that processes every byte.
+// Inline version of kz_crc16 (frame.h), for code that processes every byte.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_CRC16_H
 #define KAZ_SHARED_PROTOCOL_CRC16_H
@@ -12,7 +12,7 @@ extern "C" {
 // Entry n is the remainder of n * x^16 modulo the CRC polynomial.
 extern const u16 kz_crc16_table[256];
 
-// Returns the CRC `crc`, extended by one byte.
+// Returns the CRC after one more byte; `crc` is the CRC before this byte.
 static inline u16 kz_crc16_step(u16 crc, u8 byte) {
   return (u16)((u16)(crc << 8) ^ kz_crc16_table[(u16)(crc >> 8) ^ byte]);
 }

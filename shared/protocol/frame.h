@@ -13,8 +13,8 @@
 // synchronized again at the next zero.
 //
 // One damaged byte is always detected, with one exception (kz_frame_splits). The damaged byte may be:
-//   - A byte inside the frame that does not become zero. The damage is a burst of at most 8 bits, which the
-//     CRC detects, or it is in the check.
+//   - A byte inside the frame that does not become zero. Either the damaged byte belongs to the check, or the
+//     damage is a burst of at most 8 bits, which the CRC detects.
 //   - The first zero. The CRC then includes the damaged byte, and every byte changes the CRC's start value.
 //   - The last zero. The frame would be accepted only if the first byte of the check were a stuffing byte,
 //     but stuffing bytes are below 0x80.
@@ -41,12 +41,13 @@ extern "C" {
 // shorter than 254 bytes.
 #define KZ_FRAME_MAX (2 + 1 + KZ_BODY_MAX + 3)
 
-// Returns the CRC `crc`, extended by one byte. The start value is 0xFFFF.
+// Returns the CRC after one more byte; `crc` is the CRC before this byte. The start value is 0xFFFF.
 u16 kz_crc16(u16 crc, u8 byte);
 
-// Result of a received byte. If a frame is damaged in several ways, the first kind of damage counts.
+// Result of a received byte. If a frame is damaged in several ways, the result is the first damage that was
+// found.
 #define KZ_RECEIVE_MORE 0          // no frame ended
-#define KZ_RECEIVE_FRAME 1         // a valid frame ended: its body is in body[0..length-1]
+#define KZ_RECEIVE_FRAME 1         // a valid frame ended; its body is body[0..length-1]
 #define KZ_RECEIVE_BAD_CHECK 2     // a frame with a wrong check ended
 #define KZ_RECEIVE_BAD_STUFFING 3  // a frame ended in the middle of a stuffed block
 #define KZ_RECEIVE_TOO_SHORT 4
@@ -67,25 +68,26 @@ u16 kz_crc16(u16 crc, u8 byte);
 // The struct contains the buffer. The decoder checks all lengths from the wire.
 typedef struct kz_receiver {
   u16 crc;    // CRC of the frame's bytes except the last three, which may be the check
-  u8 length;  // number of bytes so far; after KZ_RECEIVE_FRAME, size of the body
+  u8 length;  // number of received bytes; after KZ_RECEIVE_FRAME, size of the body
   u8 state;   // up to KZ_RECEIVER_BETWEEN: no frame has begun
   u8 body[KZ_BODY_MAX + 4];  // during reception, the stuffed bytes and the check
   u8 silent_ms;              // ms since the last byte; reset by the caller of kz_receiver_silent
 } kz_receiver;
 
 void kz_receiver_init(kz_receiver* receiver);
-// Processes one byte and returns KZ_RECEIVE_*. `errors`: KZ_RX_* flags of the byte, 0 if it is valid.
-// The received body stays valid until the next byte.
+// Processes one byte and returns KZ_RECEIVE_*. `errors` has the KZ_RX_* flags of the byte; 0: the byte is
+// valid. The received body stays valid until the next byte.
 u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors);
 // Processes up to `count` bytes, and stops after a byte with a result other than KZ_RECEIVE_MORE. Returns
 // the result of the last processed byte in the upper byte, and the number of processed bytes in the lower
 // byte.
 u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count);
-// Does the work of kz_receiver_silent while a frame is incomplete.
+// Performs the work of kz_receiver_silent if a frame has begun.
 u8 kz_receiver_waited(kz_receiver* receiver);
-// Call kz_receiver_silent for each millisecond without a byte. After KZ_IDLE_MS in a row, drops a frame that
-// has begun, and returns KZ_RECEIVE_IDLE or the damage found before. Otherwise returns KZ_RECEIVE_MORE. When
-// bytes arrive, the caller sets silent_ms to 0.
+// Call kz_receiver_silent for each millisecond without a byte. After KZ_IDLE_MS consecutive calls,
+// kz_receiver_silent drops a frame that has begun, and returns KZ_RECEIVE_IDLE or the damage already found in
+// the frame. In all other cases, returns KZ_RECEIVE_MORE. If bytes arrive, the caller must set silent_ms to
+// 0.
 static inline u8 kz_receiver_silent(kz_receiver* receiver) {
   return receiver->state > KZ_RECEIVER_BETWEEN ? kz_receiver_waited(receiver) : KZ_RECEIVE_MORE;
 }
@@ -94,12 +96,13 @@ static inline u8 kz_receiver_silent(kz_receiver* receiver) {
 // KZ_FRAME_MAX bytes. Returns the number of bytes written.
 u8 kz_frame_encode(const u8* body, u8 body_length, u8* wire);
 
-// Returns 1 if the CRC returns to its start value within the frame, as happens in about one of 1500 frames.
-// If a zero then replaced the byte at that point, the rest of the frame would have a valid check. A sender
-// should then use another sequence number, so that damage to one byte is always detected.
+// Returns 1 if, at some byte within the frame, the CRC is equal to the start value of the CRC. About one of
+// 1500 frames has such a byte. If damage changed this byte to zero, the rest of the frame would have a valid
+// check. A sender should send such a frame with another sequence number, so that damage to a single byte is
+// always detected.
 u8 kz_frame_splits(const u8* wire, u8 length);
 
-// Frame encoder in pieces, so that each tick encodes only the bytes that it sends.
+// Frame encoder that works in pieces. Each tick encodes only the bytes that the tick sends.
 typedef struct kz_sender {
   u16 crc;
   u8 length;  // size of the body, bytes; 0: idle

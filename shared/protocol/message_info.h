@@ -1,4 +1,4 @@
-// Reflection of all messages: names, codes and fields, for hosts that print, log, fuzz or dissect.
+// Reflection of all messages: names, codes and fields, for hosts that print, log, fuzz or dissect messages.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_MESSAGE_INFO_H
 #define KAZ_SHARED_PROTOCOL_MESSAGE_INFO_H
@@ -19,7 +19,7 @@ typedef struct kz_field_info {
   long long high;    // upper bound in a request; without bounds, the highest value of the type
   u8 size;           // bytes of one number
   u8 count;          // maximum number of elements
-  u8 bounded;        // 1: messages.def gives bounds
+  u8 bounded;        // 1: messages.def gives bounds for the field
 } kz_field_info;
 
 typedef struct kz_message_info {
@@ -42,9 +42,9 @@ const kz_message_info* kz_message_find(u8 code);
 u8 kz_kind_of(u8 code);
 // Returns 1 if a request changes nothing and can be repeated at any time.
 u8 kz_is_query(u8 request);
-// Returns 1 if the board writes flash for a request, so that the reply takes up to 3 s.
+// Returns 1 if the board writes flash to execute a request. The reply then takes up to 3 s.
 u8 kz_writes_flash(u8 request);
-// Returns 1 if the board stops receiving for a while after a request, because the board writes flash or
+// Returns 1 if a request makes the board stop receiving for some time, because the board writes flash or
 // restarts.
 u8 kz_interrupts_service(u8 request);
 
@@ -52,7 +52,7 @@ u8 kz_interrupts_service(u8 request);
 const char* kz_refusal_text(u8 reason);
 // Returns the text of a shutdown: "emergency stop" for KZ_SHUTDOWN_STOP. Never NULL.
 const char* kz_shutdown_text(u8 reason);
-// Returns the name of a status flag, one bit: "HOLDING" for KZ_STATUS_HOLDING. NULL if unknown.
+// Returns the name of a status flag (a single bit): "HOLDING" for KZ_STATUS_HOLDING. NULL if unknown.
 const char* kz_status_name(u16 flag);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-// Messages of the wire protocol as C structs, with their codec, generated from messages.def.
-// docs/reference/protocol.md specifies the protocol.
+// Messages of the wire protocol as C structs, with functions that pack and unpack the messages. Generated
+// from messages.def. The protocol is specified in docs/reference/protocol.md.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_MESSAGES_H
 #define KAZ_SHARED_PROTOCOL_MESSAGES_H
@@ -13,17 +13,17 @@ extern "C" {
 #endif
 
 #define KZ_PROTOCOL_VERSION 3
-// Oldest version that hosts accept. Version 2 has the same messages, but boards of version 2 do not execute
-// a repeated `stop` again.
+// Oldest protocol version that hosts accept. Version 2 has the same messages, but boards of version 2 do not
+// execute a repeated `stop` again.
 #define KZ_PROTOCOL_VERSION_OLDEST 2
 #define KZ_REPLY 0x80         // this bit of the type is set in messages from board to host
 #define KZ_ADDRESS_DEFAULT 1  // address of a board that has no stored address
 #define KZ_ADDRESS_LAST 14
 #define KZ_ADDRESS_ALL 15
-#define KZ_KEY 0x4B5A  // "KZ": guards requests that must not happen by accident
+#define KZ_KEY 0x4B5A  // "KZ": key of requests that must not be executed by accident
 #define KZ_ALL_JOINTS 0x3FFFF
 
-// Maximum number of outstanding requests: one being answered, one waiting.
+// Maximum number of outstanding requests: one that the board answers, and one that waits.
 #define KZ_REQUESTS_UNDER_WAY 2
 // Number of latest requests that the board remembers to recognize repetitions.
 #define KZ_REQUESTS_REMEMBERED 4
@@ -33,13 +33,13 @@ extern "C" {
 #define KZ_STATUS_MOVING 0x0002     // at least one ramp is running
 #define KZ_STATUS_HOLDING 0x0004    // the link watchdog holds the joints at their commands
 #define KZ_STATUS_UNLOCKED 0x0008   // the bench unlock is active
-#define KZ_STATUS_RAW_DRIVE 0x0010  // a raw drive runs: a motor is driven without its position loop
+#define KZ_STATUS_RAW_DRIVE 0x0010  // a raw drive runs: a motor is driven without the position loop
 #define KZ_STATUS_TELEMETRY 0x0020  // telemetry is on
 #define KZ_STATUS_UNCALIBRATED 0x0040  // nominal calibration: no valid copy in flash
 #define KZ_STATUS_MISSED_TICK 0x0080   // a tick took too long; latched until `clear`
 
-// Reasons of a shutdown. Only the first reason is latched, until `clear`. LINK_LOST leaves the motors on if
-// the status has HOLDING. All other reasons switch the motors off.
+// Reasons of a shutdown. Only the first reason is latched, and stays latched until the request `clear`.
+// LINK_LOST leaves the motors on if the status has HOLDING. All other reasons switch the motors off.
 #define KZ_SHUTDOWN_NONE 0
 #define KZ_SHUTDOWN_STOP 1          // the host's emergency stop
 #define KZ_SHUTDOWN_LINK_LOST 2     // timeout of the link watchdog
@@ -47,10 +47,10 @@ extern "C" {
 #define KZ_SHUTDOWN_UNDERVOLTAGE 4  // supply too low
 #define KZ_SHUTDOWN_OVERVOLTAGE 5   // supply too high
 #define KZ_SHUTDOWN_TEMPERATURE 6   // motor drivers too hot
-#define KZ_SHUTDOWN_REFERENCE 7     // the A/D converter misreads its reference
+#define KZ_SHUTDOWN_REFERENCE 7     // the A/D converter misreads the reference voltage
 #define KZ_SHUTDOWN_STALL 8         // high load at standstill; detail: joint
 #define KZ_SHUTDOWN_OVERLOAD 9      // the motor is too hot by the I2t model; detail: joint
-#define KZ_SHUTDOWN_SELF_TEST 10    // a test at start failed; only a reset clears it
+#define KZ_SHUTDOWN_SELF_TEST 10    // a test at start failed; only a reset clears this reason
 
 // Reactions of the link watchdog.
 #define KZ_REACTION_LIMP 1  // motors off
@@ -60,12 +60,12 @@ extern "C" {
 #define KZ_JOINT_ON 0x01
 #define KZ_JOINT_MOVING 0x02    // the joint's ramp is running or about to start
 #define KZ_JOINT_POT 0x04       // the joint's potentiometer is out of range
-#define KZ_JOINT_STALLED 0x08   // high load at standstill now
-#define KZ_JOINT_HOT 0x10       // more than half of the heat that switches motors off
+#define KZ_JOINT_STALLED 0x08   // at standstill under high load now
+#define KZ_JOINT_HOT 0x10       // heat is more than half of the limit that switches motors off
 #define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit; outward drive is cut
 
 // Capabilities in `identify_reply`.
-#define KZ_CAPABILITY_TELEMETRY 0x0001    // telemetry is available; not on a shared line
+#define KZ_CAPABILITY_TELEMETRY 0x0001    // telemetry is available, which excludes shared lines
 #define KZ_CAPABILITY_CALIBRATION 0x0002  // calibration can be stored
 #define KZ_CAPABILITY_RAW_DRIVE 0x0004
 #define KZ_CAPABILITY_LOADER 0x0008
@@ -81,7 +81,7 @@ extern "C" {
 #define KZ_TEST_RAM 0x01
 #define KZ_TEST_FLASH 0x02      // CRC of the application
 #define KZ_TEST_CONVERTER 0x04  // A/D converter, tested by its reference
-#define KZ_TEST_SUPPLY 0x08     // never fails: without motor supply the board runs with motors off
+#define KZ_TEST_SUPPLY 0x08     // never fails, because the board may run without motor supply
 
 // Source of the calibration.
 #define KZ_CALIBRATION_NOMINAL 0  // no valid copy in flash
@@ -92,19 +92,19 @@ extern "C" {
 #define KZ_KP_MAX 20480           // 80 /rad
 #define KZ_KD_MAX 4096            // 1 s/rad
 #define KZ_DEAD_BAND_MAX 1000     // 0.1 rad
-#define KZ_FRICTION_MAX 64        // quarter of full duty
+#define KZ_FRICTION_MAX 64        // a quarter of full duty
 #define KZ_RAMP_MAX 120           // 12 rad/s, near the motors' no-load speed
 #define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad around the nominal value
 
 // Gains after a reset. With these gains, no joint oscillates across its gear backlash at any load
-// (docs/howto/bench.md, step.hunting). Behaviors set their own gains.
-#define KZ_KP_DEFAULT 4096  // 1/256 /rad: 16 /rad
+// (docs/howto/bench.md, step.hunting). Behaviors set other gains.
+#define KZ_KP_DEFAULT 4096  // in units of 1/256 /rad: 16 /rad
 #define KZ_KP_HAND 205      // 0.8 /rad: the jaws of the hands stay compliant
-#define KZ_KD_DEFAULT 369   // 1/4096 s/rad: 0.09 s/rad
+#define KZ_KD_DEFAULT 369   // in units of 1/4096 s/rad: 0.09 s/rad
 
 #define KZ_JOINTS_PER_REPLY 9  // maximum number of joints in a `joints_reply`
 
-// Value of a detail that names no joint or field.
+// Value of a detail that refers to no joint and no field.
 #define KZ_NO_DETAIL 255
 
 // Reasons of a refusal.
@@ -116,7 +116,7 @@ extern "C" {
 #define KZ_REFUSED_FAULT 6         // a shutdown is latched or a fault is present; detail: reason
 #define KZ_REFUSED_BUSY 7          // too many outstanding requests, or an action is pending
 #define KZ_REFUSED_ARMED 8         // only allowed while all motors are off
-#define KZ_REFUSED_LOCKED 9        // only allowed while unlocked
+#define KZ_REFUSED_LOCKED 9        // only allowed while the bench unlock is active
 #define KZ_REFUSED_SHARED_LINE 10  // not allowed on a line with other boards
 #define KZ_REFUSED_STORE 11        // writing flash failed
 
@@ -166,12 +166,13 @@ enum kz_size {
   ;
 #include "shared/protocol/messages.def"
 
-// kz_pack_<name> writes the fields, which follow the header, and returns their size (at most KZ_SIZE_<name>).
+// kz_pack_<name> writes the fields, which follow the header. Returns the size of the fields, at most
+// KZ_SIZE_<name>.
 //
 // kz_unpack_<name> reads the fields. Returns 1, or 0 if `length` is wrong for the message.
 //
-// A masked field has one number per mask bit, up to the maximum of the message. Mask bits above the highest
-// joint have no number. Unpacking sets the numbers of other joints to 0.
+// A masked field has one number for each set bit of the mask, up to the maximum of the message. Mask bits
+// above the highest joint have no number. Unpacking sets the numbers of joints that are not in the mask to 0.
 //
 // kz_check_<name> returns the index of the first field that is out of bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255

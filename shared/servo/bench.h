@@ -9,12 +9,12 @@
 extern "C" {
 #endif
 
-// Advances the timers of unlock and raw drive by this tick and the missed ticks. Call it in every tick while
-// unlocked_ms is not 0; a raw drive requires the unlock.
+// Advances the timers of unlock and raw drive by this tick and the missed ticks. Call kz_bench_update in
+// every tick while unlocked_ms is not 0. A raw drive requires the unlock.
 void kz_bench_update(kz_servo* servo, const kz_tick_input* input);
 
-// Sets duty and direction of the raw-driven motor. Shuts down if the potentiometer of that joint stays out
-// of range. Call it after kz_joints_update, while raw_ms is not 0.
+// Sets duty and direction of the raw-driven motor. Shuts down if the potentiometer of the raw-driven joint
+// stays out of range. While raw_ms is not 0, call kz_bench_drive in every tick after kz_joints_update.
 void kz_bench_drive(kz_servo* servo);
 
 #ifdef __cplusplus

@@ -91,7 +91,7 @@ class TestBoard {
     to_board_.insert(to_board_.end(), wire.begin(), wire.end());
   }
 
-  // Sends a request and runs until its reply or refusal arrives. Returns nullopt after 50 ms.
+  // Sends a request and runs ticks until the reply or refusal arrives. Returns nullopt after 50 ms.
   std::optional<Reply> exchange(u8 type, const Bytes& fields, u8 address = KZ_ADDRESS_DEFAULT) {
     replies.clear();
     send(type, ++sequence, fields, address);
@@ -107,8 +107,8 @@ class TestBoard {
     return std::nullopt;
   }
 
-  // Sends a request. Returns 0 if the request was executed, the reason (KZ_REFUSED_*) if it was refused, or
-  // -1 if no valid reply came. Stores the refusal's detail in `detail`.
+  // Sends a request. Returns 0 if the request was executed, or the reason (KZ_REFUSED_*) if the request was
+  // refused. Returns -1 if no valid reply came. Stores the refusal's detail in `detail`.
   int outcome(u8 type, const Bytes& fields) {
     const auto reply = exchange(type, fields);
     if (!reply) return -1;

@@ -1,4 +1,4 @@
-// Dispatch of requests to their handlers, by type.
+// Dispatches each request to the handler of its type.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_COMMANDS_H
 #define KAZ_SHARED_SERVO_COMMANDS_H
@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 // Checks and executes a request of type `type` with `length` bytes of fields. A refused request changes
-// nothing. If the reply depends on the fields, sets `*parameter` to the joint, or mask of joints, that the
+// nothing. If the reply depends on the fields, sets `*parameter` to the joint (or mask of joints) that the
 // fields select.
 kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length, u32* parameter);
 

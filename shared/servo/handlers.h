@@ -1,4 +1,4 @@
-// Handlers of requests that change state, and their outcomes.
+// Handlers of requests that change state, and the outcomes of requests.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_HANDLERS_H
 #define KAZ_SHARED_SERVO_HANDLERS_H
@@ -9,17 +9,20 @@
 extern "C" {
 #endif
 
-// Outcome of a request. Upper byte: KZ_REFUSED_*, or 0 if executed. Lower byte: detail of the refusal.
+// Outcome of a request. Upper byte: 0 if the request was executed, else KZ_REFUSED_*. Lower byte: detail of
+// the refusal.
 typedef u16 kz_outcome;
 #define KZ_REFUSE(reason, detail) ((kz_outcome)((u16)((u16)(reason) << 8) | (u16)(detail)))
 #define KZ_DONE ((kz_outcome)KZ_NO_DETAIL)
-// Outcome not known yet: kz_requests_finish sets it after the action between this tick and the next.
+// The outcome is not known yet. kz_requests_finish sets the outcome after the action between this tick and
+// the next tick.
 #define KZ_PENDING 255
 #define KZ_LATER KZ_REFUSE(KZ_PENDING, KZ_NO_DETAIL)
 
-// kz_do_<name> for each command of messages.def (motion.c, settings.c, telemetry.c, bench.c). The caller has
-// checked the fields against the bounds of the table; a BULK_COMMAND gets the unchecked bytes instead.
-// `request` is null if the message has no fields. A handler checks everything before it changes anything.
+// Declares the handler kz_do_<name> for each command of messages.def. The handlers are in motion.c,
+// settings.c, telemetry.c and bench.c. The caller has checked the fields against the bounds of messages.def;
+// the handler of a BULK_COMMAND gets the unchecked bytes instead. `request` is null if the message has no
+// fields. A handler checks the whole request before it changes anything.
 #define KZ_HANDLER_QUERY(name)
 #define KZ_HANDLER_JOINT_QUERY(name)
 #define KZ_HANDLER_COMMAND(name) kz_outcome kz_do_##name(kz_servo* servo, const kz_##name* request);

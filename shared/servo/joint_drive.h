@@ -1,4 +1,4 @@
-// Limits a motor drive near soft limits and converts it to duty and direction. Inline for the servo loop.
+// Limits a motor drive near soft limits, and converts drives to duty and direction. Inline for the loop.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_JOINT_DRIVE_H
 #define KAZ_SHARED_SERVO_JOINT_DRIVE_H
@@ -10,8 +10,8 @@
 
 // Rates are in units of 1/64 of 100 urad/ms. With T = 64 ms (joint_loop.h), a distance of 100 urad therefore
 // allows a rate of 1.
-#define KZ_NEAR_LIMIT 1000  // 100 urad; T is halved closer to a limit than this
-// Rates up to KZ_SLOW, 0.5 rad/s, are not braked. Noise of one A/D code causes only lower rates.
+#define KZ_NEAR_LIMIT 1000  // 100 urad; closer to a limit, T is halved
+// Rates up to KZ_SLOW, 0.5 rad/s, are not braked. Noise of one A/D code cannot cause a higher rate.
 #define KZ_SLOW 320
 // Braking gain, drive per unit of rate. The brake reaches full drive at 4 rad/s above the allowed speed.
 #define KZ_BRAKE 204

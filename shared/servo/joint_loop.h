@@ -1,9 +1,9 @@
-// Joint control for one tick: measurement, ramps, position loop, soft limits.
+// Controls the joints for one tick: measurement, ramps, position loop, soft limits.
 // SPDX-License-Identifier: Apache-2.0
 //
 //   drive = kp e - kd rate + friction sign(e),  e = command - angle, 0 inside the dead band
 //
-// The remaining distance to a soft limit bounds the speed at which a joint may approach it:
+// The distance from a joint to a soft limit bounds the speed at which the joint may approach the limit:
 //
 //   max speed = (distance + min(distance, 0.1 rad)) / T,  T = 64 ms
 //
@@ -27,8 +27,8 @@
 extern "C" {
 #endif
 
-// Maximum change of angle per tick, 100 urad; larger changes are clamped. The maximum is 51 rad/s, four
-// times the motor's no-load speed. With it, the filtered rate fits into 16 bits: 64 * 511 = 32704.
+// Maximum change of angle per tick, 100 urad; larger changes are clamped. The maximum is 51 rad/s, four times
+// the motor's no-load speed. With this maximum, the filtered rate fits into 16 bits: 64 * 511 = 32704.
 #define KZ_DELTA_MAX 511
 // Flags of kz_joint.constrained: why the joint needs the full computation.
 #define KZ_CONSTRAINED_NEAR_LIMIT 1

@@ -1,4 +1,4 @@
-// Writers of replies with a number per joint, directly into the sender's buffer.
+// Writes replies that have one number per joint directly into the sender's buffer.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_JOINT_REPLIES_H
 #define KAZ_SHARED_SERVO_JOINT_REPLIES_H
@@ -9,11 +9,13 @@
 extern "C" {
 #endif
 
-// Writes tick and status, the start of every reply except that to `identify`. Returns the end of the output.
+// Writes tick and status, which begin every reply except the reply to `identify`. Returns the end of the
+// output.
 u8* kz_put_head(const kz_servo* servo, u8* to);
 
-// Write the fields of one reply, tick and status included, and return the end of the output. The functions
-// write each number directly. Filling a structure and packing it would take two loops over the joints.
+// Write the fields of one reply, including tick and status, and return the end of the output. Each number is
+// written directly, because filling a structure and then packing the structure would take two loops over the
+// joints.
 u8* kz_put_state(const kz_servo* servo, u8* to);
 u8* kz_put_read_targets(const kz_servo* servo, u32 mask, u8* to);
 u8* kz_put_calibration(const kz_servo* servo, const kz_tick_input* input, u8* to);

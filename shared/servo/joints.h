@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Sets gains, ramp and limits to their values after a reset, and the calibration to that in `startup`.
-// `servo` must be all zeros.
+// Sets gains, ramp and limits to the values after a reset. Copies the calibration from `startup`. `servo`
+// must be all zeros.
 void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 
 // Switches the joints of the mask on and all others off. A joint that was off holds its present angle.
@@ -30,15 +30,15 @@ s16 kz_joint_drive(const kz_joint* joint);
 // Returns the torque as a share of the stall torque at 10 V, in 1/255, saturated at 255 (protection.h).
 u8 kz_joint_load(const kz_joint* joint);
 
-// Drives the motor of a joint that is off with `drive`, -255..255. Soft limits apply as in the loop.
-// Call it after kz_joints_update.
+// Drives the motor of a joint that is off with `drive`, -255..255. Soft limits apply as in the loop. Call
+// kz_joint_drive_raw after kz_joints_update.
 void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 
 // Convert `kp` and `kd` from the units of the message `gains` to the units of the loop.
 s16 kz_scaled_kp(u16 kp);
 s16 kz_scaled_kd(u16 kd);
-// Convert from the units of the loop to those of the message `gains`, rounded to the nearest. Scaling the
-// result again gives `scaled`.
+// Convert from the units of the loop to the units of the message `gains`, rounded to the nearest value.
+// Converting the result with kz_scaled_kp or kz_scaled_kd gives `scaled` again.
 u16 kz_unscaled_kp(s16 scaled);
 u16 kz_unscaled_kd(s16 scaled);
 

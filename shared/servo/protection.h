@@ -1,4 +1,4 @@
-// Motor protection: load, stall, and heat by an I2t model, for each joint every 16 ms.
+// Motor protection: updates load, stall and heat (I2t model) of each joint every 16 ms.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Load. A motor's torque is proportional to its current. The torque follows from voltage and back-EMF
@@ -10,7 +10,7 @@
 //
 //   load = (V / 10 V) duty - speed / (12.97 rad/s)
 //
-// Supply, duty and speed are known, so the board needs no current sensor.
+// Because supply, duty and speed are known, the board needs no current sensor.
 //
 // Heat. The I2t model: the winding absorbs the power I^2 R and cools with one time constant.
 //
@@ -18,14 +18,15 @@
 //
 // Resistance and torque constant follow from the motor line: 3.4 ohm, 30 W at full stall at 10 V. A winding
 // and rotor of this size have a heat capacity of about 5 J/K and may be 80 K above ambient. A cold motor
-// reaches this temperature after about 13 s of full stall. The assumed time constant, winding to case, is
-// two minutes. The steady load for 80 K is then 0.35 of full stall, or 0.8 Nm. The servo's rated torque is
-// 0.97 Nm for short times. All of these values are estimates. Replace the constants below once the bench has
-// measured a motor.
+// reaches this temperature after about 13 s of full stall. The time constant from winding to case is assumed
+// to be two minutes. The steady load for 80 K is then 0.35 of full stall, or 0.8 Nm. The servo's rated torque
+// is 0.97 Nm for short times. All of these values are estimates. Replace the constants below once the bench
+// has measured a motor.
 //
-// Stall. The limit is 0.7 of full stall for 1 s while the joint moves less than 0.03 rad. No motion of the
-// robot needs a higher load or a longer stall. A longer stall would overheat the motor. Below 7 V a motor
-// does not reach this load, and only the heat model acts.
+// Stall. The motors are switched off if a load of 0.7 of full stall lasts 1 s while the joint moves less than
+// 0.03 rad. No motion of the robot needs a higher load or a longer stall. A longer stall would overheat the
+// motor. With a supply below 7 V, a motor does not reach this load, and only the heat model protects the
+// motor.
 #ifndef KAZ_SHARED_SERVO_PROTECTION_H
 #define KAZ_SHARED_SERVO_PROTECTION_H
 
@@ -44,9 +45,10 @@ extern "C" {
 // Upper 16 bits of the heat at which motors are switched off: 89^2 * 8192 / 65536.
 #define KZ_HEAT_FULL ((u16)(KZ_HEAT_LOAD * KZ_HEAT_LOAD / 8))
 
-// Updates load, stall and heat of the joints that are due in this tick. Also updates, every 4 ms for each
-// joint, the flag in `constrained` of a joint near a soft limit (joint_loop.h). Returns 0 or a shutdown
-// request in the format of kz_joint_loop. Call it in every tick, after kz_joints_update and kz_bench_drive.
+// Updates load, stall and heat of the joints that are due in this tick. Every 4 ms, also updates the flag in
+// `constrained` that marks a joint near a soft limit (joint_loop.h). Returns 0 or a shutdown request in the
+// format of kz_joint_loop. Call kz_protection_update in every tick, after kz_joints_update and
+// kz_bench_drive.
 u16 kz_protection_update(kz_servo* servo);
 
 #ifdef __cplusplus

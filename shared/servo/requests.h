@@ -1,8 +1,9 @@
 // Executes requests and schedules their replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A request is executed in the tick in which its frame ends; only the reply may have to wait. Replies are
-// sent in the order of the requests. Each reply reports the state at the time when the reply is written.
+// A request is executed in the tick in which the request's frame ends; only the reply may have to wait.
+// Replies are sent in the order of the requests. Each reply reports the state at the time when the reply is
+// written.
 #ifndef KAZ_SHARED_SERVO_REQUESTS_H
 #define KAZ_SHARED_SERVO_REQUESTS_H
 
@@ -14,10 +15,11 @@ extern "C" {
 
 void kz_requests_init(kz_servo* servo);
 
-// Executes the request in servo->receiver, a valid frame, if it is addressed to this board or to all. Queues
-// the reply or refusal, unless the request was sent to all boards. A repeated request is not executed again,
-// and its reply reports the outcome of the first execution. Exceptions: a repeated `stop` is executed again,
-// and so is the part of other requests that switches something off.
+// Executes the request in servo->receiver if the request is addressed to this board or to all boards.
+// servo->receiver must contain a valid frame. Queues the reply or refusal, unless the request was sent to all
+// boards. A repeated request is not executed again, and the reply reports the outcome of the first execution.
+// There are two exceptions. A repeated `stop` is executed again. If any other request is repeated, the part
+// that switches something off is executed again.
 void kz_request_received(kz_servo* servo);
 
 // Sets the outcome of the requests that waited for the end of an action. `outcome` is a kz_outcome
@@ -26,7 +28,7 @@ void kz_requests_finish(kz_servo* servo, u16 outcome);
 // Returns 1 if nothing is being sent, and no reply must be sent before the pending action.
 u8 kz_requests_leave_room(const kz_servo* servo);
 
-// Starts the next reply or, if none is due, telemetry. Does nothing while the sender is busy.
+// Starts the next reply, or telemetry if no reply is due. Does nothing while the sender is busy.
 void kz_requests_answer(kz_servo* servo, const kz_tick_input* input);
 
 #ifdef __cplusplus

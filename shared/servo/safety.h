@@ -9,7 +9,8 @@
 extern "C" {
 #endif
 
-// Advances the link watchdog and counts missed ticks. Call it in every tick, before the joints.
+// Advances the link watchdog and counts missed ticks. Call this function in every tick, before
+// kz_joints_update.
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input);
 
 // Returns the KZ_SHUTDOWN_* reason of a fault that is present and would soon switch motors off, or

@@ -1,4 +1,4 @@
-// State of the servo tick. Only shared/servo writes the state; other code compares and records it (fields.h).
+// State of the servo tick. Only shared/servo writes the state. Other code only reads the state (fields.h).
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_SERVO_H
 #define KAZ_SHARED_SERVO_SERVO_H
@@ -18,11 +18,11 @@ extern "C" {
 #define KZ_RAMP_DEFAULT 60  // 100 urad/ms: 6 rad/s
 #define KZ_WATCHDOG_DEFAULT_MS 90
 
-// Limits of the protection. KZ_*_FAULT_MS is the time for which a value may exceed its limit.
-#define KZ_POT_LOWEST 4      // A/D code; lower codes: short or open circuit
-#define KZ_POT_HIGHEST 1019  // higher codes: open or short circuit
+// Limits of the protection. KZ_*_FAULT_MS is the time for which a value may stay out of range.
+#define KZ_POT_LOWEST 4      // A/D code; lower codes mean a short or open circuit
+#define KZ_POT_HIGHEST 1019  // higher codes mean a short or open circuit
 #define KZ_POT_FAULT_MS 20
-#define KZ_SUPPLY_LOWEST_MV 4000    // the servos' original supply is 4.8 V
+#define KZ_SUPPLY_LOWEST_MV 4000    // 4 V; the servos' original supply is 4.8 V
 #define KZ_SUPPLY_HIGHEST_MV 13000  // the motor drivers take 12 V
 #define KZ_SUPPLY_FAULT_MS 20
 #define KZ_TEMPERATURE_HIGHEST_DC 850  // 0.1 degC; the drivers switch off by themselves at 100 degC
@@ -31,32 +31,33 @@ extern "C" {
 #define KZ_REFERENCE_TOLERANCE 16  // maximum difference from KZ_REFERENCE_CODE
 #define KZ_REFERENCE_FAULT_MS 20
 
-// State of one joint. The order of the fields avoids padding, so offsets are the same on the H8 and on the
-// PC. The H8 aligns to 2 bytes. A test checks the PC's layout.
+// State of one joint. The order of the fields avoids padding, so offsets are the same on the H8 (which aligns
+// to 2 bytes) and on the PC. A test checks the layout on the PC.
 //
 //   pot_centre, pot_scale  calibration of the potentiometer (board/table.h)
 //   angle       measured joint angle, 100 urad
 //   rate        speed, 1/64 of 100 urad/ms; first-order filter with coefficient 1/8 per tick
 //   target      end of the ramp, 100 urad
 //   command     setpoint of the loop, 100 urad
-//   ramp_*      linear ramp of `command` to the target. `left` of `time` ticks remain. Each tick adds
-//               `whole` to `command`, and subtracts `rest` from `room`. When `room` is used up, the
-//               tick also adds `extra` (+1 or -1) to `command`, and adds `time` to `room`. Sums are
-//               modulo 2^16.
+//   ramp_*      linear ramp of `command` to the target. The ramp has `time` ticks, of which `left`
+//               remain. Each tick adds `whole` to `command`, and subtracts `rest` from `room`. If
+//               `room` is used up, the tick also adds `extra` (+1 or -1) to `command`, and adds
+//               `time` to `room`. Sums are modulo 2^16.
 //   ramp_limit  maximum change of `command` per tick, for ramps that start from now on
-//   lower, upper  soft limits within the mechanical ones, 100 urad
+//   lower, upper  soft limits, which are within the mechanical limits, 100 urad
 //   dead_band, friction  as in the message `gains`
-//   target_ms   duration of the ramp to `target` that has not started yet
-//   kp, kd      gains, in 1/2048 of a count of duty per two units of error and per unit of rate
+//   target_ms   duration of the next ramp, which leads to `target` and has not started yet
+//   kp          gain, in 1/2048 of a count of duty per two units of error
+//   kd          gain, in 1/2048 of a count of duty per unit of rate
 //   friction_drive  `friction` in 1/256 of a count of duty
 //   duty        high counts of the PWM, 0..255
 //   forward     direction output
-//   pot_bad_ms  time with the potentiometer out of range, up to KZ_POT_FAULT_MS; 1 before the first
-//               measurement
+//   pot_bad_ms  time for which the potentiometer has been out of range, up to KZ_POT_FAULT_MS;
+//               1 before the first measurement
 //   pot_input   index into kz_tick_input.analog
 //   mirrored    1: turning the shaft forward decreases the joint angle
 //   constrained KZ_CONSTRAINED_* (joint_loop.h)
-//   on          1 if the joint is on, equal to its bit in `enabled`
+//   on          1 if the joint is on; equal to the joint's bit in `enabled`
 //   heat        I2t heat of the motor (protection.h)
 //   stall_angle reference angle of the stall detection, 100 urad
 //   load        torque as a share of the stall torque at 10 V, 0..255
@@ -102,33 +103,33 @@ extern "C" {
 //   fresh_targets   joints whose ramp to `target` has not started yet
 //   shutdown_tick   tick in which `shutdown` was latched
 //   image_crc, start_8states, reset_cause, tests_*, shared_line, address, calibration
-//                   from kz_startup
+//                   copies of the fields of kz_startup
 //   frames .. refusals       counters of `statistics_reply`
 //   bad_check .. idle        damaged frames by cause, saturated at 65535
-//   missed_tick, holding, uncalibrated  the status flag of that name (KZ_STATUS_*), or 0
-//   shutdown        latched KZ_SHUTDOWN_* reason; its detail is shutdown_detail
+//   missed_tick, holding, uncalibrated  the status flag KZ_STATUS_* of the same name, or 0
+//   shutdown        latched KZ_SHUTDOWN_* reason. shutdown_detail: detail of the reason
 //   reaction        KZ_REACTION_* of the link watchdog
 //   silent_ms       time since the last valid request
 //   watchdog_ms     timeout of the link watchdog
 //   supply_mv, supply_lowest_mv, temperature_dc, reference  as in `health_reply`
-//   supply_bad_ms, hot_ms, reference_bad_ms  time out of range, saturated; 1 before the first measurement
+//   supply_bad_ms, hot_ms, reference_bad_ms  time out of range, saturated; initially 1
 //   phase           tick counter for work that is not done in every tick
 //   memory_next     index in `remembered` for the next request
 //   queued          number of entries in `queue`
 //   replying        1 while the sender sends a reply from `queue`
 //   prepared        bytes of the first part of the reply to queue[0], already in the sender's body; the rest
 //                   follows in the next tick. 0: no part is prepared
-//   tx_throttled    1: this tick is loaded, so large replies wait and few bytes are sent
-//   refuse_busy     1: the request busy_type, busy_sequence must be refused as BUSY
+//   tx_throttled    1: this tick has much other work, so large replies wait and few bytes are sent
+//   refuse_busy     1: the request with busy_type and busy_sequence must be refused as BUSY
 //   extras          0: telemetry, unlock, raw drive and actions are all inactive, and the tick skips them
-//   telemetry_ms    period, 0: no telemetry. telemetry_left_ms: time left of the period
-//   telemetry_selection, telemetry_due  KZ_TELEMETRY_* frames to send in every period, and the
-//                   frames of the present period that are still to be sent
-//   telemetry_sequence  number of the next frame
-//   telemetry_dropped   frames that were dropped because the line was too slow
+//   telemetry_ms    period of telemetry, 0: no telemetry. telemetry_left_ms: time left of the period
+//   telemetry_selection  KZ_TELEMETRY_* frames to send in every period. telemetry_due: frames of the
+//                   present period that are still to be sent
+//   telemetry_sequence  number of the next telemetry frame
+//   telemetry_dropped   number of telemetry frames that were dropped because the line was too slow
 //   unlocked_ms     time left of the bench unlock
-//   raw_ms          time left of the raw drive of raw_joint at raw_duty. raw_begun: 1 once it runs
-//   action          pending KZ_ACTION_*. acting: 1 if the previous tick requested it
+//   raw_ms          time left of the raw drive of raw_joint at raw_duty. raw_begun: 1 once the drive runs
+//   action          pending KZ_ACTION_*. acting: 1 if the previous tick requested the action
 //   new_address, new_shared_line  values that KZ_ACTION_STORE_ADDRESS stores
 #define KZ_SERVO_FIELDS(FIELD)   \
   FIELD(u32, tick)               \
@@ -195,12 +196,13 @@ extern "C" {
   FIELD(u8, busy_sequence)       \
   FIELD(u8, phase)
 
-// An executed or refused request: the data for its reply and for recognizing repetitions.
+// An executed or refused request: the data for the reply, and for recognizing a repetition of the request.
 //
 //   parameter         joint, or mask of joints, that the reply reports
-//   crc               CRC of the whole body: distinguishes a repetition from another request with the
-//                     same number
-//   reason, detail    refusal; reason 0: executed; KZ_PENDING (handlers.h): waits for an action
+//   crc               CRC of the whole body, which distinguishes a repetition from another request
+//                     with the same sequence number
+//   reason, detail    reason and detail of the refusal. Reason 0: the request was executed. Reason
+//                     KZ_PENDING (handlers.h): the request waits for an action
 #define KZ_ANSWER_FIELDS(FIELD) \
   FIELD(u32, parameter)         \
   FIELD(u16, crc)               \

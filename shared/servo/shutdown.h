@@ -13,7 +13,7 @@ extern "C" {
 // is the joint that caused the shutdown, or KZ_NO_DETAIL.
 void kz_shutdown(kz_servo* servo, u8 reason, u8 detail);
 
-// Latches reason and joint like kz_shutdown, without switching anything off.
+// Latches reason and detail like kz_shutdown, but switches nothing off.
 void kz_latch_shutdown(kz_servo* servo, u8 reason, u8 detail);
 
 // Returns 1 while a joint is on or a raw drive runs.

@@ -45,29 +45,29 @@ typedef struct kz_startup {
   u8 reset_cause;             // KZ_RESET_*
   u8 tests_done;              // KZ_TEST_* flags
   u8 tests_failed;            // KZ_TEST_* flags
-  u8 address;                 // 1..14, from flash; KZ_ADDRESS_DEFAULT if none is stored
+  u8 address;                 // 1..14, from flash; KZ_ADDRESS_DEFAULT if not stored
   u8 shared_line;             // 1: other boards are on the line
   u8 calibration;             // KZ_CALIBRATION_*
-  s16 pot_centre[KZ_JOINTS];  // as stored; nominal if no valid copy exists
+  s16 pot_centre[KZ_JOINTS];  // as stored in flash; nominal values without a valid copy
   s16 pot_scale[KZ_JOINTS];
 } kz_startup;
 
 // Snapshot of all inputs at the start of a tick.
 typedef struct kz_tick_input {
-  u32 tick;                  // number of this tick since reset
+  u32 tick;                  // number of the tick since reset
   u16 busy_8states;          // length of the previous tick, in units of 8 states
   u16 worst_8states;         // longest tick so far, in units of 8 states
   u16 missed;                // number of ticks missed since the previous tick
-  u16 calibration_sequence;  // sequence number of the valid copy in flash, 0 without a valid copy
+  u16 calibration_sequence;  // sequence number of the valid copy in flash; 0: no valid copy
   u16 analog[KZ_ANALOG];     // A/D codes 0..1023, by multiplexer * 8 + input
   u8 erases_a;               // number of erasures of calibration block A
   u8 erases_b;               // number of erasures of calibration block B
   u8 result;                 // KZ_RESULT_* of the action that the previous tick requested
-  u8 tx_room;                // free bytes of the transmit buffer, 0..KZ_TX_BUFFER
-  u8 rx_count;               // bytes in rx, 0..KZ_RX_PER_TICK
+  u8 tx_room;                // number of free bytes of the transmit buffer, 0..KZ_TX_BUFFER
+  u8 rx_count;               // number of bytes in rx, 0..KZ_RX_PER_TICK
   u8 rx[KZ_RX_PER_TICK];
   u8 rx_flags[KZ_RX_PER_TICK];  // KZ_RX_* of each byte, 0 if valid
-  u8 spare;                     // makes the size even
+  u8 spare;                     // padding, makes the size even
 } kz_tick_input;
 
 // Outputs of a tick. The outputs reach the pins and the serial line at the start of the next tick.
@@ -79,7 +79,7 @@ typedef struct kz_tick_output {
   u8 p5;
   u8 p6;
   u8 action;    // KZ_ACTION_*, performed before the next tick
-  u8 tx_count;  // bytes in tx, 0..KZ_TX_PER_TICK and at most tx_room
+  u8 tx_count;  // number of bytes in tx, 0..KZ_TX_PER_TICK, at most tx_room
   u8 tx[KZ_TX_PER_TICK];
 } kz_tick_output;
 

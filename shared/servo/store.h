@@ -1,10 +1,10 @@
 // Log-structured storage of calibration and address in flash: finds the valid copy and plans the next one.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block of flash is a log of lines, written in order and erased as a whole. A copy of the settings
-// consists of consecutive lines, one per part, with the same sequence number. The newest complete copy is
-// the valid one. With two blocks, a block is erased only while the other one holds the newest copy. So after
-// a power loss at any time, the old or the new copy is valid.
+// A block of flash is a log of lines, written in order and erased as a whole. A copy of the settings consists
+// of consecutive lines, one per part, with the same sequence number. The newest complete copy is the valid
+// copy. If the log has two blocks, a block is erased only while the other block holds the newest copy. So
+// after a power loss at any time, the old or the new copy is valid.
 //
 // The functions work on memory images of the blocks, so they also run on the PC. firmware/memory.c and the
 // native engine write the lines.
@@ -42,7 +42,8 @@ extern "C" {
 // Contents of a log, as found by kz_store_scan.
 typedef struct kz_store {
   u16 sequence;  // sequence number of the newest copy; 0: no copy
-  u16 last;      // newest sequence number of all valid lines, complete copy or not; 0: no line
+  // Newest sequence number of all valid lines, even without a complete copy; 0: no line.
+  u16 last;
   u8 blocks;     // 1 or 2
   u8 parts;      // lines per copy
   u8 block;      // block of the newest copy, 0 if there is no copy
@@ -63,9 +64,10 @@ typedef struct kz_store_plan {
 // each.
 void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts);
 
-// Plans the next copy. The copy follows the used lines of the newest copy's block if there is room.
-// Otherwise the copy begins the other block, which must be erased first. If the log has only one block, that
-// block is erased when full. The log then has no valid copy until the new copy is written.
+// Plans the next copy. The copy follows the used lines of the newest copy's block if there is room. If there
+// is no room, the copy begins the other block, which must be erased first. If the log has only one block and
+// the block is full, the block must be erased first. The log then has no valid copy until the new copy is
+// written.
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
 // Writes part `part` of the planned copy to `line`: 32 bytes, to be programmed at line plan->line + part.
@@ -76,12 +78,13 @@ void kz_store_encode(u8* line, const kz_store* store, const kz_store_plan* plan,
 // Returns the data of a part of the newest copy: KZ_STORE_DATA bytes in `images`. Requires sequence != 0.
 const u8* kz_store_data(const kz_store* store, const u8* const* images, u8 part);
 
-// Packs the calibration of the joints from 6 * part to 6 * part + 5 as data of a line. The arrays have
-// KZ_JOINTS elements.
+// Packs the calibration of the joints 6 * part to 6 * part + 5 as data of a line. The arrays have KZ_JOINTS
+// elements.
 void kz_store_pack_calibration(u8* data, u8 part, const s16* centre, const s16* scale);
 
-// The two load functions copy the stored calibration, or address and shared_line, to `startup`. If there is
-// no valid copy, or the address is invalid, `startup` keeps the values from kz_startup_nominal.
+// kz_store_load_calibration copies the stored calibration to `startup`; kz_store_load_address copies the
+// stored address and shared_line. If there is no valid copy, or the address is invalid, `startup` keeps the
+// values from kz_startup_nominal.
 void kz_store_load_calibration(const kz_store* store, const u8* const* images, kz_startup* startup);
 void kz_store_pack_address(u8* data, u8 address, u8 shared_line);
 void kz_store_load_address(const kz_store* store, const u8* const* images, kz_startup* startup);

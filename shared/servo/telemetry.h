@@ -9,8 +9,9 @@
 extern "C" {
 #endif
 
-// Call it in every tick while telemetry_ms is not 0. At the start of each period, the frames of that period
-// become due. Frames of the previous period that have not been started are dropped and counted.
+// Updates the schedule; call kz_telemetry_update in every tick while telemetry_ms is not 0. At the start of
+// each period, the frames of that period become due. Frames of the previous period that have not been started
+// are dropped and counted.
 void kz_telemetry_update(kz_servo* servo);
 
 // Ends telemetry. Frames that are due are not sent.

@@ -26,7 +26,7 @@ struct BusServo {
   double sign() const { return reversed ? -1 : 1; }
 };
 
-// EEPROM register value that all servos have after the robot's setup.
+// Value of an EEPROM register in all servos, after the setup of the robot.
 struct BusSetting {
   std::string name;
   int value = 0;
@@ -41,8 +41,8 @@ struct BusFile {
   std::vector<BusServo> servos;
 };
 
-// Parses the text of a bus.json. `path` only names the file in errors. Returns Fault::usage for invalid
-// text. Duplicate ids are valid, so that a virtual bus can simulate this fault.
+// Parses the text of a bus.json. `path` only names the file in errors. Returns Fault::usage for invalid text.
+// Duplicate ids are valid, so that a virtual bus can simulate servos with equal ids.
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text);
 // Returns the path of bus.json beside the URDF.
 std::string bus_file_path(const std::string& urdf_path);

@@ -26,7 +26,7 @@ struct Register {
   // Sign bit; 0: unsigned. Feetech uses sign and magnitude, DYNAMIXEL two's complement.
   std::uint8_t sign_bit = 0;
   bool writable = false;
-  bool eeprom = false;   // keeps its value without power; false: RAM
+  bool eeprom = false;   // true: EEPROM, which keeps the value without power; false: RAM
   int initial = 0;       // factory value
   int min = 0, max = 0;  // range of writable values
   std::string_view unit;
@@ -36,13 +36,14 @@ struct Register {
   int initial_step = 0;          // difference between factory values of consecutive registers
   std::string_view values = {};  // "0 1 3": the only writable values; empty: all from min to max
 
-  // Address after the register.
+  // Returns the address after the register.
   int end() const { return address + size * count; }
-  // Whether the value can be written. Ignores `writable`.
+  // Returns whether the register allows the value. Ignores `writable`.
   bool allows(int value) const;
 };
 
-// Factory value of one model, if models with a common register table have different factory values.
+// Factory value of a register in one model. Used if models have a common register table but different factory
+// values.
 struct Change {
   std::string_view model, name;
   int initial = 0;
@@ -62,7 +63,7 @@ struct Model {
   int position_p_unit = 0;       // DYNAMIXEL: divisor of `position_p_gain`
   double current_unit_a = 0;     // DYNAMIXEL: unit of current, A; 0: not measured
   double free_rpm_per_volt = 0;  // DYNAMIXEL: no-load speed
-  std::span<const long> bauds;   // baud rates by their code in the register `baud_rate`
+  std::span<const long> bauds;   // baud rates; the index is the code in the register `baud_rate`
   std::span<const Register> registers;  // sorted by address
 
   // Returns the register with this name, or null.
@@ -71,7 +72,7 @@ struct Model {
   const Register* at(std::size_t address) const;
   // Returns the factory value of the register; `index` selects one of consecutive registers.
   int initial(const Register& reg, int index = 0) const;
-  // Address after the last register.
+  // Returns the address after the last register.
   std::size_t end() const {
     return registers.empty() ? 0 : static_cast<std::size_t>(registers.back().end());
   }
@@ -83,8 +84,8 @@ std::span<const Model> models();
 // Returns the model with this name, or null.
 const Model* find_model(std::string_view name);
 
-// Convert between a register's bytes on the wire and its value. Too few bytes decode to 0. Values that do not
-// fit are clamped when encoded.
+// Convert between a register's bytes on the wire and its value. decode() returns 0 for too few bytes.
+// encode() clamps values that do not fit.
 int decode(const Model& model, const Register& reg, std::span<const std::uint8_t> bytes);
 std::vector<std::uint8_t> encode(const Model& model, const Register& reg, int value);
 

@@ -17,8 +17,8 @@ class DriverHeat {
   explicit DriverHeat(const DriverParams& params)
       : params_(params), celsius_(params.ambient_celsius) {}
 
-  // Advances by `seconds`. `amperes` is the sum of the magnitudes of the motor currents, constant during this
-  // time.
+  // Advances by `seconds`. `amperes` is the sum of the magnitudes of the motor currents, which are constant
+  // during `seconds`.
   void advance(double seconds, double amperes) {
     const double end =
         params_.ambient_celsius + params_.kelvin_per_watt * params_.drop_volts * amperes;

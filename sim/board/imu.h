@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Each axis adds white noise to the measured quantity, filters the sum by a first-order low-pass, and applies
-// offset, scale and saturation. The offset is the sum of a constant, which differs between parts, and a
-// first-order Gauss-Markov process
+// offset, scale and saturation. The offset is the sum of a constant, which differs from part to part, and a
+// random drift x. The drift is a first-order Gauss-Markov process that starts in the stationary distribution:
 //
 //   x' = e x + sigma sqrt(1 - e^2) n,  e = exp(-1 ms / time)
 //
-// that starts in its stationary distribution. The filter is exact for an input that is constant within a
-// millisecond. White noise of one-sided density N, sampled at 1 kHz, has a normal distribution with sigma N
-// sqrt(1000 / 2). The reason is that the bandwidth of the samples is half the sampling rate.
+// The filter is exact for an input that is constant within a millisecond. The samples of white noise with the
+// one-sided density N, taken at 1 kHz, have a normal distribution with sigma N sqrt(1000 / 2). Reason: the
+// bandwidth of the samples is half the sampling rate.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ namespace kaz::sim {
 
 // Motion in the axes of the robot's link `imu` (docs/reference/robot.md): x forward, y left, z up.
 struct ImuMotion {
-  double yaw_rate = 0;                       // rad/s about z
+  double yaw_rate = 0;                       // angular velocity about z, rad/s
   double forward_force = 0, left_force = 0;  // specific force along x and y, m/s^2
 };
 
@@ -29,7 +29,8 @@ class Imu {
  public:
   Imu(const SensorParams& params, const SensorSwitches& switches, std::uint64_t seed);
 
-  // Processes the motion during the millisecond that ends with `tick`. Ticks must increase.
+  // Processes the motion during the millisecond that ends with `tick`. The ticks of successive calls must
+  // increase.
   void advance(std::int64_t tick, const ImuMotion& motion);
 
   // Copies the filtered motion of `other`, but not the sensor errors of `other`.
@@ -53,7 +54,8 @@ class Imu {
     ImuAxisParams params;
     bool real = false;  // true if the sensor has errors
     double offset = 0, sigma = 0, follow = 1, filtered = 0;
-    double stay = 1, stir = 0, wandered = 0;  // per millisecond
+    // The values e, sigma sqrt(1 - e^2) and x of the drift process above.
+    double stay = 1, stir = 0, wandered = 0;
   };
   std::uint64_t seed_;
   bool started_ = false;

@@ -9,21 +9,22 @@
 
 namespace kaz::sim {
 
-// Noise is given as one sigma, in codes of the A/D converter. By default sensors have no errors and no noise.
+// The noise of a sensor is given as a standard deviation (sigma), in codes of the A/D converter. By default,
+// sensors have no errors and no noise.
 struct PotentiometerParams {
   double noise_codes = 0;
-  double linearity = 0;     // maximum deviation, fraction of the range
-  double mounting_rad = 0;  // maximum offset
-  double terminal_rad = 0;  // how far the contact extends beyond each end of the track
-  double open_level = 1;    // fraction of AVCC read with an open wiper
+  double linearity = 0;     // maximum deviation from linearity, as a fraction of the range
+  double mounting_rad = 0;  // maximum offset of the mounted potentiometer, rad
+  double terminal_rad = 0;  // length of the terminal contact beyond each end of the track, rad
+  double open_level = 1;    // level of the input while the wiper is open, as a fraction of AVCC
 };
 
 struct InputParams {
   double noise_codes = 0;
 };
 
-// Parameters of the first-order heating of the motor drivers. Each bridge dissipates `drop_volts` times its
-// motor's current.
+// Parameters of the first-order heating of the motor drivers. Each bridge dissipates `drop_volts` times the
+// current of the connected motor.
 struct DriverParams {
   double noise_codes = 0;
   double ambient_celsius = 25;
@@ -34,13 +35,14 @@ struct DriverParams {
 
 // One axis of the gyro (unit: rad/s) or of the accelerometer (unit: m/s^2).
 struct ImuAxisParams {
-  double share_per_unit = 0;  // fraction of AVCC per unit; zero is at half of AVCC
-  double zero_offset = 0;     // maximum offset, in units
-  double wander = 0;          // drift of the zero about its offset, one sigma, in units
-  double wander_time_s = 1;   // correlation time of the drift (1/e)
-  double bandwidth_hz = 40;   // bandwidth of the first-order low-pass, -3 dB
-  double noise_density = 0;   // one-sided, units per root Hz
-  double range = 0;           // in units; the output saturates beyond it
+  // Output as a fraction of AVCC, per unit; the output for 0 is half of AVCC.
+  double share_per_unit = 0;
+  double zero_offset = 0;    // maximum offset of the zero point, in units
+  double wander = 0;         // standard deviation of the zero point's drift, in units
+  double wander_time_s = 1;  // correlation time of the drift (1/e)
+  double bandwidth_hz = 40;  // bandwidth of the first-order low-pass, -3 dB
+  double noise_density = 0;  // one-sided noise density, units per root Hz
+  double range = 0;          // maximum quantity in units; beyond this value, the output saturates
 };
 
 struct SensorParams {
@@ -50,13 +52,14 @@ struct SensorParams {
   ImuAxisParams gyro, accelerometer;
 };
 
-// If true, the sensor has errors and noise. If false, the sensor's output is the nominal output exactly.
+// Switches for the errors of the sensors. True: the sensor has errors and noise. False: the output of the
+// sensor is exactly the nominal output.
 struct SensorSwitches {
-  bool potentiometer = true;  // noise and open wiper beyond the track
+  bool potentiometer = true;  // noise, and an open wiper beyond the track
   bool pot_as_built = false;  // individual linearity errors and mounting offsets
-  bool supply = true;         // noise; the sag of the supply is always simulated
+  bool supply = true;         // noise; the sag of the supply voltage is simulated in any case
   bool reference = true;      // noise
-  bool temperature = true;    // noise; the heating of the drivers is always simulated
+  bool temperature = true;    // noise; the heating of the drivers is simulated in any case
   bool gyro = true;           // offset, bandwidth, noise, saturation
   bool accelerometer = true;
 
@@ -65,7 +68,7 @@ struct SensorSwitches {
   static SensorSwitches as_built() { return {true, true, true, true, true, true, true}; }
 };
 
-// Names of sets of switches, used in options and recordings.
+// Sets of switches that have a name in options and recordings.
 enum class SensorSet { nominal, ideal, as_built };
 inline constexpr std::array kSensorSets{SensorSet::nominal, SensorSet::ideal, SensorSet::as_built};
 
@@ -77,7 +80,7 @@ SensorSwitches sensor_switches(SensorSet set);
 // Returns the name of the set with these switches, or "mixed".
 std::string name_of(const SensorSwitches& sensors);
 
-// Loads a sensor file, which must have every parameter. Errors name file and line.
+// Loads a sensor file, which must contain every parameter. An error message names file and line.
 Result<SensorParams> load_sensor_file(const std::string& path);
 
 }  // namespace kaz::sim

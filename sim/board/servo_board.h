@@ -1,8 +1,8 @@
 // The servo board: the circuit around the microcontroller.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Multiplexers and potentiometers in front of the A/D converter, motor drivers behind the PWM and direction
-// pins, and the supply.
+// The circuit consists of multiplexers and potentiometers at the inputs of the A/D converter, motor drivers
+// at the PWM and direction pins, and the supply.
 #pragma once
 
 #include <array>
@@ -25,25 +25,26 @@ namespace kaz::sim {
 
 struct ServoBoardOptions {
   std::uint64_t seed = 1;
-  SensorParams params = {};     // from sensors.xml
-  SensorSwitches sensors = {};  // which sensors have errors
+  SensorParams params = {};     // parameters from sensors.xml
+  SensorSwitches sensors = {};  // determine which sensors have errors and noise
   // True: gyro and accelerometer on AN3..AN5; false: these inputs are grounded.
   bool imu = false;
   double supply_volts = 10.0;  // open-circuit voltage
-  double supply_ohms = 0.15;   // battery, switch and wires
+  double supply_ohms = 0.15;   // resistance of battery, switch and wires
 };
 
 // Mean output of a motor driver over an interval.
 struct MeanDrive {
-  double duty = 0;       // -1..1, mean over the whole interval; positive in the joint's direction
-  bool powered = false;  // the drivers were enabled for more than half of the interval
+  // -1..1, mean over the whole interval; positive values drive in the joint's direction.
+  double duty = 0;
+  bool powered = false;  // true: the drivers were enabled for more than half of the interval
 };
 
 // Fault of a potentiometer. The default is no fault.
 struct PotFault {
-  std::optional<double> level;  // constant level of the input, fraction of AVCC
+  std::optional<double> level;  // constant level of the input, as a fraction of AVCC
   double noise_codes = 0;       // sigma of additional noise
-  bool stuck = false;           // the output no longer follows the angle
+  bool stuck = false;           // true: the output no longer follows the angle
   template <class A>
   void transfer(A& a) {
     a(level, noise_codes, stuck);
@@ -64,8 +65,8 @@ class ServoBoard {
 
   // Returns the board time, which also advances while the power is off.
   States now() const { return now_; }
-  // Runs until `now() >= until`. now() may exceed `until` by part of the last instruction. Errors: those of
-  // Mcu::run_until().
+  // Runs until `now() >= until`. now() may exceed `until` by part of the last instruction. Returns the errors
+  // of Mcu::run_until().
   Result<void> run_until(States until);
 
   // Sets the angles of the output shafts, rad, in the joints' directions, indexed by the joint numbers of
@@ -87,18 +88,20 @@ class ServoBoard {
   void set_supply(double volts) { options_.supply_volts = volts; }
   // Sets a voltage that is added to the open-circuit voltage, V. The value holds until the next call.
   void set_supply_change(double volts) { supply_change_ = volts; }
-  // Held until set again.
+  // Sets the fault of a joint's potentiometer. The fault lasts until the next call for this joint.
   void set_pot_fault(int joint, const PotFault& fault) {
     pot_faults_[static_cast<std::size_t>(joint)] = fault;
   }
 
-  // Returns the mean drives since the last call, integrated exactly over every change of a pin.
+  // Returns the mean drives since the last call. The means are exact: every change of a pin is taken into
+  // account.
   std::array<MeanDrive, KZ_JOINTS> take_drives();
 
   const PinLevels& pins() const { return pins_; }
   bool drivers_enabled() const { return (pins_.p4 & KZ_P4_ENABLE) != 0; }
 
-  // Serial line of the chip. Times are in board time. Bytes that arrive while the power is off are lost.
+  // Transfer the bytes of the chip's serial line. Times are in board time. Bytes that arrive while the power
+  // is off are lost.
   void receive(const SerialByte& byte);
   std::vector<SerialByte> take_transmitted();
 
@@ -106,14 +109,15 @@ class ServoBoard {
   void set_power(bool on);
   bool power() const { return power_; }
   void reset();  // resets the chip by its RES pin
-  // Sets the mode pins. The pins take effect at the next reset. Error: the microcontroller has no boot mode.
+  // Sets the mode pins. The pins take effect at the next reset. Fails if the microcontroller has no boot
+  // mode.
   Result<void> set_boot_pins(bool boot) { return mcu_->set_boot_pins(boot); }
 
   // Save and restore the complete state, including the state of the chip.
   void save(StateWriter& to);
   void restore(StateReader& from);
-  // Save and restore like Mcu::keep() and Mcu::take(). After take(), the sensors have the errors and noise of
-  // `seed`. Call set_joint_angles() after take().
+  // keep() and take() save and restore the state like Mcu::keep() and Mcu::take(). After take(), the sensors
+  // have the errors and the noise that `seed` determines. Call set_joint_angles() after take().
   std::unique_ptr<const Mcu::Kept> keep(StateWriter& to);
   void take(StateReader& from, const Mcu::Kept* kept, std::uint64_t seed);
 

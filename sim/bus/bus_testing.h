@@ -19,7 +19,8 @@ using Bytes = std::vector<std::uint8_t>;
 using feetech::Instruction;
 using feetech::Packet;
 
-// World whose joints have no mass and no friction. A joint turns at 5 rad/s times the duty of its drive.
+// World whose joints have no mass and no friction. Each joint turns at 5 rad/s times the duty of the joint's
+// drive.
 class ShaftWorld final : public World {
  public:
   explicit ShaftWorld(std::size_t joints) : joints_(joints) {
@@ -59,7 +60,7 @@ class ShaftWorld final : public World {
   Scene scene_;
 };
 
-// Packet functions of each protocol, used as template parameter of HostOnBus.
+// Packet functions of each protocol. These structs are template arguments of HostOnBus.
 struct FeetechWire {
   using Packet = feetech::Packet;
   using Reader = feetech::PacketReader;
@@ -98,7 +99,7 @@ struct DynamixelWire {
   static int error(const Packet& packet) { return packet.error; }
 };
 
-// Returns the bytes of a request that writes a register, in the model's protocol.
+// Returns the bytes of a request that writes a register. The request uses the protocol of `model`.
 inline Bytes write_request(const servo_bus::Model& model, int id, const std::string& name,
                            int value) {
   const servo_bus::Register& reg = *model.find(name);
@@ -133,7 +134,7 @@ class HostOnBus {
   using Packet = typename Wire::Packet;
   explicit HostOnBus(VirtualBus& bus) : bus_(&bus) {}
 
-  // Sends a request and returns the answers that arrive within `patience` after its last byte.
+  // Sends a request and returns the answers that arrive within `patience` after the request's last byte.
   std::vector<Packet> send(const Bytes& wire, Time patience = std::chrono::milliseconds(3)) {
     const Time sent = bus_->write(wire);
     bus_->advance(sent + patience);
@@ -149,15 +150,15 @@ class HostOnBus {
   std::vector<Packet> send(const Packet& packet, Time patience = std::chrono::milliseconds(3)) {
     return send(Wire::wire_of(packet), patience);
   }
-  // Returns the data of the answer. Returns nullopt unless there is exactly one answer and it is from this
-  // id.
+  // Reads registers and returns the data of the answer. Returns nullopt unless exactly one answer arrives and
+  // the answer has this id.
   std::optional<Bytes> read(int id, int address, int length) {
     const auto answers = send(Wire::read(id, address, length));
     if (answers.size() != 1 || answers[0].id != id) return std::nullopt;
     return answers[0].parameters;
   }
-  // Returns the error byte of the answer. Returns -1 unless there is exactly one answer and it is from this
-  // id.
+  // Writes registers and returns the error byte of the answer. Returns -1 unless exactly one answer arrives
+  // and the answer has this id.
   int write(int id, int address, const Bytes& data) {
     const auto answers = send(Wire::write(id, address, data));
     return answers.size() == 1 && answers[0].id == id ? Wire::error(answers[0]) : -1;

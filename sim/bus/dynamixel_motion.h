@@ -1,14 +1,15 @@
 // Motion control of a virtual DYNAMIXEL: computes the duty of the motor from registers and position sensor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions are in pulses, speeds in pulses/s, PWM in units of the registers (885 is 100 %). The sign of all
-// these values is that of the registers; drive_mode can reverse it relative to the servo's direction.
+// Positions are in pulses, speeds in pulses/s, PWM in units of the registers (885 is 100 %). All these values
+// have the sign of the registers. The register drive_mode can reverse this sign relative to the servo's
+// direction.
 //
-// Documented by the maker: modes, limits, units, the profile, the control laws and the divisors of the gains.
-// Rhoban measured the divisor of the XL330's P gain.
+// The maker documents modes, limits, units, the profile, the control laws and the divisors of the gains. The
+// divisor of the XL330's P gain is a measurement by Rhoban.
 //
-// Chosen by us: the control period of 1 ms, the current loop, the current scale of mode 5, and the thresholds
-// of moving_status. The control period sets the units (per ms) of the D, I and feedforward gains.
+// We chose the control period of 1 ms, the current loop, the current scale of mode 5, and the thresholds of
+// moving_status. The control period sets the units (per ms) of the D, I and feedforward gains.
 #pragma once
 
 #include "sim/body/motor/motor_drive.h"
@@ -35,7 +36,7 @@ class DynamixelMotion {
   // Sets the number of counted turns to 0. If the register `moving` is set, does nothing and returns false.
   bool clear_turns(RegisterFile& registers);
 
-  double duty() const { return duty_; }  // in the servo's direction
+  double duty() const { return duty_; }  // positive in the servo's direction
 
  private:
   enum Mode { current = 0, velocity = 1, position = 3, turns = 4, current_position = 5, pwm = 16 };
@@ -52,10 +53,11 @@ class DynamixelMotion {
   ServoReading reading_;
   double origin_ = 0;  // position from which turns are counted
   Trajectory trajectory_;
-  double profile_speed_ = 0, profile_rate_ = 0;  // present profile; speed 0: no profile
-  // Shape of the present profile, as in moving_status.
+  // Speed and acceleration of the present profile; speed 0: no profile.
+  double profile_speed_ = 0, profile_rate_ = 0;
+  // Shape of the present profile, in the encoding of moving_status.
   int shape_ = 0;
-  double integral_ = 0;  // PWM
+  double integral_ = 0;  // integral term, in units of PWM
   double pwm_ = 0, duty_ = 0;
   bool powered_ = false;
 };

@@ -1,14 +1,15 @@
 // Protection of a virtual DYNAMIXEL: voltage, temperature, overload.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Documented by the maker: hardware_error_status shows these errors. Errors that are selected in `shutdown`
-// switch the torque off until a reboot. Chosen by us, because no numbers are published:
-// - A voltage outside its limits is an error after 100 ms.
-// - An overload is a torque above 80 % of the maximum at that voltage for 2 s.
-// - An error that is not selected in `shutdown` lasts as long as its cause.
+// The maker documents two rules. The register hardware_error_status shows the present errors. An error that
+// is selected in the register `shutdown` switches the torque off until a reboot. We chose the following
+// values, because the maker publishes none:
+// - A supply voltage outside the limits is an error after 100 ms.
+// - An overload is a torque above 80 % of the maximum torque at the present voltage for 2 s.
+// - An error that is not selected in `shutdown` ends when the cause of the error ends.
 //
-// The torque is computed as the PWM minus the share of PWM that the present speed requires. Encoder errors
-// and electrical shocks are not simulated.
+// The torque is computed from the PWM value minus the PWM value that the present speed requires. Encoder
+// errors and electrical shocks are not simulated.
 #pragma once
 
 #include "sim/bus/register_file.h"
@@ -27,7 +28,7 @@ class DynamixelProtection {
   bool shut_down() const { return latched_ != 0; }
 
  private:
-  double bad_voltage_s_ = 0, overload_s_ = 0;  // duration of the condition so far
+  double bad_voltage_s_ = 0, overload_s_ = 0;  // time for which the condition has lasted, s
   int latched_ = 0;                            // bits of hardware_error_status
 };
 

@@ -6,10 +6,10 @@
 //
 // - If a packet to this servo has a wrong CRC, the servo answers with the CRC error.
 // - If a write has any error, no register is changed.
-// - Addresses without a register read 0 if other addresses in the same read have a register.
-// - In a sync or bulk read, each servo waits for the answer of the previous servo. If that answer is missing,
-//   the servo does not answer.
-// - A broadcast ping is answered in the order of the ids. Each servo has its own time slot.
+// - In a read, an address without a register reads 0 if another address of the same read has a register.
+// - In a sync or bulk read, each servo waits until the previous servo has answered. If the previous servo
+//   does not answer, the waiting servo does not answer either.
+// - A broadcast ping is answered in the order of the ids. Each servo answers in a separate time slot.
 // - In a fast read only the first servo has a return delay.
 #pragma once
 
@@ -32,12 +32,12 @@ class DynamixelServo final : public VirtualServo {
   std::optional<Answer> take(std::uint8_t byte, Time now) override;
   const PacketCounts& counts() const override { return reader_.counts(); }
 
-  // A longer gap between two bytes ends a packet (e-Manual).
+  // Maximum gap between two bytes of a packet. A longer gap ends the packet (e-Manual).
   static constexpr Time kMaxGap = std::chrono::microseconds(1500);
   // Duration of a reboot (chosen by us).
   static constexpr Time kReboot = std::chrono::milliseconds(300);
-  // Time from one id's slot to the next in answers to a broadcast ping (chosen by us). The duration of the
-  // answer's bytes is added.
+  // Part of the time between the slots of two successive ids in answers to a broadcast ping (chosen by us).
+  // The other part is the duration of an answer's bytes.
   static constexpr Time kPingSlot = std::chrono::milliseconds(1);
 
  private:
@@ -46,7 +46,7 @@ class DynamixelServo final : public VirtualServo {
   struct Block {  // addresses to be read
     std::size_t address = 0, length = 0;
   };
-  struct Item {  // one register of a write, and the register's index in a row of registers
+  struct Item {  // write to one register of a row of registers
     const servo_bus::Register* reg;
     int index, value;
   };
@@ -84,7 +84,7 @@ class DynamixelServo final : public VirtualServo {
   DynamixelProtection protection_;
   dynamixel::PacketReader reader_;
   Time last_request_{};
-  Time started_{-1};  // time at which realtime_tick is 0; -1: the next step sets it
+  Time started_{-1};  // time at which realtime_tick is 0; -1: the next step sets started_
   bool has_backup_ = false;
   struct RegWrite {
     std::size_t address;
@@ -92,21 +92,24 @@ class DynamixelServo final : public VirtualServo {
     bool secondary;  // true if the packet was sent to secondary_id
   };
   std::optional<RegWrite> reg_write_;
-  // This servo's part of a sync or bulk read. The servo answers after the servo with the id `after`.
+  // This servo's part of a sync or bulk read. This servo answers after the servo with the id `after` has
+  // answered.
   struct Turn {
     std::uint8_t after;
     Block block;
   };
   std::optional<Turn> turn_;
-  // This servo's part of a fast read. `heard` contains the bytes of the common answer received so far.
-  // `before` and `behind` are the numbers of bytes of the common answer before and after this servo's part.
+  // This servo's part of a fast read. `heard` contains the bytes of the common answer that this servo has
+  // received so far. `before` and `behind` are the numbers of bytes of the common answer before and after
+  // this servo's part.
   struct FastTurn {
     std::vector<std::uint8_t> heard;
     std::size_t before, behind;
     Block block;
   };
   std::optional<FastTurn> fast_;
-  std::size_t not_mine_ = 0;  // remaining bytes of a common answer, to be ignored
+  // Number of remaining bytes of a common answer that this servo ignores.
+  std::size_t not_mine_ = 0;
 };
 
 }  // namespace kaz::sim

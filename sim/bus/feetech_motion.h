@@ -1,14 +1,16 @@
 // Motion control of a virtual Feetech servo: computes the motor's duty from registers and position sensor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions are in steps of the sensor, speeds in steps/s, duty -1..1. All are positive in the servo's
-// direction.
+// Positions are in steps of the position sensor, speeds in steps/s. The duty is -1..1. All these values are
+// positive in the servo's direction.
 //
-// Documented by the maker: modes, units, limits, and an update every millisecond. On an STS3215, Rhoban
-// measured duty = 0.166 P e (e in rad), at most 0.97. docs/reference/servo-bus.md names the sources.
+// The maker documents modes, units, limits, and the update period of 1 ms. On an STS3215, Rhoban (a robotics
+// team) measured duty = 0.166 P e, at most 0.97. P is the gain, e the position error in rad.
+// docs/reference/servo-bus.md names the sources.
 //
-// Chosen by us: scales of D, I and the speed loop; shape of the profile near the goal. A servo whose torque
-// is switched on holds its position until a goal is written.
+// We chose the scales of the D gain, the I gain and the speed loop, and the shape of the profile near the
+// goal. We also chose that a servo whose torque is switched on holds the present position until a goal is
+// written.
 #pragma once
 
 #include <array>
@@ -49,7 +51,7 @@ class FeetechMotion {
   double speed_loop(const RegisterFile& registers, double speed, double step_s);
   void report(RegisterFile& registers, const ServoReading& reading, int position) const;
 
-  double steps_ = 0;         // position sensor
+  double steps_ = 0;         // last reading of the position sensor
   double turns_origin_ = 0;  // origin of multi-turn positions
   Trajectory trajectory_;
   double steps_goal_ = 0;   // goal of mode 3

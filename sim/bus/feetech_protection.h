@@ -6,13 +6,14 @@
 //   position command.
 // - A current above protection_current for overcurrent_time switches the output off until a new position
 //   command.
-// - The output is off while the voltage is outside its limits.
+// - The output is off while the supply voltage is outside the limits.
 // - A temperature above max_temperature switches the torque off.
 //
-// The register unload_condition selects which of these protections act. The register `status` shows all of
-// them. The torque is computed as the duty minus the share of duty that the present speed requires. So the
-// torque is 0 if the servo runs freely at full speed, and equal to the duty if the servo is stalled. How a
-// hot servo recovers is not documented. In this simulation, the host must switch the torque on again.
+// The register unload_condition selects which of these protections act. The register `status` shows the
+// conditions of all these protections. The torque is computed as the duty minus the duty that the present
+// speed requires. Thus the torque is 0 if the servo runs freely at full speed, and equal to the duty if the
+// servo is stalled. The maker does not document how a hot servo recovers. In this simulation, the host must
+// switch the torque on again.
 #pragma once
 
 #include "sim/bus/feetech_motion.h"
@@ -22,8 +23,8 @@ namespace kaz::sim {
 
 class FeetechProtection {
  public:
-  // Advances by one step, after FeetechMotion::step() has computed `duty`. Sets `status` and the registers of
-  // voltage, temperature and current. If the servo is too hot, clears torque_enable.
+  // Advances by one step. Call after FeetechMotion::step(), which computes `duty`. Sets `status` and the
+  // registers of voltage, temperature and current. If the servo is too hot, clears torque_enable.
   void step(RegisterFile& registers, const ServoReading& reading, double duty, double step_s);
   // Returns the maximum duty for the coming step, 0..1.
   double limit(const RegisterFile& registers) const;
@@ -32,7 +33,7 @@ class FeetechProtection {
   void power_on() { *this = {}; }
 
  private:
-  double overload_s_ = 0, overcurrent_s_ = 0;  // duration of the condition so far
+  double overload_s_ = 0, overcurrent_s_ = 0;  // time for which the condition has lasted, s
   bool overloaded_ = false, overcurrent_ = false, bad_voltage_ = false;
 };
 

@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The virtual servo follows the published protocol and register tables (docs/reference/servo-bus.md), because
-// the maker's firmware is closed. Our choices where protocol and tables do not define the behavior:
+// the maker's firmware is closed. Where the protocol and the tables do not define the behavior, we chose the
+// following:
 // - Unknown instructions, and instructions that the model does not support, are not answered.
 // - Written values are clamped to the register's range.
 // - Writes to read-only registers are answered and change nothing.
 // - Addresses without a register read 0.
-// - In a sync read, each servo waits for the answer of the previous servo, like in a bulk read of protocol
+// - In a sync read, each servo waits until the previous servo has answered, like in a bulk read of protocol
 //   1.0.
 #pragma once
 
@@ -30,9 +31,9 @@ class FeetechServo final : public VirtualServo {
   std::optional<Answer> take(std::uint8_t byte, Time now) override;
   const PacketCounts& counts() const override { return reader_.counts(); }
 
-  // A longer gap between two bytes ends a packet (protocol 1.0).
+  // Maximum gap between two bytes of a packet. A longer gap ends the packet (protocol 1.0).
   static constexpr Time kMaxGap = std::chrono::milliseconds(100);
-  // Duration of a restart (the manual gives an approximate value).
+  // Duration of a restart. The manual states only an approximate value.
   static constexpr Time kRestart = std::chrono::milliseconds(800);
 
  private:
@@ -54,7 +55,7 @@ class FeetechServo final : public VirtualServo {
     std::vector<std::uint8_t> bytes;
   };
   std::optional<RegWrite> reg_write_;
-  // This servo's part of a sync read. The servo answers after the servo with the id `after`.
+  // This servo's part of a sync read. This servo answers after the servo with the id `after` has answered.
   struct Turn {
     std::uint8_t after, address, length;
   };

@@ -1,11 +1,11 @@
 // One wire shared by a host and servos. Simulates bit by bit which node receives which bytes, and when.
 // SPDX-License-Identifier: Apache-2.0
 //
-// 8 data bits, no parity, one stop bit. The wire is low while any node sends a low bit, so simultaneous
-// senders corrupt each other's bytes where the bytes differ. Each node has a UART with its own baud rate.
-// After a falling edge, the UART samples the middle of each bit. So bytes that were sent at another rate
-// arrive as garbage or with a framing error. A node does not receive its own bytes. Time is simulated. The
-// same calls give the same bytes.
+// A byte has 8 data bits, no parity and one stop bit. The wire is low while any node sends a low bit. If two
+// nodes send different bytes at the same time, the nodes corrupt each other's bytes. Each node has a UART
+// with its own baud rate. After a falling edge, the UART samples the wire in the middle of each bit. Bytes
+// that were sent at another baud rate therefore arrive as garbage or with a framing error. A node does not
+// receive the bytes that it sends. All times are in simulated time. The same calls give the same bytes.
 #pragma once
 
 #include <cstddef>
@@ -26,13 +26,15 @@ class HalfDuplexLine {
 
   // Sets the baud rate of a node for bytes sent or received from now on. Precondition: baud > 0.
   void set_baud(std::size_t node, double baud);
-  // Sends the bytes without gaps, beginning at `from` or after the node's earlier bytes, whichever is later.
-  // Returns the end of the last stop bit. Precondition: `from` is not before the last byte returned by
-  // next().
+  // Sends the bytes without gaps. The first byte begins at `from` or after the node's earlier bytes,
+  // whichever is later. Returns the time at which the last stop bit ends. Precondition: `from` is not before
+  // Received::at of the last byte that next() returned.
   Time send(std::size_t node, std::span<const std::uint8_t> bytes, Time from);
-  // Returns the end of the last byte on the wire or queued; in the past if the wire is idle.
+  // Returns the time at which the last byte that is on the wire or queued ends. This time is in the past if
+  // the wire is idle.
   Time busy_until() const;
-  // From now on, one random bit of each sent byte is flipped with the probability `share`.
+  // Damages bytes that are sent from now on: with the probability `share`, one random bit of a byte is
+  // flipped.
   void set_damage(double share, std::uint64_t seed);
   // Number of bytes with a flipped bit.
   std::uint64_t damaged() const { return damaged_; }
@@ -41,10 +43,10 @@ class HalfDuplexLine {
     std::size_t node = 0;
     std::uint8_t byte = 0;
     bool stop_bit = true;  // false: framing error, `byte` is meaningless
-    Time at{};             // end of the stop bit, according to the baud rate of this node
+    Time at{};             // end of the stop bit, according to the baud rate of the node
   };
-  // Returns the next byte, in order of time, that any node has received by `until`. Returns nullopt if there
-  // is no such byte.
+  // Returns the earliest byte that any node has received by `until` and that next() has not returned yet.
+  // Returns nullopt if no node has received a byte by `until`.
   std::optional<Received> next(Time until);
 
  private:
@@ -59,10 +61,10 @@ class HalfDuplexLine {
   struct Uart {
     double bit_ns;
     Time from{};         // falling edges before this time are not start bits
-    Time sent_until{};   // end of the node's own bytes
-    bool known = false;  // `next` is up to date
+    Time sent_until{};   // end of the bytes that the node itself sends
+    bool known = false;  // true: `next` is up to date
     std::optional<Received> next;
-    Time after{};  // new value of `from` after `next` was returned
+    Time after{};  // value that `from` receives after `next` was returned
   };
 
   bool level(std::size_t node, Time at) const;

@@ -1,4 +1,4 @@
-// The memory of a virtual servo: registers, EEPROM, and the lock of the EEPROM.
+// Memory of a virtual servo: registers, EEPROM, and the lock of the EEPROM.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,26 +24,28 @@ class RegisterFile {
   int get(std::string_view name, int otherwise = 0) const;
   int get(const servo_bus::Register& reg, int index = 0) const;
   // Writes a register like the servo's firmware, which can also write read-only registers. Clamps the value
-  // to the register's range. Exception: in a writable DYNAMIXEL register, the value is only clamped to what
-  // fits the register's size. No effect if the model does not have the register.
+  // to the register's range. Exception: for a writable DYNAMIXEL register, the value is only clamped to the
+  // numbers that fit into the register's bytes. The function has no effect if the model does not have the
+  // register.
   void set(std::string_view name, int value);
-  // Writes the `index`-th register of a row. An EEPROM register keeps the value without power, unless the
-  // EEPROM is locked.
+  // Writes the register with the number `index` of a row of registers, counted from 0. An EEPROM register
+  // keeps the value without power, unless the EEPROM is locked.
   void write(const servo_bus::Register& reg, int index, int value);
 
-  // Writes bytes that a Feetech host has sent. Skips read-only registers and addresses without a register,
-  // and clamps values to their range. Returns the written registers, by address.
+  // Writes bytes that a host has sent to a Feetech servo. Skips read-only registers and addresses without a
+  // register. Clamps each value to the range of the register. Returns the written registers, sorted by
+  // address.
   std::vector<const servo_bus::Register*> write(std::size_t address,
                                                 std::span<const std::uint8_t> bytes);
-  // Addresses without a register read 0.
+  // Reads bytes. An address without a register reads 0.
   std::vector<std::uint8_t> read(std::size_t address, std::size_t length) const;
 
-  // Resets EEPROM to the values written while unlocked, and RAM to its initial values.
+  // Sets EEPROM registers to the values that are kept without power, and RAM registers to initial values.
   void power_on();
   bool locked() const { return get("lock") != 0; }
   using Chosen = std::function<bool(const servo_bus::Register&)>;
-  // backup() saves all registers. restore() loads the chosen registers from the backup; restored EEPROM
-  // values are kept without power.
+  // backup() saves all registers. restore() loads the chosen registers from the backup. EEPROM values that
+  // restore() loads are kept without power.
   void backup() { backup_ = live_; }
   void restore(const Chosen& chosen);
   // Sets the chosen registers to factory values.
@@ -58,7 +60,7 @@ class RegisterFile {
   void copy(const Bytes& from, Bytes& to, const servo_bus::Register& reg) const;
 
   const servo_bus::Model* model_;
-  // Present values; values kept without power; values saved by backup().
+  // live_: present values. stored_: values that are kept without power. backup_: values that backup() saved.
   Bytes live_, stored_, backup_;
 };
 

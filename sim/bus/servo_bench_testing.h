@@ -39,8 +39,8 @@ struct ServoBench {
     return {zero + angle * steps_per_rad(), speed * steps_per_rad(), motor.motor_current(),
             motor.case_celsius(), volts};
   }
-  // Runs for `seconds` in steps of 1 ms. Each step solves I (w1 - w0) / h = row + load. Within the bounds of
-  // the row, w1 + softness * row = velocity holds.
+  // Runs for `seconds` in steps of 1 ms. Each step solves I (w1 - w0) / h = T + load for the speed w1. Within
+  // the bounds of the motor's row, the motor's torque T satisfies w1 + softness * T = velocity.
   void run(double seconds) {
     for (int i = 0; i < std::lround(seconds / kStep); ++i) {
       time += std::chrono::milliseconds(1);

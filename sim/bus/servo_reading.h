@@ -6,9 +6,10 @@ namespace kaz::sim {
 
 // Motion and current are positive in the servo's direction.
 struct ServoReading {
-  double steps = 0;      // position sensor, not wrapped; 0 at the start of its first turn
+  // Reading of the position sensor in steps, not wrapped; 0 is the start of the sensor's first turn.
+  double steps = 0;
   double speed = 0;      // steps/s
-  double current_a = 0;  // through the motor
+  double current_a = 0;  // current through the motor
   double case_celsius = 25;
   double supply_volts = 0;
 };

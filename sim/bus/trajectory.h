@@ -4,16 +4,16 @@
 
 namespace kaz::sim {
 
-// Units: steps (pulses) of the position sensor, s.
+// Units: positions in steps (pulses) of the position sensor, times in s.
 struct Trajectory {
   double position = 0, speed = 0, acceleration = 0;
 
   void hold(double at) { *this = {at, 0, 0}; }
-  // Advances by one step of a trapezoidal speed profile from the present state. The speed stays low enough to
-  // stop at the goal. `highest` is the maximum speed, `rate` the acceleration. If `rate` is 0, the speed
-  // changes at once.
+  // Advances by one time step of a trapezoidal speed profile from the present state. The speed is always low
+  // enough that the servo can stop at the goal. `highest` is the maximum speed, `rate` the acceleration. If
+  // `rate` is 0, the speed changes at once.
   void go_to(double goal, double highest, double rate, double step_s);
-  // Advances the speed by one step towards `wanted`. The position is unchanged. `rate` is the same as in
+  // Changes the speed toward `wanted` for one time step. The position is unchanged. `rate` is the same as in
   // go_to().
   void reach_speed(double wanted, double rate, double step_s);
 };

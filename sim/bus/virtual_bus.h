@@ -24,7 +24,7 @@ namespace kaz::sim {
 
 class VirtualBus {
  public:
-  // Errors: a servo's joint does not exist in the world; a joint of the world has no servo.
+  // Fails if the world lacks the joint of a servo, or if a joint of the world has no servo.
   static Result<std::unique_ptr<VirtualBus>> create(std::unique_ptr<World> world,
                                                     const servo_bus::BusFile& file);
   // Loads the world file, the robot file, and bus.json in the folder of the robot file.
@@ -33,22 +33,23 @@ class VirtualBus {
                                                   const WorldOptions& options);
 
   Time time() const { return time_; }
-  // Sends bytes from the host, beginning at time() or after the host's earlier bytes, whichever is later.
-  // Returns the time at which the last byte ends.
+  // Sends bytes from the host. The first byte begins at time() or after the host's earlier bytes, whichever
+  // is later. Returns the time at which the last byte ends.
   Time write(std::span<const std::uint8_t> bytes);
   void set_host_baud(long baud);
   // Runs until time() is `until`.
   void advance(Time until);
 
-  // A byte that the host's UART received. Bytes with a framing error are only counted, because a serial port
-  // drops them.
+  // A byte that the host's UART received. A byte with a framing error is only counted, because a serial port
+  // drops the byte.
   struct HostByte {
     std::uint8_t byte;
     Time at;  // end of the stop bit
   };
-  // The received bytes, oldest first. The caller removes them.
+  // The received bytes, oldest first. The caller removes the bytes that it has read.
   std::deque<HostByte>& received() { return received_; }
-  // Returns the end of the host's last byte on the wire or queued; in the past if the host sends nothing.
+  // Returns the time at which the last byte from the host ends. This time is in the past if the host sends
+  // nothing.
   Time host_sends_until() const { return host_sends_until_; }
   std::uint64_t host_framing_errors() const { return host_framing_errors_; }
 
@@ -61,9 +62,9 @@ class VirtualBus {
 
   // Sets the open-circuit voltage of the supply.
   void set_supply_volts(double volts) { supply_volts_ = volts; }
-  // Switches the supply of all servos on or off. Switching it off clears the RAM of the servos.
+  // Switches the supply of all servos on or off. Switching the supply off clears the RAM of the servos.
   void set_power(bool on);
-  double volts() const;  // voltage at the servos, for the current of the last step
+  double volts() const;  // supply voltage at the servos under the current of the last step
 
   // Turns joint i by hand to an angle (rad) and holds the joint there while the joint's servo has no torque.
   // If the angle is beyond a stop, the hand presses against the stop.
@@ -76,7 +77,7 @@ class VirtualBus {
   struct Mounted {
     servo_bus::BusServo mount;
     std::unique_ptr<VirtualServo> servo;
-    std::size_t joint;  // in the world's joint order
+    std::size_t joint;  // index in the world's joint order
     // Goal and present position of the hand that turns the joint, rad.
     std::optional<double> hand_goal = std::nullopt;
     double hand = 0;

@@ -1,9 +1,9 @@
 // A virtual servo on a bus: receives bytes, returns answers and drives its motor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Virtual servos follow the published protocols and register tables (docs/reference/servo-bus.md), since the
-// makers' firmware is closed. Protocols and tables leave some behavior open. Our choices are listed in
-// feetech_servo.h and dynamixel_servo.h.
+// Virtual servos follow the published protocols and register tables (docs/reference/servo-bus.md), because
+// the makers' firmware is closed. Protocols and tables do not define all behavior. feetech_servo.h and
+// dynamixel_servo.h list our choices.
 #pragma once
 
 #include <cstdint>
@@ -29,11 +29,12 @@ class VirtualServo {
 
   struct Answer {
     std::vector<std::uint8_t> bytes;
-    Time delay{};  // from the end of the byte that caused the answer
+    // Time from the end of the byte that caused the answer to the start of the answer.
+    Time delay{};
   };
-  // Processes a byte whose stop bit ended at `now`. Returns an answer if the servo must send one now. The
-  // caller must send the answer at the baud rate that was set before this call. baud() applies after the
-  // answer.
+  // Processes a byte whose stop bit ended at `now`. Returns an answer if the servo must send an answer now.
+  // The caller must send the answer at the baud rate that was set before this call. After the answer, the
+  // servo uses the baud rate that baud() now returns.
   virtual std::optional<Answer> take(std::uint8_t byte, Time now) = 0;
   // Processes a byte with a framing error.
   void take_noise(Time now);
@@ -44,7 +45,7 @@ class VirtualServo {
   // Advances by one step of the world. The step ends at `now`. Returns the drive of the motor for this step.
   MotorDrive step(const ServoReading& reading, double step_s, Time now);
 
-  // Writes a register permanently, like the setup of a robot.
+  // Writes a register permanently, like a user who sets up the servo for a robot.
   void set_up(std::string_view name, int value);
   RegisterFile& registers() { return registers_; }
   const RegisterFile& registers() const { return registers_; }
@@ -55,11 +56,11 @@ class VirtualServo {
 
  protected:
   VirtualServo(const servo_bus::Model& model, int id);
-  // Sets the state after power-on; registers_ is already reset.
+  // Sets the state after power-on. Precondition: registers_ is already reset.
   virtual void restart() = 0;
   virtual MotorDrive drive(double step_s, Time now) = 0;
   virtual void drop_packet() = 0;  // discards a partial packet
-  // Restarts and ignores the bus until `until`.
+  // Restarts the servo. The servo ignores the bus until `until`.
   void restart_until(Time until);
   bool hears(Time now) const { return power_ && now >= deaf_until_; }
 

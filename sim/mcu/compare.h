@@ -1,10 +1,10 @@
 // Compares the native engine with the firmware image in the emulator, tick by tick.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The firmware image runs in the emulator under random host traffic and potentiometer voltages. Each of its
-// tick inputs is also passed to the native build of shared/servo. Outputs and states must be equal. In the
-// next tick, the chip's pins must show the output. The bytes decoded from the waveform at TxD0 must be the
-// bytes of the output.
+// The firmware image runs in the emulator under random host traffic and potentiometer voltages. Each tick
+// input of the firmware is also passed to the native build of shared/servo. The outputs and states of the two
+// engines must be equal. In the next tick, the levels of the chip's pins must match the output. The bytes
+// decoded from the waveform at TxD0 must equal the bytes to send in the output.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,8 @@ namespace kaz::sim {
 class H8Mcu;
 
 struct CompareOptions {
-  std::string image_path;       // COFF, or an S-record beside a `.coff` file with its symbols
+  // COFF file; or S-record file, with its symbols in a `.coff` file of the same name.
+  std::string image_path;
   std::int64_t ticks = 100000;  // number of ticks to compare
   std::uint64_t seed = 1;
   std::int64_t state_every = 1;  // number of ticks between two comparisons of the whole servo state
@@ -30,29 +31,34 @@ struct CompareOptions {
   h8s::Engine engine = h8s::Engine::translator;
   // Called every 1,000 ticks.
   std::function<void(std::int64_t done, std::int64_t total)> progress;
-  // Polled once per simulated millisecond. If `stop` returns true, the comparison ends and returns the report
-  // so far.
+  // Polled once per simulated millisecond. If `stop` returns true, the comparison ends, and compare_engines()
+  // returns the report up to this time.
   std::function<bool()> stop;
-  std::function<void(H8Mcu&)> prepare_h8;  // for tests: plants a fault in the chip
+  std::function<void(H8Mcu&)> prepare_h8;  // for tests: called to put a fault into the chip
 };
 
 struct CompareDifference {
-  // For example "output.pw[3]", "state.joint[2].goal", "pins.pw[3]" or "line.byte". For a frame that is being
-  // sent, `field` is the message and its field, such as "identify_reply.build_id".
+  // Name of the value that differs, for example "output.pw[3]", "state.joint[2].goal", "pins.pw[3]" or
+  // "line.byte". If a frame that the board is sending differs, `field` consists of the names of message and
+  // field, such as "identify_reply.build_id".
   std::string field;
-  std::int64_t native = 0, h8 = 0;  // values; -1 in "line.byte" and "line.missing" means no byte
+  // Values of the two engines; -1 in "line.byte" and "line.missing" means no byte.
+  std::int64_t native = 0, h8 = 0;
 };
 
-// Coverage of the traffic, counted in the board's replies. Refused requests alone would cover little.
+// Coverage of the traffic, counted in the board's replies. A comparison in which the board refuses most
+// requests would cover little of the code.
 struct CompareCoverage {
-  std::map<std::uint8_t, std::int64_t> replies;    // by message type, including telemetry
-  std::map<std::uint8_t, std::int64_t> refusals;   // by KZ_REFUSED_*
-  std::map<std::uint8_t, std::int64_t> shutdowns;  // replies during a shutdown, by KZ_SHUTDOWN_*
-  std::map<std::uint8_t, std::int64_t> actions;    // requested actions, by KZ_ACTION_*
+  // Number of replies by message type, with telemetry.
+  std::map<std::uint8_t, std::int64_t> replies;
+  std::map<std::uint8_t, std::int64_t> refusals;  // number of refusals by KZ_REFUSED_*
+  // Number of replies during a shutdown, by KZ_SHUTDOWN_*.
+  std::map<std::uint8_t, std::int64_t> shutdowns;
+  std::map<std::uint8_t, std::int64_t> actions;  // number of requested actions, by KZ_ACTION_*
 };
 
 struct CompareReport {
-  std::int64_t ticks = 0;  // ticks compared
+  std::int64_t ticks = 0;  // number of ticks compared
   bool stopped = false;    // CompareOptions::stop ended the comparison
   std::string engine;      // engine that the emulator used, such as "translator"
   // Number of instructions of the emulated chip, and number of instructions that ran as translated host code.
@@ -61,28 +67,30 @@ struct CompareReport {
   std::int64_t bytes_received = 0, bytes_sent = 0, frames_sent_to_board = 0;
   std::uint16_t worst_busy_8states = 0;
   std::int64_t missed_ticks = 0, resets = 0;
-  std::int64_t pins_compared = 0;  // ticks whose pins were compared with the previous tick's output
-  std::int64_t line_bytes = 0;     // bytes decoded at TxD0 that equal the output
+  // Number of ticks in which the pins were compared with the previous tick's output.
+  std::int64_t pins_compared = 0;
+  std::int64_t line_bytes = 0;  // number of bytes decoded at TxD0 that equal the output
   CompareCoverage coverage;
   double chip_s = 0;  // simulated time of the chip
 
-  // The first tick that differs, all differences in that tick, and the input of that tick.
+  // Number of the first tick that differs, all differences in that tick, and the input of that tick.
   std::optional<std::uint32_t> tick;
   std::vector<CompareDifference> differences;
-  std::string input_hex;  // input in the layout of the H8's memory
+  std::string input_hex;  // the input in hexadecimal, in the layout of the H8's memory
 
   bool equal() const { return differences.empty(); }
-  // Returns several lines: the differences of the first tick side by side, or the coverage if equal().
+  // Returns a text of several lines: the coverage if equal(), otherwise the differences of the first tick
+  // that differs.
   std::string text() const;
 };
 
-// Compares up to the first tick that differs; a difference is not an error. Returns Fault::usage if the image
-// cannot be read, has no tick symbols or was built from other sources. Returns Fault::failed if the chip
-// stops or does not tick.
+// Compares the engines up to the first tick that differs. A difference is reported as a result, not as an
+// error. Returns Fault::usage if the image cannot be read, has no tick symbols or was built from other
+// sources than this program. Returns Fault::failed if the chip stops on an error or runs no ticks.
 Result<CompareReport> compare_engines(const CompareOptions& options);
 
-// Returns Fault::usage if the image header in the chip's flash has another build id than this program. With
-// such an image every comparison would fail at the build id. An image without a header passes the check.
+// Returns Fault::usage if the image header in the chip's flash has another build id than this program. If the
+// build ids differ, every comparison would fail at the build id. An image without a header passes the check.
 Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path);
 
 }  // namespace kaz::sim

@@ -17,7 +17,7 @@ inline CompareOptions firmware_comparison(std::int64_t ticks) {
   return options;
 }
 
-// Runs the comparison. If it cannot run, the test fails and the report is empty.
+// Runs the comparison. If the comparison cannot run, the test fails and the report is empty.
 inline CompareReport compare_or_fail(const CompareOptions& options) {
   const auto report = compare_engines(options);
   EXPECT_TRUE(report) << report.error().message;

@@ -1,10 +1,11 @@
-// Compares the two engines as whole boards, on the wire and at the pins, in seeded conversations.
+// Compares the two engines as whole boards, on the wire and at the pins, in random conversations.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The emulated board executes the firmware image, the native board runs the same C. Both boards receive the
-// same bytes at the same times, and both have the same input voltages. The emulated chip's bytes are decoded
-// from the waveform at TxD0. Replies must be equal byte by byte and begin within one tick of each other. The
-// pins must agree in every millisecond. wire_differences.h lists the differences by design.
+// The emulated board executes the firmware image, the native board runs the firmware's C code. Both boards
+// receive the same bytes at the same times and have the same input voltages. The emulated chip's bytes are
+// decoded from the waveform at TxD0. The replies of the boards must be equal byte by byte and begin within
+// one tick of each other. The pin levels must be equal in every millisecond. wire_differences.h lists the
+// differences by design.
 #pragma once
 
 #include <cstdint>
@@ -22,13 +23,13 @@ namespace kaz::sim {
 
 struct WireOptions {
   std::string image_path;
-  std::int64_t conversations = 100;  // one second each
+  std::int64_t conversations = 100;  // number of conversations; each takes one second
   std::uint64_t seed = 1;
   std::int64_t first = 0;  // number of the first conversation to run
   // Called after each conversation.
   std::function<void(std::int64_t done, std::int64_t total)> progress;
-  // Polled before each conversation. If `stop` returns true, the comparison ends and returns the report so
-  // far.
+  // Polled before each conversation. If `stop` returns true, the comparison ends, and compare_wire() returns
+  // the report up to this time.
   std::function<bool()> stop;
   // For tests: `make_other` makes the board that is compared with the emulated board, and `prepare_h8` plants
   // a fault in the emulated chip.
@@ -41,10 +42,11 @@ struct WireDifference {
   // Number of the conversation. To run only this conversation, set WireOptions::first to this number and
   // WireOptions::conversations to 1.
   std::int64_t conversation = 0;
-  double ms = 0;           // time since the conversation began
-  std::string what;        // one sentence
-  std::string h8, native;  // behavior of each board; empty if `what` is complete
-  std::string requests;    // the last requests before the difference, oldest first
+  double ms = 0;     // time since the conversation began
+  std::string what;  // description of the difference, one sentence
+  // Behavior of each board; empty if `what` describes both.
+  std::string h8, native;
+  std::string requests;  // the last requests before the difference, oldest first
 };
 
 struct WireReport {
@@ -57,30 +59,32 @@ struct WireReport {
   std::int64_t ended_early = 0;
   // The first difference of each of the first few conversations that differ.
   std::vector<WireDifference> differences;
-  std::int64_t requests = 0, fewest_requests = 0;  // total number, and fewest in a conversation
+  // Total number of requests, and number of requests in the shortest conversation.
+  std::int64_t requests = 0, fewest_requests = 0;
   // Number of equal frames from the boards, number of bytes in these frames, and number of frames that differ
   // only by design.
   std::int64_t replies = 0, bytes = 0, masked = 0;
   std::int64_t pins_compared = 0;  // number of milliseconds compared
   std::int64_t resets = 0;
-  // Largest time by which one board was later than the other: for the first byte of a reply, and for a
-  // requested reset.
+  // Largest delay of one board behind the other: at the first byte of a reply, and at a requested reset.
   States largest_lag = 0;
   States largest_reset_lag = 0;
-  States h8_start = 0;                           // time from power-on to the first tick
-  std::map<std::string, std::int64_t> kinds;     // items sent, by kind (WireHost::kinds())
+  States h8_start = 0;  // time from power-on to the first tick
+  // Number of items sent, by kind (WireHost::kinds()).
+  std::map<std::string, std::int64_t> kinds;
   std::map<std::uint8_t, std::int64_t> by_type;  // number of replies by message type
   double chip_s = 0;                             // simulated time of the chip
 
-  // Returns the limit of `ended_early`. Above this limit equal() is false. Conversations that end early are
+  // Returns the largest `ended_early` for which equal() may return true. Conversations that end early are
   // rare: 2 in 10,000.
   std::int64_t max_ended_early() const { return 1 + conversations / 1000; }
   bool equal() const { return different == 0 && ended_early <= max_ended_early(); }
   std::string text() const;
 };
 
-// Runs the conversations. A difference is not an error. Returns Fault::usage if the image cannot be read or
-// was built from other sources, and Fault::failed if it never ticks or the chip stops.
+// Runs the conversations. A difference is reported as a result, not as an error. Returns Fault::usage if the
+// image cannot be read or was built from other sources than this program. Returns Fault::failed if the chip
+// stops on an error or runs no ticks.
 Result<WireReport> compare_wire(const WireOptions& options);
 
 }  // namespace kaz::sim

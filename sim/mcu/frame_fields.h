@@ -1,4 +1,4 @@
-// Names the fields in which two frames differ. The names are the names in messages.def.
+// Finds the fields in which two frames differ. Fields have the names in messages.def.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,13 +12,13 @@
 namespace kaz::sim {
 
 // Returns the body that `sender` is sending, without stuffing: address, type, sequence number, fields. The
-// result is empty if nothing is being sent or the stuffing is invalid.
+// result is empty if `sender` is not sending a frame or the byte stuffing is invalid.
 std::vector<std::uint8_t> sent_body(const kz_sender& sender);
 
 // Returns the fields in which two bodies differ, such as "state_reply.angle[3]" or
 // "state_reply.header.sequence". If the types differ, the only result is "type (NAME, NAME)" with the two
-// type codes. The result is empty if the bodies are equal or a type is unknown. Elements that only one body
-// has are omitted, because the mask field then differs too.
+// type codes. The result is empty if the bodies are equal or a type is unknown. Array elements that only one
+// body contains are omitted, because the result then contains the mask field.
 std::vector<CompareDifference> frame_differences(std::span<const std::uint8_t> native,
                                                  std::span<const std::uint8_t> h8);
 

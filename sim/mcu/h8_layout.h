@@ -1,8 +1,8 @@
 // Decodes the tick's input, output and startup structures from the H8's memory.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Layout of the H8 compiler: big-endian, without padding except that numbers of more than one byte start at
-// even offsets.
+// The H8 compiler stores numbers big-endian. Numbers of more than one byte start at even offsets; there is no
+// other padding.
 #pragma once
 
 #include <cstddef>

@@ -77,7 +77,7 @@ class H8Mcu final : public Mcu {
   void tick_ended();
 
   h8s::Chip chip_;
-  States base_ = 0;  // board time minus chip time; the chip time restarts at power-on
+  States base_ = 0;  // board time minus chip time; the chip time is 0 at power-on
   bool hung_ = false;
   States hung_at_ = 0;
   PinLevels pins_;

@@ -1,8 +1,8 @@
-// Interface of the servo board's microcontroller, seen from its pins.
+// Interface of the servo board's microcontroller, as seen from the pins.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Two engines implement this interface: `h8` executes the firmware image instruction by instruction, `native`
-// runs the same C code, compiled for the PC.
+// runs the firmware's C code, compiled for the PC.
 #pragma once
 
 #include <algorithm>
@@ -22,14 +22,14 @@
 
 namespace kaz::sim {
 
-// Time on the board, in periods of its crystal (18.432 MHz) since power was first applied.
+// Time since power was first applied to the board, in periods of the board's crystal (18.432 MHz).
 using States = std::int64_t;
 
 // Levels at the chip's output pins. A pin that is an input, or floats during reset, has the level of the
-// board's pull resistor. The pull resistors are high for the multiplexer selects and low for all other pins.
+// board's pull resistor. These resistors pull the multiplexer selects high and all other pins low.
 struct PinLevels {
-  std::array<std::uint16_t, 16> pw{};  // PW0..PW15: high counts out of 256; 256 is constant high
-  std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1: high counts out of 256
+  std::array<std::uint16_t, 16> pw{};  // PW0..PW15: number of high counts in 256
+  std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1: number of high counts in 256
   std::uint8_t p3 = 0, p4 = 0x07, p5 = 0, p6 = 0;
   bool operator==(const PinLevels&) const = default;
   template <class A>
@@ -64,7 +64,8 @@ class Mcu {
 
   // Returns the name of the McuKind; test doubles have other names.
   virtual std::string name() const = 0;
-  // Returns the engine with which the emulator executes, such as "translator". Empty for native.
+  // Returns the engine with which the emulator executes, such as "translator". The name is empty for the
+  // engine `native`.
   virtual std::string emulator_engine() const { return {}; }
   virtual States now() const = 0;
 
@@ -74,22 +75,22 @@ class Mcu {
   virtual Result<void> run_until(States until) = 0;
 
   virtual void reset() = 0;        // resets by the RES pin; RAM is kept
-  virtual void power_cycle() = 0;  // everything except flash is lost
+  virtual void power_cycle() = 0;  // the whole state except flash is lost
 
-  // Sets the mode pins to boot mode or to running from flash. Takes effect at the next reset. Engines other
-  // than h8 return Fault::usage for boot mode.
+  // Sets the mode pins: to boot mode if `boot`, otherwise to execution from flash. The next reset samples
+  // these pins. Engines other than h8 return Fault::usage for boot mode.
   virtual Result<void> set_boot_pins(bool boot) {
     if (!boot) return {};
     return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; use h8");
   }
   // Returns true while the boot ROM runs, and false after the boot ROM has started the downloaded program.
   virtual bool in_boot_rom() const { return false; }
-  // Sets the listener for chip errors. With a listener, an error hangs the chip until the next reset instead
-  // of failing run_until().
+  // Sets the listener for chip errors. If a listener is set, an error hangs the chip until the next reset,
+  // and run_until() does not fail.
   virtual void on_hang(std::function<void(const std::string& report)> listener) { (void)listener; }
 
-  // Non-volatile memory: flash blocks EB1 to EB3 with calibration and address (shared/servo/store.h).
-  // set_memory() takes effect at the next reset.
+  // Non-volatile memory: flash blocks EB1 to EB3, which store calibration and board address
+  // (shared/servo/store.h). set_memory() takes effect at the next reset.
   static constexpr std::size_t memory_size = 3072;
   virtual std::array<std::uint8_t, memory_size> memory() const = 0;
   virtual void set_memory(std::span<const std::uint8_t, memory_size> bytes) = 0;
@@ -104,9 +105,9 @@ class Mcu {
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
   // Returns the voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the sample time `at`. `levels` contains
-  // the multiplexer selects at that time. The function must have no side effects, because samples that the
-  // program cannot read are not taken. The result may depend only on the arguments and on values that change
-  // only between runs or in listeners.
+  // the multiplexer selects at that time. The function must have no side effects, because the engine skips
+  // samples that the program cannot read. The voltage may depend only on the arguments and on values that
+  // change only between runs or in listeners.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 
@@ -115,7 +116,8 @@ class Mcu {
   // Removes and returns the bytes whose stop bit has left TxD0.
   virtual std::vector<SerialByte> take_transmitted() = 0;
 
-  // Sets the listener for the end of each tick's computation, to compare the engines and to record.
+  // Sets the listener that is called at the end of each tick's computation. Comparisons of the engines and
+  // recordings use this listener.
   virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
 
   // Sets the listener for resets by the chip's watchdog. The firmware also uses the watchdog for requested
@@ -123,15 +125,15 @@ class Mcu {
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 
   // Saves or restores the whole state of the chip. Listeners and the analog source are kept. The archive
-  // fails if the engine does not support saving, or if the bytes are not a valid state. The native board is
-  // then unchanged; the h8 board is powered on with undefined flash.
+  // fails if the engine does not support saving, or if the bytes are not a valid state. After a failure of
+  // restore(), the native board is unchanged, and the h8 board is powered on with undefined flash contents.
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 
-  // save() and restore() for many chips of one process that continue from the same state. The object that
-  // keep() returns holds the parts of the state that are slow to read from bytes, and `to` gets the other
-  // parts. If keep() returns null, `to` gets the whole state. Several chips may call take() with the same
-  // object concurrently.
+  // keep() and take() are save() and restore() for many chips of one process that continue from the same
+  // state. The object that keep() returns holds the parts of the state that are slow to read from bytes, and
+  // `to` gets the rest of the state. If keep() returns null, `to` gets the whole state. Several chips may
+  // call take() with the same object concurrently.
   struct Kept {
     virtual ~Kept() = default;
   };

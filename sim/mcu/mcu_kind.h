@@ -1,4 +1,4 @@
-// The two implementations of the microcontroller, by name.
+// Names of the two implementations of the microcontroller.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@ namespace kaz::sim {
 
 enum class McuKind {
   h8,      // executes the firmware image in the emulator
-  native,  // runs the same C, compiled for the PC
+  native,  // runs the firmware's C code, compiled for the PC
 };
 inline constexpr std::array kMcuKinds{McuKind::h8, McuKind::native};
 

@@ -9,11 +9,12 @@
 
 namespace kaz::sim {
 
-// Loads the file into the board's memory. Takes effect at the next reset. A missing file changes nothing.
-// Returns Fault::usage if the file does not have the size of Mcu::memory().
+// Loads the file into the board's memory. The new contents take effect at the next reset. If the file does
+// not exist, the memory is unchanged. Returns Fault::usage if the file does not have the size of
+// Mcu::memory().
 Result<void> load_memory(Mcu& mcu, const std::string& path);
-// Writes the bytes of Mcu::memory(). An old file remains until all bytes are written. Returns
-// Fault::environment if the file cannot be written.
+// Writes the bytes of Mcu::memory() to the file. An existing file is replaced only after all bytes are
+// written. Returns Fault::environment if the file cannot be written.
 Result<void> save_memory(const Mcu& mcu, const std::string& path);
 
 }  // namespace kaz::sim

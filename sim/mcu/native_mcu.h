@@ -10,9 +10,10 @@ namespace kaz::sim {
 
 struct NativeOptions {
   // Time from reset to the first tick, with blank non-volatile memory. The chip spends most of this time on
-  // the CRC of the application, so the time depends on the image. The default was measured on a built image.
-  // The default stays the same for a larger image, because recordings depend on the default. `kaz mcu compare
-  // --wire` measures the time again and rejects a default that is more than 5 ms off.
+  // the CRC of the application, so the time depends on the image. The default was measured with a built
+  // image. If the image grows, the default is not updated, because recordings depend on the default. `kaz mcu
+  // compare --wire` measures the time again and rejects a default that is more than 5 ms from the measured
+  // time.
   static constexpr States default_start_states = 831751;
   States start_states = default_start_states;
 };

@@ -1,9 +1,9 @@
-// Non-volatile memory of the native engine: flash blocks with the logs of calibration and address.
+// Non-volatile memory of the native engine: flash blocks with a calibration log and an address log.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The logs are those of shared/servo/store.h, as in the firmware (firmware/memory.c). A write applies one
-// pulse after the other, as on the chip. If power is lost during a pulse, only a fraction of the pulse's
-// cells changes, in proportion to the elapsed time. A seed selects these cells.
+// Both logs have the format of shared/servo/store.h, as in the firmware (firmware/memory.c). A write applies
+// one pulse after the other, as on the chip. If power is lost during a pulse, only a fraction of the pulse's
+// cells changes, in proportion to the elapsed time. Random numbers with a fixed seed select these cells.
 #pragma once
 
 #include <array>
@@ -27,16 +27,16 @@ class NativeMemory {
   // Copies the calibration log's sequence number and erase counts to `input`.
   void report(kz_tick_input& input) const;
 
-  // Plans a store that begins at `from`. Motors must be off.
+  // Schedules a write that begins at `from`. The motors must be off.
   void store_calibration(const kz_servo& servo, States from);
   void store_address(const kz_servo& servo, States from);
-  // Returns the time from which the board does not serve the line.
+  // Returns the time from which the board does not serve the serial line during the write.
   States deaf_from() const { return deaf_from_; }
   // Returns the time at which the write ends, unless cut() aborts the write.
   States over_at() const { return over_at_; }
-  // Returns how long the firmware takes to verify the write and read the log.
+  // Returns the time that the firmware needs to verify the write and to read the log.
   States read_back_states() const { return read_back_; }
-  // Returns the number of lines of both logs that are not blank.
+  // Returns the number of lines in both logs that are not blank.
   int lines() const;
   // Completes the write and reads both logs again. Returns whether flash has the intended contents.
   bool finish();
@@ -62,7 +62,7 @@ class NativeMemory {
   struct Pulse {
     States start, end;
     int block;  // 0..2
-    int line;   // -1: erases the block
+    int line;   // line to program; -1: the pulse erases the block
     std::array<u8, KZ_STORE_LINE> data;
     template <class A>
     void transfer(A& a) {
@@ -88,7 +88,7 @@ class NativeMemory {
   kz_store calibration_{}, address_{};
   std::deque<Pulse> pulses_;
   States deaf_from_ = 0, over_at_ = 0, read_back_ = 0;
-  std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // flash contents after the write
+  std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // intended flash contents
   std::uint64_t pulses_done_ = 0;
 };
 

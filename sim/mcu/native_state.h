@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The structures are restored as raw memory (archive.hpp, plain()). The firmware does not check its own
-// state, because the chip has no memory to spare for such checks. These functions check each value used as an
-// index, length, mask or divisor, or in a product that must fit 32 bits. Other values may be unusual but are
-// harmless.
+// state, because the chip has too little memory for these checks. These functions check each value that is
+// used as an index, length, mask or divisor, or in a product that must fit 32 bits. Unusual values of other
+// members are harmless.
 #pragma once
 
 #include "shared/servo/servo.h"
@@ -15,7 +15,7 @@ namespace kaz::sim {
 
 bool is_possible(const kz_servo& servo);
 bool is_possible(const kz_tick_output& output);
-// Checks a log of `blocks` flash blocks whose copies have `parts` lines each.
+// Checks a log that uses `blocks` flash blocks. Each stored copy in the log has `parts` lines.
 bool is_possible(const kz_store& log, int blocks, int parts);
 
 }  // namespace kaz::sim

@@ -1,9 +1,10 @@
-// Generates random requests to the board: every message of the table, valid and invalid.
+// Generates random requests to the board: every request of the protocol, with valid and with invalid fields.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Fields are drawn inside, at and outside the bounds of the table (message_info.h). Fields without bounds are
-// drawn so that most requests succeed: angles near the middle of the joint's range, calibration near nominal.
-// Some requests form short sequences: unlock and raw drive, calibrate and store, reset.
+// Fields with bounds (message_info.h) get random values inside, at and outside the bounds. Fields without
+// bounds get values with which most requests succeed: angles near the middle of the joint's range, and
+// calibration near the nominal values. Some requests form short sequences: unlock and raw drive; calibrate
+// and store; reset.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +16,10 @@
 
 namespace kaz::sim {
 
-// Damages a frame, which must not be empty, with one of five random faults. It flips a bit, removes a byte,
-// inserts a byte, cuts off the end, or replaces the frame with up to `max_noise` random bytes. After a cut or
-// a replacement, the frame has at least `min_length` bytes. In one of six calls, the function returns false
-// and leaves the frame unchanged.
+// Damages a frame, which must not be empty, with one of five random faults. The fault flips a bit, removes a
+// byte, inserts a byte, cuts off the end, or replaces the frame with up to `max_noise` random bytes. After a
+// cut or a replacement, the frame has at least `min_length` bytes. In one of six calls, the function returns
+// false and leaves the frame unchanged.
 bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
                   std::uint32_t max_noise);
 

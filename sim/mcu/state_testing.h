@@ -1,4 +1,4 @@
-// For tests: changes bytes in saved states of a microcontroller, restores them and runs.
+// For tests: changes bytes in saved states of a microcontroller, restores the states and runs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -33,9 +33,9 @@ inline std::string restore_and_run(Mcu& mcu, const std::vector<std::uint8_t>& st
 }
 
 // Tries states in which one byte of a valid state is replaced: every `stride`th byte in [begin, end). The
-// microcontroller must reject the state or run it without a sanitizer report. Afterwards the valid state must
-// run as before. For the emulated chip only time, memory and pins are compared, because translated code
-// records jumps more rarely.
+// microcontroller must reject the state, or run from the state without a sanitizer report. After all tries,
+// the valid state must run as at the beginning. For the emulated chip only time, memory and pins are
+// compared, because translated code records jumps more rarely.
 inline void sweep_state(Mcu& mcu, const std::vector<std::uint8_t>& valid, std::size_t begin,
                         std::size_t end, std::size_t stride, States states) {
   ASSERT_LE(end, valid.size());

@@ -1,8 +1,8 @@
 // Generates random inputs for comparing the two engines: host traffic and potentiometer voltages.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The traffic is partly valid and partly invalid. The joints move partly plausibly and partly implausibly.
-// The seed of each class determines the generated inputs.
+// Some of the traffic is valid and some is invalid. Some joint movements are plausible and some are not. The
+// seed of each class determines the generated inputs.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ class RandomHost {
   explicit RandomHost(std::uint64_t seed) : random_(seed), requests_(random_) {}
   RandomHost(const RandomHost&) = delete;
   RandomHost& operator=(const RandomHost&) = delete;
-  // Returns the bytes whose transmission starts in the millisecond that begins at `now`, with their arrival
-  // times. The result is empty while the line is busy with earlier bytes. Must be called once per
+  // Returns the bytes whose transmission starts in the millisecond that begins at `now`, with the arrival
+  // time of each byte. The result is empty while the line is busy with earlier bytes. Must be called once per
   // millisecond.
   std::vector<SerialByte> millisecond(States now);
   std::int64_t frames() const { return frames_; }  // number of frames sent, valid or invalid
@@ -51,8 +51,8 @@ class RandomHost {
 class RandomAnalog {
  public:
   explicit RandomAnalog(std::uint64_t seed);
-  // Advances by one millisecond: slow random walks, sometimes a jump, a broken potentiometer or a supply out
-  // of range.
+  // Advances by one millisecond. The voltages walk slowly at random. Sometimes a voltage jumps, a
+  // potentiometer breaks, or the supply leaves its range.
   void millisecond();
   // Returns the voltage of an input (KZ_ANALOG_*) with noise, as a fraction of AVCC, 0..1.
   double ratio(unsigned input, States at) const;
@@ -60,13 +60,13 @@ class RandomAnalog {
  private:
   struct Input {
     double value = 0.5, velocity = 0;
-    int broken_ms = 0;  // remaining time at a rail
+    int broken_ms = 0;  // remaining time during which the input is at a rail
     bool high = false;
   };
   std::uint64_t seed_;
   Random random_;
   std::array<Input, KZ_ANALOG> inputs_{};
-  int calm_ms_ = 2000;  // time without broken inputs, so that the control loops run
+  int calm_ms_ = 2000;  // remaining time without broken inputs, in which the control loops run
 };
 
 }  // namespace kaz::sim

@@ -20,10 +20,10 @@ class TxdWatch {
   TxdWatch(const TxdWatch&) = delete;
   TxdWatch& operator=(const TxdWatch&) = delete;
 
-  // Removes and returns the bytes whose stop bit was sampled at least one bit time ago. Times are board
-  // times.
+  // Removes and returns the bytes whose stop bit was sampled at least one bit time ago. The times of the
+  // bytes are board times.
   std::vector<DecodedByte> take();
-  // Drops a byte in progress. Must be called after a reset or power cut of the chip.
+  // Drops a partly received byte. Must be called after a reset or power cut of the chip.
   void restart();
 
  private:

@@ -1,9 +1,10 @@
 // Decodes the level of a serial line like an 8N1 receiver, and measures the edges of the line.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The decoder is independent of the sending channel: the only input is level changes with their times. Each
-// bit is sampled in its middle, counted from the falling edge of the start bit. The edges of a frame should
-// be at whole bit times; the largest deviation is reported.
+// The decoder is independent of the sending channel: the decoder's only inputs are the level changes and the
+// times of these changes. Each bit is sampled in the middle of the bit time, counted from the falling edge of
+// the start bit. The edges of a frame should be at whole bit times. DecodedByte::edge_deviation is the
+// largest deviation.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +32,7 @@ class UartDecoder {
   void level(bool level, States at);
   // Advances the time to `to` without a change of level.
   void advance(States to);
-  // Drops a byte in progress and sets the line's level.
+  // Drops a partly received byte and sets the line's level.
   void restart(bool level);
   // Removes and returns the bytes whose stop bit has been sampled.
   std::vector<DecodedByte> take();

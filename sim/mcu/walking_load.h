@@ -1,8 +1,8 @@
-// Load of the servo firmware as in walking: all loops closed, targets and state queries at 100 Hz.
+// Puts a load like walking on the servo firmware: closed control loops, targets and queries at 100 Hz.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Measurements of the tick's cost and of the emulator's speed use this load. Potentiometers follow the motors
-// by the simplest model that closes the loops, without physics.
+// Measurements of the tick's duration and of the emulator's speed use this load. The potentiometers follow
+// the motors by the simplest model that closes the control loops, without physics.
 #pragma once
 
 #include <array>
@@ -23,11 +23,11 @@ class WalkingLoad {
   WalkingLoad(const WalkingLoad&) = delete;
   WalkingLoad& operator=(const WalkingLoad&) = delete;
 
-  // Runs from power-on to walking: 100 ms of start-up, motors on, 0.5 s of steps. Fails like
-  // Mcu::run_until().
+  // Runs from power-on to walking: 100 ms of start-up, then switches the motors on, then 0.5 s of steps.
+  // Returns the errors of Mcu::run_until().
   Result<void> start();
-  // Runs one millisecond. In every tenth the host sends targets for all joints, and 7 ms later the host
-  // queries the states of the joints. Fails like Mcu::run_until().
+  // Runs one millisecond. In every tenth millisecond the host sends targets for all joints, and 7 ms later
+  // the host queries the states of the joints. Returns the errors of Mcu::run_until().
   Result<void> millisecond();
 
   std::int64_t bytes_to_board() const { return bytes_to_board_; }
@@ -41,7 +41,7 @@ class WalkingLoad {
   void move_joints();
 
   Mcu& mcu_;
-  std::array<double, KZ_ANALOG> inputs_{};  // fractions of AVCC
+  std::array<double, KZ_ANALOG> inputs_{};  // voltages as fractions of AVCC
   std::array<std::int16_t, KZ_JOINTS> targets_{};
   std::int64_t milliseconds_ = 0;
   States wire_free_ = 0;

@@ -1,4 +1,4 @@
-// Lists the differences by design between the native board and the emulated one.
+// Lists the differences by design between the native board and the emulated board.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,19 +14,19 @@ struct WireException {
   const char* h8;      // behavior of the emulated board
   const char* native;  // behavior of the native board
   const char* reason;
-  // Message type of a reply, and the field of it that the comparison leaves out. Type 0: another difference,
-  // which the comparison avoids or allows for.
+  // Message type of a reply, and name of the field that the comparison leaves out in replies of this type.
+  // Type 0: the difference is not in a field of a reply; the comparison avoids or tolerates the difference.
   std::uint8_t type = 0;
   const char* field = nullptr;
 };
 
 std::span<const WireException> wire_differences();
 
-// Returns the list as a Markdown table, which docs/explanation/emulator.md contains.
+// Returns the list as a Markdown table. docs/explanation/emulator.md contains this table.
 std::string wire_differences_table();
 
-// Sets the bytes of `body` (address, type, sequence number, fields) that are not compared to 0. Returns
-// whether the body has such bytes.
+// Overwrites with 0 the bytes of `body` (address, type, sequence number, fields) that the comparison leaves
+// out. Returns whether there were bytes to overwrite.
 bool mask_wire_differences(std::span<std::uint8_t> body);
 
 }  // namespace kaz::sim

@@ -1,11 +1,12 @@
-// A seeded host for random conversations with a board over its serial line.
+// A host for random conversations with a board over the serial line. The seed determines the conversation.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The host covers the protocol's grammar: requests in range, out of range, damaged, in pieces, back to back,
-// for other boards, and with framing errors. Some conversations have telemetry, stores, resets, the loader,
-// or bytes while the board starts. The board does not serve the line during a store, a reset or the loader.
-// Requests for these three are sent alone, because their start depends on how long the CPU was busy. The
-// native engine does not model how long the CPU is busy (wire_differences.h).
+// for other boards, and with framing errors. Some conversations contain telemetry, stores to flash, resets,
+// the loader, or bytes while the board starts. The board does not serve the line during a store, a reset or
+// the loader. The host sends no other requests together with a request for one of these actions. The reason
+// is that the start of the action depends on how long the CPU was busy. The native engine does not model how
+// long the CPU is busy (wire_differences.h).
 #pragma once
 
 #include <array>
@@ -21,12 +22,13 @@
 
 namespace kaz::sim {
 
-// Times at which a byte must not end: while a tick reads the receive ring, and while a starting board enables
-// its receiver.
+// Times at which no byte may end: while a tick reads the receive ring, and while a starting board enables its
+// receiver.
 struct WireWindows {
-  bool ticks = false;  // the board ticks
-  States tick_at = 0;  // due time of any tick; the others follow from the period
-  States closed_from = 0, closed_until = 0;  // around the start of the receiver
+  bool ticks = false;  // whether the board runs ticks
+  States tick_at = 0;  // due time of one tick; the other due times follow from the tick period
+  // Interval around the time at which the board enables its receiver.
+  States closed_from = 0, closed_until = 0;
 };
 
 class WireHost {
@@ -35,13 +37,13 @@ class WireHost {
   WireHost(const WireHost&) = delete;
   WireHost& operator=(const WireHost&) = delete;
 
-  // Events besides bytes.
+  // Events other than bytes.
   enum class Event : std::uint8_t { none, reset_pin, power_cycle };
 
   // Returns the bytes that end in [from, until), ordered by time. `from` of the next call must be `until` of
   // this call.
   std::vector<SerialByte> bytes(States from, States until, const WireWindows& windows);
-  // Removes and returns an event that is due by `at`. The event drops bytes that are not yet sent.
+  // Removes and returns an event that is due by `at`. The event drops all bytes that are not yet sent.
   Event take_event(States at);
   // Ends the conversation: requests in progress are completed, and no other requests begin.
   void finish() { finished_ = true; }
@@ -52,7 +54,7 @@ class WireHost {
   };
   const std::vector<Sent>& sent() const { return sent_; }
   int requests() const { return requests_; }
-  // Counts by kind: "damaged", "in pieces", "silences" and others.
+  // Returns the number of items sent, by kind: "damaged", "in pieces", "silences" and others.
   const std::map<std::string, std::int64_t>& kinds() const { return kinds_; }
 
  private:
@@ -63,9 +65,10 @@ class WireHost {
     States gap = 0;  // idle time before the byte
   };
   struct Planned {
-    States not_before = 0;                          // since the conversation began
-    std::vector<std::vector<std::uint8_t>> bodies;  // type and fields
-    States pause = 0;                               // after each body
+    // Earliest start, counted from the start of the conversation.
+    States not_before = 0;
+    std::vector<std::vector<std::uint8_t>> bodies;  // type and fields of each request
+    States pause = 0;                               // idle time after each body
   };
 
   void begin(States at);
@@ -83,14 +86,15 @@ class WireHost {
   States begun_at_ = 0;
   States line_free_ = 0;
   States next_at_ = 0;  // start of the next request
-  States min_gap_ = 0;  // minimum time from the end of the last request to the next
+  States min_gap_ = 0;  // minimum time from the end of a request to the next request
   States manner_until_ = 0;
   Manner manner_ = Manner::polite;
   std::deque<Pending> pending_;
   std::deque<Planned> planned_;
   std::vector<std::pair<States, Event>> events_;
   std::uint8_t sequence_ = 0, address_ = KZ_ADDRESS_DEFAULT, other_address_ = KZ_ADDRESS_DEFAULT;
-  bool has_moved_ = false;  // set_address was sent: the board may have either address
+  // True after set_address was sent; the board may then have either address.
+  bool has_moved_ = false;
   std::vector<std::uint8_t> last_;
   std::vector<Sent> sent_;
   int requests_ = 0;

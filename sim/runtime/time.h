@@ -10,7 +10,8 @@
 
 namespace kaz::sim {
 
-// Rounds down. 1e9 / 18,432,000 equals 15,625 / 288, so one millisecond is a whole number of both units.
+// Rounds down. The ratio 1e9 / 18,432,000 of the two units equals 15,625 / 288. One millisecond is a whole
+// number of both units.
 constexpr Time time_of(States states) {
   return Time(states * 15625 / 288);
 }

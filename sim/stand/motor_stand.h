@@ -1,17 +1,19 @@
 // Virtual motor stand, used instead of a robot. Each of the board's motors turns its own disc.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The tools are those of manual measurements. A lever clamps the shaft and presses on a scale. A weight loads
-// the shaft. A hand turns the shaft to an angle of a protractor. A knob sets the supply voltage.
+// The stand has the tools for manual measurements. A lever clamps the shaft and presses on a scale. A weight
+// applies a torque to the shaft. A hand turns the shaft to an angle that a protractor shows. A knob sets the
+// supply voltage.
 //
 // Each motor has one body with one degree of freedom, so the step is solved in closed form. Motor model
 // (joint_motor.h) and step size are the same as for a robot:
 //
 //   (I/h + c + k h) w1 = I/h w0 + k e + load + T,   T = (velocity - w1) / softness within its bounds
 //
-// I is the disc's inertia (kg m^2), h the step (s) and w the speed (rad/s). The hand has the stiffness k
-// (Nm/rad), the damping c (Nm s/rad) and the remaining angle e (rad). `load` is the weight's torque and T the
-// motor's (Nm). The shafts have the mechanical stops of Kaz's joints.
+// I is the disc's inertia (kg m^2) and h the step size (s). The speeds before and after the step are w0 and
+// w1 (rad/s). The hand has the stiffness k (Nm/rad), the damping c (Nm s/rad) and the remaining angle e
+// (rad). `load` is the torque of the weight, and T is the torque of the motor (Nm). The shafts have the
+// mechanical stops of Kaz's joints.
 #pragma once
 
 #include <array>
@@ -30,7 +32,7 @@ struct StandOptions {
   double disc_kgm2 = 4e-4;  // aluminum, 120 mm in diameter, 7 mm thick
   double step_s = 0.001;
   std::uint64_t seed = 1;    // seed of the random numbers of the scale's noise
-  double supply_volts = 10;  // open-circuit voltage at the start; make_stand() sets it
+  double supply_volts = 10;  // open-circuit voltage at the start; make_stand() sets this value
 };
 
 class MotorStand final : public World {
@@ -41,19 +43,23 @@ class MotorStand final : public World {
   const MotorParams& motor() const { return options_.motor; }
   double first_supply_volts() const { return options_.supply_volts; }
 
-  // ---- Tools. `joint` is the number of the board's channel to which the motor is connected. Clamps the
-  // shaft by a lever that presses on a scale, or releases the shaft. Both set the scale to zero.
+  // Tools. `joint` is the number of the board's channel to which the motor is connected. If `on` is true,
+  // clamps the shaft with a lever that presses on a scale. If `on` is false, removes the lever. Both actions
+  // reset the scale to zero.
   void clamp(std::size_t joint, bool on);
-  // Reads the torque of the motor, Nm, in the joint's direction. The reading is the mean over the last 50
-  // steps in which the motor was driven against the clamp. The scale keeps this reading when the motor stops;
-  // before the first reading it shows 0. The noise has a sigma of 2 mNm, the resolution is 1 mNm.
+  // Returns the reading of the scale: torque of the motor in the joint's direction, Nm. The reading is the
+  // mean over the last 50 steps in which the motor was driven against the clamp. The scale keeps this reading
+  // when the motor stops. Before the first reading, the scale shows 0. The noise has a sigma of 2 mNm, the
+  // resolution is 1 mNm.
   double scale_nm(std::size_t joint) const;
-  // Loads the shaft gently with a weight of torque `torque_nm`. A torque of 0 removes the weight.
+  // Applies the torque of a weight, `torque_nm`, to the shaft without a shock. A torque of 0 removes the
+  // weight.
   void press(std::size_t joint, double torque_nm);
-  // Turns the shaft by hand to `angle_rad` at 2 rad/s and holds it until release().
+  // Turns the shaft by hand to `angle_rad` at 2 rad/s and holds the shaft until release().
   void turn(std::size_t joint, double angle_rad);
   void release(std::size_t joint);
-  // Removes lever, weight and hand from every shaft. Returns the number of shafts that had any of these.
+  // Removes lever, weight and hand from every shaft. Returns the number of shafts that had at least one of
+  // these tools.
   int free_all();
   // Returns the angle that the protractor shows, rad. The resolution is 0.01 degrees.
   double protractor_rad(std::size_t joint) const;

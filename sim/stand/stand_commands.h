@@ -1,5 +1,5 @@
-// Text commands for the tools of a motor stand, one per line. They are used in process or over the control
-// socket. docs/howto/bench.md lists the commands.
+// Text commands for the tools of a motor stand, one per line. The commands are used within the process or
+// over the control socket. docs/howto/bench.md lists the commands.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,15 +14,15 @@
 namespace kaz::sim {
 
 // Creates a simulation of a board with motors on a stand. The options of robot, world, eyes and dynamics are
-// ignored; supply_ohms is set to that of a laboratory supply. Errors: those of make_mcu().
+// ignored; supply_ohms is set to the resistance of a laboratory supply. Returns the errors of make_mcu().
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand);
 
 // Returns the stand of a simulation, or null if the simulation has a robot instead of a stand.
 MotorStand* stand_of(Simulation& simulation);
 
-// Executes the command `line` on the simulation's motor stand. Precondition: stand_of() is not null. Errors
-// (usage): an unknown command, joint or value.
+// Executes the command `line` on the simulation's motor stand. Precondition: stand_of() is not null. Returns
+// Fault::usage if the command, the joint or a value is invalid.
 Result<nlohmann::ordered_json> answer_stand(Simulation& simulation, const std::string& line);
 
 }  // namespace kaz::sim

@@ -1,4 +1,5 @@
-// Computes the pose of an observer's camera. The poses of the robot's cameras come from links of its URDF.
+// Computes the pose of an observer's camera. The poses of the robot's cameras come from links of the robot's
+// URDF.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +7,9 @@
 
 namespace kaz::sim {
 
-// Returns an optical frame (x right, y down, z forward) at `eye` that looks at `target`. The world's z axis
-// points up in the picture. `eye` must not be exactly above or below `target`. World frame, m.
+// Returns the pose of an optical frame (x right, y down, z forward) at the point `eye`, looking at the point
+// `target`. The world's z axis points up in the picture. `eye` must not be exactly above or below `target`.
+// All points are in the world frame, m.
 Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
 
 }  // namespace kaz::sim

@@ -6,10 +6,11 @@
 
 namespace kaz::sim {
 
-// All sets give the same pictures, byte for byte.
+// With all instruction sets, the pictures are the same, byte for byte.
 enum class InstructionSet { plain, avx2, avx512 };
 
-// Returns false if the processor lacks the set, or the program was compiled for another kind of processor.
+// Returns false if the processor does not have the instructions of `set`, or if the program was compiled for
+// another kind of processor.
 inline bool is_available(InstructionSet set) {
 #if defined(__x86_64__)
   if (set == InstructionSet::avx2) return __builtin_cpu_supports("avx2") != 0;

@@ -17,7 +17,7 @@
 
 namespace kaz::sim {
 
-// 8-bit RGB; rows from top to bottom, without padding.
+// Picture in 8-bit RGB. Rows are stored from top to bottom, without padding.
 struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
@@ -28,7 +28,7 @@ struct Picture {
 struct Pinhole {
   int width = 320, height = 240;
   double fx = 0, fy = 0, cx = 0, cy = 0;
-  // Makes a pinhole camera with square pixels and its principal point in the center of the picture.
+  // Makes a pinhole camera with square pixels. The principal point is in the center of the picture.
   static Pinhole from_horizontal_view(int width, int height, double horizontal_rad);
 };
 
@@ -40,11 +40,11 @@ struct PicturePart {
 struct View {
   Pinhole camera;
   Eigen::Isometry3d world_from_optical = Eigen::Isometry3d::Identity();
-  // Each pixel is computed from n x n samples; n is 1..4. Cameras use n = 1. Pictures for documentation use n
-  // = 2 for smooth edges.
+  // Number n of samples along each axis of a pixel, 1..4. Each pixel is computed from n x n samples. Cameras
+  // use n = 1. Pictures for documentation use n = 2 for smooth edges.
   int samples_per_axis = 1;
-  Light light = {};  // does not affect the sky in the background
-  // Required part of the picture. Pixels outside this part may have any codes. Empty: the whole picture is
+  Light light = {};  // light of the scene; does not affect the sky in the background
+  // Required part of the picture. Pixels outside this part may have any codes. nullopt: the whole picture is
   // required.
   std::optional<PicturePart> part = {};
 };
@@ -55,24 +55,24 @@ class Renderer {
   // Builds the meshes. Call this function once, before the first picture. Returns Fault::usage if a mesh file
   // cannot be read, or if a visual refers to an unknown texture or frame.
   virtual Result<void> set_scene(const Scene& scene) = 0;
-  // Draws a picture. Deterministic: the same scene, pose and view give the same bytes. Returns Fault::usage
-  // for an invalid view. The first call starts OpenGL (about 0.3 s) and returns Fault::environment if OpenGL
-  // is not available. Any thread may call render(), but not two threads concurrently. Shadow maps are reused
-  // if the pose has not changed. Therefore draw both eyes of a pair in succession.
+  // Draws a picture. The same scene, pose and view always give the same bytes. Returns Fault::usage for an
+  // invalid view. The first call starts OpenGL (about 0.3 s) and returns Fault::environment if OpenGL is not
+  // available. Any thread may call render(), but not two threads concurrently. Shadow maps are reused if the
+  // pose has not changed. Therefore draw both eyes of a pair in succession.
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };
 
 // Makes a renderer with off-screen Mesa (llvmpipe), which rasterizes in the calling thread. `backend` is
-// "osmesa" or "egl" (without a surface). An empty `backend` selects the first of these that starts. Sets
-// Mesa's environment variables for the process, so that pictures do not depend on the user's environment.
-// Call this function before starting threads that read the environment. If OpenGL is not available, only the
-// first picture returns the error.
+// "osmesa" or "egl" (without a surface). An empty `backend` selects the first of these two that starts. The
+// function sets Mesa's environment variables for the process, so that pictures do not depend on the user's
+// environment. Call this function before starting threads that read the environment. If OpenGL is not
+// available, make_renderer() succeeds, and render() returns the error.
 Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend);
 // Like make_renderer(), but the environment variable KAZ_OPENGL selects the backend.
 Result<std::unique_ptr<Renderer>> make_opengl_renderer();
 
 // Makes the project's own rasterizer with the processor's widest vectors. All vector widths give the same
-// bytes. This function never fails; it returns a Result only to match the type RendererMaker.
+// bytes. This function never fails. The return type is Result only to match the type RendererMaker.
 Result<std::unique_ptr<Renderer>> make_raster_renderer();
 
 }  // namespace kaz::sim

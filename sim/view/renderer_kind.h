@@ -10,8 +10,9 @@
 namespace kaz::sim {
 
 enum class RendererKind {
-  opengl,  // off-screen Mesa; reference for the other renderer
-  raster,  // the project's own rasterizer; needs no OpenGL and takes a third of the time
+  opengl,  // off-screen Mesa; the reference that tests compare `raster` with
+  // The project's own rasterizer; works without OpenGL and takes a third of the time of Mesa.
+  raster,
 };
 inline constexpr RendererKind kDefaultRenderer = RendererKind::raster;
 inline constexpr std::array kRendererKinds{RendererKind::opengl, RendererKind::raster};

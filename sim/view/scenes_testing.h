@@ -23,8 +23,8 @@ struct TestScene {
     pose.frames.push_back(Eigen::Isometry3d::Identity());
   }
 
-  // Adds a visual in a frame of its own. `at` is the position of the frame (world, m). Returns the number of
-  // the frame.
+  // Adds a frame and a visual in this frame. `at` is the position of the frame in the world frame, m. Returns
+  // the number of the frame.
   int add(Shape::Kind kind, const Eigen::Vector3d& size, const Eigen::Vector3d& at,
           const Rgb& color, const std::string& texture = "") {
     Visual visual;
@@ -54,7 +54,7 @@ struct TestScene {
   }
 };
 
-// Twenty objects and a ball on a checkered ground: 5,200 triangles in 22 pieces.
+// Returns a scene with twenty objects and a ball on a checkered ground: 5,200 triangles in 22 pieces.
 inline TestScene table_scene() {
   TestScene s;
   s.add_ground("checker");
@@ -73,7 +73,8 @@ inline TestScene table_scene() {
   return s;
 }
 
-// View from an eye of the standing robot: 0.3 m above the ground, tilted down by `tilt_rad`.
+// Returns the view from an eye of the standing robot. The eye is 0.3 m above the ground and is tilted down by
+// `tilt_rad`.
 inline View eye_view(int width = 320, double tilt_rad = 0.6) {
   View view;
   view.camera = Pinhole::from_horizontal_view(width, width * 3 / 4, kEyeView_rad);
@@ -81,7 +82,7 @@ inline View eye_view(int width = 320, double tilt_rad = 0.6) {
   return view;
 }
 
-// Returns the pixel of a point in the world frame.
+// Returns the pixel coordinates of a point that is given in the world frame.
 inline Eigen::Vector2d project(const View& view, const Eigen::Vector3d& world) {
   const Eigen::Vector3d p = view.world_from_optical.inverse() * world;
   return {view.camera.fx * p.x() / p.z() + view.camera.cx,

@@ -9,7 +9,7 @@
 
 namespace kaz::bench {
 
-// Returns the available engines, the default one first.
+// Returns the names of the available engines. The first name is the default engine.
 inline std::vector<std::string> engine_names() {
   if (h8s::translator_available()) return {"translator", "interpreter", "reference"};
   return {"interpreter", "reference"};
@@ -23,7 +23,7 @@ inline h8s::Options options_of(const std::string& engine) {
   return options;
 }
 
-// Appends the engine to the name of a result, except for the default engine.
+// Returns the name of a result with the engine's name appended. The default engine's name is not appended.
 inline std::string named(const std::string& name, const std::string& engine) {
   return engine == engine_names().front() ? name : name + "." + engine;
 }

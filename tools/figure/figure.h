@@ -35,8 +35,8 @@ Result<void> write_file(const std::string& path, std::span<const std::uint8_t> b
 //
 // Coordinates are in pixels. Pixel centers are at integers, as in vision/image/frame.h.
 
-// Draws a mask in white on black. With `picture`: shows the colors of `picture` where the mask is set, and a
-// darkened gray copy of `picture` elsewhere.
+// The first function draws a mask in white on black. The second function shows the colors of `picture` where
+// the mask is set, and a darkened gray copy of `picture` elsewhere.
 Image mask_picture(const vision::Mask& mask);
 Image mask_picture(const vision::Mask& mask, const Image& picture);
 
@@ -62,7 +62,7 @@ Image enlarge(const Image& image, int factor);
 // positive.
 Image resize(const Image& image, int width, int height);
 
-// Adds a white frame of this width, so that a picture inside another picture stands out.
+// framed() adds a white frame with a width of kFrame_px, so that a picture inside another picture stands out.
 inline constexpr int kFrame_px = 2;
 Image framed(const Image& image);
 

@@ -15,7 +15,7 @@ vision::Image depth_picture(const vision::DepthImage& depth);
 // Tints the segments on the left picture of their pair: the floor green, other segments in other colors.
 vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes);
 
-// Tints all segments in one color, as in figure 6 (A) of the paper.
+// Tints all segments in the color `color`, as in figure 6 (A) of the paper.
 vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes,
                             Color color);
 

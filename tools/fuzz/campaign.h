@@ -1,4 +1,4 @@
-// `kaz fuzz`: generates cases from a seed and a corpus, runs them on a board and judges each.
+// `kaz fuzz`: generates cases from a seed and a corpus, runs the cases on a board, and judges each case.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,20 +11,21 @@
 namespace kaz::tools {
 
 struct FuzzOptions {
-  std::string target = "native";         // native, h8, or a port (KIND:PATH)
-  std::string image;                     // firmware, for h8; empty: the built one
-  std::string corpus, replay;            // folder of cases; file with one case to run alone
-  std::string out = "kaz-fuzz-failure";  // file for a failing case
+  std::string target = "native";  // board under test: native, h8, or a port (KIND:PATH)
+  std::string image;              // firmware image for h8; empty: the image of this build
+  // Corpus: folder of cases; replay: file with the only case to run.
+  std::string corpus, replay;
+  std::string out = "kaz-fuzz-failure";  // path to which a failing case is written
   double seconds = 10;
   long long cases = 0;  // above 0: number of cases, instead of `seconds`
   std::uint64_t seed = 1;
   bool seed_given = false;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // address of the board at a port
-  bool body = false, json = false;            // body: simulate the robot's body, not motors alone
-  bool allow_motion = false, wear_flash = false;  // for ports only, which require allow_motion
+  bool body = false, json = false;            // body: simulates the robot's body, not only motors
+  bool allow_motion = false, wear_flash = false;  // for ports only; a port requires allow_motion
 };
 
-// Prints progress and result. Returns false if a case failed; it is saved to `out`.
+// Prints progress and result. Returns false if a case failed. The failing case is saved to `out`.
 Result<bool> fuzz(const FuzzOptions& options);
 
 }  // namespace kaz::tools

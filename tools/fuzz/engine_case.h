@@ -16,26 +16,30 @@ namespace kaz::fuzz {
 struct EngineVerdict;
 
 struct EngineOptions {
-  sim::McuKind mcu = sim::McuKind::native;  // h8: each tick is compared with native
-  std::string image;                        // firmware, for h8
+  sim::McuKind mcu = sim::McuKind::native;  // with h8, each tick is compared with native code
+  std::string image;                        // firmware image for h8
   std::uint64_t seed = 1;
-  // Files of the world and of the suspended robot. If empty: motors without a body.
+  // Paths of the world and of the suspended robot. If the paths are empty, motors without a body are
+  // simulated.
   std::string world_path, robot_path;
   hil::fuzz::GrammarOptions grammar;
-  const host::Interrupt* interrupt = nullptr;  // ends the case with its error; may be null
-  EngineVerdict* broken_off = nullptr;         // RunnerOptions::broken_off
+  // An interrupt ends the case with an error; may be null.
+  const host::Interrupt* interrupt = nullptr;
+  EngineVerdict* broken_off = nullptr;  // same as RunnerOptions::broken_off
 };
 
 struct EngineVerdict : hil::fuzz::Verdict {
   long long ticks = 0;
   std::uint16_t worst_busy_8states = 0;  // h8: longest tick, in units of 8 states
-  std::string emulator_engine;           // h8: engine that executed, such as "translator"
-  // h8: executed instructions, and those of them that were translated code.
+  // H8: engine that executed the firmware, such as "translator".
+  std::string emulator_engine;
+  // h8: number of executed instructions, and number of executed instructions that were translated code.
   long long instructions = 0, translated_instructions = 0;
-  double worst_overshoot_rad = 0;  // furthest that a driven joint went past its soft limit
+  double worst_overshoot_rad = 0;  // largest angle by which a driven joint exceeded its soft limit
 };
 
-// Returns Fault::usage if the image of h8 has no tick symbols; else errors of simulation and runner.
+// Runs one case. Returns Fault::usage if the image for h8 has no symbols of the tick. Other errors come from
+// the simulation and the runner.
 Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
                                       const EngineOptions& options);
 

@@ -1,4 +1,4 @@
-// Worlds for the fuzzer: motors without a body, and a wrapper that observes drives and joints.
+// Worlds for the fuzzer: motors without a body, and a wrapper of a world for observing drives and joints.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,11 +14,13 @@ namespace kaz::fuzz {
 // Returns the default motor of shared/robot/kaz/motor.xml, without reading a file.
 sim::MotorParams bench_motor();
 
-// Creates a world of 18 such motors without a robot. Each has its own inertia on the shaft, and stops just
-// beyond the joint's limits. It costs a thousandth of the robot's time.
+// Creates a world of 18 motors of bench_motor(), without a robot. Each motor has a different inertia on its
+// shaft, and stops just beyond the limits of its joint. A step of this world takes a thousandth of the time
+// of a step with the robot.
 std::unique_ptr<sim::World> make_motor_bench();
 
-// Wraps `world` and calls `watch` after each step, with the drives of the step and the resulting joints.
+// Wraps a world. After each step calls a function with the drives of the step and the resulting states of the
+// joints.
 using DriveWatch = std::function<void(std::span<const sim::MotorDrive> drives,
                                       std::span<const sim::JointState> joints)>;
 std::unique_ptr<sim::World> watched(std::unique_ptr<sim::World> world, DriveWatch watch);

@@ -78,7 +78,7 @@ TEST_P(Seeds, AsTheyAre) {
     EXPECT_EQ(GetParam().run(input).value_or(""), "") << "seed " << name;
 }
 
-// Uses a fixed random stream. The fuzzer finds better inputs, but does not run in every build.
+// Uses a fixed sequence of random numbers. The fuzzer finds better inputs, but does not run in every build.
 TEST_P(Seeds, DamagedAndNoise) {
   const auto seeds = seeds_of(GetParam().name);
   ASSERT_FALSE(seeds.empty());

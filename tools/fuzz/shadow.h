@@ -1,4 +1,4 @@
-// Reference for emulated firmware: native code computes each tick again and compares the results.
+// Reference for the emulated firmware: computes each tick again with native code, and compares the results.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,13 +13,14 @@ namespace kaz::fuzz {
 
 class Shadow {
  public:
-  // `h8` must outlive this object. Its image must have the symbols of the servo's tick.
+  // `h8` must outlive this object. The image of `h8` must have the symbols of the servo's tick.
   explicit Shadow(const sim::H8Mcu& h8) : h8_(&h8) {}
 
-  // Computes the same tick natively. Returns true if it is the first after a reset.
+  // Computes the recorded tick with native code. Returns true if the tick is the first one after a reset.
   bool tick(const sim::TickRecord& record);
   const kz_servo& servo() const { return servo_; }
-  // First difference between native and engine. Outputs are compared in each tick, the state in every 64th.
+  // First difference between the native code and the emulated firmware. Outputs are compared in each tick,
+  // the state only in every 64th tick.
   const std::optional<std::string>& difference() const { return difference_; }
 
  private:

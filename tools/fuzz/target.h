@@ -1,8 +1,8 @@
-// A fuzz target: a function that accepts any bytes and returns a violation that they cause, if any.
+// A fuzz target: a function that accepts any bytes and returns the violation that the bytes cause, if any.
 // SPDX-License-Identifier: Apache-2.0
 //
-// To return an error is correct. Violations are a crash, undefined behavior, an invalid result, or an error
-// that is not one sentence with the name of its source.
+// If the code under test returns an error, this is no violation. Violations are a crash, undefined behavior,
+// an invalid result, or an error message that is not one sentence with the name of the error's source.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,14 @@
 namespace kaz::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
-using Complaint = std::optional<std::string>;  // the violation
+// Description of a violation; nullopt: no violation.
+using Complaint = std::optional<std::string>;
 
 struct Target {
   const char* name;
   Complaint (*run)(Bytes);
-  // Number of cases with damaged seeds and noise in the tests of every build. Targets with cheap cases have
-  // more.
+  // Number of cases with damaged seeds and noise that the tests of every build run. Targets whose cases run
+  // quickly have more cases.
   int damaged_cases = 200;
 };
 

@@ -1,4 +1,4 @@
-// Formats help texts in words. CLI11 would print its own notation of types and checks.
+// Formats help texts for users, because CLI11 would print its own notation of types and checks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,7 +12,7 @@ namespace kaz::tools {
 // 60..100. Without a terminal: 100.
 std::size_t help_columns();
 
-// Returns the name of a verb after the names of its parents: "kaz mcu run".
+// Returns the full name of a verb, which includes the names of its parents: "kaz mcu run".
 std::string full_name(const CLI::App& app);
 // Returns the usage line: "kaz mcu run [OPTIONS] IMAGE".
 std::string usage(const CLI::App& app);
@@ -30,8 +30,8 @@ struct Footer {
   std::string exit_status;
   std::string examples;  // the lines after "Examples:"
 };
-// Parses app.footer(). There, "Exit status: 1 a limit failed." lists only the statuses that differ from the
-// default.
+// Parses app.footer(). The text "Exit status: 1 a limit failed." in the footer lists only the statuses that
+// differ from the default statuses.
 Footer footer_of(const CLI::App& app);
 // Breaks lines longer than help_columns() at spaces. A broken line continues at column `indent`. If `indent`
 // is 0, the continuation of an indented line is indented by four more columns than the line.

@@ -23,16 +23,16 @@
 
 namespace kaz::tools {
 
-// Every numeric option must use one of these validators (tests/system/command_line/numbers_test.cpp). Without
-// these validators, CLI11 accepts nan (even in CLI::Range), infinity and hexadecimal fractions, and silently
-// clamps values that are too large for the type.
+// Every numeric option must use one of the validators below (tests/system/command_line/numbers_test.cpp).
+// Without these validators, CLI11 accepts nan (even in CLI::Range), infinity and hexadecimal fractions, and
+// silently clamps values that are too large for the type.
 
 // Accepts a finite decimal number.
 CLI::Validator number();
 // Accepts a number above 0. The error message of CLI11's own check would contain the largest double.
 CLI::Validator positive();
 // Accepts `min` to `max`, inclusive. The overload for integers also accepts hexadecimal numbers such as 0x10.
-// `unit` appears in help and errors; use it if the option's type has no unit (values.cpp).
+// `unit` appears in help and error messages. Pass a unit if the option's type has no unit (values.cpp).
 CLI::Validator between(double min, double max, const std::string& unit = "");
 template <std::integral T>
 CLI::Validator between(T min, T max);
@@ -97,7 +97,7 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::arra
   return option;
 }
 
-// These functions add options to `verb`. The variables for the values must outlive `verb`.
+// The functions below add options to `verb`. The variables for the values must outlive `verb`.
 
 // Adds --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --no-imu, --dynamics,
 // --physics-step, --supply, --eyes, --eye-width, --renderer and --seed.
@@ -122,7 +122,7 @@ inline constexpr const char* kRobotText =
 
 // Adds --robot KIND:PATH, for verbs that need a port. --port is an alias for older scripts.
 CLI::Option* add_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);
-// Like add_port(), but the option is required and its value may also be positional.
+// Like add_port(), but the option is required, and users may also give its value as a positional argument.
 void add_required_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);
 // Adds --address N, for every verb that opens a port.
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address);

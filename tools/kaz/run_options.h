@@ -17,7 +17,7 @@ struct RunArguments {
   std::vector<std::string> settings;  // NAME=VALUE
   std::string duration;               // s
   std::string color;                  // path of a file
-  std::string goal;                   // for navigate
+  std::string goal;                   // goal of navigate
   std::string poses;                  // path of a file, for play
   std::string memory;                 // path of a file
   WatchArguments watch;

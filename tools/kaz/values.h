@@ -1,5 +1,6 @@
-// Describes in words the values that an option accepts, instead of in CLI11's notation of types and checks.
+// Describes the values that an option accepts, in words for users.
 // SPDX-License-Identifier: Apache-2.0
+// CLI11 would print its own notation of types and checks.
 #pragma once
 
 #include <string>

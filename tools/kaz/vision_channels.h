@@ -9,9 +9,9 @@
 
 namespace kaz::tools {
 
-// Publishes pictures for the running modules, as in `kaz vision run`: /vision/depth, /vision/flow and
-// /vision/floor. The ball is an annotation on the left eye's picture. Pictures without subscribers are not
-// drawn.
+// Publishes a picture of each running module's results, like the pictures of `kaz vision run`: /vision/depth,
+// /vision/flow and /vision/floor. The ball is published as an annotation of the left eye's picture. Pictures
+// without subscribers are not drawn.
 class VisionChannels final : public VisionWatcher {
  public:
   // `view` must outlive this object and the pipeline.

@@ -1,4 +1,4 @@
-// Options --view, --view-wait, --view-open and --pace, and functions that run with viewers.
+// Options --view, --view-wait, --view-open and --pace, and functions that serve viewers during a run.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -25,8 +25,8 @@ struct WatchArguments {
 // Adds the options. With `paced`, also adds --pace, which is only valid for a verb that does not follow a
 // real clock. `arguments` must outlive `verb`.
 void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced = true);
-// These functions call run_session(), serve(), run_bench(), monitor() and run_campaign(). If --view is given,
-// these functions also run a server for viewers.
+// The five functions below call run_session(), serve(), run_bench(), monitor() and run_campaign(). If --view
+// is given, the functions also run a server for viewers.
 Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session);
 Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve);
 Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench);

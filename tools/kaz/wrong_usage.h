@@ -1,4 +1,4 @@
-// Describes an error in the command line in one sentence: the fault, its place, and a correct form.
+// Describes an error in the command line in one sentence: what is wrong, where, and a correct form.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@ namespace kaz::tools {
 // Returns the innermost verb on the command line, or the program if there is no verb.
 CLI::App& chosen_verb(CLI::App& program);
 // Restricts the values of flags to true, false, 1 and 0, for `app` and its verbs. Without this check, CLI11
-// reads any number above 0, and some words, as true.
+// accepts any number above 0, and some words, as true.
 void check_flags(CLI::App& app);
 // Returns a sentence if an unknown word is in the place of a verb: "there is no verb `dmo`; did you mean
 // demo?". Empty: there is no unknown word.

@@ -14,7 +14,8 @@ namespace kaz::lockstep {
 using JointLines = std::array<host::JointCalibration, KZ_JOINTS>;
 
 struct CalibratedJoints {
-  JointLines stops, all;  // calibration from the stops only; calibration from stops and floor
+  // Stops: calibration from the stops only; all: calibration from stops and floor.
+  JointLines stops, all;
   // Standard deviation of the joint angles with calibration `all`: root mean square over the joint's range,
   // and maximum.
   std::array<double, KZ_JOINTS> expected_rad{}, worst_rad{};
@@ -28,8 +29,8 @@ struct CalibratedJoints {
 // errors of robot and board.
 Result<CalibratedJoints> calibrate_joints(const sim::SimulationOptions& options);
 
-// Calibrates the same robot and stores the calibration on its board. Returns the contents of the board's
-// flash in hexadecimal, for SimulationOptions::memory.
+// Calibrates the robot like calibrate_joints(), and stores the calibration `all` on the board of a robot with
+// the same options. Returns the contents of the board's flash in hexadecimal, for SimulationOptions::memory.
 Result<std::string> calibrated_memory(const sim::SimulationOptions& options);
 
 }  // namespace kaz::lockstep

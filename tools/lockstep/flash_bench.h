@@ -1,4 +1,4 @@
-// An emulated board on a bench in simulated time. Tests flash the board while faults occur.
+// An emulated board on a bench in simulated time. Tests write the board's flash while faults occur.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -27,9 +27,10 @@ class FlashBench final : public host::Link, public host::Clock, public host::Boa
   void unplug_at(Time when) { unplug_at_ = when; }
   // Sets the faults of the line; null: no faults. `faults` must outlive this object.
   void set_faults(const faults::Schedule* faults) { line_.set_faults(faults); }
-  // Sets a function that is called if the program counter enters the application, at the end of that step.
+  // Sets a function that is called each time the program counter enters the application. The call happens at
+  // the end of the step of 1/8 ms.
   void on_application(std::function<void()> listener) { on_application_ = std::move(listener); }
-  // Sets the latency of the adapter in each direction.
+  // Sets the latency of the serial adapter in each direction.
   void set_latency(Time latency);
 
   // --- host::Clock, host::Link, host::BoardReset

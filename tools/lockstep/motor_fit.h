@@ -1,11 +1,12 @@
-// Fits the motor model to a bench report. A bench on the simulated stand then gives the same measurements.
+// Fits the motor model to a bench report. A bench on the fitted model gives the same measurements.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Method: indirect inference (C. Gourieroux, A. Monfort, E. Renault 1993, "Indirect Inference", Journal of
-// Applied Econometrics 8). A formula estimates each parameter from the measurements. A/D codes, duty steps
-// and the warming motor bias these estimates by a few percent. Therefore the bench also runs on the model,
-// with the same formulas. Each round multiplies the model's parameters by the ratio of the estimates from
-// measurement and model.
+// Applied Econometrics 8). A formula estimates each parameter from the measurements. The resolutions of A/D
+// converter and duty cycle, and the warming of the motor, bias these estimates by a few percent. Therefore
+// the bench also runs on the simulated model, and the same formulas are applied to its measurements. Each
+// round multiplies each parameter of the model by a ratio: the estimate from the report, divided by the
+// estimate from the simulated bench.
 #pragma once
 
 #include <functional>
@@ -21,7 +22,7 @@ namespace kaz::lockstep {
 struct FittedParam {
   std::string name, unit;  // name and unit in the motor file
   double before = 0, after = 0;
-  // False: the report does not determine the parameter, and its value is unchanged.
+  // False: the report does not determine the parameter, and the parameter keeps its value.
   bool measured = false;
 };
 
@@ -46,7 +47,7 @@ struct MotorFit {
 
 struct MotorFitOptions {
   std::string joint;       // name of the joint in the report; empty: the only joint of the report
-  sim::MotorParams start;  // the model before the fit
+  sim::MotorParams start;  // parameters of the model before the fit
   // Options of the simulated board: microcontroller and image, sensors, seed. Use h8 for the report of a real
   // board. The bench also measures delays of the firmware, about 0.1 ms when a motor starts, and only h8
   // simulates these delays.

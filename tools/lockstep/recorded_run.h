@@ -1,4 +1,4 @@
-// Data of a recording on the host's side: bytes in both directions, pictures, and entries of the behavior.
+// The host's part of a recording: bytes in both directions, pictures, and entries of the behavior.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@
 namespace kaz::lockstep {
 
 struct RecordedRun {
-  // Stereo pair as the host received it.
+  // A stereo pair that the host received.
   struct Pair {
     std::uint64_t sequence = 0;
     Time exposure{}, arrival{};

@@ -1,10 +1,10 @@
 // Replays a recording as a board with eyes. The host uses this board in the same way as the simulation.
 // SPDX-License-Identifier: Apache-2.0
 //
-// step() advances time by one millisecond, like the simulation. Pictures, and bytes from the board, arrive at
-// their recorded times. Every byte from the host is compared with the recorded byte. The arrival times must
-// also be equal, with a resolution of one state of the crystal. Line faults change the bytes again, with the
-// recorded seed. Single-threaded.
+// step() advances time by one millisecond, like the simulation. Pictures and the board's bytes arrive at the
+// host at their recorded times. Every byte from the host is compared with the recorded byte. The arrival
+// times must also be equal, with a resolution of one state of the crystal. Line faults change the bytes in
+// the same way as in the recorded run, because the recorded seed is used. Single-threaded.
 #pragma once
 
 #include <deque>
@@ -23,7 +23,7 @@ namespace kaz::lockstep {
 struct HostDifference {
   Time time{};
   std::string where;          // position, such as "byte 1234 to the board" or "the end"
-  std::string recorded, now;  // descriptions of the recorded and the present byte or entry
+  std::string recorded, now;  // descriptions of the recorded byte or entry, and of the new one
 };
 
 class ReplayedBoard {
@@ -53,8 +53,8 @@ class ReplayedBoard {
   void finish();
   // First difference in the bytes to the board, or between the ends of both runs.
   const std::optional<HostDifference>& difference() const { return difference_; }
-  // First difference in the behavior's entries. This difference may cause the difference in bytes, and then
-  // precedes that difference.
+  // First difference in the behavior's entries. If a difference in the entries causes the difference in
+  // bytes, this difference comes first.
   const std::optional<HostDifference>& other_thought() const { return other_thought_; }
 
  private:
@@ -66,7 +66,7 @@ class ReplayedBoard {
   const RecordedRun& run_;
   sim::SerialLine line_;
   sim::States now_ = 0;
-  // Numbers of processed items of the run.
+  // Number of items of the recording that were processed, for each kind of item.
   std::size_t compared_ = 0, given_ = 0, exposed_ = 0, thought_ = 0;
   std::vector<std::uint8_t> sent_;  // bytes that reached the board
   std::deque<const RecordedRun::Pair*> arriving_;

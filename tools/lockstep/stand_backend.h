@@ -13,8 +13,8 @@ namespace kaz::lockstep {
 
 class StandBackend {
  public:
-  // `simulation`: result of make_stand(). `pressing_s`: time for which the bench presses against the scale.
-  // `interrupt` ends all waits. `interrupt` may be null and must outlive this object.
+  // `simulation`: result of make_stand(). `pressing_s`: duration of a press against the scale, s. `interrupt`
+  // ends all waits. `interrupt` may be null and must outlive this object.
   explicit StandBackend(std::unique_ptr<sim::Simulation> simulation, double pressing_s = 0.1,
                         const host::Interrupt* interrupt = nullptr);
 

@@ -1,9 +1,9 @@
 // A virtual servo board on a test bench, in simulated time, for tests of the board alone.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The bench has no robot: each joint is a freely turning motor, modeled as a first-order lag of its drive.
-// The bench is therefore fast, and tests can disturb every input of the board. Waiting advances time in steps
-// of 1/8 ms.
+// The bench has no robot: each joint is a motor that turns freely. The motor's speed follows its drive with a
+// first-order lag. The bench is therefore fast, and tests can disturb every input of the board. Waiting
+// advances time in steps of 1/8 ms.
 #pragma once
 
 #include <array>

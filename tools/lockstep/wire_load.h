@@ -9,15 +9,17 @@ namespace kaz::lockstep {
 struct WireLoad {
   double rate_hz = 0;                  // rate of received postures
   double share_out = 0, share_in = 0;  // utilization of the wire in each direction, 0..1
-  // Maximum time from sending targets to receiving the posture of the same cycle.
+  // Longest time from sending the targets of a cycle to receiving the posture of the same cycle.
   double oldest_s = 0;
-  // Number of cycles that became due although earlier cycles still filled the window.
+  // Number of cycles that could not start on time because requests of earlier cycles still filled the window
+  // of unanswered requests.
   std::uint64_t late = 0;
   std::uint64_t retries = 0;
 };
 
-// Switches all joints on and swings them by 0.05 rad about their present angles. `byte_time`: time of one
-// byte on the wire. `rate_hz`: cycles per second; 0 sends the next targets as soon as the window has room.
+// Switches all joints on and swings each joint by 0.05 rad about the joint's present angle. `byte_time`: time
+// of one byte on the wire. `rate_hz`: cycles per second; 0 sends the next targets as soon as the window has
+// room.
 Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_hz, Time duration);
 
 }  // namespace kaz::lockstep

@@ -17,17 +17,17 @@ std::string digits(double value);
 // Replaces each number between the text `before` and the next quotation mark by change(number).
 std::string with_numbers(const std::string& text, const std::string& before,
                          const std::function<double(double)>& change);
-// Multiplies the mass and the inertia tensor of each <inertial> of a URDF by a factor. The argument of
-// `factor` is the number of the <inertial> in file order, from 0.
+// Multiplies the mass and the inertia tensor of each <inertial> of a URDF by factor(n). The number n counts
+// the <inertial> elements in the order of the file, from 0.
 std::string with_masses(const std::string& urdf,
                         const std::function<double(std::uint64_t)>& factor);
 
 class RobotFolder {
  public:
   using Change = std::function<std::string(const std::string&)>;
-  // Copies kaz.urdf, motor.xml, camera.json and sensors.xml from the folder `robot`. Applies to each file the
-  // entry of `changes` with the file's name. Writes `world` to world.sdf. Fails if a file cannot be read or
-  // written.
+  // Copies kaz.urdf, motor.xml, camera.json and sensors.xml from the folder `robot`. Changes each file with
+  // the function that `changes` contains for the file's name. Writes `world` to world.sdf. Fails if a file
+  // cannot be read or written.
   static Result<RobotFolder> make(const std::string& robot,
                                   const std::map<std::string, Change>& changes,
                                   const std::string& world);

@@ -13,11 +13,12 @@ struct Interval {
 };
 
 // Wilson's 95 % confidence interval of a proportion: E. B. Wilson, "Probable inference, the law of
-// succession, and statistical inference", J. Am. Stat. Assoc. 22 (1927). If n is 0, the interval is 0 to 1.
+// succession, and statistical inference", J. Am. Stat. Assoc. 22 (1927). If n is 0, returns the interval from
+// 0 to 1.
 Interval wilson(std::uint64_t successes, std::uint64_t n);
 
-// Quantile q (0..1) by nearest rank. At least a fraction q of all values is less than or equal to the
-// quantile; the quantile is the smallest value with this property. Returns 0 without values.
+// Returns the quantile q (0..1) by the method of nearest rank. This quantile is the smallest value v for
+// which at least a fraction q of all values is less than or equal to v. Returns 0 if there are no values.
 double quantile(std::vector<double> values, double q);
 
 struct Summary {
@@ -30,7 +31,7 @@ struct Summary {
 // All members of the result are 0 if there are no values.
 Summary summarize(const std::vector<double>& values);
 
-// Signed errors of one quantity. Every statistic is 0 without values.
+// Collects signed errors of one quantity. If there are no values, every statistic is 0.
 class Errors {
  public:
   void add(double error) { values_.push_back(error); }
@@ -40,7 +41,8 @@ class Errors {
   double sigma() const;  // population standard deviation, divisor n
   double rms() const;
   double max() const;  // largest absolute value
-  // Percentile of the absolute values; `fraction`: 0..1. The rank is fraction (n - 1), rounded.
+  // Percentile of the absolute values; `fraction`: 0..1. Returns the sorted value with the index `fraction` *
+  // (count() - 1), rounded.
   double percentile(double fraction) const;
 
  private:

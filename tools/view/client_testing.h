@@ -1,4 +1,4 @@
-// For tests: a viewer with blocking WebSocket calls, made with Boost.Beast.
+// For tests: a client of the server with blocking WebSocket calls, based on Boost.Beast.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -58,8 +58,8 @@ class Client {
     return Bytes(data, data + buffer.size());
   }
   bool is_text() const { return socket_.got_text(); }
-  // Returns the next text message with this `op`; skips other messages before it. Null: the connection has
-  // ended.
+  // Returns the next text message whose member `op` equals the argument. Skips other messages before that
+  // message. Null: the connection has ended.
   nlohmann::json next_op(const std::string& op) {
     while (const auto message = next()) {
       if (!is_text()) continue;
@@ -68,14 +68,15 @@ class Client {
     }
     return nullptr;
   }
-  // Returns the next binary message with this opcode; skips other messages before it.
+  // Returns the next binary message with this opcode. Skips other messages before that message. nullopt: the
+  // connection has ended.
   std::optional<Bytes> next_frame(std::uint8_t opcode) {
     while (auto message = next()) {
       if (!is_text() && !message->empty() && message->front() == opcode) return message;
     }
     return std::nullopt;
   }
-  // Returns the number of a channel. Waits until the server has advertised the channel.
+  // Returns the number of the channel with this topic. Waits until the server has advertised the channel.
   std::uint32_t channel(const std::string& topic) {
     while (!channels_.contains(topic)) {
       const auto object = next_op("advertise");

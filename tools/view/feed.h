@@ -23,7 +23,7 @@
 namespace kaz::watch {
 
 struct FeedOptions {
-  double rate_hz = 30;  // rate of poses and states, in the time of the run
+  double rate_hz = 30;  // rate of poses and states per second of the run's time
   // True: the recorded channels contain the robot's description, world and poses.
   bool recorded_robot = false;
   // Used for a robot without recorded poses. True: the robot hangs in the air. False: the robot stands on the
@@ -37,14 +37,14 @@ class Feed {
   static Result<Feed> create(Server& server, const std::string& robot_path,
                              const FeedOptions& options = {});
 
-  // Whether message() uses a recorded channel. Channels with `for_viewers` may be skipped as long as there is
-  // no viewer. Channels of the wire and of poses are always used, because frames are counted from the
-  // beginning.
+  // Whether message() uses a recorded channel. `never`: message() ignores the channel. `for_viewers`:
+  // messages of the channel may be skipped as long as there is no viewer. `always`: channels of the wire and
+  // of poses, because frames are counted from the beginning.
   enum class Use { never, for_viewers, always };
   static Use use_of(std::string_view topic);
   // Processes a message of a recorded channel. All calls must come from the same thread.
   void message(std::string_view topic, std::uint64_t time_ns, std::span<const std::uint8_t> data);
-  // Publishes the calibration of a pair. With `pixels`, also publishes the pictures of the pair as JPEG in
+  // Publishes the calibration of a pair. With `pixels`, also publishes the pictures of the pair as JPEG on
   // the channels of recorded pictures, at most 16 pairs per second. Waits until the pair is rendered. Call
   // this function on one thread only; this thread may run concurrently with the other functions.
   void pictures(const vision::StereoPair& pair, bool pixels);
@@ -52,8 +52,8 @@ class Feed {
   // Adds a channel for derived pictures. Any thread may call this function and the next three functions. Only
   // one thread at a time may call wants_picture().
   std::uint32_t add_pictures(const std::string& topic);
-  // Returns whether the channel has subscribers and its next picture is due. At most 8 pictures per second
-  // are due. If the function returns true, the picture counts as sent.
+  // Returns whether the channel has subscribers and the channel's next picture is due. At most 8 pictures per
+  // second are due. If the function returns true, the picture counts as sent.
   bool wants_picture(std::uint32_t channel, const vision::FrameInfo& info);
   void picture(std::uint32_t channel, const vision::FrameInfo& info, const vision::Image& image);
   // Publishes an annotation of the left eye's picture that marks the ball. Without a ball, removes the mark.
@@ -93,7 +93,7 @@ class Feed {
   bool hangs_ = false;
   bool posed_ = false;      // true: the recorded channels contain poses
   bool has_truth_ = false;  // false: only the board's angles are known, as for a robot at a port
-  std::vector<std::uint8_t> data_;  // buffer for a message
+  std::vector<std::uint8_t> data_;  // reused buffer for the encoded message
 
   std::array<double, KZ_JOINTS> angle_{}, torque_{}, target_{}, measured_{}, duty_{};
   // State of the serial line to one board. A joint belongs to the line that last set the joint's target.
@@ -106,8 +106,9 @@ class Feed {
   std::array<std::size_t, KZ_JOINTS> line_of_{};
   std::uint16_t status_ = 0;
   double supply_v_ = 0;
-  std::uint64_t next_picture_ns_ = 0;  // accessed by pictures() only
-  // By channel; accessed by wants_picture() only.
+  // Time at which the next pair is due; accessed by pictures() only.
+  std::uint64_t next_picture_ns_ = 0;
+  // For each channel: time at which the next picture is due. Accessed by wants_picture() only.
   std::map<std::uint32_t, std::uint64_t> next_made_ns_;
 };
 

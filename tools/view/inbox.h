@@ -1,4 +1,4 @@
-// Bounded queue from the publishing threads to the server's thread.
+// Bounded queue of messages from the publishing threads to the server's thread.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,9 +12,10 @@
 
 namespace kaz::watch {
 
-// The data are copied once, at publication. The queue, the log and all viewers share the copy.
+// A published message. `data` is copied only once, at publication. The queue, the log and all viewers share
+// the copy.
 struct Message {
-  // Channel number of a message that is a complete frame for every viewer.
+  // Value of `channel` for a message that is a complete frame for every viewer.
   static constexpr std::uint32_t kEveryone = 0xffffffff;
 
   std::uint32_t channel = kEveryone;
@@ -24,7 +25,7 @@ struct Message {
   bool text = false;      // with kEveryone: true for a text frame, false for a binary frame
   Bytes data;
 
-  // Approximate memory in bytes.
+  // Returns the approximate memory of the message in bytes.
   std::size_t size() const { return data.size() + 160; }
 };
 using SharedMessage = std::shared_ptr<const Message>;
@@ -34,9 +35,9 @@ class Inbox {
  public:
   explicit Inbox(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  // Adds a message. Returns false if the queue is full. The message is then dropped. However, for each
-  // channel with `kept`, the newest message still waits in a separate map. An empty queue takes a message of
-  // any length.
+  // Adds a message. Returns false if the queue is full. The message is then dropped. However, the newest
+  // message with `kept` of each channel is not dropped, but waits in a separate map. An empty queue accepts a
+  // message of any length.
   bool put(SharedMessage message);
   // Empties the queue and returns its messages, oldest first.
   std::deque<SharedMessage> take();
@@ -47,7 +48,7 @@ class Inbox {
   mutable std::mutex mutex_;
   std::deque<SharedMessage> queue_;
   std::size_t bytes_ = 0;  // total length of the messages in queue_
-  // Kept messages that are newer than those in queue_.
+  // Messages with `kept` that are newer than all messages in queue_.
   std::map<std::uint32_t, SharedMessage> overflow_;
 };
 

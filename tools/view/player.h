@@ -11,7 +11,7 @@
 namespace kaz::watch {
 
 struct PlayOptions {
-  ViewOptions view;  // view.pace is the initial speed; 0 stands for 1
+  ViewOptions view;  // view.pace is the initial speed; 0 means a speed of 1
   // Called with the address of the page; may be null.
   std::function<void(const std::string&)> on_open;
 };
@@ -20,7 +20,7 @@ struct PlayOptions {
 // says how to record pictures. Names in the recording that are longer than 64 bytes are left out.
 std::string no_pictures_text(const sim::McapRecording& recording);
 
-// Plays until PlayOptions::view.stopped returns true. Returns the errors of open_server() (view.h).
+// Plays until PlayOptions::view.stopped returns true. Fails like open_server() (view.h).
 Result<void> play(const sim::McapRecording& recording, const PlayOptions& options);
 
 }  // namespace kaz::watch

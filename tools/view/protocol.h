@@ -1,4 +1,4 @@
-// Foxglove's WebSocket protocol: parses requests of viewers, and encodes frames for viewers.
+// Foxglove's WebSocket protocol: parses requests from viewers, and encodes frames for viewers.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sources: https://github.com/foxglove/ws-protocol (`foxglove.websocket.v1`), and the protocol of Foxglove's
@@ -56,7 +56,7 @@ struct PlaybackState {
   std::string request;
 };
 
-// Channel on which viewers publish manual actions as JSON, {"do": LINE}. LINE is an action of HandAct
+// Topic on which viewers publish manual actions as JSON, {"do": LINE}. LINE is an action of HandAct
 // (sim/runtime/simulation/hand_player.h), or a request to change the behavior or the pace (view.h).
 inline constexpr std::string_view kHandTopic = "/hand";
 inline constexpr std::size_t kLongestLine = 32 << 10;
@@ -99,8 +99,9 @@ std::string_view chosen_subprotocol(std::string_view offered);
 // has frames with the state of a player.
 bool understands(std::string_view subprotocol, std::uint8_t opcode);
 
-// `capabilities`: names of the SDK's protocol. For the other protocol, capabilities that it lacks are left
-// out, and so are the times of a recording.
+// Returns the message serverInfo. `capabilities`: names in the SDK's protocol. If `subprotocol` is not the
+// SDK's protocol, capabilities that the subprotocol does not have are left out. The times of a recording are
+// then also left out.
 std::string server_info(const std::string& name, const std::string& session,
                         std::string_view subprotocol, std::vector<std::string> capabilities,
                         std::uint64_t start_ns, std::uint64_t end_ns);

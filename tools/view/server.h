@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Threads. The threads of a run publish messages. publish() copies a message into a bounded queue and
-// returns, without waiting for a viewer or the server. The server's own thread does the rest. Only this
-// thread accesses connections, subscriptions, and the log of the newest messages. Each viewer reads the log
-// at the viewer's own pace. A slow viewer misses messages and delays nobody.
+// returns, without waiting for a viewer or the server. The server's own thread sends the messages to viewers.
+// Only the server's thread accesses connections, subscriptions, and the log of the newest messages. Each
+// viewer reads the log at the viewer's own pace. A slow viewer misses messages and delays nobody.
 //
 // Memory. A message is stored once, for any number of viewers. Queue and log are bounded. Each viewer has
 // only a small queue of answers to its own requests. If the viewer does not receive these answers, the server
@@ -34,15 +34,15 @@ struct ServerOptions {
   // Time range of a played recording; end_ns is 0 for a live run.
   std::uint64_t start_ns = 0, end_ns = 0;
   std::size_t most_connections = 64;
-  // Maximum bytes in the queue between publish() and the server's thread.
+  // Maximum total bytes in the queue between publish() and the server's thread.
   std::size_t most_queued = 4 << 20;
-  std::size_t most_logged = 8 << 20;  // maximum bytes in the log
+  std::size_t most_logged = 8 << 20;  // maximum total bytes in the log
 };
 
 class Server {
  public:
-  // Returns Fault::usage if the address is not numeric, Fault::environment if the server cannot listen at the
-  // address.
+  // Starts the server. Returns Fault::usage if the address is not numeric. Returns Fault::environment if the
+  // server cannot listen at the address.
   static Result<std::unique_ptr<Server>> open(ServerOptions options);
   ~Server();
   Server(const Server&) = delete;
@@ -107,7 +107,7 @@ class Server {
 // Returns a new token: 32 random hexadecimal digits.
 std::string make_token();
 
-// Nice value of threads that work for viewers. The run thus has priority over these threads.
+// Nice value of the threads that work for viewers. With this value, the run has priority over these threads.
 inline constexpr int kViewNice = 10;
 
 }  // namespace kaz::watch

@@ -42,7 +42,8 @@ class Channels {
   std::atomic<std::size_t> size_{0};
 };
 
-// Counts a connection during the lifetime of the connection. Use this class on the server's thread only.
+// Increments a count of connections during the lifetime of this object. Use this class on the server's thread
+// only.
 class Counted {
  public:
   explicit Counted(std::size_t& count) : count_(count) { ++count_; }
@@ -95,7 +96,7 @@ struct Server::Impl {
   std::uint64_t log_begin = 0, taken = 0;
   std::size_t log_bytes = 0;
   std::array<Kept, kMostChannels> newest;  // newest message of each channel
-  SharedMessage newest_for_everyone;       // newest state of the player
+  SharedMessage newest_for_everyone;       // message with the newest state of the player
   std::set<Viewer*> viewers;
   std::size_t connections = 0;
 
@@ -103,7 +104,8 @@ struct Server::Impl {
   // destroyed first.
   boost::asio::io_context io{1};
   boost::asio::ip::tcp::acceptor acceptor{io};
-  boost::asio::steady_timer next_accept{io};  // next attempt after a failure to accept a connection
+  // Timer for the next attempt after a connection could not be accepted.
+  boost::asio::steady_timer next_accept{io};
   boost::asio::steady_timer next_take{io};
   std::thread thread;
 

@@ -11,8 +11,8 @@
 namespace kaz::watch {
 
 // Returns files by path: "/textures/NAME.png" for each name in sim::kTextureNames, and "/textures.json". The
-// JSON file contains {NAME: length of one period on a surface, m}. Row 0 of a picture is at v = 0 on the
-// surface. Each call returns the same bytes.
+// JSON file contains {NAME: LENGTH}. LENGTH is the length in m of one period of the texture on a surface. Row
+// 0 of a texture's picture is at the texture coordinate v = 0. Each call returns the same bytes.
 Result<std::map<std::string, ServedFile>> texture_files();
 
 }  // namespace kaz::watch

@@ -45,7 +45,7 @@ struct ViewOptions {
   // in the air; the world's joints move this robot.
   bool joints_only = false;
   std::string source = "simulation";  // "simulation" or "robot"; a parameter that viewers can read
-  // All waits end if this function returns true.
+  // All waits of the view end if `stopped` returns true.
   std::function<bool()> stopped = [] { return false; };
 };
 
@@ -56,8 +56,8 @@ struct Where {
 // Parses ADDRESS:PORT or PORT. Empty text gives the default. Returns Fault::usage for other text.
 Result<Where> parse_where(const std::string& text);
 
-// Returns whether a message is valid until the next message of its kind: maps, scene, poses, phases. Later
-// viewers need such messages, too.
+// Returns whether a message stays valid until the next message of the same kind: maps, scene, poses, phases.
+// Viewers that connect later also need these messages.
 bool lasts(std::string_view topic, std::span<const std::uint8_t> data);
 
 // Opens a server with the files of the page, the robot's file and the robot's meshes. `start_ns` and `end_ns`
@@ -77,11 +77,12 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   // Returns the address of the page, including the token.
   const std::string& url() const { return url_; }
   Server& server() { return *server_; }
-  // Publishes a pair. Any thread may call this function. A separate thread encodes pictures; if this thread
-  // falls behind, the oldest pictures are dropped.
+  // Publishes a pair. Any thread may call this function. A separate thread encodes pictures. If the encoding
+  // thread falls behind, the oldest pictures are dropped.
   void picture(const vision::StereoPair& pair);
   bool wants_pictures() const { return feed_.wants_pictures(); }
-  // Derived pictures, as in Feed. `draw` runs on the encoding thread.
+  // The next three functions publish derived pictures, like the functions of Feed with the same names. `draw`
+  // runs on the encoding thread.
   std::uint32_t add_pictures(const std::string& topic) { return feed_.add_pictures(topic); }
   bool wants_picture(std::uint32_t channel, const vision::FrameInfo& info) {
     return feed_.wants_picture(channel, info);
@@ -110,9 +111,9 @@ class View final : public sim::RecordingTap, public sim::HandSource {
 
  private:
   // Processes a viewer's line, on the server's thread. The line is an action of HandAct, or a request to the
-  // behavior (`target`, `play`, `stop`, `end`: pose.cpp). Other lines set the pace, which does not change the
-  // results of the run: `pause`, `go`, `step SECONDS` (runs for this time and then pauses), and `pace TIMES`
-  // (0: no limit).
+  // behavior (`target`, `play`, `stop`, `end`: pose.cpp). The remaining lines set the pace: `pause`, `go`,
+  // `step SECONDS` (runs for this time and then pauses), and `pace TIMES` (0: no limit). The pace does not
+  // change the results of the run.
   Result<void> hear(const std::string& line);
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
   void keep_pace(Time time);
@@ -143,7 +144,7 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   std::deque<std::string> requests_;            // requests for the behavior
   bool paused_ = false;
   std::optional<double> step_s_;  // requested step that has not begun yet
-  std::optional<Time> pause_at_;  // time of the run
+  std::optional<Time> pause_at_;  // time of the run at which the run pauses
   double pace_ = 0, kept_pace_ = 0;
   bool ended_ = false;
   std::thread coder_;

@@ -17,7 +17,7 @@
 namespace kaz::watch {
 
 // Use this class on the server's thread only. A viewer sends one frame at a time. The next frame is chosen
-// only after the previous frame was sent. Only the answers to the viewer's own requests are therefore queued.
+// only after the previous frame was sent. Therefore only answers to the viewer's own requests are queued.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
   // `answer`: result of answer_to() with status 101.
@@ -39,7 +39,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     std::uint32_t id = 0;
     std::uint64_t from = 0;  // number of the first log message to send
   };
-  // `rest` points into memory of `owner` or of the server's options.
+  // A frame to send: `head`, followed by `rest`. `rest` points into memory of `owner` or of the server's
+  // options.
   struct Frame {
     bool text = false;
     Bytes head;
@@ -79,7 +80,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   int wrong_requests_ = 0;
   // Numbers of the viewer's channels on kHandTopic, chosen by the viewer.
   std::set<std::uint32_t> own_channels_;
-  std::map<std::uint32_t, Subscribed> subscriptions_;  // by channel
+  std::map<std::uint32_t, Subscribed> subscriptions_;  // key: number of the channel
 
   bool here_ = false, reading_ = false, writing_ = false;
   Frame frame_;                  // frame being sent

@@ -1,9 +1,9 @@
 // Calibration of the two eyes: lenses, rotations of the cameras, and the camera model after rectification.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The conventions are those of OpenCV: pinhole, Brown-Conrady distortion, rectification by a rotation of each
-// camera. The coefficients of the distortion (Brown 1966) have the order k1 k2 p1 p2 k3. Pixel centers at
-// integers.
+// The conventions are the same as in OpenCV: pinhole model, Brown-Conrady distortion, rectification by a
+// rotation of each camera. The coefficients of the distortion (Brown 1966) have the order k1 k2 p1 p2 k3.
+// Pixel centers at integers.
 #pragma once
 
 #include <array>
@@ -23,8 +23,9 @@ struct Lens {
 
   Eigen::Vector2d distort(const Eigen::Vector2d& direction) const;
   Eigen::Vector2d pixel(const Eigen::Vector2d& direction) const;
-  // Inverse of pixel(), by Newton's method to 1e-12. Valid where distortion is monotonic in the angle. For
-  // the lenses of this project, distortion is monotonic in the whole picture.
+  // Inverse of pixel(), computed by Newton's method with an accuracy of 1e-12. Valid only where the distorted
+  // radius increases with the angle from the lens axis. With the lenses of this project, the whole picture is
+  // valid.
   Eigen::Vector2d direction(const Eigen::Vector2d& pixel) const;
 };
 
@@ -38,7 +39,8 @@ struct StereoCalibration {
   // Camera model of both eyes; baseline along +x of the rectified left frame.
   CameraModel rectified;
 
-  // Transform from the left camera's frame to the right one's (m), as cv::stereoCalibrate returns it.
+  // Rotation R and translation T (m) from the left camera's frame to the right camera's frame, as
+  // cv::stereoCalibrate returns them.
   Eigen::Matrix3d right_from_left() const;
   Eigen::Vector3d left_origin_in_right() const;
   // Returns the calibration as YAML of cv::FileStorage, which OpenCV's tools can read. calibration_file.h

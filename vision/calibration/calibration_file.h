@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Keys: image_width, image_height, camera_matrix_left, distortion_coefficients_left (and _right). R and T are
-// the transform from the left to the right camera (m), as cv::stereoCalibrate returns it. R1, R2, P1, P2 and
-// Q are the rectification. The short names M1, D1, M2 and D2 of OpenCV's stereo sample are also accepted. A
-// file without R1, R2, P1 and P2 is rectified with cv::stereoRectify (CALIB_ZERO_DISPARITY, alpha 0: hardly
-// any black edges).
+// rotation and translation (m) from the left to the right camera, as cv::stereoCalibrate returns them. R1,
+// R2, P1, P2 and Q describe the rectification. The short names M1, D1, M2 and D2 of OpenCV's stereo sample
+// are also accepted. If a file has no R1, R2, P1 and P2, the rectification is computed with
+// cv::stereoRectify. The options are CALIB_ZERO_DISPARITY and alpha = 0, which gives hardly any black edges.
 #pragma once
 
 #include <string>
@@ -27,18 +27,19 @@ Result<StereoCalibration> read_calibration(const std::string& path);
 Result<StereoCalibration> parse_calibration(const std::string& content, const std::string& name);
 
 enum class CalibrationFormat { yaml, json };
-// Returns the format for the ending of a file name: .yml, .yaml or .json. Error: any other ending.
+// Returns the format that the ending of a file name stands for: .yml, .yaml or .json. Any other ending is an
+// error.
 Result<CalibrationFormat> calibration_format(const std::string& path);
 
 // Returns the content of a calibration file, with 17 digits per number. `notes` are additional keys and
-// numbers, for example on how the calibration was made. `date` is written as calibration_time, a key of
+// numbers, for example about how the calibration was made. `date` is written as calibration_time, a key of
 // OpenCV's calibration sample. If `date` is empty, the key is left out.
 std::string calibration_text(const StereoCalibration& calibration, CalibrationFormat format,
                              const std::vector<std::pair<std::string, double>>& notes = {},
                              const std::string& date = "");
 
-// Computes rectified_from_camera and `rectified` from the lenses and the transform from the left camera to
-// the right one, x_right = R x_left + T (m). Errors: the eyes are at the same position, above each other or
+// Computes rectified_from_camera and `rectified` from the lenses and from the transform from the left to the
+// right camera, x_right = R x_left + T (m). Errors: the eyes are at the same position, above each other or
 // exchanged; the lenses cannot be rectified.
 Result<void> rectify_pair(StereoCalibration& calibration, const Eigen::Matrix3d& right_from_left,
                           const Eigen::Vector3d& left_origin_in_right);

@@ -1,10 +1,10 @@
-// Scans keys and numbers of a calibration file, in the YAML or JSON that cv::FileStorage writes. Internal to
-// vision/.
+// Scans a calibration file for keys and numbers. The file is YAML or JSON as written by cv::FileStorage.
+// Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 //
-// OpenCV 4.6's parser crashes on some damaged files, so this file has a separate scanner. The scanner ignores
-// nesting. A matrix is a key and numbers within brackets. The matrix keywords (rows, cols, dt, data) may be
-// between key and numbers.
+// OpenCV 4.6's parser crashes on some damaged files, so calibration files are read with this scanner. The
+// scanner ignores nesting. A matrix consists of a key and numbers within brackets. The matrix keywords (rows,
+// cols, dt, data) may be between key and numbers.
 #pragma once
 
 #include <map>
@@ -15,10 +15,10 @@
 namespace kaz::vision {
 
 struct CalibrationEntry {
-  std::vector<std::string_view> values;  // one value if scalar
-  // Size of the matrix as text; empty: the file does not state the size.
+  std::vector<std::string_view> values;  // a scalar has one value
+  // Size of the matrix, as text. Empty if the file does not state the size.
   std::string_view rows, cols;
-  bool list = false;   // values within brackets
+  bool list = false;   // true: the values are within brackets
   bool closed = true;  // false: the file ends within the list
   int times = 0;       // number of occurrences of the key
 };

@@ -10,12 +10,12 @@ namespace kaz::vision {
 // Returns the table that maps the raw picture of one eye to the picture of a pinhole camera.
 Remap rectification(const StereoCalibration& calibration, const StereoCalibration::Eye& eye);
 
-// Rectifies stereo pairs by one calibration. Used in place of cv::initUndistortRectifyMap and cv::remap.
+// Rectifies stereo pairs with one calibration. Replaces cv::initUndistortRectifyMap and cv::remap.
 class Rectifier {
  public:
   explicit Rectifier(const StereoCalibration& calibration);
-  // Both raw pictures must have the size of the calibration; this is not checked. `rectified` must be another
-  // object than `raw`.
+  // Both raw pictures must have the size of the calibration; the function does not check the size.
+  // `rectified` must be another object than `raw`.
   void rectify(const StereoImages& raw, StereoImages& rectified) const;
 
  private:

@@ -1,8 +1,8 @@
-// Warps pictures by a table: each pixel is read from a position of a source picture and scaled.
+// Warps pictures by a table: each pixel is read from a position of a source picture and multiplied by a gain.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Interpolation is bilinear in 8-bit codes, with fractions of 1/128 pixel. All arithmetic is on integers, so
-// the bytes are the same on every machine, with and without vectors.
+// Interpolation is bilinear in 8-bit codes, with fractions of 1/128 pixel. All arithmetic is done with
+// integers, so the results are the same on every machine, with and without vectors.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace kaz::vision {
 
 class Remap {
  public:
-  // Source position of a pixel (px), and the factor on its code (0 to 1). Positions more than half a pixel
-  // outside the source give black.
+  // Source position (px) of a pixel of the result, and gain by which the code is multiplied (0 to 1).
+  // Positions more than half a pixel outside the source give black.
   struct Place {
     double u = 0, v = 0, gain = 1;
   };
@@ -28,22 +28,22 @@ class Remap {
   struct Columns {
     int first = 0, end = 0;
   };
-  // Calls `place` for each pixel of the result. The source must have at least 2 pixels a side.
+  // Calls `place` for each pixel of the result. The source must be at least 2 pixels wide and high.
   Remap(Size size, Size source, const std::function<Place(int u, int v)>& place);
 
   Size size() const { return size_; }
   Size source() const { return source_; }
 
   std::vector<Columns> all_rows() const;
-  // Returns, for each row of the source, the range of columns that is read to compute the columns `wanted` of
-  // each row of the result.
+  // Returns the range of columns of each source row that is needed to compute the columns `wanted` of the
+  // result. `wanted` has one entry per row of the result.
   std::vector<Columns> sources(std::span<const Columns> wanted) const;
 
-  // Computes columns of row `v` in 64ths of a code, three numbers per column. `out` points to the numbers of
-  // column 0. One number after the last column is also overwritten.
+  // Computes `columns` of row `v` of the result, in units of 1/64 code, three numbers per column. `out`
+  // points to the numbers of column 0. One number after the last column is also overwritten.
   void row(std::span<const std::uint8_t> source_rgb, int v, Columns columns,
            std::uint16_t* out) const;
-  // Like row(), but without SIMD, for other processors and for tests.
+  // Like row(), but without SIMD. For processors without SIMD and for tests.
   void row_plain(std::span<const std::uint8_t> source_rgb, int v, Columns columns,
                  std::uint16_t* out) const;
   // Computes the whole picture with rounded codes. Resizes `rgb`, which must not be the source.
@@ -59,14 +59,13 @@ class Remap {
   const Tap* taps_of(int v) const {
     return taps_.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(size_.width);
   }
-  // Only for rows that do not use the last pixel of the source. `columns` must not be empty.
+  // The row must not use the last pixel of the source, and `columns` must not be empty.
   void row_sse2(const std::uint8_t* source_rgb, int v, Columns columns, std::uint16_t* out) const;
   void row_avx2(const std::uint8_t* source_rgb, int v, Columns columns, std::uint16_t* out) const;
 
   Size size_, source_;
   std::vector<Tap> taps_;
-  // 1 for rows that use the last pixel of the source, where vector loads would read beyond the end of the
-  // source.
+  // By row: 1 if the row uses the last pixel of the source. Vector loads would read beyond this last pixel.
   std::vector<std::uint8_t> at_end_;
 };
 

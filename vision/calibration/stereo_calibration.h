@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Method: Zhang (2000) as implemented by OpenCV, with subpixel corners. First, each lens is calibrated from
-// all pictures in which its eye sees the whole board. Then both lenses and the transform between them are
+// all pictures in which the whole board is visible. Then both lenses and the transform between the eyes are
 // fitted together by least squares of the reprojection error. Pixel centers at integers.
 #pragma once
 
@@ -30,30 +30,32 @@ inline constexpr int kLeastPairs = 5;
 using Corners = std::vector<Eigen::Vector2d>;
 Corners find_board(const Image& image, const Board& board);
 // Searches the image for a larger board that contains the detected `board` and has up to four more columns
-// and rows. Returns the largest one found. The detected part of a larger board may differ from eye to eye.
+// and rows. Returns the largest board found. Without this search, the two eyes may detect different parts of
+// the same larger board.
 Board largest_board(const Image& image, Board board);
 
 struct BoardPair {
-  Corners left, right;  // either may be empty
+  Corners left, right;  // empty if the eye does not see the board
 };
 
 struct EyeQuality {
   int pictures = 0;
-  double rms_px = 0;  // reprojection error of this eye alone
+  double rms_px = 0;  // rms reprojection error if this eye is calibrated alone
   // Standard deviation of fx, from the curvature of the least-squares cost.
   double focal_sigma_px = 0;
   struct Point {
     Eigen::Vector2d at, residual;  // px; residual: measured minus projected
   };
   std::vector<Point> points;
-  double covered = 0;  // share of the picture's 8 x 6 cells that contain a corner
+  double covered = 0;  // share of cells with a corner, of 8 x 6 cells of the picture
 };
 
 struct PairQuality {
-  // True if both eyes see the board; if false, the other members are 0.
+  // True if both eyes see the board. If `used` is false, all other members are 0.
   bool used = false;
-  double left_rms_px = 0, right_rms_px = 0;  // reprojection error of both eyes together
-  // Difference (rms) of the rows of a corner in the rectified pictures.
+  // Rms reprojection errors in this pair, after the fit of both eyes together.
+  double left_rms_px = 0, right_rms_px = 0;
+  // Rms difference between the rows of the same corner in the rectified left and right pictures.
   double row_rms_px = 0;
 };
 
@@ -62,13 +64,13 @@ struct StereoResult {
   EyeQuality left, right;
   std::vector<PairQuality> pairs;  // one entry per given pair
   int pairs_used = 0;
-  double rms_px = 0;      // reprojection error of both eyes together
-  double row_rms_px = 0;  // rms row difference over all pairs
+  double rms_px = 0;      // rms reprojection error after the fit of both eyes together
+  double row_rms_px = 0;  // rms of the row differences of all pairs
 };
 
-// Calibrates from pictures of `width` x `height`. Errors: fewer than kLeastPairs pairs in which both eyes see
-// the board, fewer than 3 x 3 inner corners, or a failed fit. Another error: the number of corners does not
-// match the board.
+// Calibrates from pictures of `width` x `height`. Returns an error if both eyes see the board in fewer than
+// kLeastPairs pairs. Other errors: the board has fewer than 3 x 3 inner corners; the number of corners in a
+// pair does not match the board; the fit fails.
 Result<StereoResult> calibrate_stereo(std::span<const BoardPair> pairs, const Board& board,
                                       int width, int height);
 

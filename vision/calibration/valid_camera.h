@@ -8,8 +8,8 @@
 
 namespace kaz::vision {
 
-// Use for models from files, sockets and recordings. The numbers of a valid model are finite, and so small
-// that computations with these numbers stay finite.
+// Returns whether a camera model from a file, socket or recording is plausible. All numbers of a plausible
+// model are finite, and small enough that the results of computations with the model are also finite.
 inline bool valid_camera(const CameraModel& c) {
   constexpr int kMaxSide = 16384;
   constexpr double kMaxFocal = 1e6, kMaxBaseline_m = 10;

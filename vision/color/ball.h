@@ -1,11 +1,11 @@
-// Finds a ball of known radius and color in one picture: direction and distance.
+// Finds a ball of known radius and color in one picture, and computes direction and distance of the ball.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The rays to the outline of a ball form a circular cone, but the outline in the picture is an ellipse. Unit
-// rays r to the outline satisfy n . r = cos(alpha), with the axis n and the half angle alpha. A least-squares
-// fit of n and alpha (three numbers) is exact in perspective. The fit needs only part of the outline, so a
-// ball that is cut off at the edge of the picture can also be measured. The distance to the center is radius
-// / sin(alpha).
+// rays r to the outline satisfy n . r = cos(alpha), where n is the axis and alpha the half angle of the cone.
+// A least-squares fit of n and alpha (three numbers) is exact in perspective. The fit needs only part of the
+// outline, so a ball that is cut off at the edge of the picture can also be measured. The distance to the
+// center of the ball is radius / sin(alpha).
 #pragma once
 
 #include <optional>
@@ -20,32 +20,32 @@ namespace kaz::vision {
 struct BallOptions {
   double radius_m = 0.020;
   ColorRange color = ColorRange::red_ball();
-  int min_area = 12;  // pixels; smaller regions are noise
+  int min_area = 12;  // minimum number of pixels; smaller regions are noise
   // Balls with less confidence are not reported. The default was chosen on test pictures of whole, cut off
-  // and half hidden balls among red and orange clutter (docs/explanation/vision.md). The number of missed,
-  // wrong and false detections was measured for each threshold. The default is the highest threshold with a
-  // number within one standard error of the minimum.
+  // and half hidden balls among red and orange clutter (docs/explanation/vision.md). For each threshold, the
+  // missed, wrong and false detections were counted. The default is the highest threshold whose count is
+  // within one standard error of the lowest count.
   double min_confidence = 0.68;
 };
 
 struct BallObservation {
-  FrameInfo info;      // picture in which it was detected
+  FrameInfo info;      // frame information of the searched picture
   bool found = false;  // if false, the members below are undefined, except `error`
   // Projection of the ball's center, px; not the middle of the ellipse.
   double center_u = 0, center_v = 0;
-  double radius_px = 0;  // px, geometric mean of the half axes of the outline
+  double radius_px = 0;  // geometric mean of the outline's half axes, px
   // Unit vector to the ball's center, optical frame.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
-  double distance_m = 0;  // lens to center
-  // 0 to 1: geometric mean of three factors.
+  double distance_m = 0;  // distance from the lens to the ball's center
+  // Confidence of the detection, 0 to 1: geometric mean of three factors.
   // - The share of the region's outline that lies on the cone.
   // - The ratio of the region's area to the area of the cone in the picture.
-  // - How well the cone explains the mixed colors along the edge (EdgeFit::explained in ball_edge.h; 0.25
-  //   without a fit).
-  // The confidence is reduced if less than a third of the circumference is visible. It is also reduced if
-  // motion blur exceeds a sixth of the radius, because the distance is then uncertain.
+  // - The quality of the fit to the mixed colors along the edge: EdgeFit::explained (ball_edge.h), or 0.25
+  //   without a fit.
+  // The confidence is reduced if less than a third of the circumference is visible. The confidence is also
+  // reduced if motion blur exceeds a sixth of the radius, because the distance is then uncertain.
   double confidence = 0;
-  // Set, with `found` false, if the picture could not be searched: camera gone, no pixels, wrong size.
+  // Set if the picture could not be searched: camera gone, no pixels, wrong size. `found` is then false.
   std::optional<Error> error;
 
   Eigen::Vector3d position() const { return direction * distance_m; }  // m, optical frame
@@ -56,10 +56,10 @@ class BallDetector {
   explicit BallDetector(const BallOptions& options)
       : options_(options), extractor_(options.color) {}
 
-  // Searches one picture and copies `info` into the result. The candidate with the highest confidence wins.
-  // If the posture is known, candidates whose size fits a ball on the floor are preferred to all others. The
-  // result has an error if the image is empty, its size differs from the camera model, or a focal length is
-  // not positive.
+  // Searches one picture and copies `info` into the result. The result is the candidate with the highest
+  // confidence. If the posture is known, candidates whose size fits a ball on the floor are preferred to all
+  // other candidates. The result has an error if the image is empty or has another size than the camera
+  // model, or a focal length is not positive.
   BallObservation detect(const Image& image, const FrameInfo& info);
 
   // Returns the color mask of the last detect(), for display.

@@ -1,17 +1,18 @@
-// Subpixel fit of a ball's viewing cone to the mixed pixels along its edge.
+// Fits a ball's viewing cone with subpixel precision to the mixed pixels along the ball's edge.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Mixing model: a pixel of the edge has the color c = s k b + (1 - s) g. Here s is the coverage: the share of
-// the pixel that the ball covers. The ball's color nearby is b, its local shading factor k, and the
-// background color g. The component of c orthogonal to b does not depend on k. With n = g - (g . b / b . b)
-// b, the coverage is s = 1 - n . c / n . g. So shading towards the rim does not bias the edge, as it would
-// with a threshold on brightness. If the background has the ball's hue or is dark, n = g - b is used.
+// the pixel that the ball covers. The ball's color near the pixel is b, the ball's shading factor at the
+// pixel is k, and the background color is g. The component of c orthogonal to b does not depend on k. With n
+// = g - (g . b / b . b) b, the coverage is s = 1 - n . c / n . g. So shading towards the rim does not bias
+// the edge. With a threshold on brightness, shading would bias the edge. If the background has the ball's hue
+// or is dark, n = g - b is used.
 //
 // Edge model: a disk of radius R is blurred by a Gaussian of standard deviation sigma. At the distance r from
 // the center, the coverage is approximately Phi((p - r) / sigma), where Phi is the cumulative normal
 // distribution. The blur does not change the disk's area, which gives p^2 = R^2 - sigma^2. The fit determines
-// p, sigma and the center from all pixels along the outline of the cone in the image. The blur matters: for a
-// ball of 2.5 px radius, p is a tenth less than R.
+// p, sigma and the center from all pixels along the outline of the cone in the image. Blur is important for
+// small balls: for a radius R of 2.5 px, p is a tenth less than R.
 //
 // Units: px in the image, rad for the cone. Frame: optical, rays with z = 1.
 #pragma once
@@ -24,7 +25,8 @@
 
 namespace kaz::vision {
 
-// Set of the sectors of 22.5 degrees around a cone's axis in which the edge is visible.
+// The circle around a cone's axis is divided into sectors of 22.5 degrees. An EdgeSectors value is the set of
+// sectors in which the edge is visible.
 inline constexpr std::size_t kEdgeSectors = 16;
 using EdgeSectors = std::bitset<kEdgeSectors>;
 
@@ -46,9 +48,9 @@ struct EdgeFit {
 };
 
 // Fits the cone, starting at `cone`, which must be accurate to about a pixel. Uses only pixels in the sectors
-// `seen`. Returns nullopt if contrast or the number of pixels is too small. Also returns nullopt if the fit
-// moves the edge by more than about a third of the radius (at least 1.2 px). The initial cone is then the
-// better estimate.
+// `seen`. Returns nullopt if the contrast is too low, or the number of pixels too small. Also returns nullopt
+// if the fit moves the edge by more than about a third of the radius (or 1.2 px, if this is more). `cone` is
+// then the better estimate.
 std::optional<EdgeFit> fit_edge(const Image& image, const CameraModel& camera, const Cone& cone,
                                 const EdgeSectors& seen);
 

@@ -1,4 +1,4 @@
-// Tracks the ball: position and velocity from observations that arrive late and in any order.
+// Tracks position and velocity of the ball from observations, which may arrive late and in any order.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A Kalman filter estimates position and velocity in a fixed frame (foot, or the trunk of a standing robot),
@@ -9,10 +9,11 @@
 // 2023). A ball on the floor stays on the floor and slows down.
 //
 // The position errors of an observation at distance D follow from the errors of the outline. Across the ray,
-// the errors s_c of the center (px) and s_p of the posture (rad) cause the position error D sqrt((s_c / f)^2
-// + s_p^2). Along the ray, the error s_r of the radius (px) causes the position error D^2 s_r / (f r),
-// because radius_px = f r / D. Here f is the focal length (px) and r the ball's radius (m). So the direction
-// is accurate, and the error of the distance grows with the square of the distance. Units: m, s, px, rad.
+// the errors s_c of the center (px) and s_p of the posture (rad) cause the position error
+// D sqrt((s_c / f)^2 + s_p^2). Along the ray, the error s_r of the radius (px) causes the position error
+// D^2 s_r / (f r), because radius_px = f r / D. Here f is the focal length (px) and r the ball's radius (m).
+// So the direction is accurate, and the error of the distance grows with the square of the distance. Units:
+// m, s, px, rad.
 #pragma once
 
 #include <deque>
@@ -31,15 +32,16 @@ struct BallTrackOptions {
   double centre_error_px = 0.3, radius_error_px = 0.2;  // standard deviations
   double posture_error_rad = 0.003;
   // Power density of the unmodeled acceleration (process noise), m^2/s^3. With 0.5, the track follows a ball
-  // that a hand moves back and forth, reversing within 50 ms. For a free ball, a tenth of this value is
+  // that a hand moves back and forth with reversals within 50 ms. For a free ball, a tenth of this value is
   // enough.
   double acceleration_psd = 0.5;
   double initial_speed_m_s = 1;  // standard deviation of the speed before the second observation
   double gate = 8;               // Mahalanobis distance above which an observation is an outlier
   Time lost_after = std::chrono::milliseconds(500);
-  // If an observation is older than the newest observation by more than this time, the clock was set back.
+  // Maximum difference between the exposures of the newest observation and of a late observation. A larger
+  // difference means that the clock was set back.
   Time latest_late = std::chrono::seconds(1);
-  std::optional<double> floor_m;  // height of the floor; without it, gravity is not modeled
+  std::optional<double> floor_m;  // height of the floor; nullopt: gravity is not modeled
   double restitution = 0.6;
   double rolling_m_s2 = 0.1;  // deceleration of a rolling ball
 };
@@ -62,11 +64,11 @@ Eigen::Matrix3d ball_covariance(const Eigen::Vector3d& in_eye, double focal_px,
 class BallTrack {
  public:
   enum class Taken {
-    started,    // first observation, or first observation after the ball was lost
-    used,       // used; newest observation of the track
-    late,       // inserted by exposure time; the observations after it were processed again
+    started,    // used as the first observation, or as the first after the ball was lost
+    used,       // used as the newest observation of the track
+    late,       // used, but not the newest; all newer observations were processed again
     restarted,  // the ball jumped: two consistent outliers started a new track
-    // Far older than the newest observation: the clock was set back and a new track started.
+    // Used to start a new track: far older than the newest observation, so the clock was set back.
     new_clock,
     outlier,  // not used
     refused,  // not used: no ball, not finite, repeated, or older than the history of the track
@@ -112,7 +114,7 @@ class BallTrack {
   const Entry& before(Time t) const;
 
   BallTrackOptions options_;
-  std::deque<Entry> history_;  // observations of this track by exposure time
+  std::deque<Entry> history_;  // observations of this track, sorted by exposure time
   std::optional<Entry> outlier_;
   int gaps_ = 0;
 };

@@ -1,4 +1,4 @@
-// Color extraction: selects the pixels of a given hue, independent of their brightness.
+// Color extraction: selects the pixels of a given hue, independent of the brightness.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Source: paper, section 2.2: "RGB values of a simulated view image are converted to YIQ values to extract
@@ -25,17 +25,19 @@ struct Yiq {
 };
 Yiq yiq_from_rgb(double r, double g, double b);
 
-// A pixel is selected if it meets all of these bounds. The defaults select every pixel.
+// Bounds of a color. A pixel is selected if its color meets all bounds. The default bounds select every
+// pixel.
 struct ColorRange {
   double y_min = 0, y_max = 255;
   double i_min = -153, i_max = 153;
   double q_min = -134, q_max = 134;
-  // Range of hue, a wedge in the IQ plane, rad; hue_min < hue_max < hue_min + pi. If both are 0, hue is not
-  // checked.
+  // Range of hue, a wedge in the IQ plane, rad; hue_min < hue_max < hue_min + pi. If hue_min and hue_max are
+  // both 0, hue is not checked.
   double hue_min = 0, hue_max = 0;
-  // Lower bound of the saturation, the ratio chroma / lightness: 0 for gray, 2.1 for pure red. Only used
-  // together with a range of hue. As chroma, the component of (I, Q) along the middle of the wedge is used.
-  // This component is smaller than hypot(I, Q) by a share of up to 1 - cos(half the width of the wedge).
+  // Lower bound of the saturation, the ratio chroma / lightness: 0 for gray, 2.1 for pure red. The bound is
+  // only used together with a range of hue. As chroma, the component of (I, Q) along the middle of the wedge
+  // is used. This component is smaller than hypot(I, Q) by a share of up to 1 - cos(half the width of the
+  // wedge).
   double saturation_min = 0;
 
   // Returns the range of the red ball: hue within 14 degrees of pure red (19.5 degrees), vivid, not almost
@@ -56,8 +58,8 @@ class ColorExtractor {
 
   // Writes the mask of an image; an empty image gives an empty mask. Reuses the memory of `mask`.
   void extract(const Image& image, Mask& mask) const;
-  // Like extract() above. If `vectors` is false, the CPU's wide vectors are not used; a test compares both
-  // results.
+  // Like extract() above. If `vectors` is false, the CPU's wide vectors are not used. A test compares the
+  // masks with and without vectors.
   void extract(const Image& image, Mask& mask, bool vectors) const;
   bool contains(std::uint8_t r, std::uint8_t g, std::uint8_t b) const;
   std::span<const HalfSpace> half_spaces() const { return {half_spaces_.data(), count_}; }

@@ -22,11 +22,12 @@ struct LearnedColor {
   bool too_common() const { return outside > kLargestObject; }
 };
 
-// Learns from a region that should lie within the object. At least half of its pixels must have one hue
-// (within 0.6 rad of the mean direction of chroma). The hue range covers 98 % of the pixels with this hue,
-// plus 0.06 rad on each side for the noise of other pictures. The minimum saturation is 0.8 of the value that
-// 98 % of these pixels exceed. The minimum lightness is 0.5 of the value that 98 % exceed. The factors
-// include the shaded side. Error: a gray object, which has no hue.
+// Learns the color of an object from a region that should lie within the object. At least half of the
+// region's pixels must have the same hue (within 0.6 rad of the mean direction of chroma). The learned range
+// of hue covers 98 % of the pixels with this hue, plus 0.06 rad on each side for the noise of other pictures.
+// The minimum saturation is 0.8 times the saturation that 98 % of these pixels exceed. The minimum lightness
+// is 0.5 times the lightness that 98 % of these pixels exceed. With the factors 0.8 and 0.5, the range
+// includes the shaded side of the object. Error: a gray object, which has no hue.
 Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region);
 
 }  // namespace kaz::vision

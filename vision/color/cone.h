@@ -1,4 +1,4 @@
-// Fits a cone to rays by least squares. The rays to the outline of a sphere form a cone.
+// Fits a cone to rays by least squares. For example, the rays to the outline of a sphere form a cone.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,15 +10,15 @@
 namespace kaz::vision {
 
 struct Cone {
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  // unit
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  // unit vector
   double half_angle = 0;                            // rad
 };
 
-// Fits a cone to rays. The initial cone goes through three of the rays. Several such cones are tried, and the
-// one with the smallest median distance to all rays is used. Then Gauss-Newton minimizes the angles between
-// rays and cone, with Tukey's weights. A ray has no weight if its angle exceeds about five times the spread
-// of the angles (at least `noise_rad`). Returns nullopt if the rays do not determine a cone with a half angle
-// of 0.05 to 85 degrees.
+// Fits a cone to rays. The initial cone goes through three of the rays. Several initial cones are tried, and
+// the cone with the smallest median distance to all rays is used. Then Gauss-Newton minimizes the angles
+// between rays and cone, with Tukey's weights. A ray has weight 0 if the angle between ray and cone exceeds
+// about five times the spread of these angles. The spread is taken as at least `noise_rad`. Returns nullopt
+// if the rays do not determine a cone with a half angle of 0.05 to 85 degrees.
 std::optional<Cone> fit_cone(std::span<const Eigen::Vector3d> unit_rays, double noise_rad);
 
 // Returns the angle (rad) by which a ray lies outside the cone; negative inside.

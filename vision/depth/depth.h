@@ -1,21 +1,23 @@
-// Depth from a rectified stereo pair: disparity, depth, and points in the optical and the foot frame.
+// Computes depth from a rectified stereo pair: disparity, depth, and points in the optical or the foot frame.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Block matching on pictures filtered by a horizontal derivative, so that differences of exposure and shading
-// cancel out (K. Konolige, "Small vision systems", ISRR 1997). A match is accepted only if it passes three
-// tests.
-// - The block has enough texture (`min_texture`), and not only edges along the rows (depth_aperture.h).
-// - The cost of every other disparity, except the two neighboring ones, is higher by at least
+// The method is block matching (K. Konolige, "Small vision systems", ISRR 1997). The pictures are first
+// filtered by a horizontal derivative, so that differences of exposure and shading cancel out. A match is
+// accepted only if it passes three tests.
+// - The block has enough texture (`min_texture`), and not all edges in the block run along the rows
+//   (depth_aperture.h).
+// - The costs of all other disparities, except the two neighboring disparities, are higher by at least
 //   `uniqueness_percent`.
 // - Matching the right picture against the left picture finds the same match (left-right check).
-// Other pixels have no depth. The costs of the neighboring disparities give the subpixel part.
+// Pixels without an accepted match have no depth. The subpixel part of a disparity is computed from the costs
+// of the two neighboring disparities.
 //
 // Extension for slanted surfaces: a block of a slanted surface, such as the floor, contains several
 // disparities. Matching returns the disparity of the strongest edges, wherever these edges are in the block.
 // Therefore the largest slanted planes are fitted to the disparities (depth_slants.h). For each plane, the
-// right picture is warped so that the plane becomes fronto-parallel, and is matched again. A new match within
-// 1 px of the plane replaces the first match if the new cost is at most 25 % higher (kMaxCost_percent,
-// depth_rows.h). This extension does not need the posture.
+// right picture is warped so that the plane becomes fronto-parallel. The left picture is then matched with
+// the warped picture. A new match within 1 px of the plane replaces the first match if the new cost is at
+// most 25 % higher (kMaxCost_percent, depth_rows.h). This extension does not need the posture.
 //
 // A point at depth z appears d = fx baseline / z pixels further left in the right picture. Frames: optical (x
 // right, y down, z forward, origin at the left lens) and foot, as in frame.h. Units: m, px.
@@ -40,12 +42,13 @@ struct DepthOptions {
   double nearest_m = 0.14;
   int block_px = 15;  // side of the compared blocks; odd, 5..21
   // Minimum sum of the absolute codes of the filtered picture over a block of 15 x 15 px. For other block
-  // sizes the value is scaled by the area. Noise of 1.6 codes alone gives a sum of 1000, and a match of mere
-  // noise means nothing.
+  // sizes the value is scaled by the area. Noise with a standard deviation of 1.6 codes alone gives a sum of
+  // 1000, and a match of mere noise is meaningless.
   int min_texture = 1000;
-  int uniqueness_percent = 10;  // minimum margin by which the costs of other disparities are higher
+  int uniqueness_percent = 10;  // minimum margin of the costs of other disparities, percent
   int left_right_px = 1;        // tolerance of the left-right check, px; negative: no check
-  // Maximum number of slanted planes, such as the floor, that are matched again (see above); 0: none.
+  // Maximum number of slanted planes, such as the floor, for which matching is repeated; 0: no second
+  // matching.
   int slants = 2;
   bool vectors = true;  // use SIMD where available; the results are the same
 };
@@ -54,7 +57,7 @@ struct DepthOptions {
 struct DepthImage {
   FrameInfo info;  // frame information of the pair
   int width = 0, height = 0;
-  std::vector<float> disparity_px;  // 0 where there is no depth
+  std::vector<float> disparity_px;  // 0: unknown
 
   float disparity(int u, int v) const {
     return disparity_px[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
@@ -83,9 +86,8 @@ class DepthFinder {
   DepthFinder(DepthFinder&&) noexcept;
   DepthFinder& operator=(DepthFinder&&) noexcept;
 
-  // Reuses the memory of `depth`, whose contents are undefined after an error. Errors:
-  // - a picture that is empty, truncated, not larger than two blocks a side, or larger than 8192 pixels a
-  //   side.
+  // Reuses the memory of `depth`; after an error, the contents of `depth` are undefined. Errors:
+  // - a picture that is empty or truncated, or has a side of at most two blocks or more than 8192 pixels.
   // - pictures of different sizes, or of another size than the camera model.
   // - a picture of one uniform color, for example because the lens is covered or there is no light.
   // - a camera model without focal length or baseline.
@@ -99,7 +101,8 @@ class DepthFinder {
   std::unique_ptr<State> state_;
 };
 
-// One point per pixel, as in the depth image; NaN in all three coordinates where unknown.
+// One point per pixel of the depth image, in the same order. All three coordinates of an unknown point are
+// NaN.
 struct PointCloud {
   int width = 0, height = 0;
   std::vector<Eigen::Vector3f> points;  // m

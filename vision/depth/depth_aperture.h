@@ -1,16 +1,16 @@
-// Masks out blocks that do not determine a disparity, because their edges run only along the rows.
+// Masks out blocks that do not determine a disparity because all edges in the block run along the rows.
 // SPDX-License-Identifier: Apache-2.0
 //
-// All points along an edge look alike (the aperture problem), and matching compares along the rows. If the
-// right picture is displaced vertically by e px, the best match moves by dd. Least squares over the block
-// give
+// All points along an edge look alike (the aperture problem), and matching searches only along the rows. If
+// the right picture is displaced vertically by e px, the disparity of the best match changes by dd px. Least
+// squares over the block give
 //
 //   dd = e Sxy / Sxx,   Sxx = sum of gx^2, Sxy = sum of gx gy
 //
 // Here gx is the derivative along the row, and gy the derivative across the row. J. Shi, C. Tomasi, "Good
 // features to track", CVPR 1994, uses the same sums. Edges of a checkered floor may run nearly along the
-// rows. Then e = 1/3 px changes the disparity by several px, which moves points out of the floor by
-// centimeters.
+// rows. For such edges, e = 1/3 px changes the disparity by several px. The computed points are then
+// centimeters off the floor.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,7 @@ class BlockAperture {
              std::vector<std::uint8_t>& mask);
 
  private:
-  std::vector<std::int32_t> products_;  // gx^2 and gx gy of the rows of the block
+  std::vector<std::int32_t> products_;  // gx^2 and gx gy of each pixel in the rows of the block
   std::vector<std::int32_t> columns_;   // sums of products_ over the rows of the block, by column
 };
 

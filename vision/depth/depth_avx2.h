@@ -1,4 +1,4 @@
-// AVX2 for block matching: detection, loads and stores.
+// AVX2 support for block matching: detects AVX2, loads vectors and stores vectors.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

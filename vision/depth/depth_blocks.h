@@ -3,9 +3,9 @@
 //
 // The cost is the sum of absolute differences (SAD) over the block, computed as a running sum over rows and
 // columns. The sums of all disparities of a pixel are adjacent in memory and fill the SIMD vectors. One pass
-// finds the winners (best disparities) of the left image, and those of the right image along the diagonals of
-// the cost volume. The pass goes row by row, so that the winners are still in the cache for later steps. All
-// sums are 16-bit integers, so results are bit-identical with and without SIMD.
+// finds the winners (disparities of lowest cost) of both images. The winners of the right image are found
+// along the diagonals of the cost volume. The pass goes row by row, so that the winners are still in the
+// cache for later steps. All sums are 16-bit integers, so results are bit-identical with and without SIMD.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,11 @@ namespace kaz::vision {
 // Maximum side of a block. The sum over such a block is at most 21 x 21 x 62, which fits 16 bits.
 constexpr int kLargestBlock = 21;
 
-// A picture filtered by the horizontal 3 x 3 Sobel derivative, clamped to +-kFilterCap, plus kFilterCap.
+// A picture filtered by the horizontal 3 x 3 Sobel derivative. A code is the derivative, clamped to
+// +-kFilterCap, plus kFilterCap.
 struct FilteredPicture {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> code;  // followed by kVectorMargin more bytes
+  std::vector<std::uint8_t> code;  // one code per pixel, then kVectorMargin unused bytes
 
   void filter(const std::uint8_t* grey, int w, int h, bool vectors);
   const std::uint8_t* row(int v) const {
@@ -38,8 +39,8 @@ struct MirroredPicture {
   std::vector<std::uint8_t> code;
 
   void mirror(const FilteredPicture& picture, int n, bool vectors);
-  // Warps by the plane d = a u + b v + c. Points on the plane get disparity 0, so that blocks on the plane
-  // are compared as fronto-parallel blocks.
+  // Warps the picture by the plane d = a u + b v + c. Points on the plane get disparity 0, so that blocks on
+  // the plane are compared as fronto-parallel blocks.
   void warp(const FilteredPicture& picture, double a, double b, double c, int n, bool vectors);
   std::size_t pitch() const { return static_cast<std::size_t>(width + disparities); }
   const std::uint8_t* row(int v) const { return &code[static_cast<std::size_t>(v) * pitch()]; }
@@ -57,13 +58,13 @@ struct BlockOptions {
 
 class BlockMatcher {
  public:
-  // Starts a pair. `right.disparities` must be a multiple of 16. Both pictures must stay until the last
-  // row().
+  // Starts the matching of two pictures. `right.disparities` must be a multiple of 16. Both pictures must
+  // outlive the last call of row().
   void begin(const FilteredPicture& left, const MirroredPicture& right,
              const BlockOptions& options);
-  // Matches the pixels of row v where `wanted` is not 0, except half a block at both ends of the row. Up to
-  // kVectorMargin bytes of `wanted` beyond the row are read. Successive calls must have increasing v. Row v
-  // must be at least half a block from the upper and lower border.
+  // Matches the pixels of row v where `wanted` is not 0. Pixels within half a block of the ends of the row
+  // are not matched. Up to kVectorMargin bytes of `wanted` beyond the row are read. Successive calls must
+  // have increasing v. Row v must be at least half a block from the upper and lower border.
   const MatchedRow& row(int v, const std::uint8_t* wanted);
 
  private:
@@ -72,15 +73,15 @@ class BlockMatcher {
   BlockOptions options_;
   BlockRow sums_{};
   MatchedRow matched_{};
-  // Picture rows: the first row in the sums, and the next row to be added.
+  // Numbers of picture rows: the first row in the running sums, and the next row to add to the running sums.
   int first_ = 0, next_ = 0;
   std::vector<std::int16_t> columns_, window_, windows_, winners_, place_;
   std::vector<std::uint32_t> claims_;
   std::vector<std::uint8_t> zero_;
 };
 
-// Computes a texture mask: 1 where the sum of absolute derivatives over a block is at least `min_sum`, else
-// 0. The mask has kVectorMargin bytes more than the picture.
+// Computes a texture mask: 1 where the sum of absolute derivatives over a block is at least `min_sum`, and 0
+// elsewhere. The mask is kVectorMargin bytes longer than the picture.
 class BlockTexture {
  public:
   void find(const FilteredPicture& picture, int block, int min_sum, bool vectors,

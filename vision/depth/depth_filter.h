@@ -6,8 +6,9 @@
 
 namespace kaz::vision {
 
-constexpr int kFilterCap = 31;  // codes of the filtered picture are 0 to 2 kFilterCap
-// Number of elements beyond the last row that loads of whole vectors may read. Their values are not used.
+constexpr int kFilterCap = 31;  // filtered codes are 0 to 2 kFilterCap
+// Number of elements beyond the last row that loads of whole vectors may read. The values of these elements
+// are not used.
 constexpr int kVectorMargin = 32;
 
 // Computes one row of the horizontal 3 x 3 Sobel derivative (depth_blocks.h, FilteredPicture). With the
@@ -20,10 +21,10 @@ void filter_row(const std::uint8_t* above, const std::uint8_t* here, const std::
 // Reverses the order of the codes of a row.
 void mirror_row(const std::uint8_t* from, int width, std::uint8_t* to, bool vectors);
 
-// Interpolates linearly at the positions at, at + step, ... in 16.16 fixed point. The `count` codes are
-// written in reverse order, the last code first. With p = from[at >> 16], its right neighbor r and the 8-bit
-// fraction s, a code is (p (256 - s) + r s + 128) >> 8. Positions outside 0 .. width - 1 give the code
-// kFilterCap.
+// Interpolates a row linearly at the positions `at`, `at + step`, `at + 2 step` and so on, in 16.16 fixed
+// point. The `count` interpolated codes are written in reverse order, the last code first. Let p be the code
+// left of the position, r the code right of the position, and s the 8-bit fraction. Then the interpolated
+// code is (p (256 - s) + r s + 128) >> 8. Positions outside 0 .. width - 1 give the code kFilterCap.
 struct WarpRow {
   const std::uint8_t* from;
   int width;
@@ -35,10 +36,10 @@ struct WarpRow {
 void warp_row(const WarpRow& row, bool vectors);
 
 // One step of the running sums of absolute derivatives. `in` is the row that enters the blocks. `gone` is the
-// row that leaves the blocks; if no row leaves yet, all its codes are kFilterCap. `columns` are sums per
-// column, kept from row to row. `textured` is the mask of the middle row of the blocks: 1 where the sum over
-// the block is at least `min_sum`. The mask is not written within half a block of the borders. `textured` is
-// null until the blocks have all their rows.
+// row that leaves the blocks; if no row leaves yet, all codes of `gone` are kFilterCap. `columns` has the sum
+// of each column, which must be kept from row to row. `textured` is the mask of the middle row of the blocks:
+// 1 where the sum over the block is at least `min_sum`. The mask is not written within half a block of the
+// borders. `textured` is null as long as the blocks do not have all rows.
 struct TextureRow {
   const std::uint8_t *in, *gone;
   int width, block, min_sum;

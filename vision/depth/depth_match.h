@@ -1,4 +1,4 @@
-// Disparity of two gray images by block matching with fronto-parallel and slanted blocks.
+// Finds the disparity of two gray images by block matching with fronto-parallel and slanted blocks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,11 +13,11 @@ namespace kaz::vision {
 
 struct MatchOptions {
   BlockOptions block;
-  int min_texture = 1000;  // sum over a block of 15 x 15, see DepthOptions
-  int slants = 2;          // number of slanted planes to match again
+  int min_texture = 1000;  // minimum sum over a block of 15 x 15 px, as in DepthOptions
+  int slants = 2;          // maximum number of slanted planes for which matching is repeated
 };
 
-// Two rectified gray images of one size, 8 bits per pixel, no padding. Not owned.
+// View of two rectified gray images of equal size, 8 bits per pixel, no padding. Does not own the pixels.
 struct GreyPair {
   const std::uint8_t *left, *right;
   int width, height;
@@ -38,7 +38,7 @@ class StereoMatcher {
   BlockAperture aperture_;
   SlantFinder slants_;
   std::vector<std::uint8_t> textured_, fixed_, wanted_;
-  std::vector<std::int16_t> cost_;  // cost of each disparity found, by pixel
+  std::vector<std::int16_t> cost_;  // by pixel: cost of the disparity that was found
 
   // Replaces disparities near the plane by the disparities of blocks that are slanted like the plane.
   void slant(const DisparityPlane& plane, const MatchOptions& options,

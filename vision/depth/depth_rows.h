@@ -10,9 +10,9 @@
 
 namespace kaz::vision {
 
-// Winners by column: the disparity d of minimum cost C(d), with the costs C(d), C(d - 1) and C(d + 1).
+// Winner of each column: the disparity d of minimum cost C(d), and the costs C(d), C(d - 1) and C(d + 1).
 // `in_doubt` is the number of disparities, including d, with costs up to the uniqueness threshold doubt().
-// Only valid for columns where a winner was wanted.
+// The entries of a column are only valid if a winner was wanted for the column.
 struct RowWinners {
   std::int16_t *disparity, *cost, *before, *after, *in_doubt;
 };
@@ -25,16 +25,17 @@ struct BlockRow {
   const std::uint8_t *left_gone, *right_gone;  // leaving rows; all 0 if no row leaves yet
   std::int16_t* columns;  // per column and disparity: sum over the rows of the block
   std::int16_t* window;   // per disparity: sum over the block; INT16_MAX at both ends
-  std::int16_t* windows;  // window of each column, if there are 16 disparities
-  // With vectors, disparity d is at place[d] in `columns` and `window`.
+  std::int16_t* windows;  // copy of `window` for each column; only used with 16 disparities
+  // If vectors are used, disparity d is at place[d] in `columns` and `window`.
   const std::int16_t* place;
-  // By column of the mirrored right picture: C(d) << 16 | d of the best winner that matches this column.
-  // Between equal costs, the smallest d wins. All bits are 1 before the first winner.
+  // For each column of the mirrored right picture: C(d) << 16 | d of the best left winner whose match is this
+  // column. If costs are equal, the smallest d is best. All bits are 1 if no winner has matched the column
+  // yet.
   std::uint32_t* claims;
   int doubt_share;             // uniqueness margin in 65536ths
-  bool full;                   // the block has all its rows, so winners are found
+  bool full;                   // true: the block has all rows, so winners are found
   RowWinners winners;          // winners of the middle row
-  const std::uint8_t* wanted;  // for the middle row: 0 where no winner is needed
+  const std::uint8_t* wanted;  // by pixel of the middle row: 0 if no winner is needed
 };
 void match_row(const BlockRow& row, bool vectors);
 
@@ -45,14 +46,14 @@ inline int doubt(int min_cost, int share) {
 }
 
 // Records the winner d of the left picture's column u as a claim to the matched pixel of the right picture.
-// Branch-free, because branch prediction fails here.
+// The code is branch-free, because a branch would be unpredictable.
 [[gnu::always_inline]] inline void claim(const BlockRow& r, int u, int d, int min_cost) {
   std::uint32_t& other = r.claims[r.width - 1 - u + d];
   other =
       std::min(other, static_cast<std::uint32_t>(min_cost) << 16 | static_cast<std::uint32_t>(d));
 }
 
-// A matched row and its winners: input of judge().
+// A matched row and the winners of the row: input of judge().
 struct MatchedRow {
   int width, half, disparities, doubt_share, left_right_px;
   RowWinners winners;
@@ -78,19 +79,20 @@ inline bool judge(const MatchedRow& r, int u, float& disparity) {
          (std::abs(other - d) <= r.left_right_px);
 }
 
-// For fronto-parallel blocks, writes the disparity (px) of each good match, 0 for other pixels, and the costs
-// of all pixels. A match is not good if its block extends beyond the left border of the right picture.
+// Writes the results of fronto-parallel blocks: the disparity (px) of each good match, disparity 0 for all
+// other pixels, and the costs of all pixels. A match is not good if the right block extends beyond the left
+// border of the right picture.
 void take_row(const MatchedRow& row, float* disparity, std::int16_t* cost, bool vectors);
 
 constexpr int kAround = 16;  // number of disparities compared around a plane
-// Maximum distance of a slanted match from the plane. A farther match is not on the plane, so its slant is
-// unknown.
+// Maximum distance of a slanted match from the plane. A match farther away is not on the plane, so the slant
+// at the match is unknown.
 constexpr float kOn_px = 1;
-// Maximum distance of a fronto-parallel match from the plane. A farther match belongs to another object.
+// Maximum distance of a fronto-parallel match from the plane. A match farther away belongs to another object.
 constexpr float kNear_px = 3;
-// Maximum cost of a slanted block relative to the cost of the fronto-parallel block. Above 100, because the
-// fronto-parallel cost is the minimum of more values (all disparities, not only kAround), which is smaller in
-// noise.
+// Maximum cost of a slanted block relative to the cost of the fronto-parallel block. The slanted cost is the
+// minimum over kAround disparities, the fronto-parallel cost the minimum over all disparities. With noise, a
+// minimum over more values is lower, so the limit is above 100 %.
 constexpr int kMaxCost_percent = 125;
 
 // Marks in `wanted` the pixels of row v that may lie on the plane. Returns whether any pixel is marked.
@@ -98,7 +100,7 @@ bool near_row(const DisparityPlane& plane, int v, const float* disparity,
               const std::uint8_t* textured, int width, std::uint8_t* wanted, bool vectors);
 
 // Evaluates the matches of blocks that are slanted like the plane. A good match on the plane replaces
-// disparity and cost of its pixel. In the warped picture, points of the plane have disparity kAround / 2. To
+// disparity and cost of the pixel. In the warped picture, points of the plane have disparity kAround / 2. To
 // undo the warp, the plane's disparity at the warped pixel is added to the residual disparity.
 void take_slanted_row(const MatchedRow& row, const DisparityPlane& plane, int v, float* disparity,
                       std::int16_t* cost, bool vectors);

@@ -10,8 +10,8 @@
 namespace kaz::vision {
 
 void match_row_avx2(const BlockRow& row);
-// take_row_avx2() and take_slanted_row_avx2() process whole vectors only. They return the first column that
-// remains to be processed.
+// take_row_avx2() and take_slanted_row_avx2() process whole vectors only. Both functions return the first
+// column that remains to be processed.
 int take_row_avx2(const MatchedRow& row, float* disparity, std::int16_t* cost);
 int take_slanted_row_avx2(const MatchedRow& row, const DisparityPlane& plane, int v,
                           float* disparity, std::int16_t* cost);

@@ -12,8 +12,8 @@ class SlantFinder {
  public:
   // Returns up to `max_planes` planes with at least a tenth of the sampled pixels as inliers, largest first.
   // Planes with so little slant over `block` px that a second matching has no effect are left out. A
-  // disparity of 0 is unknown. Pixel coordinates count from the image corner. The same image gives the same
-  // planes. The result is valid until the next call.
+  // disparity of 0 means unknown. Pixel coordinates count from the image corner. The same image gives the
+  // same planes. The result is valid until the next call.
   const std::vector<DisparityPlane>& find(const std::vector<float>& disparity, int width,
                                           int height, int block, int max_planes, bool vectors);
 

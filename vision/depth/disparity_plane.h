@@ -1,9 +1,9 @@
-// Planes in a disparity image, and their least-squares fit.
+// Planes in a disparity image, and the least-squares fit of a plane.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ray of pixel (u, v) is (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy). The disparity of a point at depth z
-// is d = fx B / z with the baseline B. Division by z D / (fx B) makes the equation n . p = D of a plane
-// linear in the pixel coordinates:
+// The ray of pixel (u, v) is (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy). A point at depth z has the
+// disparity d = fx B / z, where B is the baseline. A plane has the equation n . p = D. Division by z D / (fx
+// B) turns this equation into a linear equation of the pixel coordinates:
 //
 //   d = B/D (nx (u - cx) + ny fx/fy (v - cy) + nz fx)
 //
@@ -16,7 +16,8 @@
 
 namespace kaz::vision {
 
-// The plane d = a u + b v + c, px. The conversions to and from normals need u and v relative to (cx, cy).
+// The plane d = a u + b v + c, px. For the conversions to and from normals, u and v must be relative to (cx,
+// cy).
 struct DisparityPlane {
   float a = 0, b = 0, c = 0;
 

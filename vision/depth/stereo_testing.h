@@ -1,4 +1,4 @@
-// Test scenes of textured rectangles: ray-traced stereo pairs and their true disparity.
+// Test scenes of textured rectangles: ray-traced stereo pairs and the true disparity.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -28,7 +28,8 @@ struct TestPatch {
 
 struct TestHit {
   int patch = -1;
-  double distance = std::numeric_limits<double>::infinity();  // in units of the ray's length
+  // Along the ray, in units of the ray's length.
+  double distance = std::numeric_limits<double>::infinity();
 };
 
 class TestStereoScene {

@@ -6,8 +6,9 @@
 
 namespace kaz::vision {
 
-// `unclear`: both orders give hardly any depth, or similar amounts of it (darkness, a repeating pattern), or
-// DepthFinder returns an error.
+// Result of eye_order(). The result is `unclear` if both orders of the pictures give hardly any depth, as in
+// darkness, or if DepthFinder returns an error. The result is also `unclear` if both orders give similar
+// amounts of depth, as with a repeating pattern.
 enum class EyeOrder : std::uint8_t { unclear, as_named, swapped };
 
 // Compares the depth of the pair with the depth of the exchanged pair. If pictures are swapped, objects are
@@ -15,8 +16,8 @@ enum class EyeOrder : std::uint8_t { unclear, as_named, swapped };
 EyeOrder eye_order(const StereoImages& pair, const FrameInfo& info,
                    const DepthOptions& options = {});
 
-// Decides for a whole run whether the cameras are swapped. The decision for a single pair may be wrong, and
-// pictures may be disturbed for a while.
+// Decides for a whole run whether the cameras are swapped. Several pairs are used, because the result of a
+// single pair may be wrong, and pictures may be disturbed for some time.
 class SwappedCameras {
  public:
   static constexpr int kFirst = 5;
@@ -26,8 +27,8 @@ class SwappedCameras {
 
   // Evaluates the first kFirst pairs, then one pair per kInterval of exposure time. Other pairs are ignored.
   void look(const StereoImages& pair, const FrameInfo& info);
-  // Returns true if at least two thirds of the clear pairs are swapped. If there are fewer than three swapped
-  // pairs, they must also be at least half of all evaluated pairs.
+  // Returns true if at least two thirds of the clear pairs are swapped. If fewer than three pairs are
+  // swapped, the swapped pairs must also be at least half of all evaluated pairs.
   bool found() const;
 
  private:

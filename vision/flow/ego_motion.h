@@ -1,13 +1,14 @@
-// Ego-motion of the camera between two images: predicted from the postures, refined on the optical flow.
+// Ego-motion of the camera between two images: predicted from the postures, refined with the optical flow.
 // Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The pose from the joint angles has errors: noise and quantization of the potentiometers, backlash, and sway
-// of the soles. These errors cause several px of flow over the whole image, whereas independent motion
-// affects only a part of the image. A small rigid motion xi = (rotation, translation) therefore corrects the
-// pose. Iteratively reweighted least squares (Gauss-Newton) on the flow determine xi. The weights are Tukey's
-// biweight with c = 4.685; the scale comes from the median residual. A Gaussian prior represents the accuracy
-// of the posture.
+// The camera pose is computed from the joint angles and therefore has errors. Causes are noise and
+// quantization of the potentiometers, backlash, and sway of the soles. These errors cause several px of flow
+// over the whole image, whereas an independently moving object affects only a part of the image. Therefore,
+// one small rigid motion xi = (rotation, translation) is fitted to the flow of the whole image and corrects
+// the pose. The method is iteratively reweighted least squares (Gauss-Newton). The weights are Tukey's
+// biweight with c = 4.685, scaled by the median residual. A Gaussian prior on xi represents the accuracy of
+// the posture.
 //
 // Frames: optical frames of the earlier and the later image (frame.h). Units: m, rad, px.
 #pragma once
@@ -19,13 +20,13 @@
 
 namespace kaz::vision {
 
-// One sample of FlowSamples, in the units of FlowSamples.
+// One entry of FlowSamples: pixel and flow (px), bounds of the inverse depth (1/m).
 struct FlowSample {
   Eigen::Vector2d at, flow;
   double min_inverse_depth, max_inverse_depth;
 };
 
-// Standard deviations, per axis, of the relative pose computed from the postures.
+// Standard deviations (per axis) of the errors of the ego-motion that is computed from the postures.
 struct PostureError {
   double rotation_rad, translation_m;
 };
@@ -38,22 +39,22 @@ class EgoMotion {
     return {(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1};
   }
   // Computes the flow (px) of a static point at pixel (u, v): pi(R r + w t) - (u, v). Here r is the ray of
-  // the pixel, w the inverse depth (1/m) and pi the projection. Returns false if the point is behind the
-  // later camera, or if its depth has decreased to less than 5 %.
+  // the pixel, w the inverse depth (1/m), pi the projection, and (R, t) the transform later(). Returns false
+  // if the later depth of the point is negative, or less than 5 % of the earlier depth.
   bool flow(double u, double v, double inverse_depth, Eigen::Vector2d& px) const {
     const Eigen::Vector3d p = later_.linear() * ray(u, v) + inverse_depth * later_.translation();
     if (p.z() < 0.05) return false;
     px = {camera_.fx * p.x() / p.z() + camera_.cx - u, camera_.fy * p.y() / p.z() + camera_.cy - v};
     return true;
   }
-  // Transform from the earlier optical frame to the later one: (R, t).
+  // Returns the transform (R, t) from the earlier optical frame to the later optical frame.
   const Eigen::Isometry3d& later() const { return later_; }
 
-  // Computes the residual (px) of a sample. Its interval of inverse depth maps to a line segment of static
-  // flows. The residual is the vector from the nearest point of that segment to the measured flow. `epipolar`
-  // is the unit vector along the segment if the nearest point is inside the segment: a change of depth
-  // explains errors in this direction. `epipolar` is zero if the nearest point is an end point. Returns false
-  // if flow() returns false for an end of the interval.
+  // Computes the residual (px) of a sample. For the sample's interval of inverse depth, the possible flows of
+  // a static point form a line segment. The residual is the vector from the nearest point of this line
+  // segment to the measured flow. If the nearest point is an end of the segment, `epipolar` becomes zero.
+  // Otherwise, `epipolar` becomes the unit vector along the segment. A flow error along the segment looks
+  // like a change of depth. Returns false if flow() returns false for an end of the interval.
   bool residual(const FlowSample& sample, Eigen::Vector2d& px, Eigen::Vector2d& epipolar) const;
   // Computes residual() for all samples.
   void residuals(const FlowSamples& samples, FlowResiduals& found) const {

@@ -1,5 +1,5 @@
-// Residuals of many samples under an ego-motion, and their normal equations. Plain and AVX2 code give equal
-// results. Internal to vision/flow; ego_motion.h and ego_motion.cpp have the formulas and sources.
+// Residuals of flow samples for a given ego-motion, and normal equations of the fit. Plain and AVX2 code give
+// equal results. Internal to vision/flow. Formulas and sources are in ego_motion.h and ego_motion.cpp.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,7 +13,8 @@
 
 namespace kaz::vision {
 
-// Measured flow at pixels of the earlier image (px) and the interval of inverse depth at these pixels (1/m).
+// Flow samples: pixel (u, v) of the earlier image (px), measured flow (px), and bounds of the inverse depth
+// (1/m).
 struct FlowSamples {
   std::vector<double> u, v, flow_u, flow_v, min_inverse_depth, max_inverse_depth;
 
@@ -31,16 +32,17 @@ struct FlowSamples {
   FlowSamples every(std::size_t stride) const;
 };
 
-// EgoMotion::residual() of each sample, px. `valid` is 0 where residual() returned false, else 1. `free` is 1
-// where the nearest static flow is inside the segment, whose unit direction is `epipolar`, else 0.
+// Results of EgoMotion::residual() for each sample, px. `valid` is 0 where residual() returned false, else 1.
+// `free` is 0 where `epipolar` of residual() is zero, else 1.
 struct FlowResiduals {
   std::vector<double> u, v, length, epipolar_u, epipolar_v, valid, free;
 };
 void find_residuals(const FlowSamples& samples, const CameraModel& camera,
                     const Eigen::Isometry3d& later, FlowResiduals& residuals, bool vectors = true);
 
-// Sums over the samples: H = sum w J^T J (lower triangle) and b = sum w J^T residual. The weight is w = (1 -
-// r)^2 for r = |residual|^2 / cutoff2 below 1, else 0. The terms are added in the order of the samples.
+// Normal equations, summed over the samples: H = sum w J^T J (lower triangle) and b = sum w J^T residual. J
+// is the Jacobian of the flow by rotation and translation of the later camera. With r = |residual|^2 /
+// cutoff2, the weight w is (1 - r)^2 if r < 1, else 0. The terms are added in the order of the samples.
 struct NormalEquations {
   Eigen::Matrix<double, 6, 6> h;
   Eigen::Matrix<double, 6, 1> b;

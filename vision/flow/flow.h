@@ -1,19 +1,20 @@
-// Dense optical flow between two pictures of one eye: the displacement of each pixel, px.
+// Finds dense optical flow between two pictures of one eye: the displacement of each pixel, px.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Dense inverse search (T. Kroeger, R. Timofte, D. Dai, L. Van Gool, "Fast Optical Flow using Dense Inverse
-// Search", ECCV 2016) as implemented by OpenCV, with its ultrafast preset. The search compares patches of 8 x
-// 8 pixels in pictures reduced to a quarter in width and height. The flow is then validated patch by patch on
-// the same reduced pictures. Validation costs a fraction of the search. The flow of a pixel is valid only if
-// the patch around it passes three tests.
-// - The patch matches at the displaced position, up to a change of brightness (`max_unlike`).
-// - The patch has enough texture in two directions for a small expected standard error (`max_error_px`).
-//   Otherwise the flow may slide along an edge (aperture problem).
-// - The search has converged: a further Lucas-Kanade step is short (`max_step_px`). This test replaces a
-//   forward-backward check, which would need the backward flow.
-// Other pixels are NaN. Flow is the displacement in px from the earlier picture to the later picture, stored
-// by pixel of the earlier picture. A point at (u, v) moves to (u, v) + flow. The same two pictures give the
-// same flow: the only state is reused memory.
+// Search", ECCV 2016) as implemented by OpenCV. OpenCV's ultrafast preset is used. The search compares
+// patches of 8 x 8 pixels in reduced pictures, which have a quarter of the width and height. The flow is then
+// validated patch by patch on the same reduced pictures. Validation takes only a fraction of the computing
+// time of the search. The flow of a pixel is valid only if the patch around the pixel passes three tests.
+// - The later picture at the displaced position matches the patch, except for a change of brightness
+//   (`max_unlike`).
+// - The patch has enough texture in two directions, so that the expected standard error of the flow is small
+//   (`max_error_px`). On a single edge, the flow along the edge is arbitrary (aperture problem).
+// - The search has converged: a further Lucas-Kanade step is short (`max_step_px`). This convergence test
+//   replaces a forward-backward check, which would need the backward flow.
+// The flow of all other pixels is NaN. Flow is the displacement (px) of a point between the two pictures. A
+// point at pixel (u, v) of the earlier picture is at (u, v) + flow in the later picture. The same two
+// pictures always give the same flow, regardless of earlier calls.
 #pragma once
 
 #include <cmath>
@@ -29,24 +30,24 @@
 
 namespace kaz::vision {
 
-// Limits for patches of the reduced pictures, in gray codes.
+// Limits of the three tests that make the flow of a patch valid. Brightness is in gray codes.
 struct FlowOptions {
-  // Maximum expected standard error, px: sqrt(s^2 / (n lambda)). Here s^2 is the mean square residual (at
-  // least the noise) and n the number of pixels. The smaller eigenvalue of the mean structure tensor is
-  // called lambda.
+  // Maximum expected standard error of the flow, px: sqrt(s^2 / (n lambda)). Here s^2 is the mean square
+  // residual of the patch, but at least the variance of the noise. The patch has n pixels. The mean structure
+  // tensor of the patch has the smaller eigenvalue lambda.
   double max_error_px = 0.6;
   // Maximum ratio of the residual variance at the displaced position to the brightness variance of the patch.
   double max_unlike = 0.35;
   double max_step_px = 1.0;  // maximum further Lucas-Kanade step, px of the full picture
 };
 
-// Information matrix of the flow of a patch, 1/px^2. It is the inverse of the least-squares covariance s^2
-// (sum g g^T)^-1, where g is the gradient. The covariance is large along an edge and small across it. All
-// entries are 0 where the flow is unknown.
+// Information matrix of the flow of a patch, 1/px^2. The matrix is the inverse of the least-squares
+// covariance s^2 (sum g g^T)^-1, where g is the brightness gradient. The covariance is large along an edge
+// and small across the edge. All entries of the matrix are 0 where the flow is unknown.
 struct FlowCertainty {
   float xx = 0, xy = 0, yy = 0;
 
-  // Returns the squared Mahalanobis distance of the deviation `off` (px).
+  // Returns the squared Mahalanobis distance of a flow that deviates by `off` (px).
   float surprise(const Eigen::Vector2f& off) const {
     return xx * off.x() * off.x() + 2 * xy * off.x() * off.y() + yy * off.y() * off.y();
   }
@@ -57,9 +58,11 @@ struct FlowImage {
 
   FrameInfo before, after;
   int width = 0, height = 0;
-  std::vector<Eigen::Vector2f> flow_px;  // (right, down); NaN in both where unknown
-  // One entry per cell, rows from the top. The last cell of a row or column includes the remaining pixels at
-  // the right or lower edge. The pixels of a cell are either all known or all unknown.
+  // Displacement (right, down) per pixel; both NaN if unknown.
+  std::vector<Eigen::Vector2f> flow_px;
+  // Number of cells, and certainty of each cell, in rows from the top. The last cell of a row or column also
+  // contains the remaining pixels at the right or lower edge. In each cell, the flow is known for all pixels
+  // or for no pixel.
   int cells_across = 0, cells_down = 0;
   std::vector<FlowCertainty> certainty;
 
@@ -71,8 +74,8 @@ struct FlowImage {
   double seconds_between() const { return seconds(between(after.exposure, before.exposure)); }
 };
 
-// Finds dense flow. Not thread-safe. OpenCV may distribute the work over its own threads, which changes the
-// flow slightly (opencv_threads.h).
+// Finds dense flow. Not thread-safe. The flow depends slightly on the number of threads that OpenCV uses
+// (opencv_threads.h).
 class FlowFinder {
  public:
   explicit FlowFinder(const FlowOptions& options = {});
@@ -80,15 +83,15 @@ class FlowFinder {
   FlowFinder(FlowFinder&&) noexcept;
   FlowFinder& operator=(FlowFinder&&) noexcept;
 
-  // Reuses the memory of `flow`, whose contents are undefined after an error. `continued` states that
-  // `before` was the picture `after` of the previous call. If the previous call succeeded, its converted
-  // picture is then reused; the result is the same. Errors:
-  // - a picture that is empty, truncated, under 64 or over 8192 pixels a side.
-  // - pictures that differ in size, or from the size of the camera model.
+  // Finds the flow from `before` to `after`. Reuses the memory of `flow`; after an error, the contents of
+  // `flow` are undefined. Set `continued` if `before` was the picture `after` of the previous call. A gray
+  // picture from the previous call can then be reused, which saves time and does not change the flow. Errors:
+  // - a picture that is empty or truncated, or has a side of less than 64 or more than 8192 pixels.
+  // - pictures of different sizes, or of another size than the camera model.
   // - a camera model without focal length, or two different camera models.
-  // - an exposure that is not later than the previous one: the clock jumped back, or the same picture came
-  //   twice.
-  // - options that are not above 0.
+  // - an exposure of `after` that is not later than the exposure of `before`, because the clock jumped back
+  //   or the same picture came twice.
+  // - options that are not greater than 0.
   Result<void> find(const Image& before, const FrameInfo& info_before, const Image& after,
                     const FrameInfo& info_after, FlowImage& flow, bool continued = false);
   Result<void> find(const GreyPicture& before, const FrameInfo& info_before,

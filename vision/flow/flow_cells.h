@@ -1,5 +1,5 @@
-// Sums over patches and validation of cells of dense flow, row by row. Plain and AVX2 code give equal
-// results.
+// Computes sums over patches, and uses the sums to validate the cells of dense flow, one row at a time. Plain
+// and AVX2 code give equal results.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,18 +10,21 @@
 
 namespace kaz::vision {
 
-constexpr int kFlowSmall = 4;  // reduction factor of the finest pictures of the search
-// Side of a patch, small pixels; must be odd (the inverse search uses 8).
+// Reduction factor from the full pictures to the finest pictures of the search.
+constexpr int kFlowSmall = 4;
+// Side of a patch, in pixels of the reduced picture; must be odd. The patches of the inverse search have 8 x
+// 8 pixels.
 constexpr int kFlowPatch = 7;
-// Variance of the difference of two small pictures, codes^2, if the full pictures have a noise of 2 codes.
+// Variance (codes^2) of the difference between two reduced pictures if the noise of the full pictures has a
+// standard deviation of 2 codes.
 constexpr float kFlowNoise2 = 0.5F;
 
-// Products of quantities at each small pixel, and the sums of these products over patches. Quantities:
-// gradient (gx, gy), brightness q, change d of the brightness along the flow, weight w. The products, in this
-// order:
+// Products of quantities at each pixel of the reduced picture, and the sums of these products over patches.
+// Quantities: gradient (gx, gy), brightness q, change d of the brightness along the flow, weight w. The order
+// of the products is:
 //   gx gx, gx gy, gy gy, gx d, gy d, d d, d, w, gx, gy, q, q q.
-// The weight w is 1 where the flow stays inside the picture. All products are 0 where the flow leaves the
-// picture.
+// The weight w is 1 where the flow stays inside the picture. Where the flow leaves the picture, all products
+// are 0.
 class FlowProducts {
  public:
   static constexpr std::size_t kCount = 12;
@@ -29,14 +32,15 @@ class FlowProducts {
 
   explicit FlowProducts(bool vectors = true) : vectors_(vectors) {}
   void resize(int width, int height);
-  // Computes the products of row y of the earlier small picture from `row` and the rows above and below. Row
-  // y must be neither the first nor the last. `there` is the brightness of the later picture along the flow,
-  // valid where `compared` is not 0. The first and last pixel count as not compared.
+  // Computes the products of row y of the earlier reduced picture from `row` and the adjacent rows `up` and
+  // `down`. Row y must be neither the first nor the last. `there` is the brightness of the later picture at
+  // the position to which the flow leads, and is valid where `compared` is not 0. The first and last pixel of
+  // the row count as not compared.
   void set_row(int y, const float* up, const float* row, const float* down, const float* there,
                const float* compared);
-  // Returns sums over the patches around the pixels of row y, one row per product, valid until the next call.
-  // Pixels beyond the edge have weight 0. Each sum is computed anew, first down the columns, then along the
-  // row, because running sums would accumulate rounding errors.
+  // Returns the sums over the patches around the pixels of row y: one row of sums per product. The rows are
+  // valid until the next call. Pixels beyond the edge have weight 0. Each sum is computed anew, first down
+  // the columns, then along the row, because running sums would accumulate rounding errors.
   Rows sum_row(int y);
   // Returns 1 for each pixel of row y that was compared, else 0.
   const float* compared(int y) const { return plane(7) + at(y) + kFlowPatch / 2; }
@@ -47,28 +51,30 @@ class FlowProducts {
 
   bool vectors_;
   int width_ = 0, height_ = 0;
-  std::size_t pitch_ = 0, plane_ = 0;  // numbers per row, per product
-  std::vector<float> memory_;          // each product with half a patch of zeros around it
+  std::size_t pitch_ = 0, plane_ = 0;  // number of floats per row, and per product
+  std::vector<float> memory_;          // all products, each with a border of zeros of half a patch
   std::vector<float> columns_, sums_;  // column sums and patch sums of one row
 };
 
 // Limits of judge_flow_row().
 struct FlowLimits {
-  float max_unlike, error2, step2;  // error2, step2: squared limits, small px^2
+  // error2, step2: squares of the limits, px^2 of the reduced picture.
+  float max_unlike, error2, step2;
 };
 struct FlowCertaintyRow {
   float *xx, *xy, *yy;
 };
 
-// Validates the cells of a row and writes their certainty. <x> is the weighted mean of x over the patch of a
-// cell. Units: small px and gray codes.
-// - Structure tensor G = (xx xy; xy yy), smaller eigenvalue `lesser` = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2
-//   + xy^2).
+// Validates the cells of a row and writes the certainty of each cell. <x> is the weighted mean of x over the
+// patch of a cell. Units: px of the reduced picture, and gray codes.
+// - Structure tensor G = (xx xy; xy yy). Its smaller eigenvalue is
+//   `lesser` = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2 + xy^2).
 // - Residual variance s^2 (`unlike`) = <d d> - <d>^2, brightness variance (`varies`) = <q q> - <q>^2.
 // - Similarity: s^2 <= max_unlike varies + noise.
 // - Standard error: s^2 / (n lesser) <= max_error^2, with n = kFlowPatch^2 and s^2 not below the noise.
 // - Further Lucas-Kanade step: |G^-1 b|^2 <= max_step^2, with b = <g d> - <g> <d>.
-// The certainty is n G / s^2, in 1/px^2 of the full picture, and 0 where a test fails.
+// The certainty is n G / s^2, converted to 1/px^2 of the full picture. Where a test fails, the certainty is
+// 0.
 void judge_flow_row(const FlowProducts::Rows& sums, const float* compared, int width,
                     const FlowLimits& limits, const FlowCertaintyRow& to, bool vectors = true);
 

@@ -27,11 +27,11 @@ inline ImageView image_view(const GreyPicture& picture) {
 // Minimum side of an image. In a smaller image, no patch fits into the coarsest pyramid level.
 inline constexpr int kSmallestFlow_px = 64;
 
-// Checks both images. Errors: those of FlowFinder::find(), except the errors of options.
+// Checks both images. Returns the errors of FlowFinder::find(), except errors about options.
 Result<void> check_flow_pair(const ImageView& before, const FrameInfo& info_before,
                              const ImageView& after, const FrameInfo& info_after);
-// Returns `image` as a gray picture. If `image` is gray, the result refers to the pixels of `image`.
-// Otherwise the converted pixels are written to `memory`, and the result refers to `memory`.
+// Returns `image` as a gray picture. If `image` is gray, the result refers to the pixels of `image`. If
+// `image` is in color, the converted pixels are written to `memory`, and the result refers to `memory`.
 cv::Mat flow_grey(const ImageView& image, cv::Mat& memory);
 
 }  // namespace kaz::vision

@@ -1,5 +1,5 @@
-// Reduces pictures to a quarter for the flow search, and enlarges the found flow to one vector per pixel.
-// Internal to vision/flow.
+// Reduces pictures to a quarter of their width and height for the flow search. Enlarges the found flow to one
+// vector per pixel. Internal to vision/flow.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,13 +9,15 @@
 
 namespace kaz::vision {
 
-// Reduces a gray picture: each result pixel is the mean of a square of 4 x 4 pixels. Halves are rounded to
-// even, as by cv::resize with INTER_AREA. Width and height must be multiples of 4. Rows have no padding.
+// Reduces a gray picture: each result pixel is the mean of a square of 4 x 4 pixels. A mean halfway between
+// two codes is rounded to the even code, as cv::resize does with INTER_AREA. Width and height must be
+// multiples of 4. Rows have no padding.
 void quarter(const std::uint8_t* grey, int width, int height, std::uint8_t* to);
 
 // Enlarges the flow of a small picture, stored as (right, down) per pixel. The flow is interpolated
-// bilinearly at the pixel centers of the full picture and multiplied by `factor`. Bit-identical to cv::resize
-// with INTER_LINEAR: first along the rows, then down the columns, each as a (1 - s) + b s.
+// bilinearly at the pixel centers of the full picture and multiplied by `factor`. The result is bit-identical
+// to cv::resize with INTER_LINEAR. Interpolation goes first along the rows, then down the columns, both times
+// as a (1 - s) + b s.
 class FlowEnlarger {
  public:
   struct Size {

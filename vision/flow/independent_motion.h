@@ -1,27 +1,28 @@
-// Detects independently moving objects: optical flow that ego-motion does not explain.
+// Detects independently moving objects from optical flow that the ego-motion of the camera does not explain.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A static point has the ray r = (x, y, 1) and the inverse depth w. The ego-motion (R, t) between the two
-// exposures predicts its flow to pi(R r + w t). R and t are computed from the joint angles at both exposures
-// and refined with the flow (ego_motion.h). The inverse depth of a cell is an interval, which depends on what
-// is known:
-// 1. Where the depth image is valid, the interval is the stereo disparity plus or minus one pixel.
+// Between the two exposures, the camera moves by the ego-motion (R, t). A static point with the ray r = (x,
+// y, 1) and the inverse depth w then appears at pi(R r + w t), where pi is the projection. R and t are
+// computed from the joint angles at both exposures and refined with the flow (ego_motion.h). The inverse
+// depth of a cell is limited to an interval in one of three ways:
+// 1. Where the depth image is valid, the interval is given by the stereo disparity plus or minus one pixel.
 // 2. Elsewhere, if the ray meets the floor plane, the point is on the floor or up to `highest_on_floor_m`
 //    above the floor.
-// 3. Otherwise (above the horizon, or far away) the interval is [0, 1 / nearest_elsewhere_m]. Then mainly the
-//    rotation determines the predicted flow.
+// 3. In all other cases (above the horizon, or far away) the interval is [0, 1 / nearest_elsewhere_m]. The
+//    predicted flow then depends mainly on the rotation.
 //
-// An interval of w maps to a line segment of flows. The residual is the vector from the nearest point of that
-// segment to the measured flow. A cell is moving if its residual exceeds the error bounds of flow and pose.
-// The residual must also be unlikely under the covariance of the flow, which is large along an edge. Flow is
-// smooth and bleeds over object borders, so each candidate cell is verified on the images. A candidate cell
-// is static if warping by ego-motion matches the images better than the measured flow. Connected moving cells
-// form a region if ego-motion does not match the images at all in some of these cells. The flow of the region
-// is then estimated again as one translation of all its pixels. Limitation: where the depth is unknown,
-// motion along the epipolar line is not detected.
+// An interval of inverse depths maps to a line segment of predicted flows. The residual is the vector from
+// the nearest point of this line segment to the measured flow. A cell is a candidate if its residual exceeds
+// the error bounds of flow and pose, and is unlikely for the covariance of the flow. The covariance of the
+// flow is large along an edge. Flow is smooth and bleeds over object borders, so each candidate cell is
+// verified on the images. A candidate cell is static if the predicted flow of a static point matches the two
+// images better than the measured flow does. All other candidate cells are moving. Connected moving cells
+// form a region if, in some of these cells, ego-motion does not match the images at all. The flow of the
+// region is then estimated again as one translation of all pixels of the region. Limitation: where the depth
+// is unknown, motion along the epipolar line is not detected.
 //
 // Frames: pixels of the earlier image; optical and foot frames as in frame.h. The supporting foot must be the
-// same at both exposures and must not move between them. Units: px, m, s.
+// same at both exposures, and must not move between the exposures. Units: px, m, s.
 #pragma once
 
 #include <cstdint>
@@ -42,36 +43,39 @@ namespace kaz::vision {
 
 struct IndependentMotionOptions {
   double flow_error_px = 1.0;  // error bound of the flow
-  // Minimum depth of the robot's own shoulders. A region is dropped as a shoulder if it meets three
-  // conditions. It reaches the lowest tenth of the image, has no stereo depth, and its flow fits a static
-  // object at this depth or farther.
+  // Minimum depth of the robot's own shoulders. A region is dropped as a shoulder if it reaches the lowest
+  // tenth of the image and has no stereo depth, and its flow fits a static object at this depth or farther.
   double nearest_body_m = 0.05;
-  // Standard deviations of the ego-motion computed from the postures, and the largest accepted corrections.
-  // Causes of error: noise and quantization of the potentiometers, backlash of 0.4 degrees, sway.
+  // Standard deviations of the ego-motion that is computed from the postures, and maximum accepted
+  // corrections of this ego-motion. The errors come from noise and quantization of the potentiometers,
+  // backlash of 0.4 degrees, and sway.
   double posture_error_rad = 0.005, max_posture_error_rad = 0.03;
   double posture_error_m = 0.002, max_posture_error_m = 0.01;
-  double min_surprise = 3;  // minimum Mahalanobis distance of a moving residual
-  int min_cells = 4;        // minimum size of a region
+  double min_surprise = 3;  // minimum Mahalanobis distance of a candidate's residual
+  int min_cells = 4;        // minimum size of a region, cells
   // Minimum number of cells of a region that ego-motion does not match at all.
   int min_proven_cells = 3;
-  double min_proven = 0.2;  // minimum of this number as a share of the region's cells
+  // Minimum share of the region's cells that ego-motion does not match at all.
+  double min_proven = 0.2;
   double highest_on_floor_m = 0.10;
-  // Minimum depth of points whose depth neither stereo nor the floor limits.
+  // Minimum depth of points for which neither stereo nor the floor limits the depth.
   double nearest_elsewhere_m = 0.5;
 };
 
-// A moving region. It may exceed the object by up to half a patch of the flow (14 px) where the surroundings
-// lack texture.
+// A moving region. Where the surroundings of an object lack texture, the region may exceed the object by up
+// to half a patch of the flow (14 px).
 struct MovingRegion {
   int pixels = 0;
   int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, px, inclusive
   double center_u = 0, center_v = 0;             // px
-  // Mean residual divided by the time between exposures; excludes ego-motion.
+  // Velocity in the image without the part that ego-motion causes: mean residual divided by the time between
+  // the exposures.
   Eigen::Vector2d velocity_px_s{0, 0};
-  // Center of the region at the earlier exposure (m) and its velocity (m/s), foot frame. Set if at least a
-  // third of the cells have stereo depth. One camera's flow does not measure the velocity component along the
-  // ray. The motion is therefore assumed to be horizontal (a rolling object), or, if the ray descends by less
-  // than 10 degrees, perpendicular to the ray.
+  // Center (m) of the region at the earlier exposure, and velocity (m/s) of the region, foot frame. Set if at
+  // least a third of the region's cells have stereo depth. The flow of one camera does not contain the
+  // velocity component along the ray. The motion is therefore assumed to be horizontal, as of a rolling
+  // object. If the ray descends by less than 10 degrees, the motion is assumed to be perpendicular to the
+  // ray.
   std::optional<Eigen::Vector3d> position_m, velocity_m_s;
   // 0 to 1: share of the region's cells that ego-motion does not match at all.
   double confidence = 0;
@@ -81,15 +85,16 @@ struct MovingRegions {
   enum class Depth : std::uint8_t { none, stereo, floor, far };
 
   FrameInfo before, after;
-  // Correction of the ego-motion computed from the postures, in the later optical frame.
+  // Correction of the ego-motion that was computed from the postures, in the later optical frame.
   Eigen::Vector3d turn_error_rad{0, 0, 0}, shift_error_m{0, 0, 0};
   double spread_px = 0;  // robust standard deviation of the residuals, per axis
-  // One entry per cell of the flow image.
+  // Size of the grid of cells, as in the flow image. residual_px, depth and label have one entry per cell.
   int cells_across = 0, cells_down = 0;
   std::vector<Eigen::Vector2f> residual_px;  // NaN where flow is unknown
-  std::vector<Depth> depth;                  // source of the depth interval; none: unknown flow
-  std::vector<std::uint8_t> label;           // region number from 1; 0: static or unknown
-  std::vector<MovingRegion> regions;         // largest first, at most 255
+  // Source of the depth interval; none: the flow is unknown.
+  std::vector<Depth> depth;
+  std::vector<std::uint8_t> label;    // region number from 1; 0: static or unknown
+  std::vector<MovingRegion> regions;  // largest first, at most 255
 };
 
 class IndependentMotionDetector {
@@ -97,8 +102,9 @@ class IndependentMotionDetector {
   explicit IndependentMotionDetector(const IndependentMotionOptions& options = {})
       : options_(options) {}
 
-  // Finds the moving regions. `before` and `after` are the images of the flow. `depth` belongs to either
-  // image, or is null. Reuses the memory of `moving`, whose contents are undefined after an error. Errors:
+  // Finds the moving regions. `before` and `after` are the images of the flow. `depth` is the depth image of
+  // `before` or `after`, or null. Reuses the memory of `moving`; after an error, the contents of `moving` are
+  // undefined. Errors:
   // - the posture is unknown at one of the exposures.
   // - the camera pose jumped (over 5 m/s or 20 rad/s), for example because the supporting foot changed.
   // - the flow contradicts the postures by more than the largest accepted corrections.
@@ -132,15 +138,16 @@ class IndependentMotionDetector {
   FlowResiduals residuals_;
   std::vector<Eigen::Vector2i> places_;  // positions, in the depth image, of the samples of a row
   std::vector<std::uint8_t> inside_;
-  std::vector<float> disparity_;      // disparities at places_, px
-  std::vector<int> columns_;          // centers of the cells of a row, px
-  std::vector<std::size_t> cell_;     // cell of each sample
-  std::vector<int> sample_;           // by cell: number of the cell's sample, from 1; 0: no sample
-  Eigen::Isometry3d later_;           // from the earlier to the later optical frame, corrected
-  std::vector<float> inverse_depth_;  // by cell, from stereo; 0 where unknown
-  Mask candidates_;                   // by cell
+  std::vector<float> disparity_;   // disparities at places_, px
+  std::vector<int> columns_;       // centers of the cells of a row, px
+  std::vector<std::size_t> cell_;  // index of each sample's cell
+  std::vector<int> sample_;        // by cell: number of the cell's sample, from 1; 0: no sample
+  // Corrected transform from the earlier to the later optical frame.
+  Eigen::Isometry3d later_;
+  std::vector<float> inverse_depth_;  // by cell: inverse depth from stereo, 1/m; 0: unknown
+  Mask candidates_;                   // cells that are candidates
   std::vector<float> grey_[2];        // gray codes of both pictures
-  std::vector<std::uint8_t> proven_;  // by cell: ego-motion does not match at all
+  std::vector<std::uint8_t> proven_;  // by cell: 1 if ego-motion does not match the images at all
   std::vector<Eigen::Vector2i> corners_;
   RegionFinder finder_;
 };

@@ -1,4 +1,4 @@
-// Flow, photometric error and center of a moving region from two images. Internal to vision/.
+// Computes flow, photometric error and center of a moving region from two images. Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,8 @@
 
 namespace kaz::vision {
 
-// Converts 8-bit pixels to gray codes. `channels` is 1 (copied) or 3: (r + 2 g + b) / 4, exact.
+// Converts 8-bit pixels to gray codes. If `channels` is 1, the pixels are copied. If `channels` is 3, a code
+// is exactly (r + 2 g + b) / 4.
 void grey_codes(std::span<const std::uint8_t> bytes, int channels, std::vector<float>& codes);
 
 struct GreyReader {
@@ -35,22 +36,24 @@ struct GreyReader {
   }
 };
 
-// Returns the mean squared difference of gray codes (codes^2) between the pixels within `reach` of (u, v) and
-// the later image displaced by `flow_px`. Returns NaN if the displaced pixels leave the later image.
+// Compares a square of the earlier image with the square of the later image that is displaced by `flow_px`.
+// The square contains the pixels within `reach` px of (u, v). Returns the mean squared difference of the gray
+// codes (codes^2), or NaN if the displaced square is not inside the later image.
 double misfit(const GreyReader& before, const GreyReader& after, int u, int v, int reach,
               const Eigen::Vector2d& flow_px);
 
-// Refines `flow_px`, one translation for all pixels of several squares. The squares have sides of `side` px,
-// and `corners` are their upper left corners. Method: Gauss-Newton on the brightness difference (B. Lucas, T.
-// Kanade 1981), with Geman-McClure weights of scale 12 codes. Returns false if the texture is insufficient,
-// or the result is more than 3 px from the initial value or outside the image.
+// Refines `flow_px`, the common translation of all pixels of several squares. Each square has a side of
+// `side` px; `corners` has the upper left corner of each square. Method: Gauss-Newton on the brightness
+// difference (B. Lucas, T. Kanade 1981), with Geman-McClure weights of scale 12 codes. Returns false if the
+// texture is insufficient, or the refined flow leaves the image. Also returns false if the refined flow
+// differs from the initial flow by more than 3 px.
 bool refine_flow(const GreyReader& before, const GreyReader& after,
                  std::span<const Eigen::Vector2i> corners, int side, Eigen::Vector2d& flow_px);
 
 // Finds the center of the pixels in the box (left, top)..(right, bottom) that move by `flow_px`. Pixels that
-// move by `rest_px`, the flow of a static point, are excluded. In an object of uniform color, only pixels at
-// the leading and trailing edges show this motion; both edges count. Returns false if no pixel moves by
-// `flow_px`.
+// move by `rest_px`, the flow of a static point, are excluded. In an object of uniform color, only the pixels
+// at the leading and trailing edges show the motion. The pixels of both edges count. Returns false if no
+// pixel moves by `flow_px`.
 bool moved_middle(const GreyReader& before, const GreyReader& after, int left, int top, int right,
                   int bottom, const Eigen::Vector2d& flow_px, const Eigen::Vector2d& rest_px,
                   Eigen::Vector2d& middle);

@@ -1,8 +1,8 @@
-// Camera images and their frame information.
+// Camera images, and the frame information of an image.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every vision result contains the frame information of its image. Regardless of latency, positions in the
-// result are relative to the camera pose at the exposure, not to the pose when the result is delivered.
+// result are relative to the camera pose at the exposure, not at the delivery of the result.
 //
 // Optical frame: x right, y down, z forward, origin at the lens. Foot frame: x forward, y left, z up, origin
 // at the sole of the supporting foot. Units: m, rad, s. Source: paper, section 4.1.
@@ -46,13 +46,15 @@ struct StereoImages {
 struct FrameInfo {
   std::uint64_t sequence = 0;
   Time exposure{};                // middle of the exposure
-  CameraModel camera;             // left eye
-  bool posture_known = false;     // false if the board's state at that time is unknown
+  CameraModel camera;             // camera model of the left eye
+  bool posture_known = false;     // false if the board's state at `exposure` is unknown
   std::vector<double> joint_rad;  // measured angles at `exposure`, by joint number
-  Eigen::Isometry3d foot_from_eye = Eigen::Isometry3d::Identity();  // left optical frame
+  // Transform from the left optical frame to the foot frame.
+  Eigen::Isometry3d foot_from_eye = Eigen::Isometry3d::Identity();
 };
 
-// A stereo pair from a camera. The pixels may still be in transfer; `images.get()` waits for them.
+// A stereo pair from a camera. The pixels may still be in transfer; `images.get()` waits until all pixels
+// have arrived.
 struct StereoPair {
   FrameInfo info;
   std::shared_future<std::shared_ptr<const StereoImages>> images;
@@ -67,7 +69,8 @@ class Camera {
   virtual ~Camera() = default;
   virtual const CameraModel& model() const = 0;
   // Returns the next pair that has reached the host, oldest first, or nullopt if no pair is waiting. Never
-  // blocks. An error is final: no more pairs will come (camera gone), and its message contains the reason.
+  // blocks. An error is final: no more pairs will come, for example because the camera is gone. The error's
+  // message contains the reason.
   virtual Result<std::optional<StereoPair>> poll() = 0;
 };
 

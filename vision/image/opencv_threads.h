@@ -4,10 +4,10 @@
 
 namespace kaz::vision {
 
-// Makes OpenCV compute on the thread of its caller, from now on and in the whole process. Programs with one
-// thread per module should call this, because OpenCV's worker threads wait for work by spinning. Also, OpenCV
-// splits the inverse search of flow.h into one stripe per thread and restarts the search in each stripe,
-// which changes the flow slightly.
+// Makes OpenCV compute on the calling thread, for the rest of the process. Programs with one thread per
+// module should call keep_opencv_on_callers_threads(), because OpenCV's worker threads wait for work by
+// spinning. Another reason is the inverse search of flow.h. OpenCV splits the search into one stripe per
+// thread and restarts the search in each stripe, so the number of threads changes the flow slightly.
 void keep_opencv_on_callers_threads();
 
 }  // namespace kaz::vision

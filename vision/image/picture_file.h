@@ -1,8 +1,9 @@
 // Reads pictures from files: PNG, JPEG, PPM and PGM.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A truncated or damaged file is an error. OpenCV's imread is not used: it returns part of a damaged picture,
-// and its library loads about a hundred other libraries at every program start.
+// A truncated or damaged file is an error. OpenCV's imread is not used, because imread returns part of a
+// damaged picture. In addition, the library of imread loads about a hundred other libraries at every program
+// start.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +17,13 @@ namespace kaz::vision {
 
 inline constexpr int kLargestPictureSide = picture::kMaxSide;  // px
 
-// Reads a picture. Gray becomes RGB with equal components, transparency is ignored, 16 bits become 8. Errors
-// name the file and the defect.
+// Reads a picture. Gray becomes RGB with equal components, transparency is ignored, and 16-bit samples are
+// reduced to 8 bits. Errors name the file and the defect.
 Result<Image> read_picture(const std::string& path);
 // Like read_picture(), but for the content of a file. Errors contain `name`.
 Result<Image> decode_picture(std::span<const std::uint8_t> bytes, const std::string& name);
 
-// Returns true if the first bytes of the file are those of a PNG, JPEG, PPM or PGM. Returns false if the file
-// cannot be read.
+// Returns true if the file begins like a PNG, JPEG, PPM or PGM. Returns false if the file cannot be read.
 bool looks_like_picture(const std::string& path);
 
 }  // namespace kaz::vision

@@ -1,4 +1,4 @@
-// Masks and their connected regions, with area, bounding box and centroid.
+// Finds the connected regions of a mask, with area, bounding box and centroid.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,18 +8,18 @@
 
 namespace kaz::vision {
 
-// 8 bits per pixel: 255 where the pixel is selected, else 0. Rows from top to bottom, no padding.
+// A mask has 8 bits per pixel: 255 if the pixel is selected, else 0. Rows from top to bottom, no padding.
 struct Mask {
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;
 };
 
-// Pixels left to right (both inclusive) of one row.
+// A run of pixels in one row, from `left` to `right` (both inclusive).
 struct Run {
   int row, left, right;
 };
 
-// A region is 8-connected: pixels that touch at a corner belong together.
+// A region is 8-connected: pixels that touch at a corner belong to the same region.
 struct Region {
   int area = 0;                                  // pixels
   int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, inclusive
@@ -41,9 +41,10 @@ class RegionFinder {
   int root(int run);
 
   std::vector<Run> runs_;
-  std::vector<int> parent_;     // union-find over runs
+  std::vector<int> parent_;     // parent run of each run, for union-find
   std::vector<int> row_start_;  // index of the first run of each row; last entry: number of runs
-  std::vector<int> area_;       // by root run: area of the region, later the region number
+  // By root run: first the area of the region, later the region number.
+  std::vector<int> area_;
   std::vector<Region> regions_;
 };
 

@@ -1,4 +1,4 @@
-// Example of a module: brightness of pictures. Linked from docs/explanation/vision.md.
+// Example of a vision module: computes the brightness of pictures. Linked from docs/explanation/vision.md.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@
 namespace kaz::vision {
 
 struct Brightness {
-  double left = 0, right = 0;  // mean code, 0..255
+  double left = 0, right = 0;  // mean code of the picture, 0..255
 };
 
 // Creates the module "brightness", whose result has the type Brightness.

@@ -1,9 +1,9 @@
 // Interface of a vision module, and the frame that it processes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A module computes one result from a stereo pair and the results of other modules for that pair. A Frame
-// contains the pair, the results and the frame information (frame.h), so the inputs of a module always belong
-// to one frame. Your own modules implement the same interface as the modules of modules.h. A pipeline
+// A module computes one result from a stereo pair, and from the results of other modules for the same pair. A
+// Frame contains the pair, the results and the frame information (frame.h), so the inputs of a module always
+// belong to one frame. Your own modules implement the same interface as the modules of modules.h. A pipeline
 // (pipeline.h) runs the modules.
 #pragma once
 
@@ -23,16 +23,16 @@ namespace kaz::vision {
 class Frame {
  public:
   const FrameInfo& info() const { return pair_.info; }
-  // True for the first frame, for the first frame after a gap in the sequence, and if the camera's clock
-  // stepped back. A module that compares frames must start again if this is true.
+  // Returns true for the first frame, for the first frame after a gap in the sequence, and if the camera's
+  // clock stepped back. A module that compares successive frames must start again if after_gap() is true.
   bool after_gap() const { return after_gap_; }
-  // The rectified pictures. Available in Module::look(), and in a subscriber that receives a value.
+  // The rectified pictures. Call images() only in Module::look(), or in a subscriber that receives a value.
   const StereoImages& images() const { return *images_; }
   std::shared_ptr<const StereoImages> shared_images() const { return images_; }
 
   // Returns the result of `module` for this frame. Module::look() may read the results of the modules in
-  // needs(). A subscriber may read the result of the module to which it subscribed, and the results that this
-  // module needs. Throws std::logic_error if the result does not exist or is not a T.
+  // needs(). A subscriber may read the result of the module to which it subscribed, and the results that the
+  // subscribed module needs. Throws std::logic_error if the result does not exist or is not a T.
   template <class T>
   const T& of(std::string_view module) const {
     const T* value = std::any_cast<T>(find(module));
@@ -47,8 +47,8 @@ class Frame {
   struct Slot {
     enum class State { waiting, done, failed, dropped };
     State state = State::waiting;
-    std::any value;              // if done
-    std::optional<Error> error;  // if failed
+    std::any value;              // result; set in the state `done`
+    std::optional<Error> error;  // set in the state `failed`
     int missing = 0;             // number of needed results that are not yet available
     double computing_s = 0;      // wall-clock time
   };
@@ -65,7 +65,7 @@ class Frame {
   bool after_gap_ = false;
   std::shared_ptr<const StereoImages> images_;
   std::shared_ptr<const Names> names_;
-  std::vector<Slot> slots_;  // by module
+  std::vector<Slot> slots_;  // one slot per module
 };
 
 class Module {
@@ -75,13 +75,14 @@ class Module {
   virtual std::string name() const = 0;
   // Names of the modules whose results look() reads.
   virtual std::vector<std::string> needs() const { return {}; }
-  // Declared latency. In lockstep, the result is delivered this much simulated time after the last needed
-  // result (or after the pair if no result is needed). The real computing time has no effect.
+  // Declared latency: in lockstep, the simulated time from the last needed result to the delivery of this
+  // module's result. For a module that needs no results, the latency counts from the arrival of the pair. The
+  // real computing time has no effect.
   virtual Time latency() const = 0;
-  // Processes one frame. Called on the module's own thread for one frame at a time, in order of arrival. The
-  // type of the result must be copyable and the same for all frames. If look() returns an error, subscribers
-  // receive the error in place of the result, and dependent modules fail for this frame. An exception in
-  // look() becomes an error.
+  // Processes one frame. The pipeline calls look() on the module's own thread for one frame at a time, in
+  // order of arrival. The type of the result must be copyable and the same for all frames. If look() returns
+  // an error, subscribers receive the error in place of the result, and dependent modules fail for this
+  // frame. An exception from look() counts as an error.
   virtual Result<std::any> look(const Frame& frame) = 0;
 };
 

@@ -1,7 +1,7 @@
 // Creates the vision modules of Kaz for a pipeline.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Names, results and needed modules:
+// Name, result and needed modules of each module:
 // - color: BallObservation, the ball that is detected by its color in the left picture.
 // - depth: DepthImage.
 // - flow: FlowImage, the optical flow from the previous left picture to the present one. The width of the
@@ -38,7 +38,7 @@ std::unique_ptr<Module> make_color_module(const BallOptions& options, Time laten
 std::unique_ptr<Module> make_depth_module(const DepthOptions& options,
                                           Time latency = kDepthLatency);
 // The flow image is empty for the first frame and after the camera's clock stepped back. The flow image is
-// also empty if the previous frame is more than `longest` ago.
+// also empty if the previous frame is older than the frame by more than `longest`.
 std::unique_ptr<Module> make_flow_module(const FlowOptions& options, Time latency = kFlowLatency,
                                          Time longest = std::chrono::milliseconds(200));
 std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,

@@ -1,13 +1,14 @@
-// Runs vision modules, each on its own thread, and delivers their results to subscribers with the frame.
+// Runs each vision module on a thread of its own, and delivers results and frames to subscribers.
 // SPDX-License-Identifier: Apache-2.0
 //
 // As in the paper (section 4.1), a module broadcasts its result and the frame information to dependent
 // modules. A pipeline runs at one of two paces.
-// - Lockstep: every frame is processed. In simulated time, a result is delivered exactly the module's
-//   declared latency after the inputs. Repeating a run gives the same results at the same times.
-// - Real time: results are delivered as soon as they are computed. If frames arrive while a module is busy,
-//   the module continues with the newest frame. The module drops and counts the older frames, which are also
-//   dropped for dependent modules.
+// - Lockstep: every frame is processed. In simulated time, a result is delivered when exactly the module's
+//   declared latency has passed since the inputs arrived. Repeating a run gives the same results at the same
+//   times.
+// - Real time: each result is delivered as soon as the result is computed. If frames arrive while a module is
+//   busy, the module continues with the newest frame. The module drops and counts the older frames, which are
+//   also dropped for dependent modules.
 #pragma once
 
 #include <cstdint>
@@ -24,18 +25,18 @@ enum class Pace { lockstep, realtime };
 
 struct PipelineOptions {
   Pace pace = Pace::lockstep;
-  Time camera_latency{};  // from exposure to arrival at the host; used in lockstep
+  Time camera_latency{};  // time from exposure to arrival at the host; only used in lockstep
 };
 
 // Statistics of one module since the pipeline started.
 struct ModuleStatistics {
   std::string name;
   std::uint64_t delivered = 0, failed = 0;
-  // Frames that were not processed because a newer frame replaced them, in this module or in a needed module.
+  // Number of frames that this module or a needed module did not process because a newer frame had arrived.
   std::uint64_t dropped = 0;
-  // Wall-clock computing time of the last thousand frames, s.
+  // Wall-clock computing time per frame, over the last thousand frames, s.
   double computing_median_s = 0, computing_p95_s = 0, computing_max_s = 0;
-  // Time from exposure to delivery, s, in host time (in lockstep: simulated time).
+  // Time from exposure to delivery of a result, s: simulated time in lockstep, else host time.
   double age_median_s = 0, age_p95_s = 0, age_max_s = 0;
 };
 
@@ -48,8 +49,8 @@ struct Delivery {
   bool failed = false;
 };
 
-// All calls must come from one thread, on which subscribers are also called. The destructor stops the
-// modules, even if pixels have not arrived yet. Undelivered results are discarded.
+// All calls of a Pipeline must come from one thread. Subscribers are called on the same thread. The
+// destructor stops the modules, even if pixels have not arrived yet. Undelivered results are discarded.
 class Pipeline {
  public:
   explicit Pipeline(const PipelineOptions& options);
@@ -57,13 +58,14 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  // Adds a module. Call before the first submit(). Errors: the name exists already, or a needed module has
-  // not been added yet.
+  // Adds a module. Call add() before the first submit(). Errors: the name exists already, or a needed module
+  // has not been added yet.
   Result<void> add(std::unique_ptr<Module> module);
   bool has(std::string_view module) const;
 
-  // Calls `use(frame, value, error)` for each frame that was not dropped. Exactly one of value and error is
-  // null. Error: no module has this name. If the module's results are not of type T, `use` receives errors.
+  // Calls `use(frame, value, error)` for each frame that was not dropped. Exactly one of `value` and `error`
+  // is null. Error: no module has this name. If the module's results are not of type T, `use` receives
+  // errors.
   template <class T>
   Result<void> subscribe(const std::string& module,
                          std::function<void(const Frame&, const T*, const Error*)> use);
@@ -72,12 +74,13 @@ class Pipeline {
 
   // Passes a pair to the modules. Never blocks, even if the pair's pixels are not available yet.
   void submit(StereoPair pair);
-  // Delivers all results that are ready and returns their number. In lockstep, poll() waits for results that
-  // are due but not yet computed. `now` is host time.
+  // Delivers all results that are ready, and returns the number of delivered results. In lockstep, poll()
+  // waits for results that are due but not yet computed. `now` is host time.
   std::size_t poll(Time now);
 
-  // Waits until all frames are processed, and delivers all results regardless of their due time. Use finish()
-  // at the end of a stream, and for files. Blocks forever if the pixels of a pair never arrive.
+  // Waits until all frames are processed, and delivers all results, including results that are not due yet.
+  // Use finish() at the end of a stream, and for pictures from files. Blocks forever if the pixels of a pair
+  // never arrive.
   std::size_t finish();
 
   // Returns one entry per module, in the order of add().

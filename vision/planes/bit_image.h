@@ -20,12 +20,13 @@ class BitImage {
 
   // Reads one byte per pixel, 0 or 1; rows without padding.
   void pack(const std::uint8_t* bytes, int width, int height);
-  // Dilate or erode with squares of 2 reach + 1 px, where reach is at most 64. Pixels outside the image have
-  // no effect.
+  // Dilate or erode the image with a square whose side is 2 reach + 1 px. `reach` is at most 64. Pixels
+  // outside the image have no effect.
   void dilate(int reach);
   void erode(int reach);
   void invert();
-  // Computes the union with `other`, or the difference from it. Both images must have the same size.
+  // join() adds the pixels of `other`, remove() removes the pixels of `other`. Both images must have the same
+  // size.
   void join(const BitImage& other);
   void remove(const BitImage& other);
 

@@ -3,16 +3,16 @@
 //
 // Block matching shifts the edge between a near and a far surface by up to half a block. At the lower edge of
 // a box on the floor, depth has only a bend, which is detected some pixels too high. Pixels within `reach_px`
-// of the border of the floor's segments are therefore undecided, and a marker-controlled watershed labels
-// them. Floor and non-floor grow into this band from both sides, first where the color gradient is small.
-// Both meet where the gradient is largest. Sources: F. Meyer, "Color image segmentation", IPA 1992;
-// cv::watershed. Holes in the floor narrower than 2 reach_px are closed, unless depth shows an object there.
-// The object's pixels become a marker if two conditions hold. They are higher above the floor than the depth
-// error, and farther than 3/4 reach_px from the floor's pixels.
+// of the border of the floor's segments are therefore undecided. A marker-controlled watershed labels the
+// undecided pixels. Floor and non-floor grow into the undecided band from both sides, first where the color
+// gradient is small. Floor and non-floor meet where the gradient is largest. Sources: F. Meyer, "Color image
+// segmentation", IPA 1992; cv::watershed. Holes in the floor narrower than 2 reach_px are closed, unless
+// depth shows an object there. Pixels of such an object become a marker if they are higher above the floor
+// than the depth error. The pixels must also be farther than 3/4 reach_px from the pixels of the floor.
 //
 // Limitations: the border is wrong by up to `reach_px` where floor and object have the same color, or near
-// the edge of a shadow. Objects less than 1.5 reach_px wide are lost. This width includes the half block by
-// which matching widens objects.
+// the edge of a shadow. Objects that are less than 1.5 reach_px wide in the depth image become floor. This
+// limit includes half a block, by which block matching widens objects.
 #pragma once
 
 #include <memory>
@@ -25,7 +25,7 @@
 namespace kaz::vision {
 
 struct FloorEdgeOptions {
-  int reach_px = 8;  // half a block of stereo matching, plus one; 1..64
+  int reach_px = 8;  // half a block of stereo matching plus one pixel; 1..64
   // Maximum distance (m) of the middle of a floor segment from the plane of the largest floor segment.
   // Segments at a larger distance, such as a low step, are not treated as floor.
   double step_m = 0.01;
@@ -40,9 +40,9 @@ class FloorEdges {
 
   // Refines `planes.label`, not the segments. Pixels that become floor get the label of the largest floor
   // segment. `left` is the rectified picture and `depth` the depth image in which the planes were found.
-  // Without `depth`, objects less than 2 reach_px wide are lost. Does nothing if there is no floor segment.
-  // Errors: the picture or depth image is truncated or has another size; options out of range. An error
-  // leaves `planes` unchanged.
+  // Without `depth`, objects less than 2 reach_px wide become floor. Does nothing if there is no floor
+  // segment. Errors: the picture or depth image is truncated or has another size; options out of range. An
+  // error leaves `planes` unchanged.
   Result<void> sharpen(const Image& left, PlaneSegments& planes, const DepthImage* depth = nullptr);
 
  private:

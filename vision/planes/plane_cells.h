@@ -27,7 +27,7 @@ struct CellGrid {
   void fill(const DepthImage& depth);
 
  private:
-  std::vector<float> sum_, min_, max_;  // per column of a row of cells
+  std::vector<float> sum_, min_, max_;  // per pixel column, over the rows of a row of cells
   std::vector<int> count_;
   std::vector<std::array<float, 3>> known_;
   Cell partly(const DepthImage& depth, int column, int row, float spread);

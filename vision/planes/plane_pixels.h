@@ -15,12 +15,14 @@ constexpr int kMaxPlanes = 16;
 class PlanePixels {
  public:
   void begin(const CellGrid& grid);
-  // Adds a plane and its connected parts, given as cell numbers. There can be 255 segments in total.
+  // Adds a plane and the connected parts of the plane. Each part is a list of cell numbers. There can be 255
+  // segments in total.
   void add(const DisparityPlane& plane, const std::vector<std::vector<int>>& parts);
   int planes() const { return static_cast<int>(planes_.size()); }
 
-  // Labels each pixel with the nearest plane in disparity, among the planes of its cell and of the adjacent
-  // cells. Planes farther than `tolerance` (px) are ignored. Also computes the geometry of the segments.
+  // Labels each pixel with the plane that is nearest in disparity. Only the planes of the pixel's cell and of
+  // the adjacent cells are compared. Planes at a distance of more than `tolerance` (px) are ignored. Also
+  // computes the geometry of the segments.
   void assign(const DepthImage& depth, float tolerance, PlaneSegments& found);
 
  private:
@@ -52,9 +54,10 @@ class PlanePixels {
   std::vector<std::vector<int>> cells_;  // cells of each segment
   // Per cell: bit set of the planes in this cell and in adjacent cells.
   std::vector<std::uint16_t> mask_;
-  std::vector<std::vector<std::uint8_t>> segment_at_;  // per plane and cell: segment + 1; 0: none
+  // Per plane and cell: segment + 1; 0: no segment.
+  std::vector<std::vector<std::uint8_t>> segment_at_;
   std::vector<Sums> sums_;
-  std::vector<float> square_;  // per column of a run of cells
+  std::vector<float> square_;  // per pixel column of a run of cells
   std::vector<int> count_;
 };
 

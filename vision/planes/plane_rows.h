@@ -1,5 +1,5 @@
-// The two pixel loops of plane segmentation. They use the processor's widest vectors; for tests, vectors can
-// be disabled. Results are the same.
+// The two pixel loops of plane segmentation. Both loops use the processor's widest vectors. Tests can disable
+// vectors; the results are the same.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,8 +14,8 @@ constexpr float kMaxDisparity_px = 1e9F;
 // Statistics of the known disparities of each pixel column over several rows.
 struct ColumnSums {
   float* sum;  // sum of the disparities
-  float* min;  // kMaxDisparity_px if none is known
-  float* max;  // 0 if none is known
+  float* min;  // smallest disparity; kMaxDisparity_px if no disparity is known
+  float* max;  // largest disparity; 0 if no disparity is known
   int* count;
 };
 
@@ -23,8 +23,8 @@ struct ColumnSums {
 void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,
              bool vectors = true);
 
-// Labels the pixels of a row. Pixels within `tolerance` of the disparity start + slope x get the label, other
-// pixels 0. Adds the labeled pixels to each column's count and sum of squared residuals.
+// Labels the pixels of a row. Pixels whose disparity is within `tolerance` of start + slope x get `label`,
+// other pixels get label 0. Adds the labeled pixels to each column's count and sum of squared residuals.
 struct RowPlane {
   float start, slope, tolerance;
   std::uint8_t label;

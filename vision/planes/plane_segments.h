@@ -1,19 +1,19 @@
-// Finds plane segments in a depth image, computes their geometry, and determines which ones are floor.
+// Finds plane segments in a depth image with their geometry, and determines which segments are floor.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The paper finds the floor with the Plane Segment Finder (section 4.1; K. Okada, S. Kagami, M. Inaba, H.
-// Inoue, "Plane segment finder: algorithm, implementation and applications", ICRA 2001). This is a randomized
-// three-dimensional Hough transform, followed by a fit to the regions of a plane. We had no access to the
-// text of Okada et al. and follow the description in the paper.
+// Inoue, "Plane segment finder: algorithm, implementation and applications", ICRA 2001). The Plane Segment
+// Finder is a randomized three-dimensional Hough transform, followed by a fit to the regions of a plane. We
+// had no access to the text of Okada et al. and follow the description in the paper.
 // 1. Three neighboring points, drawn at random, define a plane. Each triple gives one vote for the direction
 //    of the plane's normal and the plane's distance from the eye.
-// 2. A peak of votes is taken as a plane. The plane is fitted to the points near it.
+// 2. A peak of votes is taken as a plane. The plane is then fitted to the points near the plane.
 // 3. Connected points on the plane form a segment. The remaining points vote again for further planes.
-// 4. A segment is floor if it agrees with the plane under the sole of the supporting foot. This plane is
-//    computed from the posture at the exposure.
+// 4. A segment is floor if the segment agrees with the plane under the sole of the supporting foot. The plane
+//    under the sole is computed from the posture at the exposure.
 //
 // Differences from the paper: points are means over squares with sides of about 1/80 of the picture's width.
-// Planes are fitted, and distances from planes are measured, in disparity, because stereo noise in disparity
+// Fits of planes and distances from planes are computed in disparity, because the stereo noise of disparity
 // is the same for near and far points. A plane in space is d = a u + b v + c in disparity. Each plane has its
 // own round of votes, so that the floor does not hide a small plane. At the end, single pixels instead of
 // squares are assigned to the nearest plane.
@@ -37,10 +37,10 @@ struct PlaneOptions {
   // Number of draws for the first plane; each further plane gets a third of this number.
   int triples = 1500;
   int max_planes = 8;         // 1..16
-  double tolerance_px = 0.6;  // maximum distance of a point from its plane, in disparity
+  double tolerance_px = 0.6;  // maximum distance of a point from the plane, in disparity
   double min_share = 0.006;   // minimum size of a segment, as a share of the picture
-  // Maximum differences between a floor segment and the plane under the sole. The causes are errors of
-  // posture and calibration.
+  // Maximum differences between a floor segment and the plane under the sole. The differences come from
+  // errors of posture and calibration.
   double floor_angle_rad = 0.10;
   double floor_height_m = 0.02;  // difference in height of the middle of the segment
 };
@@ -49,15 +49,15 @@ struct PlaneSegment {
   int plane = 0;  // plane number; several segments may lie in one plane
   // Unit normal towards the eye. Points p of the plane satisfy normal . p = -distance_m.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double distance_m = 0;  // from the eye, > 0
+  double distance_m = 0;  // distance of the plane from the eye, > 0
   double error_px = 0;    // rms distance of the segment's pixels from the plane, in disparity
-  double error_m = 0;     // rms distance perpendicular to the plane
+  double error_m = 0;     // rms distance of the segment's pixels perpendicular to the plane, m
   int pixels = 0;
   int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, inclusive, px
-  // `middle` is the mean of the points; `along` and `across` are the unit directions of their largest and
-  // smallest spread in the plane. The extents in these directions, length_m and width_m, are measured between
-  // the middles of the outermost squares. So the real segment is longer by up to one and a half squares on
-  // each side.
+  // `middle` is the mean of the points; `along` and `across` are the directions (unit vectors) in which the
+  // points spread most and least in the plane. The extents in these directions, length_m and width_m, are
+  // measured between the middles of the outermost squares. So the real segment is longer by up to one and a
+  // half squares on each side.
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   Eigen::Vector3d along = Eigen::Vector3d::UnitX(), across = Eigen::Vector3d::UnitY();
   double length_m = 0, width_m = 0;
@@ -70,7 +70,7 @@ struct PlaneSegments {
   int width = 0, height = 0;
   // Sorted by the order in which the planes were found; within a plane, the largest segment is first.
   std::vector<PlaneSegment> segments;
-  std::vector<std::uint8_t> label;  // per pixel: 0: none; n: segments[n - 1]
+  std::vector<std::uint8_t> label;  // per pixel: number n of segments[n - 1]; 0: no segment
 
   bool floor_found() const {
     for (const PlaneSegment& s : segments) {
@@ -87,9 +87,9 @@ class PlaneSegmentFinder {
   PlaneSegmentFinder(PlaneSegmentFinder&&) noexcept;
   PlaneSegmentFinder& operator=(PlaneSegmentFinder&&) noexcept;
 
-  // Reuses the memory of `found`, whose contents are undefined after an error. It is not an error if no plane
-  // is found. Disparities that are not above 0 or not finite count as unknown. Errors:
-  // - a depth image with less than 32 or more than 8192 pixels a side, or with data that does not match its
+  // Reuses the memory of `found`; after an error, the contents of `found` are undefined. It is not an error
+  // if no plane is found. Disparities that are not above 0 or not finite count as unknown. Errors:
+  // - a depth image with a side of less than 32 or more than 8192 pixels, or with data that do not match the
   //   size.
   // - a camera model without focal length or baseline.
   // - options out of range.

@@ -12,9 +12,9 @@
 
 namespace kaz::vision {
 
-// Accumulator of votes. There are 24 x 24 bins for the direction of the normal (octahedral map, about 6
-// degrees per bin). There are 50 bins for the distance from the camera, 2 cm to 8 m, each 12 % wide. Optical
-// frame.
+// Accumulator of votes for planes in the optical frame. The direction of the normal has 24 x 24 bins
+// (octahedral map, about 6 degrees per bin). The distance from the camera has 50 bins from 2 cm to 8 m, each
+// 12 % wide.
 class PlaneVotes {
  public:
   // Samples triples of cells where `open` is set. Returns up to 6 planes with the most votes, best first. No
@@ -45,9 +45,9 @@ class PlaneVotes {
   struct Peak {
     int votes, vote;
   };
-  std::vector<std::uint16_t> bins_;  // all 0 except those of votes_
+  std::vector<std::uint16_t> bins_;  // all 0 except the bins of votes_
   std::vector<Vote> votes_;
-  std::vector<int> first_;  // index of the first vote of each bin, increasing
+  std::vector<int> first_;  // index of the first vote of each bin that has votes, increasing
   std::vector<Peak> peaks_;
   std::vector<DisparityPlane> best_;
 };

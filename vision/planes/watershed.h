@@ -5,8 +5,8 @@
 // pixels is the largest difference of the three channels. Undecided pixels beside a marker wait in one FIFO
 // queue per color difference. A pixel from a queue gets the marker of its neighbors, or becomes part of the
 // line if its neighbors have different markers. The order of neighbors is the same as in OpenCV's
-// cv::watershed, so every pixel of the result is the same; a test compares both. The outermost pixels of the
-// picture also belong to the line.
+// cv::watershed, so every pixel of the result is also the same. A test compares the results of both
+// implementations. The outermost pixels of the picture also belong to the line.
 #pragma once
 
 #include <array>
@@ -19,10 +19,10 @@ namespace kaz::vision {
 
 class Watershed {
  public:
-  static constexpr std::uint8_t kFirst = 1, kSecond = 2, kLine = 8;  // 0: enclosed by lines
+  static constexpr std::uint8_t kFirst = 1, kSecond = 2, kLine = 8;  // label 0: enclosed by lines
 
   // Returns one label per pixel, valid until the next call. `first` and `second` are disjoint markers of one
-  // size. `rgb` is a picture of that size, rows without padding.
+  // size. `rgb` is a picture of the same size as the markers, rows without padding.
   const std::vector<std::uint8_t>& grow(const std::uint8_t* rgb, const BitImage& first,
                                         const BitImage& second);
 
@@ -36,7 +36,8 @@ class Watershed {
   std::vector<std::uint8_t> label_;
   // By pixel: the next pixel in the same queue, or -1 for the last pixel. A pixel is queued only once.
   std::vector<std::int32_t> next_;
-  std::array<std::int32_t, 256> head_{}, tail_{};  // by color difference; head -1: empty
+  // Queues by color difference; head -1: empty queue.
+  std::array<std::int32_t, 256> head_{}, tail_{};
 };
 
 }  // namespace kaz::vision

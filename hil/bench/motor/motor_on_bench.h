@@ -2,8 +2,8 @@
 // measures.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every call throws Lost, which ends the bench, if the link or the stand is gone. It throws Failed, which
-// fails the measurement, if the board does not execute a request.
+// Every call throws Lost if the link or the stand is lost; this exception ends the bench. Every call throws
+// Failed if the board does not execute a request; this exception ends only the measurement.
 #pragma once
 
 #include <cstdint>
@@ -20,16 +20,16 @@ namespace kaz::hil {
 
 struct Sample {
   double t_s = 0;        // board time since the drive or the step began
-  double angle_rad = 0;  // as reported by the board
-  double volts = 0;      // at the terminals of the motor drivers
+  double angle_rad = 0;  // angle that the board reports
+  double volts = 0;      // voltage at the terminals of the motor drivers
 };
 using Trace = std::vector<Sample>;
 
 class MotorOnBench {
  public:
   // `stand` may be null. The robot's link watchdog must be 0.5 s or more. The constructor sets the joint's
-  // gains to `gains` and the limits to those after a reset. The destructor restores the previous gains and
-  // limits.
+  // gains to `gains` and the joint's limits to the limits after a reset. The destructor restores the previous
+  // gains and limits.
   MotorOnBench(host::Robot& robot, Stand* stand, int joint, const host::Gains& gains);
   ~MotorOnBench();
   MotorOnBench(const MotorOnBench&) = delete;
@@ -41,7 +41,7 @@ class MotorOnBench {
   int joint() const { return joint_; }
   std::string name() const;
   const host::Gains& gains() const { return gains_; }
-  double lower_rad() const { return lower_; }  // range of the joint
+  double lower_rad() const { return lower_; }  // lower end of the joint's range
   double upper_rad() const { return upper_; }
   double middle_rad() const { return 0.5 * (lower_ + upper_); }
 
@@ -62,24 +62,25 @@ class MotorOnBench {
   // Samples the potentiometer every 5 ms with the motor off.
   Trace watch(double length_s);
   // Drives with a duty of -1 to 1, rounded to 1/255, for `length_s`. With `within_rad` above 0, the drive
-  // ends when the shaft is that close to the limit ahead. After the drive, the motor is off, and sampling
-  // continues for `after_s`.
+  // ends when the distance of the shaft from the limit ahead is at most `within_rad`. After the drive, the
+  // motor is off, and sampling continues for `after_s`.
   Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
   // Like drive(), but ends as soon as the angle differs from `from_rad` by `enough_rad` in either direction.
   Trace nudge(double duty, double length_s, double from_rad, double enough_rad);
   // Drives without sampling, to continue the previous drive.
   void keep_driving(double duty, double length_s);
-  // Returns the response of the loop to a step of the target, from rest at `from_rad`.
+  // Returns the response of the control loop to a step of the target. The step begins at rest at `from_rad`.
   Trace step(double from_rad, double to_rad, double length_s);
   struct Sine {
     Trace target, answer;
   };
-  // Records the loop as it follows middle + amplitude sin(2 pi f t), with a new target every 10 ms.
+  // Records how the control loop follows the target middle + amplitude sin(2 pi f t), with a new target every
+  // 10 ms.
   Sine follow(double middle_rad, double amplitude_rad, double hertz, double length_s);
 
  private:
-  // For an error, throws Failed if the board still answers, as after a refusal, and Lost if the board is
-  // gone.
+  // Returns the value of `result`. If `result` is an error, throws Failed if the board still answers, for
+  // example after a refusal, and Lost if the board does not answer.
   template <class T>
   T or_throw(Result<T> result) {
     if (result) return sure(std::move(result));
@@ -92,9 +93,9 @@ class MotorOnBench {
   template <class Enough>
   Trace drive_until(double duty, double length_s, double after_s, Enough enough);
   void forget_telemetry();
-  // Collects samples until `until` on the host's clock, or until `enough` returns true. Waits a little
-  // longer for frames with a board time before `until_s` (s after begin_tick), because a busy machine reads
-  // such frames late.
+  // Collects samples until `until` on the host's clock, or until `enough` returns true. Waits a little longer
+  // for frames with a board time before `until_s` (seconds after begin_tick), because a busy machine reads
+  // these frames late.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 
@@ -108,13 +109,13 @@ class MotorOnBench {
   bool listening_ = false;
   Time unlocked_until_{};
   bool link_lost_ = false;
-  std::uint64_t frames_lost_ = 0;  // lost telemetry frames
+  std::uint64_t frames_lost_ = 0;  // number of lost telemetry frames
   host::LinkStatistics counted_;   // counts at the last take_line_trouble()
 };
 
-// Returns the mean angle; throws Failed without samples.
+// Returns the mean angle; throws Failed if there are no samples.
 double mean_angle(const Trace& trace);
-// Returns the mean voltage of the samples from `from_s` to `to_s`; throws Failed without samples.
+// Returns the mean voltage of the samples from `from_s` to `to_s`; throws Failed if there are no samples.
 double mean_volts(const Trace& trace, double from_s, double to_s);
 
 }  // namespace kaz::hil

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Angles and torques are positive in the joint's positive direction, rad and Nm at the output shaft. All
-// errors are errors of the tools: no such stand, interrupted.
+// errors come from the tools, for example because there is no stand or the user interrupted the operation.
 #pragma once
 
 #include <functional>
@@ -20,19 +20,19 @@ class Stand {
   virtual std::string name() const = 0;
   // Inertia of the disc on the shaft, kg m2.
   virtual Result<double> disc_kgm2() = 0;
-  // Sets the voltage of the supply without load.
+  // Sets the no-load voltage of the supply.
   virtual Result<void> set_supply(double volts) = 0;
   // If `on`, holds the shaft by a lever against a scale and sets the scale to zero. Otherwise frees the
   // shaft.
   virtual Result<void> clamp(int joint, bool on) = 0;
   // Announces that the motor will press against the scale, in the joint's positive or negative direction.
   virtual Result<void> prepare_press(int joint, bool positive) = 0;
-  // Returns the torque with which the motor pressed since prepare_press(), at the end of the drive.
+  // Returns the torque with which the motor pressed at the end of the drive that followed prepare_press().
   virtual Result<double> scale_nm(int joint) = 0;
   // Lays a weight gently on the shaft; torque 0 lifts the weight off.
   virtual Result<void> press(int joint, double torque_nm) = 0;
-  // Turns the shaft by hand to about this angle and holds it until let_go(). Returns the angle of the
-  // protractor.
+  // Turns the shaft by hand to about this angle and holds the shaft until let_go(). Returns the angle that
+  // the protractor shows.
   virtual Result<double> turn(int joint, double angle_rad) = 0;
   virtual Result<void> let_go(int joint) = 0;
   // Prepares the stand for a bench: frees every shaft, which an interrupted bench may have left clamped, and
@@ -49,8 +49,8 @@ class Stand {
 class CommandStand final : public Stand {
  public:
   using Query = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
-  // Returns a Query that parses the replies of `query`, as a control socket sends them. A reply that is not
-  // JSON is treated as a reply without readings.
+  // Returns a Query that parses the replies of `query`, which have the format of a control socket. A reply
+  // that is not JSON is treated as a reply without readings.
   static Query parsed(std::function<Result<std::string>(const std::string& line)> query);
   // `pressing_s`: duration of a press, s; the virtual scale needs 0.05 s. `clock` must outlive this object.
   CommandStand(std::string name, Query query, host::Clock& clock, double pressing_s = 0.1)
@@ -78,7 +78,7 @@ class CommandStand final : public Stand {
   double pressing_s_;
 };
 
-// A person at the stand: `prompt` shows an instruction or question and returns the typed reply.
+// A stand that a person operates: `prompt` shows an instruction or question and returns the typed reply.
 class ManualStand final : public Stand {
  public:
   using Prompt = std::function<Result<std::string>(const std::string& text)>;
@@ -95,7 +95,7 @@ class ManualStand final : public Stand {
   Result<double> turn(int joint, double angle_rad) override;
   Result<void> let_go(int joint) override;
   Result<void> put_back(double supply_volts) override { return set_supply(supply_volts); }
-  // Must be shorter than 1 s, because the board then detects a stall.
+  // Must be shorter than 1 s, because the board detects a stall after 1 s.
   double pressing_s() const override { return 0.7; }
   double settling_s() const override { return 0.1; }
 

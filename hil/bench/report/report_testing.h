@@ -6,8 +6,8 @@
 
 namespace kaz::hil {
 
-// Contains passed, failed and left-out measurements. Measurements have two limits, one limit or no limit.
-// Values include NaN and infinity. There is text that needs quoting, and plots of all styles.
+// The report contains passed, failed and left-out measurements with two limits, one limit or no limit. Values
+// include NaN and infinity. The report also contains text that needs quoting, and plots of all styles.
 BenchReport test_report();
 
 }  // namespace kaz::hil

@@ -1,17 +1,18 @@
 // Elastic shear of soft contact points, kept from step to step (bristle friction).
 // SPDX-License-Identifier: Apache-2.0
 //
-// A rubber sole yields elastically before it slips. Friction without memory accumulates the error of every
-// step, so that even a standing robot drifts. Here a contact point has a tangential spring and damper with
-// the same softness as in the normal direction. The point slips if the spring force exceeds mu times the
-// normal force (as in Cundall & Strack, Geotechnique 29(1), 1979). The solver has one row for each of the two
-// tangents t:
+// A rubber sole yields elastically before it slips. Friction without memory accumulates the errors of all
+// steps, so that even a standing robot drifts. In this model, a contact point has a tangential spring and
+// damper with the same softness as in the normal direction. The point slips if the spring force exceeds mu
+// times the normal force (as in Cundall & Strack, Geotechnique 29(1), 1979). The solver has one row for each
+// of the two tangents t:
 //
 //     t (v_a - v_b) = -erp / h t shear - softness f,   |f| <= mu N
 //
-// Here f is the force on a along t; erp and softness are the values for the step h (contact_surface.h). The
-// stiffness of the spring is kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear.
-// World frame, m.
+// Here v_a and v_b are the velocities of the bodies a and b, and f is the force on a along t. The parameters
+// erp and softness have the values for the step size h (contact_surface.h). The stiffness of the spring is
+// kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear. All vectors are in the
+// world frame, lengths in m.
 #pragma once
 
 #include <cstdint>
@@ -24,15 +25,15 @@ namespace kaz::sim {
 
 class ContactMemory {
  public:
-  // Call before a step. Matches the contacts with the contacts of the last step and copies the shear of
-  // matching points. Points match if they belong to the same pair of shapes and are less than 3 mm apart.
+  // Call recall() before a step. Matches the contacts with the contacts of the last step and copies the shear
+  // of matching points. Points match if they belong to the same pair of shapes and are less than 3 mm apart.
   void recall(std::span<const Touch> touches);
   static bool has_shear(const Touch& touch) { return touch.surface.softness > 0; }
-  // Displacement of a relative to b in the tangent plane, m, world axes. `touch` is an index into the list
-  // passed to recall().
+  // Displacement of body a relative to body b in the tangent plane, m, world axes. `touch` is an index into
+  // the list passed to recall().
   const Eigen::Vector3d& shear(std::size_t touch) const { return points_[touch].shear; }
-  // Call after the step. Integrates the shear and limits the spring force to mu times the normal force.
-  // `velocity` is the velocity of a relative to b at the point, m/s.
+  // Call remember() after the step. Integrates the shear and limits the spring force to mu times the normal
+  // force. `velocity` is the velocity of body a relative to body b at the contact point, m/s.
   void remember(std::size_t touch, const Eigen::Vector3d& velocity, double normal_n, double step_s);
 
   template <class A>

@@ -1,7 +1,7 @@
 // The shapes of a world that collide: constant data of the collision detection.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Built once, then shared by all clones of a world, also across threads.
+// A ContactModel is built once and then shared by all clones of a world, also across threads.
 #pragma once
 
 #include <cstdint>
@@ -16,37 +16,38 @@ namespace kaz::sim {
 
 class ContactModel {
  public:
-  // A link of `robot` does not collide with its three nearest ancestors.
+  // A link of `robot` does not collide with the three nearest ancestors of the link.
   explicit ContactModel(const RobotModel& robot);
 
-  // Adds the collision shapes of one link, except meshes. `body` is the link's number for Contacts::place(),
-  // or -1 if the link is fixed in the world at `pose`.
+  // Adds the collision shapes of one link, except meshes. `body` is the number of the link in calls of
+  // Contacts::place(), or -1 if the link is fixed in the world at `pose`.
   void add_robot_link(const RigidLink& link, int robot_link, int body,
                       const Eigen::Isometry3d& pose);
   void add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose);
 
   struct Geom {
     Shape::Kind kind = Shape::Kind::box;
-    int body = -1;                                   // -1: fixed
-    double radius = 0;                               // m, bounding sphere
-    Eigen::Vector3d size = Eigen::Vector3d::Zero();  // like Shape::size
+    int body = -1;                                   // -1: the shape is fixed in the world
+    double radius = 0;                               // radius of the bounding sphere, m
+    Eigen::Vector3d size = Eigen::Vector3d::Zero();  // dimensions, as in Shape::size
     Eigen::Vector3d half = Eigen::Vector3d::Zero();  // boxes: half lengths
     Eigen::Vector3d at =
-        Eigen::Vector3d::Zero();  // position from the body's center of mass; if fixed: in the world
-    // Orientation in the body's axes; if fixed: in the world.
+        // Position relative to the body's center of mass; for a fixed shape, in the world.
+        Eigen::Vector3d::Zero();
+    // Orientation in the body's axes; for a fixed shape, in the world.
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Surface surface;
   };
   // All shapes of one body, or one fixed shape.
   struct Part {
     int body = -1;
-    std::size_t first = 0, count = 0;  // range of geoms()
-    // Bounding sphere, m. The center is relative to the body's center of mass, in the body's axes; for a
-    // fixed shape in the world frame.
+    std::size_t first = 0, count = 0;  // range of indices into geoms()
+    // Bounding sphere, m. `centre` is relative to the body's center of mass, in the body's axes. For a fixed
+    // shape, `centre` is in the world frame.
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double radius = 0;
   };
-  // Points x with normal . x = offset; world frame, m.
+  // The plane of all points x with normal . x = offset, in the world frame, m.
   struct Plane {
     std::size_t geom = 0;
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
@@ -62,7 +63,7 @@ class ContactModel {
   const std::vector<Part>& fixed() const { return fixed_; }
   // Pairs of indices into robot() that may collide.
   const std::vector<std::pair<std::size_t, std::size_t>>& selves() const { return selves_; }
-  // Name of the link to which the shape belongs; for objects "model/link".
+  // Name of the link to which a shape belongs; for objects "model/link". `shape` is an index into geoms().
   const std::string& name(std::uint32_t shape) const { return names_[shape]; }
 
  private:
@@ -73,12 +74,13 @@ class ContactModel {
 
   std::size_t bodies_ = 0;
   std::vector<Geom> geoms_;
-  std::vector<std::string> names_;  // by geom: name of the geom's link
+  std::vector<std::string> names_;  // name of each geom's link
   std::vector<Plane> planes_;
   std::vector<Part> robot_, objects_, fixed_;
-  std::vector<int> robot_link_;  // by index into robot_
+  std::vector<int> robot_link_;  // number of the link of each element of robot_
   std::vector<std::pair<std::size_t, std::size_t>> selves_;
-  // exempt_[a * links + b] is 1 for links so close in the tree that their shapes may overlap at the joints.
+  // exempt_[a * robot_links_ + b] is 1 if the links a and b do not collide. Reason: the shapes of links that
+  // are close in the tree may overlap at the joints.
   std::vector<char> exempt_;
   std::size_t robot_links_;
 };

@@ -8,18 +8,19 @@
 
 namespace kaz::sim {
 
-// Reference step, s. ERP (error reduction parameter) and softness (ODE's CFM) of contacts and stops are given
-// for this step.
+// Reference step size, s. The ERP (error reduction parameter) and the softness (ODE's CFM) of contacts and
+// joint stops are given for this step size.
 constexpr double kErpStep = 1e-3;
-// Fraction of the penetration depth that is corrected in a step of kErpStep (ODE's ERP).
+// Fraction of the penetration depth that the solver corrects in a step of kErpStep (ODE's ERP).
 constexpr double kContactErp = 0.2;
 
-// ERP and CFM represent a spring k and a damper c (ODE manual, "How to use ERP and CFM"). With the step h
+// ERP and CFM represent a spring k and a damper c (ODE manual, "How to use ERP and CFM"). The formulas for a
+// step size h are:
 //
 //   erp = h k / (h k + c),  cfm = 1 / (h k + c),  k = erp / (kErpStep softness),  c = (1 - erp) / softness
 //
-// with k in N/m and c in N s/m. The following functions convert ERP and softness, given for kErpStep, to a
-// step of step_s with the same spring and damper.
+// with k in N/m and c in N s/m. The following functions convert ERP and softness from the step size kErpStep
+// to the step size step_s. The spring and the damper stay the same.
 constexpr double erp_for(double step_s, double erp) {
   const double spring = erp * (step_s / kErpStep);
   return spring / (spring + (1 - erp));
@@ -28,12 +29,13 @@ constexpr double softness_for(double step_s, double erp, double softness) {
   return softness / (erp * (step_s / kErpStep) + (1 - erp));
 }
 
-// Depth of penetration that is not corrected, so that resting bodies keep their contacts, m.
+// Depth of penetration (m) that is not corrected, so that resting bodies keep their contacts.
 constexpr double kContactLayer = 2e-4;
-// Maximum velocity at which penetrating bodies are separated, m/s.
+// Maximum velocity (m/s) at which the solver separates penetrating bodies.
 constexpr double kContactMaxCorrection = 0.2;
 
-// Returns the combined parameters of a pair of surfaces. The rules are documented at Surface.
+// Returns the contact parameters of a pair of surfaces. The comment of Surface (rigid_link.h) states the
+// rules.
 inline Surface joined(const Surface& a, const Surface& b) {
   const Surface& livelier = a.restitution >= b.restitution ? a : b;
   return {.mu = std::min(a.mu, b.mu),

@@ -1,15 +1,15 @@
 // Collision detection: finds all contact points between robot, objects and fixed shapes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Broad phase: a scene has few shapes, so there is no tree or grid. Each link or object has one bounding
-// sphere. Two spheres, or a sphere and a plane, are skipped if they are too far apart. The pairs of robot
-// links that may collide are listed in advance. Narrow phase: ODE's colliders. Two boxes are passed to ODE
-// only if no face normal of either box is a separating axis (Gottschalk et al., SIGGRAPH 1996). Pairs of
-// fixed or sleeping bodies are skipped.
+// Broad phase: each link or object has one bounding sphere. A pair of two spheres, or of a sphere and a
+// plane, is skipped if the distance is too large for a contact. No tree or grid is needed, because a scene
+// has few shapes. The pairs of robot links that may collide are listed in advance. The narrow phase uses
+// ODE's colliders. Two boxes are passed to ODE only if no face normal of either box is a separating axis
+// (Gottschalk et al., SIGGRAPH 1996). Pairs of fixed or sleeping bodies are skipped.
 //
 // A Contacts object is working memory. Only hints are kept from step to step; hints save time but do not
-// change results. So each thread has one Contacts object for all its worlds, and the object stays in the
-// processor's cache.
+// change results. Therefore each thread has one Contacts object for all worlds that the thread steps, and the
+// object stays in the processor's cache.
 #pragma once
 
 #include <array>
@@ -22,14 +22,15 @@
 
 namespace kaz::sim {
 
-// Contact point. World frame, m.
+// A contact point between two bodies a and b. Vectors are in the world frame, lengths in m.
 struct Touch {
-  int body_a = -1, body_b = -1;            // -1: fixed; never both
+  // -1: the shape is fixed; at most one of the two bodies is -1.
+  int body_a = -1, body_b = -1;
   std::uint32_t shape_a = 0, shape_b = 0;  // indices into ContactModel::geoms()
   // `normal` is a unit vector in the direction of the force of b on a.
   Eigen::Vector3d at, normal;
-  double depth = 0;  // penetration
-  Surface surface;   // combined parameters of the pair
+  double depth = 0;  // depth of penetration
+  Surface surface;   // contact parameters of the pair of surfaces
 };
 
 class Contacts {
@@ -39,14 +40,14 @@ class Contacts {
 
   // Begins a search among the shapes of `model`, which must exist until the next begin().
   void begin(const ContactModel& model);
-  // Sets the pose of a body in the world frame: axes of the body's link, and center of mass. Call for each
-  // body that can move. Sleeping bodies collide only with bodies that are awake.
+  // Sets the pose of a body in the world frame. `axes` are the axes of the body's link, `com` is the center
+  // of mass. Call for each body that can move. Sleeping bodies collide only with bodies that are awake.
   void place(int body, const Eigen::Matrix3d& axes, const Eigen::Vector3d& com, bool awake) {
     bodies_[static_cast<std::size_t>(body)] = {axes, com, awake};
   }
   // Finds the contacts at the poses set by place() and replaces touches().
   void update();
-  // Valid until the next begin() in this thread.
+  // Contact points that update() found. The span is valid until the next begin() in this thread.
   std::span<const Touch> touches() const { return touches_; }
 
  private:
@@ -56,7 +57,8 @@ class Contacts {
     Eigen::Vector3d com = Eigen::Vector3d::Zero();
     bool awake = false;
   };
-  // World pose of a moving geom, computed on demand. Valid if the member `round` equals round_.
+  // World pose of a moving geom, computed on demand. `at` is valid if at_round equals round_, `axes` is valid
+  // if axes_round equals round_.
   struct Pose {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -66,20 +68,21 @@ class Contacts {
   struct Part {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     double radius = 0;
-    std::size_t first = 0, count = 0;  // range of geoms
+    std::size_t first = 0, count = 0;  // range of indices into ContactModel::geoms()
     bool awake = false;
   };
-  // Bounding sphere of a part, packed for the broad phase, which rejects most pairs.
+  // Bounding sphere of a part, packed for fast access in the broad phase.
   struct Sphere {
     double x = 0, y = 0, z = 0, radius = 0;
   };
-  // The face that separated two boxes last time. This face is tried first (temporal coherence). A wrong hint
-  // only costs time.
+  // Number of the face that separated the boxes a and b in the last step. The next step tries this face first
+  // (temporal coherence). A wrong hint only costs time.
   struct Hint {
     std::uint32_t a = 0, b = 0;
     int face = 0;
   };
-  // One ODE geom of each kind. Each test sets the geom to the size and pose of the tested shape.
+  // One ODE geom of each kind of shape. Before each test, the geom receives the size and pose of the tested
+  // shape.
   using OdeShapes = std::array<OdeGeomHandle, 5>;
 
   Contacts();
@@ -96,11 +99,11 @@ class Contacts {
   const ContactModel* model_ = nullptr;
   std::vector<Touch> touches_;
   std::vector<Body> bodies_;
-  std::uint64_t round_ = 0;  // number of calls of begin(), for all worlds of the thread
-  std::vector<Pose> poses_;  // by geom
+  std::uint64_t round_ = 0;  // number of calls of begin() in this thread, summed over all worlds
+  std::vector<Pose> poses_;  // indexed by geom
   std::vector<Part> robot_, objects_, fixed_;
-  std::vector<Sphere> spheres_;  // by index into robot_
-  Eigen::Vector3d low_, high_;   // bounding box of the robot's spheres
+  std::vector<Sphere> spheres_;  // bounding spheres of the elements of robot_
+  Eigen::Vector3d low_, high_;   // bounding box of the robot's bounding spheres
   bool robot_moves_ = false;
   std::array<Hint, 256> hints_{};
   OdeShapes of_a_, of_b_;

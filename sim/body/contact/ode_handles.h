@@ -25,8 +25,8 @@ struct OdeDelete {
 // Destroying an ODE world destroys its bodies and joints. Shapes attached to bodies must be destroyed before
 // the world.
 using OdeWorldHandle = std::unique_ptr<dxWorld, OdeDelete<dWorldDestroy>>;
-// Runs the steps of a world. Each world has its own, because ODE's default implementation is shared by all
-// worlds and cannot run two steps at a time.
+// ODE's threading implementation, which runs the steps of a world. Each world has its own implementation,
+// because ODE's default implementation is shared by all worlds and cannot run two steps at a time.
 using OdeThreadingHandle =
     std::unique_ptr<dxThreadingImplementation, OdeDelete<dThreadingFreeImplementation>>;
 using OdeGeomHandle = std::unique_ptr<dxGeom, OdeDelete<dGeomDestroy>>;

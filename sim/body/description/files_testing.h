@@ -29,7 +29,7 @@ inline std::string read_text(const std::string& path) {
   return text.str();
 }
 
-// Temporary folder of the current test case, removed by the destructor.
+// Temporary folder of the current test case. The destructor removes the folder.
 class Folder {
  public:
   Folder() {
@@ -55,8 +55,8 @@ class Folder {
   std::filesystem::path path_;
 };
 
-// Returns the SDF text of a world with a floor (mu 0.5) and `models`. The robot starts at y = -3 m, away from
-// the models. `gravity` is "x y z" in m/s^2.
+// Returns the SDF text of a world with a floor (mu 0.5) and the given models. The robot starts at y = -3 m,
+// away from the models. `gravity` is "x y z" in m/s^2.
 inline std::string world_text(const std::string& gravity, const std::string& models) {
   return R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">

@@ -9,7 +9,7 @@
 
 namespace kaz::sim {
 
-// Returns the names in the order of shared/board/joints.def.
+// Returns the names of the joints in the order of shared/board/joints.def.
 const std::array<std::string, KZ_JOINTS>& joint_names();
 
 }  // namespace kaz::sim

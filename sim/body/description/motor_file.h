@@ -8,26 +8,28 @@
 
 namespace kaz::sim {
 
-// Parameters at the output shaft, SI units. A cold motor with supply voltage V, duty -1..1 and speed w
-// (rad/s) has the torque stall_slope V duty - back_emf w - friction.
+// Parameters of a gear motor at the output shaft, in SI units. The torque of a cold motor is stall_slope V
+// duty - back_emf w - friction. V is the supply voltage, w the speed of the shaft in rad/s. The duty is
+// -1..1.
 struct MotorParams {
   std::string name;
   double stall_slope_nm_per_v = 0;
   double friction_nm = 0;           // Coulomb friction of gear and brushes
-  double back_emf_nms_per_rad = 0;  // torque lost per rad/s of speed
-  double stiction_ratio = 1;        // breakaway torque / friction_nm
+  double back_emf_nms_per_rad = 0;  // torque that the motor loses per rad/s of speed
+  double stiction_ratio = 1;        // ratio of breakaway torque to friction_nm
   double rotor_inertia_kgm2 = 0;
-  double max_supply_v = 0;  // limit of the driver's output voltage
+  double max_supply_v = 0;  // maximum output voltage of the driver
 
-  double backlash_rad = 0;  // free travel between the flanks
-  // Thermal model (winding_heat.h), J/K and K/W. With a winding_heat_capacity of 0 the motor stays cold.
+  double backlash_rad = 0;  // backlash: free travel between the gear's flanks
+  // Heat capacities (J/K) and thermal resistances (K/W) of the model in winding_heat.h. If
+  // winding_heat_capacity is 0, the motor stays cold.
   double winding_heat_capacity = 0, winding_to_case = 0;
   double case_heat_capacity = 0, case_to_air = 0;
-  double copper_per_kelvin = 0;  // relative growth of the resistance per K
+  double copper_per_kelvin = 0;  // relative increase of the winding's resistance per K
   double air_celsius = 25;       // ambient temperature; also the temperature of the cold motor
 
-  // Torque constant K, Nm/A, assuming that `friction_nm` is the gear's only loss. Then K equals the back-EMF
-  // constant (V s/rad), stall_slope = K / R and back_emf = K^2 / R, where R is the winding's resistance.
+  // Returns the torque constant K in Nm/A, assuming that `friction_nm` is the gear's only loss. K equals the
+  // back-EMF constant (V s/rad). With the winding's resistance R, stall_slope = K / R and back_emf = K^2 / R.
   double torque_constant() const { return back_emf_nms_per_rad / stall_slope_nm_per_v; }
   double resistance_ohm() const { return torque_constant() / stall_slope_nm_per_v; }
 
@@ -37,12 +39,13 @@ struct MotorParams {
   MotorParams ideal() const;
 };
 
-// Loads the motor `name`, or the file's default motor if `name` is empty. Errors name file and line.
+// Loads the motor `name`, or the file's default motor if `name` is empty. An error message names file and
+// line.
 Result<MotorParams> load_motor_file(const std::string& path, const std::string& name);
 
-// Returns the text of a motor file that contains only this motor, as the default motor. `about` becomes a
-// comment on the origin of the numbers. load_motor_file() reads the same numbers from this text, bit for bit
-// except the backlash.
+// Returns the text of a motor file that contains only this motor, as the default motor. `about` is a
+// description of the origin of the numbers; the text contains this description as a comment.
+// load_motor_file() reads identical numbers from this text. Only the backlash may differ in the last bits.
 std::string motor_file_text(const MotorParams& motor, const std::string& about);
 
 }  // namespace kaz::sim

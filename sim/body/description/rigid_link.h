@@ -11,14 +11,14 @@
 
 namespace kaz::sim {
 
-// Contact parameters of a shape. A pair of shapes has the smaller mu, the sum of both softnesses, the larger
-// rolling resistance and the larger restitution. The bounce threshold is that of the shape with the larger
-// restitution.
+// Contact parameters of a shape. A contact between two shapes has the smaller mu of the two shapes and the
+// sum of the two softnesses. The contact also has the larger rolling resistance and the larger restitution.
+// The bounce threshold is the threshold of the shape with the larger restitution.
 struct Surface {
-  double mu = 1.0;                // Coulomb friction
-  double softness = 0;            // m/s per N, compliance (ODE's contact CFM)
+  double mu = 1.0;                // Coulomb friction coefficient
+  double softness = 0;            // compliance, m/s per N (ODE's contact CFM)
   double restitution = 0;         // 0..1
-  double bounce_threshold = 0;    // m/s; slower impacts do not bounce
+  double bounce_threshold = 0;    // m/s; impacts below this speed do not bounce
   double rolling_resistance = 0;  // m; rolling moment = rolling_resistance * normal force
 };
 
@@ -30,23 +30,26 @@ struct CollisionShape {
 
 struct RigidLink {
   std::string name;
-  double mass = 0;                                    // kg
-  Eigen::Vector3d com = Eigen::Vector3d::Zero();      // m, link's frame
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // kg m^2, about com, link's axes
+  double mass = 0;                                // kg
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();  // center of mass in the link's frame, m
+  // Inertia about the center of mass, in the link's axes, kg m^2.
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   std::vector<CollisionShape> collisions;
-  // `in_frame` is relative to the link's frame; `frame` is not set yet.
+  // Visuals of the link. Visual::in_frame is relative to the link's frame; Visual::frame is not set yet.
   std::vector<Visual> visuals;
 };
 
-// Merges `part`, fixed at pose `in_link`, into `link`: mass, inertia, collision and visual shapes.
+// Merges `part` into `link`: mass, inertia, collision shapes and visual shapes. `in_link` is the pose of
+// `part` in the frame of `link`.
 void weld(RigidLink& link, const RigidLink& part, const Eigen::Isometry3d& in_link);
 
-// Returns the axis-aligned bounding box of the shape in the parent frame of `pose`. The box is empty for
-// planes and meshes.
+// Returns the axis-aligned bounding box of a shape whose frame has the given pose. The box is in the frame in
+// which `pose` is given. The box is empty for planes and meshes.
 Eigen::AlignedBox3d extent(const Shape& shape, const Eigen::Isometry3d& pose);
 
-// Returns true if mass and principal moments are positive, and no principal moment exceeds the sum of the
-// other two by more than 1 %. The 1 % allows for rounded numbers in files.
+// Returns whether a mass and an inertia are physically possible. The mass and the principal moments of
+// inertia must be positive. No principal moment may exceed the sum of the other two moments by more than 1 %.
+// The tolerance of 1 % is for rounded numbers in files.
 bool physical(double mass, const Eigen::Matrix3d& inertia);
 
 }  // namespace kaz::sim

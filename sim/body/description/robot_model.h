@@ -1,8 +1,8 @@
 // Robot model, loaded from a URDF, in the form that the dynamics use.
 // SPDX-License-Identifier: Apache-2.0
 //
-// docs/reference/robot.md specifies the accepted files. Links at fixed joints are merged into their parent
-// link; RobotModel::frames still lists their frames.
+// docs/reference/robot.md specifies which URDF files are accepted. Links at fixed joints are merged into
+// their parent link; RobotModel::frames still lists their frames.
 #pragma once
 
 #include <array>
@@ -21,18 +21,19 @@ namespace kaz::sim {
 
 struct RobotLink {
   RigidLink rigid;
-  int parent = -1;  // index into RobotModel::links, always smaller than the link's own
-  // Index into RobotModel::joints of the joint that moves this link; -1: root link.
+  int parent = -1;  // index into RobotModel::links, always smaller than this link's index
+  // Index into RobotModel::joints of the joint that moves this link. -1: this link is the root.
   int joint = -1;
-  // Pose in the root link's frame at the zero posture.
+  // Pose of this link in the root link's frame, at the zero posture.
   Eigen::Isometry3d at_zero = Eigen::Isometry3d::Identity();
 };
 
 struct RobotJoint {
   std::string name;
-  int child = 0;                                    // index into RobotModel::links
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector, root link's frame, zero posture
-  // Rad, software limits; mechanical stops are beyond them (stop_margin.h).
+  int child = 0;  // index into RobotModel::links
+  // Unit vector in the root link's frame, at the zero posture.
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
+  // Software limits of the angle, rad. The mechanical stops are beyond these limits (stop_margin.h).
   double lower = 0, upper = 0;
 };
 
@@ -45,9 +46,10 @@ struct RobotFrame {
 struct RobotModel {
   std::string name;
   std::vector<RobotLink> links;  // parents before children; the root is first
-  bool fixed_base = false;       // true if the root link is named `world`; it then never moves
-  // Revolute joints. Kaz's joints are in the order of shared/board/joints.def, joints of other robots in file
-  // order.
+  // True if the root link is named `world`. A root link with this name never moves.
+  bool fixed_base = false;
+  // Revolute joints. Kaz's joints are in the order of shared/board/joints.def. The joints of another robot
+  // are in the order of its URDF.
   std::vector<RobotJoint> joints;
   std::map<std::string, RobotFrame> frames;  // by link name, including merged links
 
@@ -55,11 +57,12 @@ struct RobotModel {
   std::vector<std::string> joint_order() const;  // names, in the order of `joints`
   // Index of the link that carries `left_eye` and `right_eye`; -1 if no link carries both.
   int eyes_link() const;
-  // Bounding box of the collision shapes at the zero posture, root link's frame. Empty without shapes.
+  // Bounding box of the collision shapes at the zero posture, in the root link's frame. The box is empty if
+  // the robot has no collision shapes.
   Eigen::AlignedBox3d extent() const;
 };
 
-// Loads and checks a URDF. Errors name file and line.
+// Loads and checks a URDF. An error message names file and line.
 Result<RobotModel> load_robot(const std::string& urdf_path);
 
 }  // namespace kaz::sim

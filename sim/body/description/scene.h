@@ -17,8 +17,9 @@ struct Rgb {
 struct Shape {
   enum class Kind { box, cylinder, sphere, capsule, plane, mesh };
   Kind kind = Kind::box;
-  // Meters. Box: full lengths along x, y, z. Cylinder: radius, length along z. Capsule: radius, length along
-  // z without the caps. Sphere: radius. Plane: lengths along x, y; its normal is z. Mesh: scale factors.
+  // Dimensions in m. Box: full lengths along x, y, z. Cylinder: radius, length along z. Capsule: radius,
+  // length along z without the caps. Sphere: radius. Plane: lengths along x and y; the normal of a plane is
+  // z. Mesh: scale factors without unit.
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   std::string mesh_path;  // meshes only: absolute path of an OBJ or STL file
 };
@@ -29,26 +30,30 @@ struct Visual {
   Eigen::Isometry3d in_frame = Eigen::Isometry3d::Identity();
   Shape shape;
   Rgb color;
-  std::string texture;  // "", "checker", "wood", "carpet": procedural texture, based on `color`
+  // Procedural texture based on `color`: "checker", "wood", "carpet", or "" for none.
+  std::string texture;
 };
 
-// A directional key light and the ambient light.
+// The light of a scene: a directional key light and the ambient light.
 struct Light {
-  Eigen::Vector3d to_key{0.55, -0.50, 1.0};  // direction to the lamp, any length, z > 0
+  // Direction from the scene to the lamp; any length, z > 0.
+  Eigen::Vector3d to_key{0.55, -0.50, 1.0};
   double key = 1,
-         shaded = 1;  // factors on the brightness of key light and ambient light
+         shaded = 1;  // factors on the brightness of the key light and the ambient light
 };
 
-// Constant while the world runs.
+// The part of a scene that is constant while the world runs.
 struct Scene {
   std::vector<Visual> visuals;
-  std::vector<std::string> frames;  // 0: the world, then robot links and movable objects
+  // Names; index 0 is the world, then robot links and movable objects.
+  std::vector<std::string> frames;
   Light light;
-  // Start pose of the robot in the world frame: the origin is the point between the soles, x is forward.
+  // Pose of the robot at the start, in the world frame. The origin of this pose is the point between the
+  // soles; the x axis points forward.
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
 };
 
-// World pose of each frame at one time.
+// Poses of all frames of a scene at one time.
 struct ScenePose {
   std::vector<Eigen::Isometry3d> frames;
 };

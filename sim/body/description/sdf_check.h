@@ -8,8 +8,8 @@
 
 namespace kaz::sim {
 
-// Checks elements, numbers, names and masses against the SDF subset in docs/reference/worlds.md. Errors name
-// file and line.
+// Checks elements, numbers, names and masses against the SDF subset in docs/reference/worlds.md. An error
+// message names file and line.
 Result<void> check_sdf(const std::string& path);
 
 }  // namespace kaz::sim

@@ -1,11 +1,12 @@
 // Specification of the elements of world files, in the format of libsdformat's own specification.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Before each file, libsdformat parses its whole specification (sensors, physics, actors). For each element,
-// it copies all possible children. So loading takes 65 ms for a floor and 130 ms for ten props. With this
-// specification, which has only the subset that check_sdf() accepts, loading takes 1 ms and 7 ms. Elements,
-// attributes, types and defaults are the same as in the library; sdf_schema_test.cpp compares both. `include`
-// refers to files of the library.
+// Before libsdformat parses a file, libsdformat parses its complete specification of all elements (sensors,
+// physics, actors). For each element, libsdformat then copies all possible children. A world with a floor
+// takes 65 ms to load, a world with ten props 130 ms. The specification in this header contains only the
+// subset that check_sdf() accepts. With this subset, the same worlds load in 1 ms and 7 ms. Elements,
+// attributes, types and defaults are the same as in libsdformat's specification; sdf_schema_test.cpp compares
+// both specifications. `include` refers to files of libsdformat.
 #pragma once
 
 namespace kaz::sim {

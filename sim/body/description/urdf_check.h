@@ -10,17 +10,18 @@
 
 namespace kaz::sim {
 
-// A root link with this name is fixed at the robot's start pose in the world.
+// Name of a root link that is fixed in the world, at the robot's start pose.
 inline constexpr const char* kFixedRoot = "world";
 
-// Contents of the URDF file that urdfdom does not return.
+// Data from the URDF file that urdfdom does not return.
 struct UrdfFacts {
-  std::vector<std::string> revolute;       // joint names in file order
-  std::map<std::string, double> friction;  // mu by link name; contains only links that define mu
-  std::string text;                        // the validated file contents, to be parsed by urdfdom
+  std::vector<std::string> revolute;  // joint names in file order
+  // Friction coefficient mu of each link that defines mu, by link name.
+  std::map<std::string, double> friction;
+  std::string text;  // the validated file contents, to be parsed by urdfdom
 };
 
-// Checks the file against the URDF subset in docs/reference/robot.md. Errors name file and line.
+// Checks the file against the URDF subset in docs/reference/robot.md. An error message names file and line.
 Result<UrdfFacts> check_urdf(const std::string& path);
 
 }  // namespace kaz::sim

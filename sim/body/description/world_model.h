@@ -15,18 +15,19 @@ namespace kaz::sim {
 // Velocity change of an object at a given time.
 struct Kick {
   double time_s = 0;
-  // m/s, world axes, added to the object's velocity.
+  // Velocity in m/s, world axes, that is added to the velocity of the object.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
-// Impulse on a link of the robot at its center of mass.
+// Impulse on a link of the robot, at the link's center of mass.
 struct Push {
-  double time_s = 0;  // from the start, or from the first step if WorldModel::feet is not empty
+  // Time since the start, or since the robot's first step if WorldModel::feet is not empty.
+  double time_s = 0;
   std::string link;
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes
 };
 
-// M; a foot that rises by this height makes the robot's first step.
+// Height in m by which a foot must rise to count as the robot's first step.
 inline constexpr double kFirstStep = 0.005;
 
 // A link of a world model.
@@ -42,15 +43,18 @@ struct WorldModel {
   Eigen::Vector3d gravity{0, 0, -9.81};
   std::vector<WorldBody> bodies;
   Light light;
-  // Start pose of the robot: the origin is the point between the soles, x is forward.
+  // Pose of the robot at the start. The origin of this pose is the point between the soles; the x axis points
+  // forward.
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
-  std::vector<Push> pushes;  // on the robot, sorted by time
-  // Names of robot links. The robot's first step is when one of these links has risen by kFirstStep; times of
-  // pushes count from the first step. If `feet` is empty, times of pushes count from the start.
+  std::vector<Push> pushes;  // pushes on the robot, sorted by time
+  // Names of the robot links that count as feet. The robot takes the first step at the moment when one of
+  // these links has risen by kFirstStep. Times of pushes count from the first step, or from the start if
+  // `feet` is empty.
   std::vector<std::string> feet;
 };
 
-// Loads and checks an SDF world. Errors name file and line. Never accesses the network.
+// Loads and checks an SDF world. An error message names file and line. The function never accesses the
+// network.
 Result<WorldModel> load_world(const std::string& sdf_path);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// Parses an XML file. Errors name file and line.
+// Parses an XML file. An error message names file and line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,8 +16,9 @@ namespace kaz::sim {
 
 class XmlFile {
  public:
-  // Reads and parses a file. Errors: the file cannot be read, exceeds 16 MiB, or is not well-formed XML in
-  // UTF-8. Further errors: the file has a document type declaration, or its root element is not `root_name`.
+  // Reads and parses a file. Fails if the file cannot be read, exceeds 16 MiB, or is not well-formed XML in
+  // UTF-8. Also fails if the file has a document type declaration, or if the name of the root element is not
+  // `root_name`.
   static Result<XmlFile> load(const std::string& path, const std::string& root_name);
 
   const std::string& path() const { return path_; }
@@ -34,14 +35,14 @@ class XmlFile {
   // Returns the value of a required attribute that must be one finite number.
   Result<double> number(const tinyxml2::XMLElement& element, const char* name) const;
 
-  // Checks the attribute `name`, if present: at most 200 bytes, no control characters, and none of the
-  // characters & < > " '. Reason: names are used in one-line messages, JSON and XML.
+  // Checks the attribute `name`, if present. The value must have at most 200 bytes, no control characters,
+  // and none of the characters & < > " '. Reason: names are used in one-line messages, JSON and XML.
   Result<void> check_name(const tinyxml2::XMLElement& element) const;
 
   // Rejects text between the children of an element that may contain only elements.
   Result<void> check_no_text(const tinyxml2::XMLElement& element) const;
 
-  // The parsed bytes.
+  // The bytes of the file.
   const std::string& text() const { return text_; }
 
  private:
@@ -53,8 +54,8 @@ class XmlFile {
   std::unique_ptr<tinyxml2::XMLDocument> document_;
 };
 
-// Parses exactly `count` finite numbers separated by whitespace. Returns nullopt otherwise. Independent of
-// the locale.
+// Parses exactly `count` finite numbers separated by whitespace. Returns nullopt if `text` has another form.
+// The locale of the process has no effect.
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count);
 
 }  // namespace kaz::sim

@@ -2,30 +2,33 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // All quantities refer to the output shaft, in SI units. The rotor has its own angle and speed u. Between
-// rotor and joint is the backlash b; the potentiometer measures the joint's angle. An implicit Euler step is
+// rotor and joint is the backlash b; the potentiometer measures the joint's angle. The formula of an implicit
+// Euler step of the rotor is
 //
 //   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
 //
 // with the drive torque A = stall_slope V duty (Nm) and B = back_emf (Nm s/rad, 0 while the bridge is open).
-// J is the rotor's inertia, h the step and T the torque on the joint.
+// J is the rotor's inertia, h the step size in s, and T the torque on the joint.
 //
 // At the end of a step the flanks do not overlap. Let d >= 0 be the gap to the flank that pushes forward and
-// w_new the joint's speed after the step. Then u_new - w_new <= d/h and T >= 0 are complementary: at least
-// one of both holds with equality. In the solver, this condition is the row
+// w_new the joint's speed after the step. Then the inequalities u_new - w_new <= d/h and T >= 0 are
+// complementary: at least one of the two inequalities holds with equality. In the solver, this condition is
+// the row
 //
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //
-// and the mirror image of this row for the other flank. The solution of the row can be a free or an engaged
-// flank. So a flank never pulls, and flanks meet within the step without bouncing. The row is implicit in
-// back-EMF and rotor inertia, because explicit torques are unstable on links as light as these. Each step has
-// a row only for the flank that would be closer to the rotor after the step. If the joint passes the other
-// flank, the rotor's angle is set to the position of that flank. This correction changes an angle but no
-// speed, so it adds no energy.
+// and the mirror image of this row for the other flank. In the solution, the flank is either free or engaged.
+// So a flank never pulls, and flanks meet within the step without bouncing. The row is implicit in back-EMF
+// and rotor inertia, because explicit torques would be unstable on the light links of the robot. Each step
+// has only one row, for the flank that would be closer to the rotor after the step. If the joint passes the
+// other flank, the rotor's angle is set to the position of that flank. This correction changes an angle but
+// no speed, and therefore adds no energy.
 //
 // Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //
-// A slipping gear is a clutch with a maximum torque. Its motor is assumed to turn with the joint, without
-// backlash. A jammed gear locks the joint at its angle. Currents are means over a PWM period.
+// A slipping gear is modeled as a clutch with a maximum torque. The motor of a slipping gear is assumed to
+// turn with the joint, without backlash. A jammed gear locks the joint at its angle. Currents are means over
+// a PWM period.
 #pragma once
 
 #include <memory>
@@ -36,7 +39,8 @@
 
 namespace kaz::sim {
 
-// For each step, call prepare(), solve the constraints with the row, then call finish().
+// For each step, call prepare(), solve the constraints with the row that prepare() returned, then call
+// finish().
 class JointMotor {
  public:
   JointMotor(const MotorParams& params, double step_s);
@@ -46,23 +50,25 @@ class JointMotor {
     double velocity = 0;  // rad/s
     double softness = 0;  // rad/s per Nm
     double max = 0;       // Nm
-    // Nm; either min = -max, or one of min and max is 0 and the other is practically unlimited.
+    // Nm. Either min = -max, or one of the two limits is 0 and the other limit is practically infinite.
     double min = 0;
   };
   // Returns the torque (Nm) that the motor applies in the coming step if a rigid obstacle holds the joint at
-  // rest. `row`: result of prepare().
+  // rest. `row` is the result of prepare().
   double pressing(const Row& row) const;
 
-  // Computes the row for the coming step from the joint's present angle and velocity (rad, rad/s). The duty
-  // is clamped to -1..1. A duty that is not finite counts as 0.
+  // Computes the row for the coming step from the present angle (rad) and velocity (rad/s) of the joint. The
+  // duty is clamped to -1..1. A duty that is not finite counts as 0.
   Row prepare(const MotorDrive& drive, double supply_volts, double angle, double velocity);
-  // Updates rotor, current and heat after the step, from the joint's new velocity and the torque of the row.
+  // Updates rotor, current and heat after the step. `velocity` is the joint's new velocity, `torque` the
+  // torque of the row.
   void finish(double velocity, double torque);
 
-  // Current drawn from the supply in the last step, A. Negative if the motor brakes and feeds current back; 0
-  // if the bridge is open.
+  // Current drawn from the supply in the last step, A. The current is negative if the motor brakes and feeds
+  // current back, and 0 if the bridge is open.
   double supply_current() const { return state_.duty * state_.current; }
-  double motor_current() const { return state_.current; }  // A; positive: drives forward
+  // A; a positive current drives the joint forward.
+  double motor_current() const { return state_.current; }
   double winding_celsius() const { return heat_.winding_celsius(); }
   double case_celsius() const { return heat_.case_celsius(); }
   double resistance_ohm() const;
@@ -71,15 +77,16 @@ class JointMotor {
   double rotor_angle() const { return state_.rotor_angle; }  // rad
   double rotor_speed() const { return state_.rotor_speed; }  // rad/s
 
-  // State carried from step to step.
+  // State that is kept from step to step.
   enum class Regime { held, forward, backward };
   friend constexpr Regime last_value(Regime) { return Regime::backward; }
   struct State {
     Regime regime = Regime::held;
     bool stopped = true;  // true if the rotor just stopped and the holding angle is not set yet
     double rotor_angle = 0, rotor_speed = 0;
-    double torque = 0, torque_before = 0;  // Nm, in the last two steps
-    double press = 0;                      // Nm, torque on the joint when the rotor stopped
+    double torque = 0, torque_before = 0;  // torques on the joint in the last two steps, Nm
+    // Torque on the joint at the time when the rotor stopped, Nm.
+    double press = 0;
     double duty = 0, current = 0;
     double copper_watts = 0, friction_watts = 0;
     double winding_celsius = 0, case_celsius = 0;
@@ -105,7 +112,7 @@ class JointMotor {
   void turn_rotor(double velocity, double torque);
   void stop();
 
-  std::shared_ptr<const MotorParams> params_;  // shared by all copies
+  std::shared_ptr<const MotorParams> params_;  // shared by all copies of this object
   double step_s_;
   WindingHeat heat_;
   State state_;
@@ -113,8 +120,8 @@ class JointMotor {
   bool powered_ = false, jammed_ = false, slipping_ = false, tight_ = false;
   bool frictionless_ = false;
   double volts_ = 0, max_ = 0;
-  double drive_torque_ = 0, stiffness_ = 0;  // A and K above
-  double free_speed_ = 0;                    // u_free above
+  double drive_torque_ = 0, stiffness_ = 0;  // A and K in the formulas above
+  double free_speed_ = 0;                    // u_free in the formulas above
 };
 
 }  // namespace kaz::sim

@@ -10,11 +10,12 @@ struct LockedLever {
   double duty = 1;
   double supply_volts = 10;  // open-circuit voltage of the source
   double supply_ohms = 0;    // resistance between source and driver
-  // Duration of the test. The motor starts cold and at rest, and the driving flank already touches.
+  // Duration of the test. The motor starts cold and at rest. The driving flank of the gear is in contact from
+  // the start.
   double seconds = 0.05;
-  // Switches the drive off 100 ms before the end and on again 50 ms later. Reason: if the torque of a
-  // pressing motor falls, static friction holds the rotor and the lever shows too high a torque. After the
-  // restart, the lever shows the torque that the motor can really apply.
+  // True: the drive is switched off 100 ms before the end of the test, and on again 50 ms later. Reason: if
+  // the torque of a motor that presses on the lever falls, static friction holds the rotor, and the measured
+  // torque is too high. After the restart, the measured torque is the torque that the motor can really apply.
   bool anew = false;
 };
 

@@ -5,11 +5,11 @@
 namespace kaz::sim {
 
 struct MotorDrive {
-  double duty = 0;       // -1..1, mean over the step; positive accelerates the joint positively
-  bool powered = false;  // false: open bridge, only friction and inertia act on the rotor
+  double duty = 0;       // -1..1, mean over the step; a positive duty drives the joint forward
+  bool powered = false;  // false: the bridge is open, so only friction and inertia act on the rotor
   // Faults of the gear (docs/reference/simulator.md, "Faults").
-  bool jammed = false;   // the joint is locked at its angle
-  double slip_nm = 1e3;  // Nm, maximum torque that the gear transmits
+  bool jammed = false;   // true: the gear is jammed and locks the joint at the present angle
+  double slip_nm = 1e3;  // maximum torque that the gear transmits, Nm
 };
 
 }  // namespace kaz::sim

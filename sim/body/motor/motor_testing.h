@@ -21,8 +21,8 @@ inline MotorParams motor_params(const std::string& name = "s9204-jskd04") {
   return *params;
 }
 
-// An inertia I with an external torque (Nm): I (w1 - w0)/h = row + load. The torque `row` satisfies
-// w1 + softness * row = velocity within its bounds.
+// A shaft with the inertia I, the motor's torque T and an external torque (Nm): I (w1 - w0)/h = T + load.
+// Within the bounds of the motor's row, T satisfies w1 + softness * T = velocity.
 struct MotorBench {
   explicit MotorBench(const MotorParams& params = motor_params(), double inertia_kgm2 = 1e-4,
                       double step = 1e-3)

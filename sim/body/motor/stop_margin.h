@@ -4,7 +4,7 @@
 
 namespace kaz::sim {
 
-// Distance from a joint's software limit to its mechanical stop, rad (1 degree).
+// Distance from the software limit of a joint to the mechanical stop, rad (1 degree).
 constexpr double kStopMargin = 0.0174533;
 
 }  // namespace kaz::sim

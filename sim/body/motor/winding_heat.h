@@ -6,8 +6,8 @@
 //
 // Source: Hendershot and Miller, "Design of Brushless Permanent-Magnet Motors", on thermal circuits (lumped
 // network). The copper's resistance grows linearly with T_w. The weakening of the magnets by heat is not
-// modeled. It depends on the material: about 0.2 %/K for ferrite, 0.1 %/K for neodymium. Units: J/K, K/W, W,
-// s, degrees Celsius.
+// modeled. Ferrite magnets weaken by about 0.2 %/K, neodymium magnets by 0.1 %/K. Units: J/K, K/W, W, s,
+// degrees Celsius.
 #pragma once
 
 #include <algorithm>
@@ -24,8 +24,8 @@ class WindingHeat {
       : params_(std::move(params)), winding_(params_->air_celsius), case_(params_->air_celsius) {}
 
   // Applies the heat of the copper (`copper_watts`) and of gear and brushes (`friction_watts`) during step_s.
-  // Explicit Euler is sufficient, because a step is 1e-5 of the shortest time constant. Without heat
-  // parameters in the motor file the motor stays cold.
+  // Explicit Euler is sufficient, because the step size is 1e-5 of the shortest time constant. If the motor
+  // file has no heat parameters, the motor stays cold.
   void take(double copper_watts, double friction_watts, double step_s) {
     if (params_->winding_heat_capacity == 0) return;
     const double to_case = (winding_ - case_) / params_->winding_to_case;
@@ -48,7 +48,7 @@ class WindingHeat {
   template <class A>
   void transfer(A& a) {
     a(winding_, case_);
-    // At lower temperatures the resistance of copper would approach zero.
+    // Below this minimum temperature, the resistance of copper would approach zero.
     a.require(std::min(winding_, case_) > -150 && std::max(winding_, case_) < 1e5, "temperature");
   }
 

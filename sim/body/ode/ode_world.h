@@ -1,9 +1,9 @@
 // World that uses ODE in double precision. docs/reference/robot.md, "Dynamics", documents the settings.
 // SPDX-License-Identifier: Apache-2.0
 //
-// QuickStep shuffles its rows with ODE's global random generator. Each world keeps its own generator state.
-// For each step, the world locks the global generator and sets it to this state. So worlds may be stepped in
-// different threads, but only one QuickStep runs at a time.
+// QuickStep, ODE's iterative solver, shuffles its rows with ODE's global random generator. Each world keeps
+// its own generator state. For each step, the world locks the global generator and sets the generator to this
+// state. Therefore worlds may be stepped in different threads, but only one QuickStep runs at a time.
 #pragma once
 
 #include <deque>
@@ -44,11 +44,11 @@ class OdeWorld final : public StagedWorld {
     dJointID hinge = nullptr, motor = nullptr;
     // `feedback`: reactions of `motor`; `bearing`: reactions of `hinge`.
     dJointFeedback feedback{}, bearing{};
-    Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // in the child's frame
+    Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // joint axis in the child's frame
     dBodyID child = nullptr;
-    int link = 0, parent = -1;       // numbers of the child and its parent
+    int link = 0, parent = -1;       // body numbers of the child link and of its parent link
     double lower = 0, upper = 0;     // mechanical stops, rad
-    std::optional<double> pressing;  // Nm, motor torque against a stop in the current step
+    std::optional<double> pressing;  // motor torque against a stop in the current step, Nm
   };
   struct Watched {
     Touch touch;
@@ -83,16 +83,17 @@ class OdeWorld final : public StagedWorld {
 
   int iterations_;
   unsigned long random_state_;
-  OdeThreadingHandle threading_;  // outlives ode_
+  OdeThreadingHandle threading_;  // declared before ode_, so threading_ is destroyed after ode_
   OdeWorldHandle ode_;
   OdeJointGroupHandle contact_rows_;
   BodySleep sleep_;
-  std::vector<dBodyID> ode_bodies_;               // by body number; null: fixed
-  std::vector<Joint> ode_joints_;                 // never resized: ODE keeps pointers into it
+  std::vector<dBodyID> ode_bodies_;  // indexed by body number; null: the body is fixed
+  // This vector is never resized, because ODE keeps pointers to the elements.
+  std::vector<Joint> ode_joints_;
   std::vector<Eigen::Isometry3d> frames_before_;  // poses of the robot's links when the step began
   ContactMemory memory_;
   bool watch_ = false;
-  std::deque<Watched> watched_;  // a deque: ODE keeps pointers to the feedbacks
+  std::deque<Watched> watched_;  // a deque, because ODE keeps pointers to Watched::feedback
   double largest_gap_ = 0;
 };
 

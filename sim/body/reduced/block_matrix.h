@@ -1,18 +1,20 @@
 // Symmetric positive definite block matrix for a kinematic tree and free bodies, with sparse factors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block consists of the coordinates of a floating base, of a chain of joints between two forks of the
-// robot, or of one free body. The inertia couples the block of a chain to the blocks of its ancestors.
-// Contacts couple the blocks of touching bodies. Coupled blocks form an island. Islands are solved
-// independently.
+// A block is a group of coordinates. A floating base, a chain of joints between two forks of the robot, and a
+// free body each have one block. The inertia matrix couples the block of a chain to the blocks of the chain's
+// ancestors. Contacts couple the blocks of touching bodies. Blocks that are coupled, directly or through
+// other blocks, form an island. Islands are solved independently.
 //
-// Two matrices have this structure: the inertia M, and H, which is M plus the stiffness of the rows in a
-// Newton iteration. H is factored as L^T L from the last coordinate to the first, so that branches cause no
-// fill-in in each other (R. Featherstone, "Rigid Body Dynamics Algorithms", 6.5: branch-induced sparsity). A
-// chain that is attached to the root and has no contacts is called calm. The factors of a calm chain and its
-// Schur complement in the root's block are reused until its active set changes.
+// Two matrices have this structure: the inertia matrix M, and the matrix H of a Newton iteration. H is M plus
+// the stiffness of the solver's rows. H is factored as L^T L from the last coordinate to the first. In this
+// order, one branch of the tree causes no fill-in in another branch (R. Featherstone, "Rigid Body Dynamics
+// Algorithms", 6.5: branch-induced sparsity). A chain that is attached to the root and has no contacts is
+// called calm. The factors of a calm chain and the chain's Schur complement in the root's block are reused
+// until the active set of the chain changes.
 //
-// No allocation once the maximum numbers of coordinates and blocks are reached. All sums have a fixed order.
+// The class allocates no memory once the maximum numbers of coordinates and blocks are reached. All sums have
+// a fixed order.
 #pragma once
 
 #include <cstddef>
@@ -26,27 +28,29 @@ class BlockMatrix {
     int first = 0, length = 0;
   };
   struct Island {
-    Range blocks;       // in order_
+    Range blocks;       // range of indices into order_
     bool calm = false;  // true if the island has calm blocks
   };
 
-  // Removes all blocks. The calls of add_block() that follow must cover each coordinate once, in ascending
+  // Removes all blocks. The following calls of add_block() must cover each coordinate once, in ascending
   // order.
   void begin(int coordinates);
   // Adds a block and returns the block's index. `carrier` is the index of the parent block, or -1. M couples
-  // a block to all its ancestors.
+  // a block to all ancestors of the block.
   int add_block(int first, int length, int carrier);
   int block_of(int coordinate) const { return block_of_[at(coordinate)]; }
   int island_of(int coordinate) const { return blocks_[at(block_of(coordinate))].island; }
-  void couple(int block_a, int block_b);  // call for the blocks of two bodies in contact
-  // Marks a block as having contacts. Such a block is never calm.
+  // Call this function for the blocks of two bodies in contact.
+  void couple(int block_a, int block_b);
+  // Marks a block as having contacts. A block with contacts is never calm.
   void touch(int block) { blocks_[at(block)].calm = false; }
-  // Computes fill-in, islands and calm blocks. Call after the last call of add_block(), couple() and touch().
+  // Computes fill-in, islands and calm blocks. Call close() after the last call of add_block(), couple() and
+  // touch().
   void close();
 
   int size() const { return size_; }
-  // Returns row i of M (lower triangle). The caller writes the columns of the row's own block and of its
-  // ancestor blocks.
+  // Returns row i of M (lower triangle). The caller writes the columns of the block that contains row i, and
+  // the columns of this block's ancestors.
   double* inertia_row(int i) { return inertia_.data() + row(i); }
   double inertia(int i) const { return inertia_[row(i) + at(i)]; }
 
@@ -75,7 +79,7 @@ class BlockMatrix {
   }
   // Computes out = M x for an island's coordinates.
   void multiply(const Island& island, const double* x, double* out) const;
-  // Sets H = M for an island. If `keep`, the factors of the island's calm blocks are kept.
+  // Sets H = M for an island. If `keep` is true, the factors of the island's calm blocks are kept.
   void load(const Island& island, bool keep);
   // Returns row i of H (lower triangle). Entries above the diagonal may be written but are never read.
   double* row_of(int i) { return matrix_.data() + row(i); }
@@ -89,7 +93,8 @@ class BlockMatrix {
     Range range;
     int carrier = -1, island = -1;
     bool calm = true;
-    Range below;  // range of below_ with the coordinates of the coupled blocks before this block
+    // Range of below_: coordinates of the earlier blocks that are coupled to this block.
+    Range below;
   };
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::size_t row(int i) const { return at(i) * at(size_); }
@@ -105,7 +110,7 @@ class BlockMatrix {
   std::vector<int> block_of_, order_;
   std::vector<Block> blocks_;
   std::vector<Range> couplings_;  // pairs of blocks from couple()
-  // Coupling of blocks, including fill-in; indexed by block and earlier block.
+  // Nonzero if two blocks are coupled, including by fill-in. The indices are the later and the earlier block.
   std::vector<char> coupled_;
   std::vector<Range> below_;
   std::vector<Island> islands_;

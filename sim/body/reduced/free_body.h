@@ -14,18 +14,18 @@ class FreeBody {
  public:
   FreeBody(const RigidLink& link, const Eigen::Isometry3d& start);
 
-  // Motion of the center of mass, world axes; m, m/s, rad/s.
+  // Position (m) and velocity (m/s) of the center of mass, in the world frame.
   Eigen::Vector3d com;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   const Eigen::Vector3d& angular_velocity() const { return angular_velocity_; }
-  const Eigen::Matrix3d& axes() const { return axes_; }  // link's frame
+  const Eigen::Matrix3d& axes() const { return axes_; }  // axes of the link's frame in the world
   Eigen::Isometry3d link_pose() const;
   double mass() const { return mass_; }
 
   Eigen::Matrix3d inertia() const { return axes_ * inertia_ * axes_.transpose(); }  // world axes
 
-  // Advances by one step. The arguments are the velocities after the step's impulses. `flight` is true if no
-  // contact acted on the body.
+  // Advances the body by one step. `velocity_after` and `angular_after` are the velocities after the impulses
+  // of the step. `flight` is true if no contact acted on the body.
   void advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
                bool flight, double step_s);
   void stop();
@@ -51,7 +51,7 @@ class FreeBody {
 
   double mass_;
   Eigen::Vector3d own_com_;
-  Eigen::Matrix3d inertia_, inverse_;  // own axes, about com
+  Eigen::Matrix3d inertia_, inverse_;  // about the center of mass, in the body's own axes
   Eigen::Quaterniond turn_;
   Eigen::Vector3d momentum_ = Eigen::Vector3d::Zero();
   // Derived from the state by place().
@@ -59,7 +59,7 @@ class FreeBody {
   Eigen::Matrix3d axes_;
 };
 
-// Returns `turn` rotated by the rotation vector `by`, rad, world axes.
+// Returns `turn` rotated by the rotation vector `by` (rad, world axes).
 Eigen::Quaterniond turned(const Eigen::Quaterniond& turn, const Eigen::Vector3d& by);
 
 }  // namespace kaz::sim

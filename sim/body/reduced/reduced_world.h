@@ -2,19 +2,20 @@
 // contacts are solved together.
 // SPDX-License-Identifier: Apache-2.0
 //
-// docs/explanation/dynamics.md has the formulation. A step of h seconds from coordinates q and velocities v:
+// docs/explanation/dynamics.md describes the formulation. A step of h seconds begins with coordinates q and
+// velocities v and consists of four parts:
 //   1. Find the contacts (contacts.h) and compute the row of each joint's motor (joint_motor.h).
-//   2. Solve for the velocities by Newton's method (velocity_solver.h). The bias c is taken at the midpoint
-//      velocity, extrapolated from the last step. This makes the velocity-dependent forces accurate to second
-//      order.
-//   3. Set q += h v. For a robot in flight, the root's part of v is replaced by its midpoint velocity. For a
-//      free body in flight, v is replaced by the mean of old and new v.
+//   2. Solve for the velocities by Newton's method (velocity_solver.h). The bias c is computed at the
+//      midpoint velocity, which is extrapolated from the last step. With this choice, the velocity-dependent
+//      forces are accurate to second order.
+//   3. Set q += h v. For a robot in flight, the root's part of v is replaced by the root's midpoint velocity.
+//      For a free body in flight, v is replaced by the mean of the old and the new velocity.
 //   4. Set the robot's momentum to the old momentum plus the impulses of contacts and gravity, so that errors
-//      of the momentum do not accumulate. This changes the root's velocity by terms of h^2.
+//      of the momentum do not accumulate. This correction changes the root's velocity by terms of order h^2.
 //
-// The members of ReducedWorld are the state that is kept from step to step; clone() copies them. The
-// temporary data of a step is in Work. Each thread has one Work for all its worlds, so Work stays in the
-// processor's cache.
+// The members of ReducedWorld are the state that is kept from step to step; clone() copies all members. The
+// temporary data of a step is in a Work object. Each thread has one Work object for all worlds that the
+// thread steps, so the object stays in the processor's cache.
 #pragma once
 
 #include <memory>
@@ -59,8 +60,8 @@ class ReducedWorld final : public StagedWorld {
     int dof = 0;
     double lower = 0, upper = 0;  // rad, mechanical stops
   };
-  // Impulses of a contact in the last step: friction of hard contacts (velocity_solver.h), and rolling.
-  // ContactMemory stores the shear of soft contacts.
+  // Impulses of a contact in the last step: friction impulse of a hard contact (velocity_solver.h), and
+  // rolling moment. ContactMemory stores the shear of soft contacts.
   struct Memory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
@@ -71,7 +72,7 @@ class ReducedWorld final : public StagedWorld {
       for (int k = 0; k < 3; ++k) a(at[k], impulse[k], moment[k]);
     }
   };
-  struct Chain {  // chain of joints, which is a block of the solver's matrix
+  struct Chain {  // chain of joints; each chain is a block of the solver's matrix
     int first = 0, length = 0, carrier = -1;
   };
   struct Layout {  // constant, shared by all clones
@@ -81,11 +82,11 @@ class ReducedWorld final : public StagedWorld {
   struct Meeting {  // two bodies in contact
     // `pair` is the index in the solver; -1: neither body can move.
     int body_a = -1, body_b = -1, pair = -1;
-    Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m, reference point of the relative motion
+    Eigen::Vector3d about = Eigen::Vector3d::Zero();  // reference point of the relative motion, m
   };
   struct Push {  // contact point of the solver; the point's impulse acts on body_a
     std::size_t touch = 0;
-    Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // normal, two tangents
+    Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // columns: normal, two tangents
   };
   // Working memory of one step.
   struct Work {
@@ -93,14 +94,14 @@ class ReducedWorld final : public StagedWorld {
     static Work& of_this_thread(const ReducedWorld& world);
     Contacts& contacts = Contacts::of_this_thread();
     VelocitySolver solver;
-    std::vector<double> bias, halfway, acceleration;  // by coordinate of the tree
-    std::vector<double> momentum, velocity;           // by coordinate of the solver
-    std::vector<Spatial> outer;                       // by link: external force
-    // By object: first of its six coordinates (angular, linear); -1: asleep.
+    std::vector<double> bias, halfway, acceleration;  // indexed by coordinate of the tree
+    std::vector<double> momentum, velocity;           // indexed by coordinate of the solver
+    std::vector<Spatial> outer;                       // external force on each link
+    // Index of the first of the six coordinates (angular, linear) of each object; -1: the object sleeps.
     std::vector<int> coordinate_of;
     std::vector<Meeting> meetings;
-    std::vector<Push> pushes;  // by point of the solver
-    std::vector<bool> flies;   // by object: true if it has no contacts
+    std::vector<Push> pushes;  // indexed by contact point of the solver
+    std::vector<bool> flies;   // for each object: true if the object has no contacts
   };
 
   template <class A>

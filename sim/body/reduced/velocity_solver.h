@@ -1,40 +1,44 @@
-// Velocity-level solver: inertia, motors, joint stops and contacts with Coulomb friction in one solve.
+// Velocity-level constraint solver. One system of equations contains inertia, motors, joint stops and
+// contacts with Coulomb friction.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The unknowns are the velocities v after the step. Every row (motor, stop or contact) is compliant: the
 // impulse of a row depends only on the row's velocity u = J v. The solution satisfies
 //
-//   M v - p - sum J^T l(J v) = 0                    (p: momentum after the step without the rows)
+//   M v - p - sum J^T l(J v) = 0                    (p: momentum after a step without the rows)
 //
 //   bounded row   l = clamp((target - u) / softness, min, max)
 //   normal        l_n = max(0, (target - u_n) / softness)
 //   friction      l_t = l_t of the last step - u_t / give, projected onto the disc |l_t| <= mu l_n
 //
-// Friction uses a cone, not a pyramid. In series with the friction is a spring whose stretch is kept from
-// step to step.
+// Friction uses a cone, not a pyramid. Each contact has a tangential spring in series with the friction. The
+// stretch of this spring is kept from step to step.
 //
 // For fixed radii mu l_n, the left side of the first equation is the gradient of a convex, piecewise smooth
-// function of v. The function is quadratic where no contact slips. Newton's method with an exact line search
-// converges in few iterations, even if many points share a load. After each iteration the radii are updated
-// from l_n. The result satisfies Coulomb's law and avoids an artifact of convex formulations, in which
-// friction lifts a sliding body. If the radii do not converge in a dozen iterations, Newton's method
-// continues with the radii as functions of v (coupled_newton.cpp). If this fails too, the solver follows the
-// path of growing friction (friction_path.cpp).
+// function of v. In regions where no contact slips, this function is quadratic. Newton's method with an exact
+// line search converges in few iterations, even if many points share a load. After each iteration the radii
+// are updated from l_n. The result satisfies Coulomb's law and avoids an artifact of convex formulations, in
+// which friction lifts a sliding body. If the radii do not converge in a dozen iterations, Newton's method
+// continues with the radii as functions of v (coupled_newton.cpp). If coupled_newton.cpp does not converge
+// either, the solver increases the friction gradually (friction_path.cpp).
 //
-// All contact points of a pair of bodies act on the same relative motion, which has six components. The
-// stiffness of the points is therefore summed in a 6 x 6 matrix first and then mapped to the coordinates.
+// All contact points of a pair of bodies act on the same relative motion, which has six components. Therefore
+// the solver first sums the stiffness of the points in a 6 x 6 matrix and then maps this matrix to the
+// coordinates.
 //
 // Sources: the primal Newton solver of E. Todorov et al., MuJoCo ("Computation: solver algorithms"), and the
 // regularized friction of A. Castro et al., "An unconstrained convex formulation of compliant contact", IEEE
-// T-RO 39(2), 2023. Differences from Castro et al.: the friction limit uses the normal force of the current
-// iteration, not of the last step. The stretch of the spring is kept, so that sticking contacts do not creep.
+// T-RO 39(2), 2023. This solver differs from Castro et al. in two points. The friction limit uses the normal
+// force of the current iteration, not of the last step. The stretch of the tangential spring is kept, so that
+// sticking contacts do not creep.
 //
-// Limitations: hard contacts also have a tangential compliance `give`, which is kGive times the mobility of
+// Limitations: even hard contacts have a tangential compliance `give`, which is kGive times the mobility of
 // the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by 7 micrometers. Contact points
-// of the same bodies (a sole on the floor) share the friction force like parallel springs. The shares are
-// proportional to 1 / give, within the friction discs of the points. If friction and normal force amplify
-// each other without bound (a jamming wedge between almost massless bodies), the solver may find no solution.
-// The number of iterations is bounded, and residual() returns the velocity change in the last iteration.
+// of the same pair of bodies, such as a sole on the floor, share the friction force like parallel springs.
+// The shares are proportional to 1 / give, within the friction discs of the points. If friction and normal
+// force amplify each other without bound (a jamming wedge between almost massless bodies), the solver may
+// find no solution. The number of iterations is bounded, and residual() returns the velocity change in the
+// last iteration.
 #pragma once
 
 #include <algorithm>
@@ -58,22 +62,26 @@ class VelocitySolver {
   // A range of coordinates on which a relative motion depends.
   struct Segment {
     int first = 0, length = 0;
-    // +1, -1: the six coordinates are the motion or its negative. 0: the Jacobian is in columns().
+    // +1: the six coordinates are the relative motion. -1: the six coordinates are the negative of the
+    // relative motion. 0: the relative motion is the product of the Jacobian in columns() and the
+    // coordinates.
     double plain = 0;
   };
   struct Point {
     int pair = 0;
     Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // columns: normal, two tangents
-    Eigen::Vector3d arm = Eigen::Vector3d::Zero();        // m, from the pair's reference point
-    double target = 0;                                    // m/s, normal velocity
-    double softness = 0;                                  // m/s per N s, above 0
+    // Vector from the pair's reference point to the contact point, m.
+    Eigen::Vector3d arm = Eigen::Vector3d::Zero();
+    double target = 0;    // target of the normal velocity, m/s
+    double softness = 0;  // m/s per N s, above 0
     double mu = 0;
-    // Tangential compliance, m/s per N s; 0: use kGive times the bodies' mobility.
+    // Tangential compliance, m/s per N s. 0: the solver uses kGive times the mobility of the bodies.
     double give = 0;
-    double rolling = 0;                // rolling resistance, m; 0: no moments
-    Impulse before = Impulse::Zero();  // impulse of the last step, N s and N m s
+    double rolling = 0;  // rolling resistance, m; 0: no moments
+    // Impulse of this contact point in the last step, N s and N m s.
+    Impulse before = Impulse::Zero();
   };
-  // Row on one coordinate, with a bounded impulse.
+  // A row that acts on one coordinate with a bounded impulse.
   struct Bounded {
     int coordinate = 0;
     double sign = 1;          // u = sign * v[coordinate]
@@ -86,8 +94,8 @@ class VelocitySolver {
   void begin(int coordinates);
   BlockMatrix& matrix() { return matrix_; }
 
-  // Adds the relative motion of two bodies and returns its index. At most three of `segments` may be
-  // non-empty. They must be in ascending order of coordinates.
+  // Adds the relative motion of two bodies and returns the index of the pair. At most three of the segments
+  // may be non-empty. The segments must be in ascending order of coordinates.
   int add_pair(std::span<const Segment> segments);
   // Returns the Jacobian of the pair: six numbers, initially 0, for each coordinate of the segments with
   // `plain` = 0. The pointer is valid until the next add_pair().
@@ -109,12 +117,13 @@ class VelocitySolver {
 
   std::size_t points() const { return points_.size(); }
   const Impulse& impulse(std::size_t point) const { return points_[point].impulse; }
-  // Returns the relative velocity along the rows of a contact point after the step, m/s and rad/s.
+  // Returns the relative velocity at a contact point after the step, in the components of Impulse, m/s and
+  // rad/s.
   const Impulse& velocity(std::size_t point) const { return points_[point].velocity; }
   // Returns the impulse of a bounded row, N s or N m s.
   double bounded(std::size_t row) const { return bounded_impulse_[row]; }
-  // Maxima over all islands in the last solve(): number of iterations, and velocity change in the final
-  // iteration (m/s or rad/s).
+  // steps() returns the number of iterations of the last solve(). residual() returns the velocity change in
+  // the final iteration (m/s or rad/s). Both values are maxima over all islands.
   int steps() const { return steps_; }
   double residual() const { return residual_; }
 
@@ -133,11 +142,11 @@ class VelocitySolver {
     double firmness = 0, moment_firm = 0;  // 1 / give, for forces and for moments
     double length_t = 0, length_r = 0;  // radii of the friction discs in this iteration, N s, N m s
     Impulse velocity, change, impulse;
-    // Active set (pattern_of()): present one, and the one for which H was factored.
+    // Present active set (pattern_of()), and the active set for which H was factored.
     std::uint8_t pattern = 0, factored = 0;
   };
-  // End indices of an island's members in the member lists (pair_list_ and the following lists). Members of
-  // an island begin where the members of the previous island end.
+  // End indices of an island's members in pair_list_, point_list_ and bounded_list_. The members of an island
+  // begin where the members of the previous island end.
   struct Members {
     int pairs = 0, points = 0, bounded = 0;
   };
@@ -182,8 +191,8 @@ class VelocitySolver {
   static void add_coupled_stiffness(const Contact& contact, Stiffness& k);
   void assemble_coupled(std::span<const int> coordinates);
   double merit() const;
-  // Solves with the initial guess v and returns the number of iterations. `left` receives the velocity change
-  // in the last iteration. If `left` is above `tolerance`, v is not a solution.
+  // Solves the equations with the initial guess v and returns the number of iterations. `left` receives the
+  // velocity change in the last iteration. If `left` is above `tolerance`, v is not a solution.
   int solve_coupled(std::span<const double> momentum, std::span<double> v, double tolerance,
                     double& left);
   // friction_path.cpp
@@ -203,7 +212,7 @@ class VelocitySolver {
   std::vector<double> bounded_impulse_;
   std::vector<double> gradient_, change_, inertia_v_, inertia_change_;
   std::vector<double> requested_before_,
-      gone_before_;  // change_ of the last iteration before and after accelerate()
+      gone_before_;  // values of change_ before and after accelerate(), in the last iteration
   std::vector<double> scratch_;
   // Working memory of solve_coupled(): H, the Jacobian of a pair, the product of Jacobian and stiffness, and
   // the index of each coordinate in H.
@@ -211,18 +220,20 @@ class VelocitySolver {
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_, product_;
   std::vector<Eigen::Index> place_;
   std::vector<double> start_;
-  // Members, grouped by island.
+  // Indices of pairs, points and bounded rows, grouped by island.
   std::vector<int> pair_list_, point_list_, bounded_list_;
   std::vector<Members> members_;
   // The island being solved.
   std::size_t island_ = 0;
   std::span<const int> its_pairs_, its_points_, its_bounded_;
-  double start_slope_ = 0, curve_ = 0;  // inertial parts of the slope along the search direction
-  // Active rows of the calm blocks at the time of their factorization, and the island of these blocks.
+  // Contributions of the inertia to the slope along the search direction.
+  double start_slope_ = 0, curve_ = 0;
+  // Active bounded rows (1) at the last factorization: of the calm blocks of calm_island_ in calm_yields_, of
+  // all blocks of H in factored_yields_.
   std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
-  double relaxation_ = 1;  // factor on the updates of the friction radii
+  double relaxation_ = 1;  // factor by which updates of the friction radii are multiplied
   int steps_ = 0;
   double residual_ = 0;
 };

@@ -1,10 +1,10 @@
-// Puts resting ODE bodies to sleep until a moving body touches them.
+// Puts a resting ODE body to sleep until a moving body touches the resting body.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The rule is ODE's "auto disable" with one sample. A body in contact is put to sleep after its speeds have
-// been below both thresholds for SleepRule::after_s. ODE's own counters cannot be saved and restored, so a
-// restored world would not continue exactly like the saved world. The counters of this class are part of the
-// saved state.
+// The rule is ODE's "auto disable", applied to the speeds of the last step only (one sample). A body in
+// contact is put to sleep after the body's speeds have been below both thresholds for SleepRule::after_s.
+// ODE's own counters cannot be saved and restored, so a restored world would not continue exactly like the
+// saved world. The counters of this class are part of the saved state.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 namespace kaz::sim {
 
 struct SleepRule {
-  // m/s, rad/s; a body with a speed above either threshold stays awake.
+  // Thresholds in m/s and rad/s. A body with a speed above either threshold stays awake.
   double linear = 0.003, angular = 0.15;
   double after_s = 0.25;
 };
@@ -23,12 +23,12 @@ struct SleepRule {
 class BodySleep {
  public:
   void add(dBodyID body) { bodies_.push_back({body, SleepRule{}.after_s}); }
-  // Enables the body and restarts its time at rest.
+  // Enables the body and restarts the body's time at rest.
   void wake(dBodyID body);
-  // Call before each solver step, after its contacts have been created.
+  // Call before each solver step, after the contacts of this step have been created.
   void update(double step_s);
 
-  // Copies the remaining times from `other`, which must have the same number of bodies.
+  // Copies the remaining times until sleep from `other`, which must have the same number of bodies.
   void continue_from(const BodySleep& other) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].left_s = other.bodies_[i].left_s;
   }

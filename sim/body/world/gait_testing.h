@@ -1,8 +1,8 @@
-// Computes the joint angles of walking on the spot, which is the workload of the benchmarks.
+// Computes the joint angles of a robot that walks on the spot. Benchmarks use this motion as their workload.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The trunk rolls about the hips. Each foot swings for 0.3 of a cycle and lifts 10 mm. The hips are 0.145 m
-// above the soles, the trunk leans forward by 3 degrees, shank and thigh are 65 mm long.
+// The trunk rolls about the hips. Each foot swings for 0.3 of a cycle and is lifted by 10 mm. The hips are
+// 0.145 m above the soles. The trunk leans forward by 3 degrees. Shank and thigh are 65 mm long.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +14,10 @@
 
 namespace kaz::sim::bench {
 
-using Angles = std::array<double, KZ_JOINTS>;  // rad, by joint number of joints.def
+using Angles = std::array<double, KZ_JOINTS>;  // rad, indexed by the joint numbers of joints.def
 
-// Returns the joint angles at `phase`, in cycles of 1 s. `walk` scales the motion: 0 stands in the walking
-// crouch, 1 lifts the feet fully.
+// Returns the joint angles at the time `phase`, in cycles. A cycle takes 1 s. `walk` scales the motion: with
+// 0, the robot stands in the crouch for walking; with 1, the robot lifts the feet to the full height.
 inline Angles walking_angles(double walk, double phase) {
   constexpr double kBone = 0.065, kHipHeight = 0.145, kAnkleHeight = 0.030;
   constexpr double kLean = 3 * kDegree, kRoll = 16 * kDegree, kLift = 0.010, kHipSide = 0.033;

@@ -1,23 +1,25 @@
 // Force readings: the external contact force on each link and the reaction force in each joint.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Readings are means over the last step, like those of a six-axis force-torque sensor in the link. The axes
-// are those of the link at the beginning of the step.
+// Readings are means over the last step, like the readings of a six-axis force-torque sensor in the link.
+// Vectors are in the link's axes at the beginning of the step.
 #pragma once
 
 #include <Eigen/Geometry>
 
 namespace kaz::sim {
 
-// Sum of all contacts of one link with floor, objects and walls. Contacts between links of the robot and
-// World::push() are not included. Zero for a fixed base.
+// Sum of the contact forces of floor, objects and walls on one link. Contacts between two links of the robot
+// are not included, and neither are impulses by World::push(). For a base that is fixed in the world, the sum
+// is zero.
 struct LinkForce {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N, link's axes
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm, about the link's origin, link's axes
-  double pressure = 0;                               // N, sum of the normal forces; 0: no contact
-  // Center of pressure, m, link's frame: mean of the contact points weighted by their normal forces. For a
-  // flat sole on the floor, the center of pressure is the zero moment point (ZMP). The contact moment about
-  // this point is parallel to the floor's normal.
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // force in the link's axes, N
+  // Moment about the link's origin, in the link's axes, Nm.
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  double pressure = 0;  // sum of the normal forces, N; 0: no contact
+  // Center of pressure in the link's frame, m: mean of the contact points, weighted by the normal forces. For
+  // a flat sole on the floor, the center of pressure is the zero moment point (ZMP). The contact moment about
+  // the center of pressure is parallel to the floor's normal.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 
   // Adds a contact point with the force `push` (N) and the moment `turn` (Nm, about the point `at`). All
@@ -41,8 +43,9 @@ struct LinkForce {
   }
 };
 
-// Force and moment that the parent link exerts on the child link, at the child's origin, in the child's axes.
-// Bearing, motor and stop are included, so the moment along the joint axis is the joint torque.
+// Force and moment that the parent link exerts on the child link of a joint, at the child link's origin, in
+// the child link's axes. Bearing, motor and stop are included. Therefore the moment along the joint axis is
+// the joint torque.
 struct JointLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm

@@ -10,12 +10,13 @@
 
 namespace kaz::sim::test {
 
-// Rods: mass (kg), length between joints (m), and inertia (kg m^2) across the rod and along it. The center of
-// mass is in the middle.
+// Mass (kg) of a rod, length between the joints (m), and inertia (kg m^2) about an axis across the rod and
+// about the rod's axis. The center of mass is in the middle of the rod.
 constexpr double kRodMass = 0.1, kRodLength = 0.2, kRodInertia = 4e-4, kRodSlim = 2e-5;
-constexpr double kFreeRotor = 5e-4;  // kg m^2, rotor inertia of Kaz's motor; turns with the joint
+constexpr double kFreeRotor = 5e-4;  // rotor inertia of Kaz's motor at the joint, kg m^2
 
-// Motor without friction, backlash and heat. With an open bridge, only the rotor inertia acts.
+// Returns a motor without friction, backlash and heat. If the bridge is open, only the rotor's inertia acts
+// on the joint.
 inline MotorParams free_motor() {
   MotorParams motor;
   motor.name = "free";
@@ -64,7 +65,8 @@ inline RigidLink rod(const std::string& name) {
 }
 
 // Returns a chain of `count` rods, named rod0, rod1 and so on. In the zero posture, the chain hangs from a
-// fixed base. Joints turn about y. If `crossed`, the joints of rod0, rod2 and so on turn about x.
+// fixed base. The joints turn about y. If `crossed` is true, the joints of rod0, rod2 and so on turn about x
+// instead.
 inline RobotModel chain(int count, bool crossed) {
   RobotModel robot = fixed_place();
   for (int i = 0; i < count; ++i) {

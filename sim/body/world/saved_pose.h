@@ -9,8 +9,8 @@
 
 namespace kaz::sim {
 
-// Returns whether a position (m) is within the limits. The limit is far above the distance that a body falls
-// in a day.
+// Returns whether a position (m) is within the limits. The limit is larger than the distance that a body
+// falls in a day.
 inline bool is_saved_place(const Eigen::Vector3d& at) {
   return at.cwiseAbs().maxCoeff() < 1e11;
 }

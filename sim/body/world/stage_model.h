@@ -17,23 +17,24 @@
 namespace kaz::sim {
 
 // Returns the world pose of the robot's root link at the start, in the zero posture. The soles are on the
-// ground at WorldModel::robot_start, or half a meter above it if `hung` (suspended). A fixed base is at
-// robot_start itself.
+// ground at WorldModel::robot_start. If `hung` is true (suspended robot), the soles are half a meter above
+// the ground. A root link that is fixed in the world has the pose robot_start.
 Eigen::Isometry3d root_at_start(const WorldModel& world, const RobotModel& robot, bool hung);
 
 struct StageModel {
-  // Precondition, checked by make_world(): the world's feet are links of the robot, and pushed links can
-  // move.
+  // Precondition: WorldModel::feet and WorldModel::pushes name links of the robot, and these pushed links can
+  // move. make_world() checks this precondition.
   StageModel(const WorldModel& world, const RobotModel& robot, const WorldOptions& options);
 
-  // Bodies are numbered: first the robot's links in the order of RobotModel::links, then the objects that can
-  // move.
+  // A body of the world. Body numbers begin with the robot's links in the order of RobotModel::links; the
+  // objects that can move follow.
   struct Body {
     RigidLink rigid;    // without visuals and collision shapes
-    bool moves = true;  // false: fixed at `start`
-    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // world pose of the link's frame
+    bool moves = true;  // false: the body is fixed at the pose `start`
+    // World pose of the link's frame at the start.
+    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   };
-  // Velocity change of an object, m/s, or impulse on a robot link, N s. World axes.
+  // Velocity change of an object (m/s), or impulse on a robot link (N s), in world axes.
   struct Kick {
     std::int64_t step = 0;
     int body = 0;
@@ -43,15 +44,17 @@ struct StageModel {
   std::vector<Body> bodies;
   ContactModel contacts;
   std::vector<std::string> joint_order, link_order;
-  std::map<std::string, RobotFrame> link_frames;  // by link name
-  // By model name: world pose of the model's first link.
+  std::map<std::string, RobotFrame> link_frames;  // frames of the robot's links, by link name
+  // World pose of the first link of each fixed model, by model name.
   std::map<std::string, Eigen::Isometry3d> fixed_objects;
-  std::map<std::string, int> objects;  // by name of a movable model: body number of its first link
-  // Sorted by time, latest first: the next kick is the last element.
+  // Body number of the first link of each movable model, by model name.
+  std::map<std::string, int> objects;
+  // Kicks sorted by time, latest first. The next kick to apply is the last element.
   std::vector<Kick> kicks;
-  // Sorted like `kicks`; step numbers count from the robot's first step.
+  // Pushes whose Kick::step counts from the robot's first step, sorted like `kicks`. If `feet` is empty,
+  // `pushes` is empty and all pushes are in `kicks`.
   std::vector<Kick> pushes;
-  std::vector<int> feet;    // links; the robot's first step is when one of them rises
+  std::vector<int> feet;    // body numbers of the feet (WorldModel::feet)
   std::vector<int> frames;  // body numbers, indexed by scene frame - 1
   Scene scene;
   int head_frame = -1;  // scene frame of the link with both eyes; -1: none

@@ -18,9 +18,10 @@
 
 namespace kaz::sim {
 
-// ERP of a joint stop for a step of 1 ms (contact_surface.h), and compliance of the stop in rad/s per Nm.
-// With these values, a stop yields by 1 mrad at the motor's maximum torque of 2.4 Nm, like plastic on steel.
-// If stops were rigid, the residual of an iterative solver would make the joint bounce.
+// Error reduction parameter (ERP) of a joint stop for a step of 1 ms (contact_surface.h), and compliance of
+// the stop in rad/s per Nm. With these values, a stop yields by 1 mrad under the motor's maximum torque of
+// 2.4 Nm, like a stop of plastic on steel. If stops were rigid, the residual of an iterative solver would
+// make the joint bounce.
 constexpr double kStopErp = 0.2;
 constexpr double kStopSoftness = 0.08;
 
@@ -52,7 +53,8 @@ class StagedWorld : public World {
   // Impulse on a moving link of the robot, applied in the next step.
   struct HandPush {
     std::uint32_t link = 0;
-    Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes, at the centre of mass
+    // N s, in world axes, at the link's center of mass.
+    Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
     template <class A>
     void transfer(A& a) {
       a(link);
@@ -62,39 +64,41 @@ class StagedWorld : public World {
 
   StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
               const WorldOptions& options);
-  StagedWorld(const StagedWorld&) = default;  // shares the model, copies the state
+  StagedWorld(const StagedWorld&) = default;  // shares the StageModel, copies the state
 
   const std::vector<Body>& bodies() const { return model_->bodies; }
   // World pose of the link's frame, for bodies that move.
   virtual Eigen::Isometry3d moving_pose(int body) const = 0;
   // Adds `velocity` (m/s, world axes) to the velocity of an object and wakes the object.
   virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
-  Eigen::Isometry3d body_pose(int body) const;  // pose of the link's frame, for every body
+  Eigen::Isometry3d body_pose(int body) const;  // world pose of the link's frame, for every body
   // Applies the kicks and pushes that are due at the current step.
   void kick_due();
-  // Applies the elements of `kicks` that are due at `step`, and updates `left`, the number of remaining
-  // elements.
+  // Applies the elements of `kicks` that are due at `step`. `left` is the number of elements that are not
+  // applied yet; the function updates `left`.
   void take_due(const std::vector<StageModel::Kick>& kicks, std::size_t& left, std::int64_t step);
-  bool has_stepped() const;  // one of the model's feet has risen by kFirstStep
-  // Computes each motor's row from the present joint states.
+  bool has_stepped() const;  // returns whether one of StageModel::feet has risen by kFirstStep
+  // Computes each motor's row of the constraint solver from the present joint states.
   void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
-  // Updates the motors with the joint states after the step.
+  // Updates the motors after the step, with the new joint states.
   void finish_motors();
   // Validity checks of one step. A check that fails sets diagnostics_.failure and returns false.
-  static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m, per step
+  static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m per step
   bool drives_are_numbers();
   bool joint_can_turn(std::size_t joint, double velocity);
   bool body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
                      const Eigen::Vector3d& angular);
-  void break_down(const std::string& why);  // sets diagnostics_.failure if it is empty
-  void read_motors();                       // copies currents and temperatures to the joint states
+  // Sets diagnostics_.failure if diagnostics_.failure is empty.
+  void break_down(const std::string& why);
+  void read_motors();  // copies currents and temperatures to the joint states
   // Archives the state of this class.
   template <class A>
   void transfer_stage(A& a) {
     auto count = static_cast<std::uint32_t>(bodies().size());
     auto kicks = static_cast<std::uint32_t>(kicks_left_);
     a(count, kicks);
-    // Kicks that were applied here may still be due in the saved state.
+    // The saved state may be earlier than the present state. Kicks that were already applied are then due
+    // again.
     if (count != bodies().size() || kicks > model_->kicks.size()) {
       return a.refuse("it belongs to another world");
     }
@@ -132,19 +136,19 @@ class StagedWorld : public World {
   double step_s_;
   Eigen::Vector3d gravity_;
   std::int64_t steps_ = 0;
-  bool hung_ = false;  // the root link is fixed
+  bool hung_ = false;  // true: the root link is fixed
   std::size_t robot_links_;
   std::size_t kicks_left_ = 0;  // number of the model's kicks not yet applied
   std::size_t pushes_left_ = 0;
-  std::int64_t first_step_ = -1;  // step in which a foot of the model had risen; -1: not yet
+  std::int64_t first_step_ = -1;  // simulation step in which has_stepped() became true; -1: not yet
   std::vector<JointMotor> motors_;
-  std::vector<JointMotor::Row> rows_;  // by motor, for the current step
+  std::vector<JointMotor::Row> rows_;  // row of each motor for the current step
   std::vector<JointState> joint_states_;
   RobotFrame imu_frame_;
   ImuState imu_;
-  std::vector<LinkForce> link_forces_;  // by link of the robot
+  std::vector<LinkForce> link_forces_;  // indexed by link of the robot
   bool watch_loads_ = false;
-  std::vector<JointLoad> joint_loads_;  // by joint; empty: not watched
+  std::vector<JointLoad> joint_loads_;  // indexed by joint; empty if loads are not watched
   double current_ = 0;
   std::vector<HandPush> hand_pushes_;
   SolverDiagnostics diagnostics_;
@@ -154,15 +158,16 @@ class StagedWorld : public World {
 struct WorldFiles {
   WorldModel world;
   RobotModel robot;
-  MotorParams motor;  // without backlash and heat if WorldOptions::ideal_motors
+  MotorParams motor;  // without backlash and heat if WorldOptions::ideal_motors is true
 };
-// Loads the world file, the robot file, and motor.xml in the folder of the robot file. Errors name file and
-// line.
+// Loads the world file, the robot file, and motor.xml in the folder of the robot file. An error message names
+// file and line.
 Result<WorldFiles> read_world_files(const std::string& world_path, const std::string& robot_path,
                                     const WorldOptions& options);
 
-// Builds a world with the dynamics engine selected by the options. Errors: unknown dynamics, step out of
-// range, a foot or a push names a link that does not exist, a push on a fixed link.
+// Builds a world with the dynamics engine selected by the options. Fails if the engine is unknown or the step
+// size is out of range. Also fails if a foot or a push names a link that does not exist, or if a pushed link
+// is fixed.
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
                                                 const MotorParams& motor,
                                                 const WorldOptions& options);

@@ -1,4 +1,4 @@
-// 10-bit A/D converter: single and scan mode, with sampling at the exact state.
+// 10-bit A/D converter with single mode and scan mode. Inputs are sampled at the exact state.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -29,7 +29,7 @@ class Adc {
 
   States next_event() const { return next_; }
   // Returns the end of the conversion that raises the next interrupt request, or kNever if no request can be
-  // raised. Other conversions do not affect the rest of the chip.
+  // raised. A conversion that raises no request does not affect other modules of the chip.
   States next_request() const {
     if (!(adcsr_ & 0x40) || adf_.has(0x80)) return kNever;
     if (end_ == kNever || !scan()) return end_;
@@ -38,10 +38,10 @@ class Adc {
   void advance(Machine& m, States to) {
     if (next_ <= to) convert(m, to);
   }
-  // Returns whether conversions may be computed after they end. This is so in scan mode, until the program
-  // reads a result or an output of the chip changes.
+  // Returns whether a conversion may be computed after the time at which the conversion ends. In scan mode,
+  // conversions may be computed when the program reads a result or before an output of the chip changes.
   bool may_wait() const { return scan(); }
-  // Processes all events up to the time `to`, until `ended` is set. Sets `at` to the time of each event.
+  // Processes all events up to the time `to`, or until `ended` is set. Sets `at` to the time of each event.
   void run_events(Machine& m, States to, States& at, const bool& ended);
   // Starts a conversion if ADCR.TRGS selects `source`: 2 is the 8-bit timer, 3 the ADTRG pin.
   void trigger(Machine& m, unsigned source, States at);

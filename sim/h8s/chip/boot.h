@@ -1,9 +1,9 @@
 // Boot ROM: loads a program into RAM over a serial channel (hardware manual, boot mode).
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ROM's instructions are not known, so this class models the steps of the ROM and their times. The ROM's
-// bytes pass through the serial channel bit by bit, like the bytes of any program. The CPU is stopped until
-// the loaded program starts.
+// The instructions of the boot ROM are not known. Therefore this class models the steps of the ROM and the
+// time of each step. The bytes that the ROM sends and receives pass through the serial channel bit by bit,
+// like the bytes of a program. The CPU is stopped until the loaded program starts.
 #pragma once
 
 #include <cstdint>
@@ -66,9 +66,9 @@ class BootRom {
   Step step_ = Step::off;
   States wake_ = kNever;
   States low_since_ = kNever;  // time of the falling edge at RxD
-  std::int32_t sending_ = -1;  // byte waiting for the transmitter; -1: none
+  std::int32_t sending_ = -1;  // byte waiting for the transmitter; -1: no byte
   std::int32_t answers_ = 0;   // number of H'AA bytes to send before the program starts
-  std::uint32_t expected_ = 0, stored_ = 0;  // program size; bytes stored
+  std::uint32_t expected_ = 0, stored_ = 0;  // size of the program; number of bytes stored
   std::uint32_t block_ = 0;                  // flash block that is checked or erased
   States pulse_from_ = kNever;               // start time of the erase pulse
 };

@@ -1,4 +1,4 @@
-// Public interface of the emulator: an H8S/2128 with its peripherals, executed with exact state counts.
+// Public interface of the emulator: H8S/2128 with its peripherals, and exact instruction times.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,7 +24,7 @@ namespace kaz::h8s {
 // I/O ports by number (hardware manual, "I/O Ports"). Port 7 is input only.
 enum class Port { p1 = 1, p2, p3, p4, p5, p6, p7 };
 
-// Reason for which run_until or step returned.
+// Reason why run_until or step returned.
 struct Stop {
   enum class Reason {
     reached,     // now() >= until
@@ -38,7 +38,7 @@ struct Stop {
   };
   friend constexpr Reason last_value(Reason) { return Reason::requested; }
   Reason reason = Reason::reached;
-  // Empty for `reached`. Otherwise several lines: error, symbol, registers, back-trace, last instructions.
+  // Text of several lines: error, symbol, registers, back-trace, last instructions. Empty for `reached`.
   std::string report;
   template <class A>
   void transfer(A& a) {
@@ -135,7 +135,7 @@ struct FlashStatistics {
   }
 };
 
-// Action of run_until after a code hook.
+// Result of a code hook: run_until continues or stops.
 enum class HookAction { go_on, stop };
 
 class Machine;
@@ -155,12 +155,12 @@ class Chip {
   // source.
   Chip clone() const;
   // Returns a snapshot of the complete state, for restore() of this or another chip. The snapshot contains no
-  // callbacks and hooks: the chip that restores it keeps its own callbacks and hooks.
+  // callbacks and hooks: a chip keeps its own callbacks and hooks in restore().
   std::shared_ptr<const Chip> save() const;
   void restore(const Chip& saved);
-  // Write and read the complete state as bytes, for files. Only the build that wrote the bytes can read them,
-  // and only into a chip with the same options. If the reader reports an error, the chip is powered on with
-  // undefined flash contents.
+  // Write and read the complete state as bytes, for files. The bytes can only be read by the build that wrote
+  // the bytes, and only into a chip with the same options. If the reader reports an error, the chip is
+  // powered on with undefined flash contents.
   void write_state(StateWriter& to) const;
   void read_state(StateReader& from);
 
@@ -174,14 +174,16 @@ class Chip {
   // in flash or RAM and sets PC to `entry`. Other memory is unchanged. Must be called after power_on. Error:
   // a section is outside flash and RAM; the sections before that section have then been written.
   Result<void> place(const Image& image, std::uint32_t entry);
-  // Sets the symbols that reports use. An S-record image has no symbols; they can come from a COFF file.
+  // Sets the symbols that reports use. An S-record image has no symbols; the symbols can come from a COFF
+  // file.
   void set_symbols(SymbolTable symbols);
   const SymbolTable& symbols() const;
 
   // Execution
   // ---------
 
-  // Fills RAM with `ram_fill`, sets the time to 0 and resets. Real RAM has random contents.
+  // Fills RAM with `ram_fill`, sets the time to 0 and resets. In a real chip, the contents of RAM after
+  // power-on are random.
   void power_on(std::uint8_t ram_fill = 0xa5);
   // Pulses the RES pin low in zero time. Keeps RAM and clears an error stop.
   void reset();
@@ -189,8 +191,8 @@ class Chip {
   void set_mode_pins(int mode);
   // Returns true from a reset in boot mode until the boot ROM starts the downloaded program.
   bool in_boot_rom() const;
-  // Runs whole instructions until now() >= until, or until another reason in Stop::Reason ends the run. If an
-  // error has ended a run, each further call returns the same Stop until a reset.
+  // Runs whole instructions until now() >= until, or until another reason in Stop::Reason ends the run. After
+  // an error, each further call returns the Stop of the error until a reset.
   Stop run_until(States until);
   // Runs one instruction, exception entry or DTC activation. If the CPU is asleep, advances to the next
   // event, but not beyond the time `no_later`.
@@ -201,8 +203,8 @@ class Chip {
   // Returns how many of the executed instructions ran as translated host code. The number is for measurements
   // and is not part of save().
   std::int64_t translated_instructions() const;
-  // Returns the engine in use. This is Options::engine, but the interpreter replaces the translator in normal
-  // mode and in builds without the translator.
+  // Returns the engine in use. The result is Options::engine, except that the interpreter replaces the
+  // translator in normal mode and in builds without the translator.
   Engine engine() const;
   bool asleep() const;
   ResetCause reset_cause() const;
@@ -238,16 +240,16 @@ class Chip {
   // clone().
   void attach(Observer& observer);
   void detach(Observer& observer);
-  // Ends run_until or step at the next instruction boundary with Reason::requested. For observers.
+  // Ends run_until or step at the next instruction boundary with Reason::requested. Intended for observers.
   void request_stop();
-  // Reports all external input to `log`, for replay by debug/history.h; null disables it. `log` must live
-  // until the chip is destroyed or has another log.
+  // Reports all external input to `log`, for replay by debug/history.h. Null disables the log. `log` must
+  // live until the chip is destroyed or has another log.
   void set_input_log(InputLog* log);
 
-  // Calls a C function of the image with interrupts masked. The call changes the state of the chip, so call
-  // it on a clone. Up to three `args` go to ER0, ER1 and ER2; the result is in ER0. Errors: there are more
-  // than three args, ER7 is outside RAM, the chip stops, or the function does not return within `limit`
-  // states.
+  // Calls a C function of the image with interrupts masked. The call changes the state of the chip; to keep
+  // the state, use a clone. Up to three `args` go to ER0, ER1 and ER2; the result is in ER0. Errors: there
+  // are more than three args, ER7 is outside RAM, the chip stops, or the function does not return within
+  // `limit` states.
   Result<CallResult> call(std::uint32_t address, std::initializer_list<std::uint32_t> args,
                           States limit = 10'000'000);
 
@@ -266,8 +268,8 @@ class Chip {
   PortOutput output(Port port) const;
   // Lets the board drive a pin, beginning at now(). `bit` is 0..7; other values are ignored.
   void set_input(Port port, int bit, bool level);
-  // The board stops driving a pin. An input pin is then high if its pull-up is on; otherwise it has
-  // Options::floating_level.
+  // Ends the board's drive of a pin. An input pin is then high if its pull-up is on; otherwise the pin has
+  // the level Options::floating_level.
   void release_input(Port port, int bit);
   void set_nmi(bool level);
 
@@ -278,18 +280,18 @@ class Chip {
   // edge. Calls are in order of time, including edges between two instructions and edges during sleep. With
   // `drivers`, changes of the pin's driver or pull-up also cause a call. Returns an id for unwatch().
   //
-  // A listener may read pins and drive inputs. The driven inputs change at the time of the edge. It must not
-  // run, reset, restore or move the chip. The pins change for a reset at the instruction boundary before the
-  // reset. Clones are not watched, and changes by restore() are not reported.
+  // A listener may read pins and drive inputs. The driven inputs change at the time of the edge. A listener
+  // must not run, reset, restore or move the chip. At a reset, the pins change at the instruction boundary
+  // before the reset. Clones are not watched, and changes by restore() are not reported.
   //
   // Stale flags: translated code computes flags only where the program reads the flags, or where execution
   // may leave the translated block. If a MOV or bit instruction with a fixed I/O address causes the call, H,
   // N, Z, V and C in registers().ccr may come from any earlier instruction. ER0 to ER7, I, UI, now() and PC
   // (the address of the instruction that causes the call) are valid. All flags are valid between instructions
-  // (call_at, code hooks) and while an observer is attached. All flags are also valid with the other engines;
-  // a store instruction has already set its flags there. With any engine, instructions() may not yet include
-  // the instructions since the last event. The same holds in the callbacks of on_output, on_transmit and
-  // set_analog.
+  // (call_at, code hooks) and while an observer is attached. With the engines `reference` and `interpreter`
+  // all flags are valid in every call, because a store instruction has set the flags before the call. With
+  // any engine, instructions() may not yet include the instructions since the last event. These limits also
+  // apply in the callbacks of on_output, on_transmit and set_analog.
   int watch(Pin pin, PinListener listener, bool drivers = false);
   void unwatch(int watch);
   // Calls `call` once between instructions, with the time as its argument. The call is made at `at`. If `at`
@@ -305,8 +307,8 @@ class Chip {
   // Sets the listener for changes of the outputs of ports, PWM, timers and serial channels.
   void on_output(std::function<void(const OutputChange&)> listener);
   // Returns the duty cycle of PW0..PW15 as the number of high counts out of 256. If the port latch or TxD
-  // drives the pin, the result is 256 while the pin is high and 0 while it is low. If the pin is an input,
-  // the result is 0.
+  // drives the pin, the result is 256 while the pin is high and 0 while the pin is low. If the pin is an
+  // input, the result is 0.
   int pw_high_counts(int channel) const;
   bool pw_driven(int channel) const;
   // Returns the duty cycle 0..1 of TMO0 or TMO1 in the timer's steady state. If the port drives the pin, the
@@ -317,10 +319,11 @@ class Chip {
   // Sets the source of input voltages, as fractions of AVCC (0..1). Channels 0..7 are AN0..AN7, 8..15 are
   // CIN0..CIN7. `source` is called at the time of each sample. Without a source all voltages are 0.
   //
-  // `steady` promises that `source` has no side effects. It also promises that the voltages depend only on
-  // channel, time, outputs other than serial outputs, and values that are constant during a run. The chip may
-  // then call `source` after the time of a scan's sample, but before one of these outputs changes and before
-  // the run ends. The chip skips samples whose results the program does not read.
+  // `steady` promises that `source` has no side effects. `steady` also promises that the voltages depend only
+  // on channel, time, outputs other than serial outputs, and values that are constant during a run. With
+  // `steady`, the chip may call `source` later than the time of a scan's sample, but not after the next
+  // change of one of these outputs and not after the end of the run. The chip skips samples whose results the
+  // program does not read.
   void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 
   // Serial

@@ -32,7 +32,7 @@ class Dtc {
   }
 
  private:
-  struct Block;  // register information in RAM
+  struct Block;  // the DTC's register information in RAM
   struct Outcome {
     bool ended;  // the CPU receives the interrupt
     bool valid;  // the register information was valid
@@ -49,8 +49,8 @@ class Dtc {
   bool swdte_seen_ = false;  // SWDTE was read as 1
   bool ended_ = false;       // a software activation is complete and requests its interrupt
   States software_at_ = 0;
-  // Registers that the current activation has accessed. They determine whether the flag of a serial channel
-  // or of the converter is cleared.
+  // Registers that the current activation has accessed. These accesses determine whether the flag of a serial
+  // channel or of the converter is cleared.
   std::array<bool, 2> rdr_read_{}, tdr_written_{};
   bool result_read_ = false;
 };

@@ -1,4 +1,4 @@
-// Flash controller: programming and erasing by the steps that the manual prescribes.
+// Flash controller. Flash is programmed and erased by the steps that the manual prescribes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,8 +12,9 @@ namespace kaz::h8s {
 
 class Machine;
 
-// Waits and pulse lengths of the generation with 32-byte lines, microseconds. Source: hardware manual, flash
-// memory programming and erasing flowcharts, non-A-mask part (docs/explanation/emulator.md).
+// Wait times and pulse lengths of the chip generation with 32-byte flash lines, microseconds. Source:
+// hardware manual, flash memory programming and erasing flowcharts, non-A-mask part
+// (docs/explanation/emulator.md).
 namespace flash_times {
 inline constexpr double after_swe = 10, after_psu = 50, after_esu = 200, after_pv = 4,
                         after_ev = 20, after_dummy = 2;
@@ -35,7 +36,8 @@ class FlashControl {
   bool enabled() const { return (flmcr1_ & 0x40) != 0; }
   // Returns whether reads are normal: no pulse or setup is active, and verification is off.
   bool plain() const { return !busy() && (flmcr1_ & 0x0c) == 0; }
-  // Returns whether a pulse or its setup is active. A read, fetch or exception is then an error.
+  // Returns whether a pulse or its setup is active. While busy() is true, a read, fetch or exception is an
+  // error.
   bool busy() const { return (flmcr1_ & 0x03) != 0 || (flmcr2_ & 0x01) != 0; }
   // Returns the value of a read while plain() is false. `cell` is the stored byte.
   std::uint8_t read(Machine& m, std::uint32_t address, std::uint8_t cell, States at);

@@ -1,4 +1,4 @@
-// 16-bit free-running timer (FRT). Its state is computed when it is accessed.
+// 16-bit free-running timer (FRT). The timer's state is computed only at accesses and events.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ class Frt {
   // Register accesses. `address` is the low 16 bits: FF90..FF9F. `at` is the end of the bus cycle.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Returns the value that the register had at the last advance().
+  // Returns the value of the register at the time of the last advance().
   std::uint8_t peek(std::uint32_t address) const;
 
   // Returns the time of the next interrupt request or output change.
@@ -31,7 +31,7 @@ class Frt {
   void capture_edge(Machine& m, unsigned n, bool rising, States at);
   void clock_edge(Machine& m, States at);
 
-  // Output 0 is FTOA, 1 is FTOB.
+  // Output 0 is FTOA, output 1 is FTOB.
   bool drives(unsigned output) const { return (tocr_ & (output ? 4 : 8)) != 0; }
   bool level(unsigned output) const { return level_[output]; }
   // Returns the time of the first match after the last advance() that may change level().
@@ -49,7 +49,7 @@ class Frt {
   }
 
  private:
-  States divisor() const;  // 0: external clock
+  States divisor() const;  // clock divisor; 0: external clock
   // Returns the number of counts to the next match or overflow.
   std::int64_t to_next() const;
   std::int64_t to_count(std::uint32_t value) const;
@@ -63,12 +63,12 @@ class Frt {
   StickyFlags flags_;
   std::uint8_t tier_ = 1, tcr_ = 0, tocr_ = 0, temp_ = 0;
   bool clear_on_a_ = false;
-  bool use_af_ = false;  // with OCRAMS: the next match adds OCRAF (true) or OCRAR (false)
+  bool use_af_ = false;  // if OCRAMS is set: the next match adds OCRAF (true) or OCRAR (false)
   std::array<std::uint16_t, 2> ocr_{0xffff, 0xffff};
   std::array<std::uint16_t, 4> icr_{};
   std::uint16_t ocrar_ = 0xffff, ocraf_ = 0xffff, ocrdm_ = 0;
-  // With ICRDMS: true from a capture D until FRC reaches ICRD + 2 OCRDM. No further capture D occurs while
-  // `masked_` is true.
+  // If ICRDMS is set: true from a capture by FTID until FRC reaches ICRD + 2 OCRDM. FTID causes no other
+  // capture while `masked_` is true.
   bool masked_ = false;
   std::uint16_t mask_end_ = 0;
   std::array<bool, 2> level_{};

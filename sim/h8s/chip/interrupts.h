@@ -1,4 +1,4 @@
-// Interrupt controller: requests of all sources, their priorities, the IRQ and NMI pins.
+// Interrupt controller: requests and priorities of all sources, and the IRQ and NMI pins.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -48,26 +48,28 @@ class Interrupts {
   const std::uint64_t* pending() const { return pending_.data(); }
 
   // Returns whether a request to the CPU may pass the mask bits I and UI of `control`. With `two_level` the
-  // result is true for any request, and choose() decides.
+  // result is true for any request, and choose() checks the mask bits.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;
     return !(control & 0x80) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
   }
-  // Decision at an instruction boundary.
+  // Decision whether the CPU accepts an interrupt at an instruction boundary.
   struct Choice {
-    unsigned vector = 0;       // vector to accept now; 0: none
+    unsigned vector = 0;       // vector to accept now; 0: accept no vector
     States earliest = kNever;  // if `vector` is 0: earliest time of acceptance
   };
-  // `decision`: Options::interrupt_decision_states.
+  // `decision` is the value of Options::interrupt_decision_states.
   Choice choose(States boundary, std::uint8_t control, bool two_level, int decision) const;
 
-  // --- for the DTC Selects the sources (one bit for each vector) whose requests activate the DTC instead of
-  // the CPU.
+  // --- for the DTC
+
+  // Selects the sources (one bit for each vector) whose requests activate the DTC instead of the CPU.
   void divert(const std::array<std::uint64_t, 2>& vectors, States at);
   bool any_diverted() const { return ((raw_[0] & diverted_[0]) | (raw_[1] & diverted_[1])) != 0; }
-  // Returns the time of the oldest diverted request; kNever: none.
+  // Returns the time of the oldest diverted request; kNever if there is no diverted request.
   States diverted_since() const;
-  // Returns the lowest vector of the diverted requests that were raised at `limit` or before; 0: none.
+  // Returns the lowest vector of the diverted requests that were raised at `limit` or before; 0 if there is
+  // no such vector.
   unsigned first_diverted(States limit) const;
   // Must be called after the DTC has served a request of the IRQ pins.
   void taken_by_dtc(unsigned vector, States at);
@@ -81,7 +83,8 @@ class Interrupts {
   bool nmi_level() const { return nmi_level_; }
   bool any_irq_enabled() const { return (ier_ & 7) != 0; }
 
-  // Address break: while it is enabled, fetched() must be called before each instruction.
+  // Returns whether the address break is enabled. If the result is true, fetched() must be called before each
+  // instruction.
   bool watches_fetches() const { return (abrkcr_ & 1) != 0; }
   void fetched(std::uint32_t pc, States at) {
     const std::uint32_t bar = std::uint32_t{bar_[0]} << 16 | std::uint32_t{bar_[1]} << 8 | bar_[2];
@@ -119,7 +122,7 @@ class Interrupts {
   unsigned sense(unsigned n) const { return iscrl_ >> (2 * n) & 3u; }
   void update_irq(States at);
 
-  std::array<States, vec::count> since_ = filled();  // time of each request; kNever: none
+  std::array<States, vec::count> since_ = filled();  // time of each request; kNever: no request
   std::array<std::uint64_t, 2> raw_{};               // all requests
   std::array<std::uint64_t, 2> diverted_{};          // sources whose requests go to the DTC
   std::array<std::uint64_t, 2> pending_{};           // requests to the CPU: raw_ without diverted_
@@ -128,7 +131,8 @@ class Interrupts {
   StickyFlags isr_;
   std::uint8_t iscrh_ = 0, iscrl_ = 0, ier_ = 0, abrkcr_ = 0;
   std::array<std::uint8_t, 3> bar_{};
-  std::uint8_t irq_level_ = 7;  // levels of IRQ0..IRQ2; high (inactive) until the board drives them
+  // Levels of IRQ0..IRQ2; high (inactive) until the board drives a pin.
+  std::uint8_t irq_level_ = 7;
   bool nmi_level_ = true;
 
   static std::array<States, vec::count> filled() {

@@ -7,15 +7,15 @@
 namespace kaz::h8s {
 
 struct HeardByte {
-  bool heard = false;  // false: the start bit ended before it was sampled, so nothing is received
+  bool heard = false;  // false: the start bit ended before its sample, so no byte is received
   std::uint8_t value = 0;
   bool framing_error = false;
 };
 
 // The format is 8N1. The receiver samples the middle of each of its own bits, counted from the falling edge
 // of the start bit. After the frame the line is idle (high). `sent_bit` and `own_bit` are the bit times of
-// sender and receiver in the same unit. Both must be above 0. Further frames that begin at later edges of a
-// slow sender are not modeled.
+// sender and receiver in the same unit. Both bit times must be above 0. A real receiver may take a later edge
+// of a slow sender as another start bit; such start bits are not modeled.
 constexpr HeardByte heard_at(std::uint8_t value, std::int64_t sent_bit, std::int64_t own_bit) {
   HeardByte heard;
   const unsigned frame = 0x200u | static_cast<unsigned>(value) << 1;  // start, data, stop

@@ -1,4 +1,4 @@
-// Machine: all modules of the chip and the loop that runs them. Internal; chip.h is the public interface.
+// All modules of the chip, and the loop that runs the modules. Internal; chip.h is the public interface.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -36,7 +36,7 @@ namespace kaz::h8s {
 inline constexpr unsigned Stop_dtc = 14, Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9,
                           Stop_tmrxy = 8, Stop_sci0 = 7, Stop_sci1 = 6;
 
-// Callbacks of the chip's user; empty: none.
+// Callbacks of the chip's user. An empty function means no callback.
 struct Listeners {
   std::function<void(const OutputChange&)> output;
   std::function<void(int, const TransmittedByte&)> transmitted;
@@ -110,8 +110,9 @@ class Machine final : public Bus {
   bool has_hook(std::uint32_t pc) const override { return hooks.contains(pc); }
   void run_observed() override;
 
-  // --- for the modules --------------------------------------------------------------------------- Returns
-  // the current time. During a bus access, the current time is the end of the access.
+  // --- for the modules ---------------------------------------------------------------------------
+
+  // Returns the current time. During a bus access, the current time is the end of the access.
   States time() const {
     const States at = cpu.now + cpu.stall;
     return slow_from_ == kNever ? at : slow_from_ + (at - slow_from_) * slow_by_;
@@ -126,7 +127,8 @@ class Machine final : public Bus {
     tmr.advance(*this, at);
     tmr_xy.advance(*this, at);
   }
-  // Sets the level that the board drives at a pin (nullopt: releases it) and applies its effects.
+  // Sets the level that the board drives at a pin (nullopt: the board stops driving the pin) and applies the
+  // effects of the change.
   void set_input(unsigned port, unsigned bit, std::optional<bool> level);
   void set_nmi(bool level);
   bool stopped(unsigned bit) const { return (system.mstpcr >> bit & 1) != 0; }
@@ -138,8 +140,8 @@ class Machine final : public Bus {
   }
   // Returns whether conversions that request no interrupt may be computed late or skipped.
   bool conversions_wait() const { return steady_analog && !input_log && observers.empty(); }
-  // Compute the conversions that have waited: convert_before up to the state before `at`, convert_all up to
-  // now. Must be called before the inputs of these conversions change.
+  // Compute the delayed conversions: convert_before up to the state before `at`, convert_all up to now. Must
+  // be called before the inputs of these conversions change.
   void convert_before(States at) {
     if (conversions_wait()) adc.advance(*this, at - 1);
   }
@@ -147,21 +149,22 @@ class Machine final : public Bus {
     if (conversions_wait()) adc.advance(*this, event_time());
   }
   void misuse(std::uint32_t address, const char* text);
-  // Must be called after the next event of a module may have changed. The CPU then stops in time for that
-  // event.
+  // Must be called after an action that may have changed the next event of a module. Makes the CPU stop in
+  // time for the event.
   void rescheduled(Source source);
   // Reschedules all modules. Must be called after external writes and other changes with unknown effects.
   void reschedule_all();
   void pin_edge(unsigned port, unsigned bit, bool rising, States at);
 
-  // --- memory ------------------------------------------------------------------------------------ Returns a
-  // pointer to the byte of flash or RAM at `address`, or null if `address` is elsewhere.
+  // --- memory ------------------------------------------------------------------------------------
+
+  // Returns a pointer to the byte of flash or RAM at `address`, or null if `address` is elsewhere.
   std::uint8_t* memory_at(std::uint32_t address);
   const std::uint8_t* memory_at(std::uint32_t address) const;
   std::uint8_t io_read(std::uint32_t address);
   void io_write(std::uint32_t address, std::uint8_t value);
   void io_write_word(std::uint32_t address, std::uint16_t value);
-  // Reads without side effects, except that timers are advanced. Returns nullopt for an address without
+  // Reads without side effects, except that timers are advanced. Returns nullopt for an address without a
   // register.
   std::optional<std::uint8_t> io_peek(std::uint32_t address);
   bool is_io(std::uint32_t address) const { return h8s::is_io(cpu, address); }
@@ -186,7 +189,7 @@ class Machine final : public Bus {
   bool tmo_driven(int timer) const;
   double tmo_high_share(int timer);
 
-  // Returns null unless Options::engine is the translator and this build has one.
+  // Returns null unless Options::engine is the translator and this build contains the translator.
   const Translator* translator() const { return cpu.translated ? translator_.get() : nullptr; }
 
   std::string report(const std::string& headline) const;
@@ -211,7 +214,7 @@ class Machine final : public Bus {
   SystemRegisters system;
 
   // Time at which the prescalers were 0: the time of the last reset plus the time during which the clock was
-  // stopped. sub_epoch is that time for the subclock, which never stops.
+  // stopped. sub_epoch: time of the last reset of the subclock's prescalers; the subclock never stops.
   States epoch = 0, sub_epoch = 0;
   ResetCause cause = ResetCause::power_on;
   bool watchdog_reset = false;  // a watchdog has requested a reset
@@ -222,7 +225,7 @@ class Machine final : public Bus {
   std::vector<Observer*> observers;
   InputLog* input_log = nullptr;  // Chip::set_input_log
   bool running = false;           // inside run()
-  bool in_hook = false;           // inside a code hook, which is at an instruction boundary
+  bool in_hook = false;           // inside a code hook; hooks run at instruction boundaries
   std::function<double(int, States)> analog_source;
   bool steady_analog = false;  // Chip::set_analog
   // Must be called before an input is applied. `apply` repeats the input on another chip.
@@ -323,7 +326,8 @@ class Machine final : public Bus {
   Stop run_to(Chip& chip, States until, bool single);
 
   // For each register in FE00..FFFF: the module whose fast path serves frequent accesses to the register.
-  // `none`: the register has no fast path, or the module is stopped. Recomputed when STCR or MSTPCR changes.
+  // `none`: the register has no fast path, or the module is stopped. The table is recomputed when STCR or
+  // MSTPCR changes.
   enum class Frequent : std::uint8_t { none, adc, pwm, ports, sci0, sci1 };
   std::array<Frequent, 0x200> frequent_{};
 
@@ -334,7 +338,7 @@ class Machine final : public Bus {
   static constexpr std::uint32_t kNoAddress = 0xffffffff;
   // Address whose hook has been called but whose instruction has not run.
   std::uint32_t hook_done_ = kNoAddress;
-  // Address whose instruction runs without a call of the hook there.
+  // Address of an instruction that runs without a call of the hook at this address.
   std::uint32_t unhooked_ = kNoAddress;
   bool first_after_reset_ = false;
   bool standby_ = false, watch_ = false;  // software standby; watch mode
@@ -342,8 +346,8 @@ class Machine final : public Bus {
   States slow_from_ = kNever;             // start of execution on a divided clock
   States slow_by_ = 1;                    // clock divider since slow_from_
   bool stop_requested_ = false;
-  // Time of each module's next event, and the time at which the CPU must stop for it. Both are recomputed
-  // only after an action that may change these times.
+  // Time of each module's next event, and the time at which the CPU must stop for this event. These times are
+  // recomputed only after an action that may change a module's next event.
   std::array<States, kSources> events_{}, stops_{};
   unsigned with_event_ = 0;                // mask of the modules with an event
   States next_event_ = 0, next_stop_ = 0;  // minimum of events_; minimum of stops_

@@ -1,4 +1,4 @@
-// Interfaces of observers of a running chip and of a log of its inputs.
+// Interfaces for observers of a running chip and for a log of the chip's inputs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -28,7 +28,7 @@ Flow flow_of(std::uint16_t first_word);
 struct Executed {
   std::uint32_t pc = 0;
   std::uint32_t next = 0;  // address of the instruction that runs next
-  std::uint16_t word = 0;  // first word at `pc`
+  std::uint16_t word = 0;  // first word of the instruction
   Flow flow = Flow::plain;
   std::uint8_t length = 2;  // bytes
   // An interrupted EEPMOV.W is reported in several parts. `whole` is false for all parts except the last.
@@ -37,14 +37,15 @@ struct Executed {
   bool taken() const { return next != pc + length; }
 };
 
-// One bus access to data: a byte, or a word at an even address. A long word is two accesses, as on the chip.
+// One bus access to data: a byte, or a word at an even address. An access to a long word is reported as two
+// accesses, as on the chip's bus.
 struct Access {
   std::uint32_t address = 0;
   // Address of the instruction. For an access by an exception entry or the DTC: address of the next
   // instruction.
   std::uint32_t pc = 0;
   std::uint16_t value = 0;
-  std::uint8_t size = 1;  // bytes: 1 or 2
+  std::uint8_t size = 1;  // size in bytes: 1 or 2
   bool write = false;
   States at = 0;
 };
@@ -59,8 +60,8 @@ struct ExceptionEntry {
 
 // Base class of observers. Calls are in order of time. The accesses of an instruction are reported before the
 // instruction. Instruction fetches are not reported as accesses. An observer may read the chip (registers,
-// peek) and call Chip::request_stop. It must not change or run the chip, nor attach or detach observers.
-// Observation does not change the behavior or timing of the chip.
+// peek) and call Chip::request_stop. An observer must not change or run the chip, and must not attach or
+// detach observers. Observation does not change the behavior or timing of the chip.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -72,7 +73,7 @@ class Observer {
   virtual void slept(States /*from*/, States /*to*/) {}
   // Called after a reset. `at` is the time of the first instruction after the reset.
   virtual void was_reset(ResetCause, States /*at*/) {}
-  // Called after poke, load or restore has changed memory. `size` 0: all memory may have changed.
+  // Called after poke, load or restore has changed memory. If `size` is 0, all memory may have changed.
   virtual void changed(std::uint32_t /*address*/, std::uint32_t /*size*/) {}
 };
 
@@ -85,7 +86,8 @@ class InputLog {
   // pins, received bytes, reset, poke and set_registers. `apply` repeats the input on another chip.
   virtual void input(std::function<void(Chip&)> apply) = 0;
   // Called at an input that cannot be replayed: load, power_on, restore, call, or any input from a listener.
-  // A listener may be called in the middle of an instruction.
+  // Inputs from listeners cannot be replayed, because listeners may be called in the middle of an
+  // instruction.
   virtual void cut() = 0;
   // Called after the analog source has returned `value`.
   virtual void sampled(int channel, States at, double value) = 0;

@@ -1,4 +1,4 @@
-// Options of the emulated chip, mostly properties that the available manuals leave open.
+// Options of the emulated chip. Most options are properties that the available manuals do not specify.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,23 +10,24 @@
 namespace kaz::h8s {
 
 // The defaults follow the manuals of related chips. sim/h8s/README.md and docs/explanation/emulator.md have
-// the evidence. Times are in states.
+// the evidence for the defaults. Times are in states.
 struct Options {
   Engine engine = Engine::translator;
-  // Number of jumps to an address before its code is translated; affects speed only.
+  // Number of jumps to an address before the code at that address is translated. Affects speed only.
   std::uint32_t translate_after = 100;
   // Levels of MD1 and MD0 at reset. 2 is single-chip advanced mode (24-bit addresses), 3 single-chip normal
   // mode (16-bit addresses). 0 with P42, P41 and P40 high is boot mode.
   int mode = 2;
-  // An interrupt is accepted at the first instruction boundary that is more than this number of states after
-  // the request (hardware manual, interrupt response times).
+  // Decision time of an interrupt. The interrupt is accepted at the first instruction boundary that is later
+  // than the request by more than this time (hardware manual, interrupt response times).
   int interrupt_decision_states = 3;
   // Duration of the exception sequence, without the stacking, the vector read and the first instruction
   // fetch.
   int exception_internal_states = 2;
   // CCR after reset. The manuals document only bit 7 (I), which is always set.
   std::uint8_t reset_ccr = 0x80;
-  // True: no interrupt is accepted between RTE and the next instruction, as after LDC, ANDC, ORC and XORC.
+  // True: no interrupt is accepted between RTE and the next instruction. LDC, ANDC, ORC and XORC always have
+  // this effect.
   bool rte_holds_off = false;
   // Bus of the FRT, the 8-bit timers and the watchdogs. True: 16-bit bus (2 states per word). False: 8-bit
   // bus (4 states per word).
@@ -38,7 +39,8 @@ struct Options {
   // families state J = 6 accesses and M = 3 internal states.
   int dtc_register_accesses = 6;
   int dtc_internal_states = 3;
-  // A/D: start delay tD of the first conversion: 10..17 states with CKS = 0, 6..9 with CKS = 1.
+  // A/D: start delay tD of the first conversion. adc_start_delay_slow applies to CKS = 0 (10..17 states),
+  // adc_start_delay_fast to CKS = 1 (6..9 states).
   int adc_start_delay_slow = 17;
   int adc_start_delay_fast = 9;
   // SCI: true if the transmitter, once enabled, sends mark for one frame before the first character.
@@ -47,8 +49,8 @@ struct Options {
   // immediately. While SCK outputs the clock, a frame always waits, because data change at the falling edge
   // of that clock.
   bool sci_aligned_start = false;
-  // SCI: when a byte that arrives as levels at RxD becomes available. True: at the sample of the first stop
-  // bit. False: at the end of the last stop bit, like a byte from Chip::receive.
+  // SCI: time at which a byte that arrives as levels at RxD becomes available. True: at the sample of the
+  // first stop bit. False: at the end of the last stop bit, like a byte from Chip::receive.
   bool sci_ready_mid_stop = false;
   // System clock, Hz. Used only for flash times, which are specified in microseconds, and for the bit rates
   // of boot mode.
@@ -61,7 +63,7 @@ struct Options {
   // 8-bit PWM: position of a pulse in its slot of 16 counts. True: at the end. False: at the beginning.
   bool pwm_right_aligned = true;
   // 14-bit PWM: true if the data sets the low time of the pin with OS = 0 and the high time with OS = 1;
-  // false if the other way round.
+  // false if high time and low time are exchanged.
   bool pwmx_data_is_low = true;
   // Value read from a write-only, stopped or unmapped register.
   std::uint8_t undefined_read = 0xff;
@@ -75,7 +77,7 @@ struct Options {
   bool stc_copies = false;
   // Value that MOV Rs,@-ERd stores if Rs is a part of ERd (for example PUSH.W R7 and PUSH.L ER7). True: the
   // register after the decrement. False: the register before the decrement. The option does not affect MOV
-  // @ERs+,Rd with Rd a part of ERs: the loaded value is written last.
+  // @ERs+,Rd. If Rd is a part of ERs, Rd always receives the loaded value after the increment of ERs.
   bool predecrement_stores_decremented = true;
   // Boot mode: number of the serial channel, SCI0 (P50, P51) or SCI1 (P25, P26).
   int boot_channel = 0;
@@ -86,8 +88,8 @@ struct Options {
   // Boot mode: true if the program must begin with 8 identification bytes; execution starts after these bytes
   // (A-mask parts).
   bool boot_checks_id = false;
-  // Boot mode: number of H'AA bytes sent. False: one, after the erase check. True: also a second, before the
-  // program starts.
+  // Boot mode: number of H'AA bytes sent. False: one byte, sent after the erase check. True: a second byte is
+  // sent before the program starts.
   bool boot_answers_twice = false;
   // Boot mode: maximum size of the program, bytes.
   int boot_program_bytes = 2048;

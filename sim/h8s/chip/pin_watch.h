@@ -1,4 +1,4 @@
-// Listeners of pins, and calls that are scheduled for a time.
+// Listeners of pins, and function calls that are scheduled for a given time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -36,7 +36,7 @@ class PinWatch {
   void advance(Machine& m, States to);
   // Reports the edges at the time `at`. Must be called after a change from outside.
   void sample(Machine& m, States at);
-  // Takes the current levels without reporting edges. Must be called after the chip's state was replaced.
+  // Stores the current levels without reporting edges. Must be called after the chip's state was replaced.
   void forget(const Machine& m, States at);
 
  private:
@@ -45,7 +45,7 @@ class PinWatch {
     int id;
     Pin pin;
     PinState last;
-    bool drivers;  // also report changes of the driver
+    bool drivers;  // whether to report also changes of the driver
     PinListener listener;
   };
   struct Call {

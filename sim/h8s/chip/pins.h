@@ -12,8 +12,8 @@
 
 namespace kaz::h8s {
 
-// I/O pins by port and bit (port 5 has three pins), the inputs of port 7, and the control inputs. Supply and
-// crystal pins are not listed.
+// All pins except the supply pins and the crystal pins. First the I/O pins by port and bit (port 5 has three
+// pins), then the inputs of port 7, then the control inputs.
 enum class Pin : std::uint8_t {
   // clang-format off
   p10, p11, p12, p13, p14, p15, p16, p17,
@@ -30,19 +30,19 @@ inline constexpr unsigned kPins = 56;
 
 struct PinInfo {
   Pin pin = Pin::p10;
-  int port = 0;  // 1..7; 0 for the control inputs
+  int port = 0;  // port number 1..7; 0 for the control inputs
   int bit = 0;
   // All names that the pin has in single-chip modes, such as "P50" and "TxD0". The port name comes first.
   // Source: hardware manual, pin functions. Where the manual does not cover the 64-pin part, the names come
   // from related parts (docs/explanation/emulator.md).
   std::span<const std::string_view> names;
   bool input_only = false;
-  // NMOS push-pull output: an external low level overrides its high level without a conflict.
+  // NMOS push-pull output: an external low level overrides the pin's high level without a conflict.
   bool weak_high = false;
   std::string_view name() const { return names.front(); }
 };
 
-// Returns the table of pins in the order of Pin.
+// Returns the table of pins in the order of the enum Pin.
 std::span<const PinInfo> pin_table();
 const PinInfo& info(Pin pin);
 // Finds a pin by any of its names, ignoring case: "P50", "txd0", "PW3", "TMO0", "AN7", "NMI".
@@ -55,18 +55,20 @@ enum class Driver : std::uint8_t {
   nobody,   // an input that neither the board nor a pull-up drives
   pull_up,  // the chip's internal pull-up
   board,
-  port,   // the port's latch
-  pwm,    // 8-bit PWM
-  pwmx,   // 14-bit PWM
-  frt,    // free-running timer
-  tmr,    // 8-bit timers
-  sci,    // serial channel
-  clock,  // the system clock; its edges fall between two states and are not reported
+  port,  // the port's latch
+  pwm,   // 8-bit PWM
+  pwmx,  // 14-bit PWM
+  frt,   // free-running timer
+  tmr,   // 8-bit timers
+  sci,   // serial channel
+  // The system clock. The clock's edges fall between two states and are not reported.
+  clock,
 };
 std::string_view name(Driver driver);
 
 struct PinState {
-  bool level = false;  // Driver::nobody: Options::floating_level; Driver::clock: low
+  // For Driver::nobody, `level` is Options::floating_level. For Driver::clock, `level` is false.
+  bool level = false;
   Driver driver = Driver::nobody;
   bool pull_up = false;  // the pull-up is switched on (PCR), even if the pin is driven
   // Returns whether the chip drives the pin.
@@ -76,8 +78,8 @@ struct PinState {
 
 struct PinEdge {
   Pin pin = Pin::p10;
-  bool level = false;              // after the edge
-  Driver driver = Driver::nobody;  // after the edge
+  bool level = false;              // level after the edge
+  Driver driver = Driver::nobody;  // driver after the edge
   States at = 0;
 };
 

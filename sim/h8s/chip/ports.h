@@ -25,9 +25,10 @@ class Ports {
   void reset();
 
   PortOutput output(const Machine& m, unsigned port, States at) const;
-  // Returns the levels at the pins: outputs of the chip, levels from the board, pull-ups.
+  // Returns the levels at the pins of a port. The levels come from outputs of the chip, from the board or
+  // from pull-ups.
   std::uint8_t pins(const Machine& m, unsigned port, States at) const;
-  // Sets the level that the board drives; nullopt releases the pin.
+  // Sets the level that the board drives; nullopt: the board stops driving the pin.
   void set_input(Machine& m, unsigned port, unsigned bit, std::optional<bool> level, States at);
 
   std::uint8_t ddr(unsigned port) const { return ddr_[port]; }
@@ -42,8 +43,9 @@ class Ports {
   }
 
  private:
-  std::array<std::uint8_t, 8> ddr_{}, dr_{}, pcr_{};  // by port number
-  std::array<std::uint8_t, 8> given_{}, level_{};  // pins that the board drives, and their levels
+  std::array<std::uint8_t, 8> ddr_{}, dr_{}, pcr_{};  // registers, indexed by port number
+  // Pins that the board drives; levels of these pins.
+  std::array<std::uint8_t, 8> given_{}, level_{};
 };
 
 }  // namespace kaz::h8s

@@ -24,9 +24,9 @@ class Pwm {
     select_ = static_cast<std::uint8_t>((value & 0xcf) | 0x20);
     return true;
   }
-  // Prescaler and counter start at `epoch`, the reset of the chip.
+  // Prescaler and counter start at the time `epoch`, at which the chip was reset.
   explicit Pwm(States epoch = 0) : epoch_(epoch), base_(epoch) {}
-  // Clears all registers, including PCSR, as module stop and standby do.
+  // Clears all registers, including PCSR. Module stop and standby have this effect.
   void reset() { *this = Pwm(epoch_); }
 
   bool enabled(unsigned channel) const { return (oe_ >> channel & 1) != 0; }
@@ -35,7 +35,7 @@ class Pwm {
   int high_counts(unsigned channel, States at) const;
   // Returns the level of the waveform at `at`.
   bool level(unsigned channel, States at, bool right_aligned) const;
-  // Returns the first state after `at` at which level() changes; kNever if it is constant.
+  // Returns the first state after `at` at which level() changes; kNever if the level is constant.
   States next_change(unsigned channel, States at, bool right_aligned) const;
 
   // Serializes the complete state (shared/base/archive.hpp).
@@ -61,7 +61,8 @@ class Pwm {
   unsigned base_count_ = 0;
 };
 
-// Returns the level in count 0..255 of the conversion period for PWDR = `data`, before OS inverts it.
+// Returns the level in count 0..255 of the conversion period for PWDR = `data`. The result does not include
+// the inversion by OS.
 bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned);
 
 }  // namespace kaz::h8s

@@ -1,4 +1,4 @@
-// 14-bit PWM timer: two channels whose pulse is distributed over base cycles.
+// 14-bit PWM timer with two channels. The pulse of a channel is distributed over base cycles.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,11 +21,12 @@ class Pwmx {
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   void reset() { *this = Pwmx{}; }
 
-  // Channel 0 is PWX0 (A), 1 is PWX1 (B).
+  // Channel 0 is PWX0 (A), channel 1 is PWX1 (B).
   bool enabled(unsigned channel) const { return (dacr_ >> (channel ? 3 : 2) & 1) != 0; }
   // `data_is_low`: see Options::pwmx_data_is_low.
   bool level(unsigned channel, States at, bool data_is_low) const;
-  // Returns the next state at which the level changes without a register write; kNever: none.
+  // Returns the next state at which the level changes without a register write; kNever: the level stays
+  // constant.
   States next_change(unsigned channel, States at, bool data_is_low) const;
 
   // Serializes the complete state (shared/base/archive.hpp).
@@ -49,9 +50,9 @@ class Pwmx {
   unsigned base_count_ = 0;
 };
 
-// Returns whether count 0..16383 of the conversion period is in a pulse. `data` (14 bits) is the sum of the
-// pulses in counts. Base cycles have 64 counts, or 256 with `long_cycle`. If `data` has less than one count
-// per base cycle, there are no pulses.
+// Returns whether `count` (0..16383, within the conversion period) is inside a pulse. `data` (14 bits) is the
+// total length of the pulses, in counts. A base cycle has 64 counts, or 256 with `long_cycle`. If `data` is
+// less than one count per base cycle, there are no pulses.
 bool pwmx_pulse(unsigned data, bool long_cycle, unsigned count);
 
 }  // namespace kaz::h8s

@@ -29,9 +29,9 @@ enum class Bank : std::uint8_t {
 };
 
 struct RegisterInfo {
-  std::string_view name;  // as in the manual, with a unit number if necessary
-  std::uint16_t address;  // low 16 bits
-  std::uint8_t size;      // bytes: 1 or 2
+  std::string_view name;  // name in the manual, with a unit number if necessary
+  std::uint16_t address;  // low 16 bits of the address
+  std::uint8_t size;      // size in bytes: 1 or 2
   std::string_view unit;
   Bank bank = Bank::always;
   bool write_only = false;  // reads are undefined
@@ -43,8 +43,8 @@ struct RegisterInfo {
 std::span<const RegisterInfo> register_table();
 // Finds a register by name, ignoring case. Returns null if there is no such register.
 const RegisterInfo* find_register(std::string_view name);
-// Returns the register at `address`, or null. If several registers share the address, returns the selected
-// register. `peek` reads a byte without side effects, like Chip::peek.
+// Returns the register at `address`, or null if there is no register. If several registers share the address,
+// returns the selected register. `peek` reads a byte without side effects, like Chip::peek.
 const RegisterInfo* register_at(
     std::uint32_t address, const std::function<std::optional<std::uint8_t>(std::uint32_t)>& peek);
 // Returns whether `r` is the selected register at its address.

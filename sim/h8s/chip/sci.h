@@ -13,10 +13,10 @@
 // Bits of SSR and SCR. Internal to the files of the serial channel.
 namespace kaz::h8s::sci_bits {
 
-// SSR.
+// Bits of SSR.
 inline constexpr std::uint8_t kTdre = 0x80, kRdrf = 0x40, kOrer = 0x20, kFer = 0x10, kPer = 0x08;
 inline constexpr std::uint8_t kErrors = kOrer | kFer | kPer;
-// SCR.
+// Bits of SCR.
 inline constexpr std::uint8_t kTie = 0x80, kRie = 0x40, kTe = 0x20, kRe = 0x10, kMpie = 0x08,
                               kTeie = 0x04, kCke = 0x03;
 
@@ -26,7 +26,7 @@ namespace kaz::h8s {
 
 class Machine;
 
-// One frame on the line: bit k of `bits` is the level in the k-th bit time.
+// One frame on the line. Bit k of `bits` is the level in the k-th bit time.
 struct SerialFrame {
   std::uint16_t bits = 0;
   int count = 0;
@@ -38,7 +38,7 @@ struct SerialFrame {
   }
 };
 
-// `n` is the number of the channel, 0 or 1.
+// Serial channel. In all functions, `n` is the number of the channel, 0 or 1.
 class Sci {
  public:
   // Register accesses. `offset` 0..6: SMR, BRR, SCR, TDR, SSR, RDR, SCMR.
@@ -65,7 +65,7 @@ class Sci {
 
   // --- pins --------------------------------------------------------------------------------------
   bool drives_txd() const { return (scr_ & 0x20) != 0; }
-  // Returns the level of TxD while drives_txd(). `at` must not be before the current frame.
+  // Returns the level of TxD while drives_txd(). `at` must not be before the start of the current frame.
   bool txd(States at) const;
   // Returns the first state later than `after` at which TxD changes. Returns kNever if that state is not yet
   // known.
@@ -75,7 +75,7 @@ class Sci {
   bool drives_sck() const { return synchronous() ? !(scr_ & 2) : (scr_ & 3) == 1; }
   bool sck(States at) const;
   States sck_change(States after) const;
-  // RE makes RxD an input, regardless of its DDR bit.
+  // SCR.RE makes the RxD pin an input, regardless of the pin's DDR bit.
   bool takes_rxd() const { return (scr_ & 0x10) != 0; }
   bool takes_sck() const { return (scr_ & 2) != 0; }
   // Must be called after the board has changed the level of RxD or SCK. `driven` is false if the board has
@@ -158,12 +158,12 @@ class Sci {
   std::deque<ReceivedByte> incoming_;
   bool rxd_ = true, rxd_driven_ = false;
   bool receiving_ = false;
-  int received_ = 0;  // bits received of the current frame
+  int received_ = 0;  // number of received bits of the current frame
   std::uint16_t rsr_ = 0;
   States edge_ = 0;         // time of the start bit's edge
   States sample_ = kNever;  // time of the next sample of RxD
   int sample_ticks_ = 0;    // number of external clock pulses to the next sample
-  ReceivedByte arrived_;    // byte that was sampled but is not yet delivered
+  ReceivedByte arrived_;    // byte that the channel has sampled but not yet delivered
   States arrives_ = kNever;
   States burst_ = kNever;  // clocked mode, reception only: start of the eight clock pulses
 

@@ -49,7 +49,7 @@ struct Timer8 {
   }
   bool waits_for_clock() const { return clock_select() > 4 && (tcr & 0xe0) != 0; }
   // Returns a lower bound of the number of counts until the output level changes; kNever: counting does not
-  // change it.
+  // change the level.
   std::int64_t to_next_change() const;
   template <class A>
   void transfer(A& a) {
@@ -58,8 +58,8 @@ struct Timer8 {
   }
 };
 
-// Returns the output level after matches. If both matches occur at once, the priority is toggle, 1, 0, no
-// change.
+// Returns the output level after matches. If both matches occur at once, the effect with the highest priority
+// applies: toggle, then 1, then 0, then no change.
 bool timer_output(bool level, std::uint8_t selection, bool a, bool b);
 
 }  // namespace kaz::h8s

@@ -1,4 +1,4 @@
-// 8-bit timers TMR0 and TMR1 with their cascades. Their state is computed when it is accessed.
+// 8-bit timers TMR0 and TMR1, alone or cascaded. Computes the state only at accesses and events.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,7 +14,7 @@ class Machine;
 
 class Tmr {
  public:
-  // Register accesses, FFC8..FFD1: even addresses for TMR0, odd ones for TMR1.
+  // Register accesses, FFC8..FFD1: even addresses for TMR0, odd addresses for TMR1.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
@@ -45,11 +45,11 @@ class Tmr {
   }
 
  private:
-  States divisor(const Machine& m, unsigned n) const;  // 0: stopped or external clock
+  States divisor(const Machine& m, unsigned n) const;  // clock divisor; 0: stopped or external
   bool cascaded(unsigned n) const { return timer_[n].clock_select() == 4; }
   void step(Machine& m, unsigned n, std::int64_t counts, States at);
   void step_pair(Machine& m, std::int64_t counts, States at);
-  // Effects of a match A of TMR0 on the A/D converter and on TMR1.
+  // Applies the effects of a match A of TMR0 on the A/D converter and on TMR1.
   void matched_a0(Machine& m, States at);
   void advance_one(Machine& m, unsigned n, States to);
   void update(Machine& m, unsigned n, States at);

@@ -14,7 +14,8 @@ class Machine;
 
 // Source: hardware manual, 8-bit timers and timer connection. TMRX can count the undivided system clock,
 // measures pulses at TMIX (P60) and drives TMOX (P67). TMRY has three interrupts and, on this part, no output
-// pin. The signal paths of the timer connection are not modeled; enabling one is reported as misuse.
+// pin. The signal paths of the timer connection are not modeled; enabling a signal path is reported as
+// misuse.
 class TmrXY {
  public:
   static constexpr unsigned x = 0, y = 1;
@@ -49,7 +50,7 @@ class TmrXY {
   }
 
  private:
-  States divisor(unsigned n) const;  // 0: stopped or clocked by its pin
+  States divisor(unsigned n) const;  // clock divisor; 0: the timer is stopped or clocked by a pin
   void advance_one(Machine& m, unsigned n, States to);
   void step(Machine& m, unsigned n, std::int64_t counts, States at);
   void update(Machine& m, States at);

@@ -35,7 +35,7 @@ class Wdt {
   }
 
  private:
-  States divisor(const Machine& m, unsigned n) const;  // 0: no clock
+  States divisor(const Machine& m, unsigned n) const;  // clock divisor; 0: no clock
   States base(const Machine& m, unsigned n) const;
   std::int64_t ticks(const Machine& m, unsigned n, States at) const;
   void update(Machine& m, unsigned n, States at);

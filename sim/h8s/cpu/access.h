@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The inline functions serve RAM and flash. Other accesses go to cpu/memory.cpp and the bus. Addresses are
-// masked to the mode's width. A word at an odd address is accessed at the even address below.
+// masked to the address width of the CPU mode. A word at an odd address is accessed at the even address
+// below.
 #pragma once
 
 #include <cstring>
@@ -13,19 +14,19 @@
 
 namespace kaz::h8s {
 
-// Accesses on the slow path: short RAM, I/O, writes to flash, flash under programming, unmapped addresses,
-// words at odd addresses.
+// The slow path handles these accesses: short RAM, I/O, writes to flash, reads of flash during programming,
+// unmapped addresses, and words at odd addresses.
 std::uint8_t slow_load8(Cpu& c, std::uint32_t address);
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address);
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
 void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value);
-// Discards the decoded instructions that may contain the word at `offset` (even, from Cpu::ram_at).
+// Discards the decoded instructions that may contain the word at `offset` (even, counted from Cpu::ram_at).
 void forget_code(Cpu& c, std::uint32_t offset);
-// Returns whether the stack `address` is in RAM, and raises Fault::stack if it is not.
+// Returns whether the stack `address` is in RAM, and raises Fault::stack if the address is outside RAM.
 bool check_stack(Cpu& c, std::uint32_t address);
 
-// Read and write a register or a part of a register. `offset` is its byte offset in Cpu::er (Insn::rs,
-// Insn::rd).
+// Read and write a register or a part of a register. `offset` is the register's byte offset in Cpu::er
+// (Insn::rs, Insn::rd).
 template <class T>
 T reg(const Cpu& c, unsigned offset) {
   T value;

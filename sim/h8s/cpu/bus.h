@@ -8,14 +8,16 @@ namespace kaz::h8s {
 
 struct Cpu;
 
-// Memory, interrupts and code hooks of the chip. The CPU calls the bus on slow paths only, because the inline
-// accesses of access.h serve RAM and flash. A CPU without a bus (Flat) has RAM at every address.
+// Interface to memory, interrupts and code hooks of the chip. The CPU calls the bus on slow paths only,
+// because the inline accesses of access.h serve RAM and flash. A CPU without a bus (Flat) has RAM at every
+// address.
 class Bus {
  public:
   // Accesses outside the fast path: the short RAM window, I/O registers, unmapped addresses, writes to flash,
   // and reads of flash that is programmed, erased or verified. While the chip is observed, every access is
-  // outside the fast path. Addresses must be masked to the mode's width, and must be even for words. These
-  // functions add wait states to Cpu::stall and raise Fault::unmapped at an unmapped address.
+  // outside the fast path. Addresses must be masked to the address width of the CPU mode, and must be even
+  // for words. These functions add wait states to Cpu::stall and raise Fault::unmapped at an unmapped
+  // address.
   virtual std::uint8_t load8(std::uint32_t address) = 0;
   virtual std::uint16_t load16(std::uint32_t address) = 0;
   virtual void store8(std::uint32_t address, std::uint8_t value) = 0;
@@ -34,7 +36,8 @@ class Bus {
 
   // Returns whether the code hook at `pc` must be called before the instruction at `pc` may run.
   virtual bool hook_due(std::uint32_t pc) const = 0;
-  // Returns whether `pc` has a code hook, even if it has already been called for this execution.
+  // Returns whether `pc` has a code hook, even if the hook has already been called for the current execution
+  // of the instruction.
   virtual bool has_hook(std::uint32_t pc) const = 0;
 
   // Runs until now >= stop and notifies observers of each instruction. Used while Cpu::observed is set.

@@ -13,7 +13,7 @@ namespace kaz::h8s {
 struct Cpu;
 struct Insn;
 
-// Runs one decoded instruction and returns the next one.
+// Runs one decoded instruction and returns the next instruction.
 using Handler = const Insn* (*)(Cpu&, const Insn*);
 
 // One decoded instruction. Cpu::code has an entry for each even address of memory. `run` is null until the
@@ -39,15 +39,15 @@ constexpr Fault last_value(Fault) {
 // block. The flat machine has only RAM, beginning at address 0. The CPU core therefore uses the layout
 // members of Cpu instead of these constants.
 inline constexpr std::uint32_t kFlashSize = 0x20000;
-inline constexpr std::uint32_t kBlock = 0xffe000;  // address of the 8 KiB block
-inline constexpr std::uint32_t kRam = 0x0080;      // offsets into the block
+inline constexpr std::uint32_t kBlock = 0xffe000;  // address of the 8 KiB block that contains RAM
+inline constexpr std::uint32_t kRam = 0x0080;      // offset in this block, like kShortRam and kIo
 inline constexpr std::uint32_t kRamSize = 0x0f80;
 inline constexpr std::uint32_t kShortRam = 0x1f00;
 inline constexpr std::uint32_t kShortRamSize = 0x80;
 inline constexpr std::uint32_t kIo = 0x1e50;  // I/O registers, before and after the short RAM
 inline constexpr std::uint32_t kIoSize = 0x1b0;
-// Layout of Cpu::code, in entries: flash, then the two RAM windows. Each of these regions is followed by a
-// gap of entries that fault.
+// Layout of Cpu::code, in entries: flash, then the two RAM windows. After each of these regions there is a
+// gap of entries that raise a fault.
 inline constexpr std::uint32_t kGap = 8;
 inline constexpr std::uint32_t kFlashCode = 0;
 inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;
@@ -57,7 +57,8 @@ inline constexpr std::uint32_t kCodeSize = kShortRamCode + kShortRamSize / 2 + k
 inline constexpr std::uint32_t kLine = 64;
 static_assert(kRam % kLine == 0 && kShortRam % kLine == 0);
 
-// A recorded jump, for reports. The last kTrail jumps are kept. `from` is null if it is unknown.
+// A recorded jump, for reports. The last kTrail jumps are kept. `from` is null if the origin of the jump is
+// unknown.
 struct Jump {
   const Insn* from;
   const Insn* to;
@@ -69,10 +70,10 @@ inline constexpr std::uint32_t kTrail = 32;
 // positions serve all three operand sizes.
 struct Flags {
   std::uint32_t n = 0;  // N is bit 31
-  std::uint32_t z = 1;  // Z is set when this is 0
+  std::uint32_t z = 1;  // Z is set if `z` is 0
   std::uint32_t v = 0;  // V is bit 31
   std::uint32_t h = 0;  // H is bit 28: the carry out of bit 3, 11 or 27
-  std::uint32_t c = 0;  // 0 or 1
+  std::uint32_t c = 0;  // C is 0 or 1
   template <class A>
   void transfer(A& a) {
     a(n, z, v, h, c);
@@ -86,14 +87,16 @@ struct Cpu {
   Flags flags;
   const Insn* ip = nullptr;  // the running instruction; between instructions, the next instruction
   States now = 0;            // end time of the running instruction, without `stall`
-  States stop = 0;           // the inner loop ends at the first boundary where now >= stop
+  // The inner loop ends at the first instruction boundary with now >= stop.
+  States stop = 0;
   // States of I/O accesses and block moves since the inner loop was entered. `now` does not include these
   // states.
   States stall = 0;
   std::int64_t executed = 0;  // instructions
 
   std::uint8_t* flash = nullptr;
-  std::uint8_t* ram = nullptr;        // byte at ram_at; the short window is at a higher offset
+  // Memory at address ram_at; the short window is at a higher offset.
+  std::uint8_t* ram = nullptr;
   std::uint8_t* has_code = nullptr;   // flag for each line of RAM, from ram_at on (see kLine)
   Insn* code = nullptr;               // decoded instructions
   std::uint32_t ram_size = kRamSize;  // 0 while SYSCR.RAME = 0
@@ -104,22 +107,23 @@ struct Cpu {
   std::uint32_t ram_base = kBlock + kRam;
   std::uint32_t quick_flash = kFlashSize;
   bool observed = false;
-  std::uint32_t ram_at = kBlock + kRam;          // address of RAM, independent of ram_base
-  std::uint32_t ram_code = kRamCode;             // index of the first RAM entry in `code`
-  std::uint32_t short_ram_code = kShortRamCode;  // index of short RAM; flat machine: past the end
-  std::uint32_t code_size = kCodeSize;           // number of entries in `code`
-  Bus* bus = nullptr;                            // null: RAM at every address (Flat)
-  const std::uint64_t* pending = nullptr;        // interrupt requests, two words; only with `bus`
-  bool hooks = false;                            // any code hook is set
+  std::uint32_t ram_at = kBlock + kRam;  // address of RAM, independent of ram_base
+  std::uint32_t ram_code = kRamCode;     // index of the first RAM entry in `code`
+  // Index of the first entry of short RAM in `code`. On the flat machine, an index past the end of `code`.
+  std::uint32_t short_ram_code = kShortRamCode;
+  std::uint32_t code_size = kCodeSize;     // number of entries in `code`
+  Bus* bus = nullptr;                      // null: there is RAM at every address (Flat)
+  const std::uint64_t* pending = nullptr;  // interrupt requests, two words; only with `bus`
+  bool hooks = false;                      // whether any code hook is set
   Engine engine = Engine::interpreter;
-  CodeCache* translated = nullptr;       // null: interpret
+  CodeCache* translated = nullptr;       // null: instructions are interpreted
   std::uint32_t translate_after = 1000;  // Options::translate_after
 
   std::uint8_t control = 0x80;  // bits I, UI, U of CCR
   std::uint8_t exr = 0x7f;
   bool flat = false;         // flat machine: 16 MiB of RAM, addresses wrap, an odd PC is an error
   bool semihost = false;     // JSR @@0xC5:8 to @@0xCC:8 are semihosting requests
-  std::uint8_t request = 0;  // number of the semihosting request to handle; 0: none
+  std::uint8_t request = 0;  // number of the semihosting request to handle; 0: no request
   bool normal = false;       // normal mode: 16-bit addresses
   bool two_level = false;    // interrupt control mode 1: exceptions also set UI
   bool stc_copies = false;   // this and the next two members: see Options
@@ -127,8 +131,8 @@ struct Cpu {
   bool predecrement_stores_decremented = true;
   bool hold_off = false;  // no interrupt is accepted before the next instruction
   bool asleep = false;
-  bool moving = false;          // EEPMOV.W is interrupted between two bytes
-  bool code_discarded = false;  // translated code was discarded while it ran
+  bool moving = false;          // an EEPMOV.W was interrupted between two bytes
+  bool code_discarded = false;  // translated code was discarded while this code ran
   // True if has_code may have flags set. If false, translated stores skip the check of has_code.
   bool code_in_ram = false;
   Fault fault = Fault::none;
@@ -143,8 +147,8 @@ struct Cpu {
   std::uint32_t jumps = 0;
 };
 
-// Ends the inner loop at the next boundary. The value -1 is before any time, and differences to -1 do not
-// overflow.
+// Ends the inner loop at the next boundary. The value -1 is less than every time, and differences to -1 do
+// not overflow.
 inline void end_stretch(Cpu& c) {
   c.stop = -1;
 }
@@ -155,7 +159,8 @@ inline bool is_io(const Cpu& c, std::uint32_t address) {
   return offset < kIoSize && offset - (kShortRam - kIo) >= kShortRamSize;
 }
 
-// Adds wait states. `now` includes them only after the inner loop ends, so `stop` is reduced instead.
+// Adds wait states. `now` includes wait states only after the inner loop ends. Therefore `stop` is reduced by
+// the wait states.
 inline void add_stall(Cpu& c, int states) {
   c.stall += states;
   if (c.stop > 0) c.stop -= states;
@@ -209,11 +214,11 @@ inline const Insn* jump_to(Cpu& c, const Insn* from, std::uint32_t address) {
 // Decodes the instruction at `ip` into Cpu::code and returns its handler.
 Handler decode_in_place(Cpu& c, const Insn* ip);
 
-// Must be called before a flag of has_code is set. The first call discards translated code, because its
-// stores do not check the flags.
+// Must be called before a flag of has_code is set. The first call discards translated code, because stores in
+// that code do not check the flags.
 void note_code_in_ram(Cpu& c);
 
-// Like decode_in_place, for the reference engine: leaves branches in their general form.
+// Like decode_in_place(), but leaves branches in their general form. Used by the reference engine.
 Handler decode_afresh(Cpu& c, const Insn* ip);
 
 // Run one stretch: all instructions until now >= stop. run_stretch uses the engine of `c`.
@@ -221,12 +226,12 @@ void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);
 
-// Call Bus::hook_due and Bus::has_hook. Without a bus they return false.
+// Call Bus::hook_due and Bus::has_hook. These functions return false if there is no bus.
 bool hooked_here(const Cpu& c, std::uint32_t pc);
 bool has_hook(const Cpu& c, std::uint32_t pc);
 
 // Enters an exception (TRAPA or interrupt): stacks PC and CCR, sets the mask bits and returns the first
-// instruction of the handler. Adds no time.
+// instruction of the handler. The function itself adds no time.
 const Insn* enter_exception(Cpu& c, const Insn* from, std::uint32_t return_pc, unsigned vector);
 
 // Records the first fault with its address and PC, and ends the inner loop.

@@ -10,7 +10,7 @@ using u8 = std::uint8_t;
 using u16 = std::uint16_t;
 using u32 = std::uint32_t;
 
-// The functions return the result of one operation and set the flags in Cpu::flags.
+// Each function returns the result of one operation and sets the flags in Cpu::flags.
 
 template <class T>
 inline constexpr int kBits = 8 * static_cast<int>(sizeof(T));

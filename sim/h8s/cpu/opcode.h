@@ -14,7 +14,8 @@ namespace kaz::h8s {
 struct Counts {
   std::uint8_t i = 1;  // instruction fetches
   std::uint8_t j = 0;  // branch address reads in advanced mode; half as many in normal mode
-  std::uint8_t k = 0;  // stack accesses in advanced mode; normal mode: half, unless `k_fixed`
+  // Stack accesses in advanced mode; half as many in normal mode, unless `k_fixed`.
+  std::uint8_t k = 0;
   std::uint8_t l = 0;  // byte data accesses
   std::uint8_t m = 0;  // word data accesses
   std::uint8_t n = 0;  // internal operations
@@ -25,9 +26,9 @@ struct Counts {
 // 0-9 and A-F are fixed nibbles. The other letters are fields:
 // - r, s: byte register, source and destination.
 // - u, w: word register, source and destination.
-// - m, n: long or address register, source and destination, top bit of the nibble 0.
-// - M, N: like m, n, but with top bit 1. Y, X: like m, n, but with any top bit.
-// - t, T: bit number, top bit of the nibble 0 or 1.
+// - m, n: long or address register, source and destination; the top bit of the nibble is 0.
+// - M, N: like m, n, but the top bit of the nibble is 1. Y, X: like m, n, but the top bit may be 0 or 1.
+// - t, T: bit number; the top bit of the nibble is 0 (t) or 1 (T).
 // - p: vector number 0..3. v: vector address.
 // - i: immediate. a: absolute address. d: displacement. j: branch displacement.
 struct Opcode {
@@ -49,7 +50,7 @@ inline constexpr int kMaxUnits = 5;
 // Decodes the instruction at the front of `units`, which has fewer than kMaxUnits elements near the end of
 // memory. `normal`: count states for normal mode.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
-// Decodes the instruction in memory for Cpu::code[index], without changing that entry.
+// Decodes the instruction in memory that belongs to Cpu::code[index], without changing that entry.
 Decoded decode_at(const Cpu& c, std::uint32_t index);
 
 // Returns the text of one instruction, such as "mov.l @(0x10:16,er6),er0", or of an undefined instruction,

@@ -1,4 +1,4 @@
-// Independent model of the H8S/2000 for the tests, written from the manual alone. Slow and simple.
+// Independent model of the H8S/2000 for the tests, slow and simple, written from the manual alone.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -29,10 +29,10 @@ struct World {
   bool i = true, ui = false, h = false, u = false, n = false, z = false, v = false, c = false;
   u8 exr = 0x7f;
   bool normal = false;  // 16-bit addresses
-  // See Options.
+  // Value of Options::predecrement_stores_decremented.
   bool predecrement_stores_decremented = true;
 
-  // Memory, by masked address. The owner must set both.
+  // Read and write one byte of memory at a masked address. The owner must set both functions.
   std::function<u8(u32)> read;
   std::function<void(u32, u8)> write;
 
@@ -55,8 +55,8 @@ struct World {
   // Data accesses, which are recorded in `data`.
   u32 load(int bits, u32 address);
   void store(int bits, u32 address, u32 value);
-  // Stack and vector accesses. These accesses are not recorded, because columns K and J of the table contain
-  // their number.
+  // Stack and vector accesses. These accesses are not recorded, because columns K and J of the manual's table
+  // contain the number of such accesses.
   u32 load_uncounted(int bits, u32 address);
   void push16(u32 value);
   u32 pop16();
@@ -91,10 +91,11 @@ struct Form {
 
 // Returns the whole instruction list.
 const std::vector<Form>& forms();
-// Returns the form that `units` (at least one) encode; null if they encode no instruction.
+// Returns the form that `units` (at least one unit) encode; null if `units` encode no instruction.
 const Form* find(std::span<const u16> units);
 
-// Runs the instruction `units` at w.pc. Returns its duration in states with on-chip memory.
+// Runs the instruction `units` at w.pc. Returns the duration of the instruction in states, with on-chip
+// memory.
 int step(World& w, const Form& form, std::span<const u16> units);
 
 // Append the forms of one kind to `to`. Only forms() calls these functions.

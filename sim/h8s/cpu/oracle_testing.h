@@ -15,7 +15,7 @@
 
 namespace kaz::h8s::oracle {
 
-// Returns the encoding of `form` with these field values.
+// Returns the encoding of `form` with the field values `fields`.
 std::vector<u16> encode(const Form& form, const Fields& fields);
 
 // Fixed bits of an encoding: `value` where `mask` is set.
@@ -29,14 +29,15 @@ class Bench {
  public:
   explicit Bench(bool normal, const Options& options = {});
 
-  // Writes `units` to address `at` and runs them on chip and model, beginning with the state `before`.
-  // Returns the differences; empty if chip and model agree.
+  // Writes `units` to address `at` and runs this instruction on chip and model, beginning with the state
+  // `before`. Returns the differences; empty if chip and model agree.
   std::string trial(const Form& form, const std::vector<u16>& units, const World& before, u32 at);
-  // Runs a trial with random fields, registers and flags, often at the limits of their ranges. Without `io`,
-  // addresses are in memory. With `io`, they are addresses of I/O registers that return the value written.
+  // Runs a trial with random fields, registers and flags, often at the limits of their ranges. If `io` is
+  // false, data addresses are in memory. If `io` is true, data addresses belong to I/O registers that return
+  // the value written.
   std::string random_trial(const Form& form, bool io);
   // The two parts of a random trial. draw_units returns an encoding of `form` whose operands may be accessed;
-  // `pin` fixes some of its bits. draw_registers returns registers and flags for that encoding.
+  // `pin` fixes some bits of the encoding. draw_registers returns registers and flags for that encoding.
   std::vector<u16> draw_units(const Form& form, bool io, const Pin& pin = {});
   World draw_registers(const Form& form, const std::vector<u16>& units, bool io);
   // Copies the I/O registers that trials with `io` use from the chip to the model.
@@ -51,8 +52,8 @@ class Bench {
   std::string compare(std::span<const Access> accesses, u8 open_flags, bool open_result);
   // Returns the model's accesses outside memory since the last call, as text.
   std::string outside() { return std::exchange(outside_, {}); }
-  // Targets of three quarters of the random jumps, calls and returns; the others go to any address. If
-  // `landings` is empty, all go to any address.
+  // Targets of three quarters of the random jumps, calls and returns. All other jumps, calls and returns go
+  // to any address. If `landings` is empty, every target is any address.
   std::vector<u32> landings;
   // Compares the whole RAM of chip and model. Returns the first difference; empty if there is no difference.
   std::string compare_memory();

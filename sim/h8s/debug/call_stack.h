@@ -19,11 +19,12 @@ struct Frame {
   States away = 0;
 };
 
-// Observer that tracks the call stack. A frame ends when a return leaves ER7 above its `sp`, so one return
-// may end several frames after a tail jump or longjmp. A jump to the first instruction of another function
-// counts as a call by the function that jumps. TRAPA counts as a call. An interrupt begins its own frame. The
-// first frame belongs to the function that contains the first observed instruction. If the depth would exceed
-// 4,096, the second-outermost frame is dropped. `chip` must outlive this object.
+// Observer that tracks the call stack. A frame ends when a return instruction leaves ER7 above the `sp` of
+// the frame. After a tail jump or longjmp, one return instruction may therefore end several frames. A jump to
+// the first instruction of another function counts as a call by the function that jumps. TRAPA counts as a
+// call. An interrupt begins its own frame. The first frame belongs to the function that contains the first
+// observed instruction. If the depth would exceed 4,096, the second-outermost frame is dropped. `chip` must
+// outlive this object.
 class CallStack : public Observer {
  public:
   explicit CallStack(const Chip& chip) : chip_(chip) {}

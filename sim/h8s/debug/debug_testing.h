@@ -6,7 +6,7 @@
 
 namespace kaz::h8s::testing {
 
-// Returns a program that starts the modules and their interrupts and then computes in an endless loop.
+// Returns a program that starts the modules with interrupts, and then computes in an endless loop.
 inline Program busy_program() {
   Program p;
   p.modules_on().out8(0xffffd9, 4).out8(0xffffda, 0x70).out16(0xffff94, 99).out8(0xffff91, 0x01);

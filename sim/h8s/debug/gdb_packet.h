@@ -47,7 +47,7 @@ std::string to_hex(std::span<const std::uint8_t> bytes);
 std::string to_hex(std::string_view text);
 // Returns the data of a packet that shows `text` on GDB's console.
 std::string console_packet(std::string_view text);
-// Returns 8 digits, most significant first.
+// Returns 8 hexadecimal digits, most significant first.
 std::string hex32(std::uint32_t value);
 // Returns nullopt if the length is odd or a character is not a hexadecimal digit.
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view digits);
@@ -56,9 +56,9 @@ std::optional<std::vector<std::uint8_t>> from_hex(std::string_view digits);
 class GdbReader {
  public:
   explicit GdbReader(std::string_view text) : text_(text) {}
-  // Consumes `prefix`. Returns false if the text does not begin with it.
+  // Consumes `prefix`. Returns false if the text does not begin with `prefix`.
   bool take(std::string_view prefix);
-  // Consumes 1 to 16 hexadecimal digits.
+  // Consumes 1 to 16 hexadecimal digits and returns their value.
   std::optional<std::uint64_t> number();
   std::string_view rest() const { return text_; }
   bool empty() const { return text_.empty(); }

@@ -27,19 +27,20 @@ class GdbPort {
   // Returns the command to enter in GDB, such as "target remote localhost:1234".
   std::string hint() const;
 
-  // Callback after a client was rejected. Gets one line of text for the user, without newline.
+  // Function that is called after a client was rejected. The argument is one line of text for the user,
+  // without newline.
   using Report = std::function<void(const std::string&)>;
 
   // Waits for a connection from GDB. Serves GDB until GDB kills the program, detaches or closes the
-  // connection. Runs the chip in slices of `slice` states and checks for Ctrl-C between them. Also returns
-  // after the file descriptor `stop` has become readable (-1: no descriptor), even if GDB does not read the
-  // replies. Error: the connection fails.
+  // connection. Runs the chip in slices of `slice` states and checks for Ctrl-C between two slices. Also
+  // returns after the file descriptor `stop` has become readable (-1: no descriptor), even if GDB does not
+  // read the replies. Error: the connection fails.
   //
   // A client that begins like a web browser (browser_guard.hpp) is rejected. After a rejected client, or a
-  // client that closes without sending a byte, the function waits for the next client. A client is replaced
-  // by a new client if the old client has sent nothing, or only bytes that may begin a browser's request. If
-  // a client cannot be accepted, for example because no file descriptor is free, the function retries every
-  // 100 ms.
+  // client that closes without sending a byte, the function waits for the next client. A new client replaces
+  // the current client if the current client has sent nothing, or only bytes that may begin a browser's
+  // request. If a client cannot be accepted, for example because no file descriptor is free, the function
+  // retries every 100 ms.
   Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1,
                      const Report& report = {});
 

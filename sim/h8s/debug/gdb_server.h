@@ -14,14 +14,15 @@
 
 namespace kaz::h8s {
 
-// Registers are those of GDB's h8300s target, 4 bytes each, big-endian (the `g` packet):
+// The `g` packet contains the registers of GDB's h8300s target, 4 bytes each, big-endian:
 // - 0-7: er0..er6, sp.
 // - 8, 9: ccr, pc.
 // - 10, cycles: states since power-on, low 32 bits.
 // - 11: exr.
 // - 12, tick: states since power-on, high 32 bits.
 // - 13, inst: instructions executed.
-// - 14, 15, mach and macl: 0. The CPU does not have them, but GDB stops printing at a missing register.
+// - 14, 15, mach and macl: 0. The CPU does not have these registers, but GDB would stop printing at a missing
+//   register.
 //
 // Registers 0-9 and 11 are writable. Versions of GDB that do not read the architecture from target.xml need
 // `set architecture h8300s`.
@@ -35,7 +36,7 @@ class GdbServer {
 
   // Processes bytes from GDB, in pieces of any size.
   void feed(std::span<const std::uint8_t> bytes);
-  // Returns the bytes to send to GDB since the last call.
+  // Removes and returns the bytes to send to GDB.
   std::string take_output();
 
   // Returns true after GDB has resumed the chip. Call run(states) while running() is true, and pass bytes

@@ -1,4 +1,4 @@
-// Reverse execution with snapshots and replay of the inputs after them.
+// Reverse execution: restores a snapshot and replays the inputs after this snapshot.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,8 +23,8 @@ struct Watch {
 };
 
 // Conditions that halt a run. Except in a replay, a breakpoint replaces a code hook at the same address, and
-// neither remains after the end of the run. A breakpoint at the first instruction of a run counts only with
-// `at_start`.
+// neither the breakpoint nor the hook remains after the end of the run. A breakpoint at the first instruction
+// of a run halts the run only if `at_start` is true.
 struct Triggers {
   std::vector<std::uint32_t> breakpoints;
   std::vector<Watch> watches;
@@ -34,11 +34,12 @@ struct Triggers {
 // Reason for the end of a run or of a step.
 struct Halt {
   enum class Why {
-    reached,     // the time or step was reached
-    breakpoint,  // the instruction at the breakpoint has not run
-    watch,       // forward: after the access; backward: before the accessing instruction
-    begin,       // backward: at the start of the history
-    stopped,     // the chip stopped for the reason in `stop`
+    reached,     // the requested time was reached, or the step is complete
+    breakpoint,  // a breakpoint was reached; the instruction there has not run
+    // A watchpoint was hit. Forward: halted after the access; backward: before the accessing instruction.
+    watch,
+    begin,    // the start of the history was reached in a backward run
+    stopped,  // the chip stopped for the reason in `stop`
   };
   Why why = Why::reached;
   Stop stop;
@@ -47,8 +48,9 @@ struct Halt {
 };
 
 struct HistoryOptions {
-  States spacing = 100'000;    // states between the newest snapshots
-  std::size_t snapshots = 40;  // maximum number, 0.2 MB each; older snapshots are farther apart
+  States spacing = 100'000;  // number of states between the newest snapshots
+  // Maximum number of snapshots, 0.2 MB each. Older snapshots are farther apart.
+  std::size_t snapshots = 40;
   // Maximum number of inputs and A/D samples, about 40 bytes each. Above the maximum, the oldest part of the
   // history is dropped.
   std::size_t records = 2'000'000;
@@ -66,7 +68,8 @@ class History final : public InputLog {
   History(const History&) = delete;
   History& operator=(const History&) = delete;
 
-  // First and last time that can be reached. begin() increases in a session with many records.
+  // Return the first and the last time to which the chip can be moved. begin() increases when old records are
+  // dropped.
   States begin() const;
   States end() const;
   // Returns whether the time of the chip is before end(). A run then replays the record.
@@ -81,8 +84,8 @@ class History final : public InputLog {
   Halt step_back();
   // Goes to the first boundary at or after `at`. Error: `at` is not in begin()..end().
   Result<void> back_to(States at);
-  // Goes back to the last earlier instruction boundary at which a trigger fires. Without such a boundary,
-  // goes back to begin().
+  // Goes back to the last earlier instruction boundary at which a trigger fires. If no trigger fires at any
+  // earlier boundary, goes back to begin().
   Halt reverse_continue(const Triggers& triggers);
 
   void input(std::function<void(Chip&)> apply) override;
@@ -126,7 +129,7 @@ class History final : public InputLog {
   std::size_t cursor_ = 0;  // number of inputs that the chip's state includes
   States end_ = 0;
   bool adopting_ = false;
-  bool broken_ = false;  // an input could not be recorded: restart at the next call
+  bool broken_ = false;  // an input could not be recorded; the next call restarts the history
 };
 
 }  // namespace kaz::h8s

@@ -11,14 +11,15 @@
 
 namespace kaz::h8s {
 
-// Records the lowest ER7 since attachment, and the call stack at that time.
+// Records the lowest value of ER7 since this observer was attached, and the call stack at the time of that
+// value.
 class StackMeter final : public CallStack {
  public:
   explicit StackMeter(const Chip& chip) : CallStack(chip) {}
 
   std::uint32_t lowest() const { return lowest_; }
-  // Returns the bytes between the highest and the lowest ER7 observed. This is the stack usage of a program
-  // that sets its stack pointer once.
+  // Returns the number of bytes between the highest and the lowest observed ER7. For a program that sets its
+  // stack pointer once, the result is the stack usage.
   std::uint32_t used() const { return highest_ < lowest_ ? 0 : highest_ - lowest_; }
   // Returns the call stack at the lowest ER7, outermost frame first, including interrupts.
   const std::vector<Frame>& chain() const { return chain_; }
@@ -43,8 +44,8 @@ struct UninitialisedRead {
 };
 
 // Reports reads of uninitialized RAM, once for each instruction. A byte is uninitialized from power-on, or
-// from the construction of this object, until the program or Chip::poke writes it. After Chip::restore all
-// bytes count as initialized.
+// from the construction of this object, until the program or Chip::poke writes the byte. After Chip::restore
+// all bytes count as initialized.
 class UninitialisedReads final : public Observer {
  public:
   explicit UninitialisedReads(const Chip& chip) : chip_(chip) {}

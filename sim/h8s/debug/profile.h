@@ -34,9 +34,12 @@ struct FunctionProfile {
   std::string name;
   bool interrupt = false;
   std::int64_t calls = 0;
-  States self = 0;               // states in own instructions; handlers: also in exception entry
-  States with_callees = 0;       // states with callees; of recursive calls only the outermost
-  States worst = 0, median = 0;  // duration of a completed call, with callees
+  // States in the function's own instructions. For an interrupt handler, also the states of the exception
+  // entry.
+  States self = 0;
+  // States in the function and its callees. For recursive calls, only the outermost call counts.
+  States with_callees = 0;
+  States worst = 0, median = 0;  // durations of completed calls, with callees
 };
 
 // A repeated section of the program, from before the instruction at `begin` to before the instruction at
@@ -46,17 +49,19 @@ struct ProfileWindow {
   std::uint32_t end = 0;
 };
 
-// Statistics of the windows and the states of each function in the longest one. States in interrupts are
-// included, states asleep are not.
+// Statistics of the windows and the states of each function in the longest window. States in interrupts are
+// included. States in which the CPU sleeps are not included.
 struct WorstWindow {
   std::int64_t windows = 0;
-  States median = 0, worst = 0, at = 0;    // durations, and start of the longest window
-  std::vector<FunctionProfile> functions;  // only name, address and self
+  States median = 0, worst = 0, at = 0;  // durations of the windows; start time of the longest
+  // Only `name`, `address` and `self` of each function are set.
+  std::vector<FunctionProfile> functions;
 };
 
-// Attach this observer to the chip (Chip::attach). The chip must outlive the observer. States asleep belong
-// to no function. The states of an interrupt, including the exception entry, belong to the interrupt handler.
-// The states of a call instruction belong to the caller. The states of RTS belong to the callee.
+// Attach this observer to the chip (Chip::attach). The chip must outlive the observer. States in which the
+// CPU sleeps belong to no function. The states of an interrupt, including the exception entry, belong to the
+// interrupt handler. The states of a call instruction belong to the caller. The states of RTS belong to the
+// callee.
 class Profile final : public CallStack {
  public:
   explicit Profile(const Chip& chip, std::optional<ProfileWindow> window = {});
@@ -69,7 +74,8 @@ class Profile final : public CallStack {
 
   std::string text() const;
   std::string json() const;
-  // Returns the profile for KCachegrind and callgrind_annotate, with line numbers if the image has them.
+  // Returns the profile for KCachegrind and callgrind_annotate, with line numbers if the image contains line
+  // numbers.
   std::string callgrind() const;
 
   void before(std::uint32_t pc, States at) override;
@@ -98,7 +104,7 @@ class Profile final : public CallStack {
   std::map<std::uint32_t, States> selves() const;
 
   std::unordered_map<std::uint32_t, Entry> entries_;
-  std::unordered_map<std::uint64_t, States> by_address_;  // function << 32 | pc
+  std::unordered_map<std::uint64_t, States> by_address_;  // key: function << 32 | pc
   std::map<EdgeKey, Edge> edges_;
   States away_ = 0;  // states spent in completed interrupts or asleep
   States asleep_ = 0, total_ = 0;

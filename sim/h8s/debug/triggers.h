@@ -9,7 +9,7 @@
 
 namespace kaz::h8s {
 
-// Returns the first watchpoint that `access` hits; null if it hits no watchpoint.
+// Returns the first watchpoint that `access` hits; null if `access` hits no watchpoint.
 const Watch* find_watch(const std::vector<Watch>& watches, const Access& access);
 
 // Halts the chip at the first trigger. `chip` and `triggers` must outlive this object. The destructor removes
@@ -22,7 +22,7 @@ class ArmedTriggers final : public Observer {
   ArmedTriggers& operator=(const ArmedTriggers&) = delete;
 
   void accessed(const Access& access) override;
-  // Converts the stop of the run to a Halt.
+  // Returns the reason for the end of the run as a Halt. `stop` is the Stop that the run returned.
   Halt halt(const Stop& stop) const;
 
  private:

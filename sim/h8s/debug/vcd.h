@@ -16,19 +16,19 @@ namespace kaz::h8s {
 // Default clock: states per second of the servo board.
 inline constexpr std::int64_t kDefaultHertz = 18'432'000;
 
-// Returns the picoseconds from state 0 to `at`, rounded to the nearest.
+// Returns the time from state 0 to `at` in picoseconds, rounded to the nearest integer.
 std::int64_t picoseconds(States at, std::int64_t hertz);
 
 // Names of signals:
 // - A pin by any name ("P50", "TxD0"), or "pins" for all pins.
-// - er0..er7, sp, pc, ccr, exr, or "cpu" for all of them.
+// - er0..er7, sp, pc, ccr, exr, or "cpu" for all CPU registers.
 // - An I/O register ("FRC", "SSR0"; registers.h).
-// - Memory by symbol or address, with its width in bits: "_tick:16", "0xffe100:8". The default is 8.
+// - Memory by symbol or address, with its width in bits: "_tick:16", "0xffe100:8". The default width is 8.
 //
 // Pins change at their exact states. The value of a pin is '0' or '1', or 'z' if neither a driver nor a
-// pull-up is active. P46 has the value 'x' while it outputs the clock. Other signals are sampled at each
-// instruction boundary and written if they have changed. If two registers share an address, only the selected
-// register is sampled. The other register keeps its last value, or 'x' if it has no value yet.
+// pull-up is active. P46 has the value 'x' while this pin outputs the clock. Other signals are sampled at
+// each instruction boundary and written if the value has changed. If two registers share an address, only the
+// selected register is sampled. The other register keeps its last value, or 'x' before its first sample.
 //
 // The recorder never rewrites entries. After the chip is restored to an earlier state, recording resumes once
 // the time has passed the last entry.

@@ -18,18 +18,18 @@ namespace kaz::h8s {
 
 struct FlatOptions {
   Engine engine = Engine::translator;
-  // JSR @@0xC7:8 is a semihosting request and a marked SLEEP ends the program (see Flat). If false, JSR
-  // @@0xC7:8 and SLEEP are ordinary instructions.
+  // If true, JSR @@0xC7:8 is a semihosting request and a marked SLEEP ends the program (see Flat). If false,
+  // JSR @@0xC7:8 and SLEEP are ordinary instructions.
   bool semihost = true;
-  // Number of jumps to an address before its code is translated; affects speed only.
+  // Number of jumps to an address before the code at that address is translated. Affects speed only.
   std::uint32_t translate_after = 1000;
   bool predecrement_stores_decremented = true;  // see Options
 };
 
-// Reason and place at which Flat::run returned.
+// Reason why Flat::run returned, and the instruction at which the program stopped.
 struct FlatStop {
   enum class Reason {
-    reached,                // a limit was reached
+    reached,                // a limit of Flat::run was reached
     exited,                 // SLEEP with the end mark; `status` is the program's exit status
     asleep,                 // SLEEP without the end mark; this sleep would never end
     undefined_instruction,  // also for instructions that only the H8S/2600 has
@@ -38,24 +38,28 @@ struct FlatStop {
     output_failed,  // the output listener returned false
   };
   Reason reason = Reason::reached;
-  int status = 0;            // exited: 0..255
-  std::uint32_t pc = 0;      // address of the last instruction; `reached`: of the next instruction
+  int status = 0;  // exit status 0..255 for `exited`
+  // Address of the last instruction. For `reached`: address of the next instruction.
+  std::uint32_t pc = 0;
   std::uint16_t opcode = 0;  // first word at `pc`
   std::string text;          // one line with reason, PC and opcode; empty for `exited`
 };
 
 // The machine runs in advanced mode and has no I/O registers, no interrupts and no stack check. The addresses
-// 0x000000 to 0xFFFFFF are RAM, which is initially zero. All accesses take the states of on-chip memory.
-// Addresses wrap at 24 bits. A word access at an odd address uses the even address below. TRAPA uses the
-// vectors in RAM. Only one thread at a time may use a machine. Different machines are independent.
+// 0x000000 to 0xFFFFFF are RAM, which is initially zero. Each access takes as many states as an access to
+// on-chip memory. Addresses wrap at 24 bits. A word access at an odd address uses the even address below.
+// TRAPA uses the vectors in RAM. Only one thread at a time may use a machine. Different machines are
+// independent.
 //
 // Semihosting follows GDB's simulator for the H8:
 // - JSR @@0xC7:8 (5F C7) writes bytes to a descriptor. ER0 is the descriptor, ER1 the address of the bytes,
-//   and ER2 their number. Afterwards ER0 is the number of bytes written. Descriptors 0 and 1 are standard
-//   output, 2 is standard error. JSR @@0xC5:8, @@0xC6:8 and @@0xC8:8 to @@0xCC:8 are errors.
+//   and ER2 the number of bytes. After the request, ER0 is the number of bytes written. Descriptors 0 and 1
+//   are standard output, descriptor 2 is standard error. JSR @@0xC5:8, @@0xC6:8 and @@0xC8:8 to @@0xCC:8 are
+//   errors.
 // - SLEEP with 0xDEAD in R1, 0xBEEF in R2 and 0 in R0L ends the program with status R0H.
 //
-// The JSR and the SLEEP each count as one instruction. They take 6 and 2 states, as in the manual's table.
+// The JSR and the SLEEP each count as one instruction. The JSR takes 6 states and the SLEEP takes 2 states,
+// as in the manual's table.
 class Flat {
  public:
   explicit Flat(const FlatOptions& options = {});
@@ -65,7 +69,7 @@ class Flat {
 
   // Writes the sections of the image to their run addresses and sets PC to the image's entry point. Other
   // memory and registers are unchanged. Errors: a section extends beyond 0xFFFFFF, the image has no entry
-  // point, or the image is for normal mode. After an error nothing is changed.
+  // point, or the image is for normal mode. After an error the machine is unchanged.
   Result<void> load(const Image& image);
   const SymbolTable& symbols() const;
 
@@ -76,7 +80,7 @@ class Flat {
 
   static constexpr States kNoLimit = std::numeric_limits<States>::max();
   // Runs until now() >= until, instructions() >= count, or the program ends. After the program has ended,
-  // each further call returns the same FlatStop until set_registers() or load() is called.
+  // each further call returns the last FlatStop until set_registers() or load() is called.
   FlatStop run(States until = kNoLimit, std::int64_t count = kNoLimit);
   States now() const;
   std::int64_t instructions() const;  // number of executed instructions; EEPMOV counts as one

@@ -1,4 +1,4 @@
-// Reads values from the front of a fuzzer input. Past its end all values are 0.
+// Reads values from the front of a fuzzer input. After the end of the input, all values are 0.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

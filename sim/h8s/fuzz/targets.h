@@ -1,4 +1,4 @@
-// Fuzz targets. Each accepts any bytes and returns a description of the failure, or an empty string.
+// Fuzz targets. Each target accepts any bytes and returns a description of the failure, or an empty string.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,7 +12,8 @@ namespace kaz::h8s::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// Parses the input as an image file of each format. Runs each image that loads for a short time.
+// Parses the input as an image file of each format. If an image can be loaded, runs the image for a short
+// time.
 std::string image(Bytes input);
 
 // Sends each line of the input as a packet from GDB to a server with a running chip.

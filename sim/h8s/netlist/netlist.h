@@ -24,19 +24,19 @@ class Netlist;
 using Net = int;
 
 // Base class of parts. A part drives nets through outputs (Netlist::output), is notified of changes on nets
-// (Netlist::listen), and can schedule a call (Netlist::wake). The part's reactions take effect in the same
-// state.
+// (Netlist::listen), and can schedule a call (Netlist::wake). The part's reactions to a notification take
+// effect in the same state.
 class Part {
  public:
   virtual ~Part() = default;
   // Called once when the part is added, and after Netlist::restore.
   virtual void start(Netlist&, States) {}
-  // Called after the voltage or the drive of a net that the part listens to has changed.
+  // Called after a change of the voltage or drive of a net to which the part listens.
   virtual void changed(Netlist&, Net, States /*at*/) {}
   // Called at the time scheduled with Netlist::wake.
   virtual void woken(Netlist&, States /*at*/) {}
-  // Returns the voltage of an output that moves between edges (Netlist::drive with `moving`), as a fraction
-  // of AVCC.
+  // Returns the voltage of an output whose voltage changes between edges (Netlist::drive with `moving`), as a
+  // fraction of AVCC.
   virtual double voltage(States /*at*/) const { return 0; }
   // State of the part, for Netlist::save and restore.
   virtual std::vector<double> save() const { return {}; }
@@ -60,8 +60,9 @@ class Netlist {
     double pull_up_ohms = 50'000;     // resistance of the chip's internal pull-ups
     double weak_high_ohms = 1'000;    // resistance of high NMOS push-pull outputs (P47, P52)
   };
-  // Watches the chip's pins that are on nets. Drives each of these pins whose net has a driver other than the
-  // pin. Becomes the analog source of the chip. `chip` must outlive this object and must not be moved.
+  // Watches all pins of the chip that are on nets. Drives each of these pins whose net has a driver other
+  // than the pin. Becomes the analog source of the chip. `chip` must outlive this object and must not be
+  // moved.
   explicit Netlist(Chip& chip);
   Netlist(Chip& chip, const Settings& settings);
   ~Netlist();
@@ -85,17 +86,19 @@ class Netlist {
   void source(Net net, double voltage, double ohms, const std::string& name);
   void pull_up(Net net, double ohms) { source(net, 1, ohms, "pull-up"); }
   void pull_down(Net net, double ohms) { source(net, 0, ohms, "pull-down"); }
-  // Sets the source of analog inputs that are on no net.
+  // Sets the source of voltages for analog inputs that are on no net.
   void set_analog_otherwise(std::function<double(int channel, States at)> source);
 
-  // Returns the voltage of a net; nullopt if it is not driven. A strong drive overrides the others, and low
-  // overrides high. Without a strong drive, the voltage is the mean of the drives, weighted by conductance.
+  // Returns the voltage of a net; nullopt if the net is not driven. A strong drive overrides all other
+  // drives. If strong drives conflict, the lowest voltage applies. Without a strong drive, the voltage is the
+  // mean of the drives, weighted by conductance.
   std::optional<double> voltage(Net net, States at) const;
-  // Returns whether a net is high. A net that is not driven is low.
+  // Returns whether a net is high. A net that is not driven counts as low.
   bool level(Net net) const;
   const std::vector<Conflict>& conflicts() const { return conflicts_; }
   const Settings& settings() const { return settings_; }
-  // Returns the time of the change during a call of a part, else the time of the chip.
+  // While a part is called, returns the time of the change that caused the call. Otherwise returns the time
+  // of the chip.
   States now() const { return inside_ ? at_ : chip_.now(); }
 
   // States of the parts. Restore the chip first, then the netlist. The states of chip and netlist must have
@@ -106,15 +109,18 @@ class Netlist {
   Saved save() const;
   void restore(const Saved& saved);
 
-  // --- for parts --------------------------------------------------------------------------------- Creates
-  // an output of the part on the net and returns the output's index. The output does not drive yet.
+  // --- for parts ---------------------------------------------------------------------------------
+
+  // Creates an output of the part on the net and returns the output's index. The output does not drive the
+  // net until drive() is called.
   int output(const Part& part, Net net, const std::string& name);
   void listen(Part& part, Net net);
   // Drives the output's net with `voltage` through a resistance of `ohms`. If `moving`, Part::voltage
   // replaces `voltage`.
   void drive(int output, double voltage, double ohms = 0, bool moving = false);
   void release(int output);
-  // Schedules woken() for `at` and replaces an earlier schedule. The maximum of States cancels it.
+  // Schedules woken() for `at` and replaces an earlier schedule. The maximum value of States cancels the
+  // schedule.
   void wake(Part& part, States at);
   // Must be called after the moving voltage of an output has crossed the threshold. Evaluates the output's
   // net again.
@@ -170,7 +176,8 @@ class Netlist {
   States at_ = 0;
 };
 
-// Reads the text form into `netlist`. Each line describes one part, and `#` starts a comment:
+// Reads a netlist in text form and adds the parts to `netlist`. Each line describes one part, and `#` starts
+// a comment:
 // - `pull-up NET OHMS` and `pull-down NET OHMS`.
 // - `wire NET NET ...` joins nets.
 // - `analog NET SHARE [OHMS]`: SHARE is a fraction of AVCC, 0..1.
@@ -180,11 +187,11 @@ class Netlist {
 // - `inverter IN OUT [DELAY]`.
 // - `open-drain IN OUT`: OUT is low while IN is high.
 // - `rc IN OUT OHMS FARADS`.
-// - `divider IN OUT OHMS OHMS`: from IN to OUT, and from OUT to ground.
+// - `divider IN OUT OHMS OHMS`: a resistor from IN to OUT, and a resistor from OUT to ground.
 // - `probe NET`.
 //
-// Numbers may end in k, M, m, u, n or p. Times are states, or seconds if they end in s ("5ms"). An error
-// contains `name`, line, column and the expected text; the parts before the error have then been added.
+// Numbers may end in k, M, m, u, n or p. Times are in states, or in seconds if the text ends in s ("5ms"). An
+// error contains `name`, line, column and the expected text; the parts before the error remain in `netlist`.
 // load_netlist reads a file of up to 1 MiB.
 Result<void> read_netlist(Netlist& netlist, std::string_view text, const std::string& name);
 Result<void> load_netlist(Netlist& netlist, const std::string& path);

@@ -15,9 +15,9 @@ namespace kaz::h8s {
 class Switch : public Part {
  public:
   Switch(Net net, bool to_supply) : net_(net), to_supply_(to_supply) {}
-  // Switches at the netlist's current time.
+  // Opens or closes the switch at the netlist's current time.
   void set(Netlist& n, bool closed);
-  // Switches at the time `at`. Calls must be in ascending order of time.
+  // Opens or closes the switch at the time `at`. Calls must be in ascending order of time.
   void set_at(Netlist& n, States at, bool closed);
   bool closed() const { return closed_; }
 
@@ -52,7 +52,7 @@ class Inverter : public Part {
   std::deque<std::pair<States, bool>> under_way_;  // delayed changes of the output
 };
 
-// Open-drain stage: pulls its output to ground while its input is high, otherwise does not drive the output.
+// Open-drain stage: pulls the output to ground while the input is high; otherwise does not drive the output.
 class OpenDrain : public Part {
  public:
   OpenDrain(Net in, Net out) : in_(in), out_(out) {}
@@ -64,8 +64,8 @@ class OpenDrain : public Part {
   int output_ = -1;
 };
 
-// Low-pass: a resistor, and a capacitor to ground. Between two edges of the input the output follows `v = vin
-// + (v0 - vin) exp(-t / RC)` exactly. The output holds its voltage while the input is not driven. The output
+// Low-pass: a resistor, and a capacitor to ground. Between two edges of the input, the output follows exactly
+// `v = vin + (v0 - vin) exp(-t / RC)`. The output holds its voltage while the input is not driven. The output
 // must not be loaded, and no other moving voltage may drive the input.
 class Rc : public Part {
  public:
@@ -102,12 +102,13 @@ class Divider : public Part {
   int output_ = -1;
 };
 
-// LED or logic probe: records the levels of a net with their times.
+// LED or logic probe: records the levels of a net and the times of the changes.
 class Probe : public Part {
  public:
   Probe(Net net, std::string name) : net_(net), name_(std::move(name)) {}
   const std::string& name() const { return name_; }
-  // Returns the level at the start and the level after each change, each with its time.
+  // Returns the level at the start and the level after each change, with the time from which each level
+  // applies.
   const std::vector<std::pair<States, bool>>& levels() const { return levels_; }
   // Returns the fraction of the time from `from` to `to` during which the net was high.
   double high_share(States from, States to) const;

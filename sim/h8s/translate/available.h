@@ -5,7 +5,7 @@
 namespace kaz::h8s {
 
 // Returns whether this build has the translator (x86-64 with asmjit). In a build without the translator,
-// Engine::translator interprets.
+// Engine::translator runs the interpreter.
 bool translator_available();
 
 }  // namespace kaz::h8s

@@ -1,4 +1,4 @@
-// Basic block of guest instructions with side exits, and the liveness of its flags.
+// Basic block of guest instructions with side exits, and the liveness of the flags in this block.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace kaz::h8s::translate {
 
-// Bits of a mask of flags.
+// A mask of flags has one bit for each flag.
 inline constexpr unsigned kN = 1, kZ = 2, kV = 4, kH = 8, kC = 16, kAllFlags = 31;
 inline constexpr int kFlags = 5;
 
 // A register ERn or a part of it.
 struct Part {
   std::uint8_t reg = 0;    // n
-  std::uint8_t shift = 0;  // lowest bit: 0, 8 or 16
+  std::uint8_t shift = 0;  // lowest bit of the part in ERn: 0, 8 or 16
   std::uint8_t size = 4;   // bytes
   bool operator==(const Part&) const = default;
 };
@@ -38,7 +38,8 @@ enum class From : std::uint8_t {
   bit,     // Z from r & b
 };
 
-// Operands of a From. Operand b is `value` if `immediate`, else the register part `b`.
+// Operation and operands from which flags can be recomputed. Operand b is `value` if `immediate`, else the
+// register part `b`.
 struct Definition {
   From from = From::nothing;
   Part r{};
@@ -50,24 +51,25 @@ struct Definition {
 // One instruction of a block.
 struct Step {
   Form form;
-  Insn insn;                 // decoded; branches have their displacement in bytes
-  std::uint32_t index = 0;   // in Cpu::code
-  std::uint32_t target = 0;  // branches and jumps to fixed addresses: index in Cpu::code
+  Insn insn;                 // decoded instruction; displacements of branches are in bytes
+  std::uint32_t index = 0;   // index of the instruction in Cpu::code
+  std::uint32_t target = 0;  // branch or jump to a fixed address: index of the target in Cpu::code
   std::uint32_t before = 0;  // sum of the states of the earlier steps
 
-  // Masks of flags.
-  unsigned sets = 0;         // written
+  // The next four members are masks of flags.
+  unsigned sets = 0;         // flags that the step writes
   unsigned recoverable = 0;  // flags of `sets` that `definition` can recompute
-  unsigned uses = 0;         // read from memory
+  unsigned uses = 0;         // flags that the step reads from memory
   unsigned keep = 0;         // flags of `sets` that must be in memory after the step
   bool exits = false;        // the block may be left before this step has any effect
-  bool io = false;           // accesses an I/O register; the block may be left after the step
+  // The step accesses an I/O register; the block may be left after the step.
+  bool io = false;
   Definition definition;
   // For each flag: the last earlier step of the block that set the flag; -1: no earlier step set the flag.
   std::array<std::int16_t, kFlags> set_by{};
 };
 
-// Why a block ends.
+// Reason why a block ends.
 enum class End : std::uint8_t {
   next,       // execution continues at `after`
   interpret,  // the interpreter runs the instruction at `after`
@@ -76,15 +78,15 @@ enum class End : std::uint8_t {
 
 struct Block {
   std::uint32_t start = 0;  // index in Cpu::code
-  std::uint32_t after = 0;  // index after the last step
+  std::uint32_t after = 0;  // index in Cpu::code after the last step
   End end = End::next;
   std::vector<Step> steps;
-  std::uint32_t bound = 0;   // states of all steps but the last
-  std::uint32_t states = 0;  // states of all steps
+  std::uint32_t bound = 0;   // number of states of all steps but the last
+  std::uint32_t states = 0;  // number of states of all steps
   unsigned live = 0;         // flags that must be in memory at entry
 };
 
-// Index of an address without memory.
+// Index that stands for an address without memory.
 inline constexpr std::uint32_t kNowhere = 0xffffffff;
 
 // Returns a mask of the registers ERn that a step may write.
@@ -94,8 +96,8 @@ unsigned registers_written_by(const Step& s);
 struct Access {
   unsigned reg = 0;
   std::int32_t displacement = 0;
-  std::int32_t bytes = 0;  // 0: the step has no such access
-  std::int32_t moves = 0;  // amount that the step adds to the register
+  std::int32_t bytes = 0;  // 0: the step has no access through a register
+  std::int32_t moves = 0;  // number that the step adds to the register
   bool words = false;      // the address must be even
 };
 Access access_of(const Step& s);
@@ -104,7 +106,8 @@ Access access_of(const Step& s);
 unsigned flags_of_condition(unsigned condition);
 
 // Returns the earlier step whose `definition` recomputes all flags of the mask `wanted` at step `k`. The
-// registers of that definition must be unchanged at step `k`. Returns -1 if there is no such step.
+// registers of that definition must be unchanged at step `k`. Returns -1 if there is no step with these
+// properties.
 int common_source(const Block& block, std::size_t k, unsigned wanted);
 
 // Memory region of an access of `size` bytes to an address that is known at translation time.

@@ -1,10 +1,10 @@
 // Memory for host code whose pages are never writable and executable at once.
 // SPDX-License-Identifier: Apache-2.0
 //
-// asmjit's JitRuntime maps its memory writable and executable. Its dual mapping separates the permissions,
-// but keeps the writable mapping: an attacker who can write to any address can still inject code. Here each
-// page has one mapping, which mprotect makes read-only and executable before the code runs.
-// docs/explanation/emulator.md has the cost.
+// asmjit's JitRuntime maps its memory writable and executable. JitRuntime's dual mapping separates the
+// permissions, but keeps the writable mapping: an attacker who can write to any address can still inject
+// code. Here each page has one mapping, which mprotect makes read-only and executable before the code runs.
+// docs/explanation/emulator.md states the cost of mprotect.
 #pragma once
 
 #include <cstddef>
@@ -25,10 +25,10 @@ class CodeMemory {
   CodeMemory& operator=(const CodeMemory&) = delete;
 
   // Appends finished code and returns its address. Returns null if asmjit fails, the range is full, or a
-  // security policy forbids executable memory. Earlier code may then no longer be executable: call clear().
-  // Must not be called while code of this memory runs.
+  // security policy forbids executable memory. After a failure, earlier code may no longer be executable;
+  // call clear(). Must not be called while code of this memory runs.
   const void* add(asmjit::CodeHolder& code);
-  // Discards all code. Later code reuses its memory.
+  // Discards all code. Code that is added later reuses the memory of the discarded code.
   void clear() { used_ = 0; }
 
  private:

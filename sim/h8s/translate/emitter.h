@@ -16,8 +16,8 @@ namespace kaz::h8s::translate {
 
 // Record of the translator for one entry of Cpu::code.
 struct Entry {
-  const void* code = nullptr;  // host code of the block that begins here; null: none
-  bool covered = false;        // part of a translated instruction
+  const void* code = nullptr;  // host code of the block that begins at this entry; null: no code
+  bool covered = false;        // the entry is part of a translated instruction
   std::uint32_t count = 0;     // number of jumps to this entry
 };
 static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
@@ -25,9 +25,10 @@ static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
 // Record for the near-end version of a block. This version runs at the end of a stretch, if the time left
 // does not exceed the block's bound.
 struct NearEnd {
-  const void* code = nullptr;  // checks the time left after each instruction; null: none
-  std::uint16_t bound = 0;     // Block::bound of the block that begins here
-  std::uint16_t count = 0;     // number of times that the block did not fit into the time left
+  // Host code that checks the time left after each instruction; null: no code.
+  const void* code = nullptr;
+  std::uint16_t bound = 0;  // Block::bound of the block that begins at this entry
+  std::uint16_t count = 0;  // number of times that the block did not fit into the time left
 };
 
 namespace host = asmjit::x86;
@@ -55,7 +56,7 @@ inline constexpr std::uint32_t kGoOn = 0, kInterpret = 1;
 // Host code shared by all blocks: entry, exits and calls of handlers (gate.cpp).
 struct Gate {
   const void* enter = nullptr;  // called as std::uint32_t(Cpu*, const void* entry)
-  // Exit. In: the index of the next instruction in edi, the return value in esi.
+  // Exit from translated code. In: the index of the next instruction in edi, the return value in esi.
   const void* leave = nullptr;
   // Subroutine that runs the handler of an instruction. In: rdi is the instruction's entry of Cpu::code; rsi
   // is the number of states from the end of the instruction to the block's bound. Out: kLeft is valid for the
@@ -69,7 +70,8 @@ struct Gate {
   const void* load16 = nullptr;
   const void* store8 = nullptr;
   const void* store16 = nullptr;
-  const void* leave_complete = nullptr;  // exit when Cpu already holds everything but kExecuted
+  // Exit from translated code if Cpu already holds the complete state except kExecuted.
+  const void* leave_complete = nullptr;
   // Jump target for an instruction that continues elsewhere. In: rdi and rsi as for `interpret`. Runs the
   // instruction's handler, then the block at the new address. Leaves the translated code if there is no block
   // at the new address.
@@ -88,14 +90,14 @@ std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest);
 const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 
 // Emits the blocks of one translation unit. The blocks jump to each other directly. `k` is the index of a
-// step in the current block, `n` that of a block in the unit.
+// step in the current block, `n` is the index of a block in the unit.
 class Emitter {
  public:
   Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, NearEnd* near_ends, const Gate& gate);
 
   void emit(const std::vector<Block>& blocks);
-  // Emits the near-end version of a block, alone in its unit. At the entry of this version, kLeft is the time
-  // left, without a bound subtracted.
+  // Emits the near-end version of a block. This version is the only block of its translation unit. At the
+  // entry of this version, kLeft is the time left, from which no bound has been subtracted.
   void emit_near_end(const Block& block);
   // Returns the offset of the entry through which code outside the unit enters block `n`.
   std::uint64_t entry_offset(const asmjit::CodeHolder& code, std::size_t n) const;
@@ -104,7 +106,7 @@ class Emitter {
   using Fetch = std::function<void(const host::Mem&)>;
   // For each flag: the step whose definition recomputes the flag; -1: the flag is in memory.
   using Pending = std::array<std::int16_t, kFlags>;
-  using Again = std::map<std::size_t, asmjit::Label>;  // by step
+  using Again = std::map<std::size_t, asmjit::Label>;  // label for each step
 
   // --- blocks and exits (emit_branch.cpp)
   void emit_block(std::size_t n);
@@ -131,12 +133,12 @@ class Emitter {
   // Replaces the address in r15 by twice the address's index in Cpu::code. Exits before the step if the
   // address has no index.
   void find_target(std::size_t k);
-  // Continues after step k with the block at the index that r15 holds twice, through the table of entries.
+  // Continues after step k, through the table of entries, with the block at the index r15 / 2.
   void leave_through_table(std::size_t k);
   // Emits the edge to index `target` after `steps` steps have run.
   void emit_edge(std::size_t steps, std::uint32_t target);
   void emit_out(std::uint32_t index, std::uint32_t answer);
-  // Returns the label of the exit before step k has any effect.
+  // Returns the label of the exit that is taken before step k has any effect.
   asmjit::Label before(std::size_t k);
   std::uint32_t states_before(std::size_t k) const;
   void emit_handler(const Step& s);
@@ -152,7 +154,7 @@ class Emitter {
   void store_flags(const Definition& d, unsigned mask);
   void store_pending(const Pending& pending, const Block& block, unsigned mask);
   void store_carry(bool inverted = false);
-  // Recomputes the host's flags so that they equal the guest flags defined by `d`.
+  // Recomputes the guest flags defined by `d` in the host's flags.
   void compare_again(const Definition& d);
 
   // --- registers (emit_registers.cpp)
@@ -218,11 +220,11 @@ class Emitter {
 
   Pending pending_{};
   // Result of a range check that holds within a block: the bytes from register + `low` to below register +
-  // `high` are RAM. If a check for several accesses fails, the block continues in a second version of its
-  // code, which checks each access.
+  // `high` are RAM. If a check for several accesses fails, execution continues in a second version of the
+  // block's code, which checks each access.
   struct Proof {
     std::int32_t low = 0, high = 0;
-    bool even = false;  // the register is even
+    bool even = false;  // the value of the register is even
   };
   std::array<Proof, 8> proofs_{};
   Again again_;            // steps at which the first version may continue in the second version

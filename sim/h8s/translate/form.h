@@ -1,4 +1,4 @@
-// Operation and operands of an instruction for the translator, derived from its row of the opcode table.
+// Operation and operands of an instruction for the translator, derived from the opcode table.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,10 +9,10 @@
 namespace kaz::h8s::translate {
 
 enum class Op : std::uint8_t {
-  none,     // not translated: the block ends before it
+  none,     // not translated: the block ends before this instruction
   handler,  // calls the interpreter's handler, which changes only registers and flags
   // Calls the interpreter's handler with the complete CPU state: the handler may access the chip or end the
-  // stretch. `detail` 1: execution never continues with the next instruction of the block.
+  // stretch. If `detail` is 1, execution never continues with the next instruction of the block.
   interpreted,
   nop,
   mov,
@@ -49,7 +49,7 @@ enum class Op : std::uint8_t {
   jsr,
   rts,
   rte,
-  control,  // ANDC, ORC, XORC #imm to CCR; `detail` is the Control
+  control,  // ANDC, ORC, XORC #imm to CCR; `detail` is a Control
   stm,
   ldm,
 };
@@ -72,9 +72,10 @@ enum class Mode : std::uint8_t {
 struct Form {
   Op op = Op::none;
   std::uint8_t size = 1;  // operand size, bytes
-  Mode src = Mode::none;  // register: Insn::rs
-  Mode dst = Mode::none;  // register: Insn::rd
-  // bcc: condition; shift: Shift; control: Control; bit operations: 1 if inverted; adds: 1 for SUBS.
+  Mode src = Mode::none;  // source operand; its register is Insn::rs
+  Mode dst = Mode::none;  // destination operand; its register is Insn::rd
+  // Depends on `op`. bcc: condition; shift: Shift; control: Control; bit operations: 1 if inverted; adds: 1
+  // for SUBS.
   std::uint8_t detail = 0;
   // Literal operand of shifts, adds, inc and dec; number of registers of ldm and stm.
   std::uint8_t count = 0;
@@ -82,7 +83,7 @@ struct Form {
   bool number_in_register = false;  // bit operations: the bit number is in a register
 };
 
-// Returns the form of a row of the opcode table. Computed once for each row.
+// Returns the form of a row of the opcode table. The form of each row is computed only once.
 const Form& form_of(const Opcode& opcode);
 
 }  // namespace kaz::h8s::translate

@@ -1,4 +1,4 @@
-// Translator: finds hot guest code, translates it to host code and runs it.
+// Translator: finds hot guest code, translates this code to host code, and runs the host code.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,8 +11,8 @@
 namespace kaz::h8s {
 
 // Belongs to one Cpu. Translates code at addresses that have been jumped to Options::translate_after times,
-// and discards the translated code after a change of the instructions. Programs behave as with the
-// interpreter.
+// and discards the translated code after a change of the instructions. Programs have the same results as with
+// the interpreter.
 class Translator final : public CodeCache {
  public:
   Translator();

@@ -8,8 +8,8 @@ namespace kaz::sim {
 
 enum class EyeKind {
   ideal,  // exactly parallel pinhole cameras without noise
-  real,  // cameras with the lens, exposure and noise of the camera file; their pictures are rectified
-  none,  // no pictures, as if the robot had no eyes
+  real,   // cameras with lens, exposure and noise as in the camera file; the pictures are rectified
+  none,   // no pictures, as if the robot had no eyes
 };
 inline constexpr std::array kEyeKinds{EyeKind::ideal, EyeKind::real, EyeKind::none};
 

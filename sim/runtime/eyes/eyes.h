@@ -25,13 +25,15 @@ namespace kaz::sim {
 // Contents of camera.json: camera model and timing. The poses of the cameras are links of the URDF.
 struct CameraFile {
   EyeModel eye;
-  // Number of the camera pair in its production series. The number determines how the pair deviates from the
-  // nominal model.
+  // Number of the camera pair in the production series. The number determines how this camera pair deviates
+  // from the nominal camera model.
   std::uint64_t unit = 1;
-  double baseline_m = 0.040;  // Simulation replaces this value by the baseline of the URDF
+  // Distance between the eyes; Simulation replaces this value by the baseline of the URDF.
+  double baseline_m = 0.040;
   double rate_hz = 30.0;
-  double latency_s = 0.015;  // from the middle of the exposure to the pair's arrival at the host
-  double jitter_s = 0;       // maximum additional delay, uniformly distributed
+  // Time from the middle of the exposure until the pair arrives at the host.
+  double latency_s = 0.015;
+  double jitter_s = 0;  // maximum additional delay, uniformly distributed
   // True: exactly parallel pinhole cameras without noise. False: lens and sensor of EyeModel; the host
   // receives pictures that were rectified with calibration().
   bool ideal = true;
@@ -45,20 +47,21 @@ struct CameraFile {
 };
 
 // Returns "width height fx fy cx cy baseline_m latency_s" of the rectified pictures, with all digits of each
-// number. The text is metadata of a recording with pictures.
+// number. A recording with pictures contains this text as metadata.
 std::string text_of(const CameraFile& camera);
 
-// Policy if rendering is slower than the world.
+// Determines what happens if rendering is slower than the simulated world.
 enum class FramePolicy {
-  wait,  // lockstep: the world waits for the picture, so the result does not depend on the machine
-  drop,  // real time: the pair is dropped and its sequence number skipped
+  // Lockstep: the world waits until the picture is rendered, so the result does not depend on the machine.
+  wait,
+  drop,  // real time: the picture pair is dropped, and the pair's sequence number is skipped
 };
 
 class Eyes {
  public:
   struct Mounting {
     int head_frame = 0;  // index into ScenePose::frames
-    // Optical frames of the eyes in the head frame.
+    // Poses of the eyes' optical frames in the head frame.
     Eigen::Isometry3d left = Eigen::Isometry3d::Identity(), right = Eigen::Isometry3d::Identity();
     Light light = {};  // the world's light
   };
@@ -71,7 +74,7 @@ class Eyes {
   };
   struct Digest {
     std::uint64_t sequence = 0;
-    Time exposure{}, arrival{};  // arrival: earliest time at which the host can take the pair
+    Time exposure{}, arrival{};  // `arrival`: earliest time at which the host can read the pair
     Kept kept;                   // empty if rendering failed
   };
 
@@ -79,9 +82,9 @@ class Eyes {
   Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting, FramePolicy policy,
        Keep keep, std::uint64_t seed = 1);
 
-  // Exposes a pair if an exposure is due; call this function at the end of each step. Exposure n is due at
-  // the step nearest to n / rate. Calls `pose` only for an exposure. Returns the error if an earlier
-  // rendering has failed.
+  // Exposes a pair if an exposure is due. Call this function at the end of each step. Exposure n is due at
+  // the end of the step that is nearest to the time n / rate. The function calls `pose` only if an exposure
+  // is due. If an earlier rendering has failed, the function returns the error of that rendering.
   Result<void> look(Time now, const std::function<ScenePose()>& pose);
   // Removes and returns the next pair that has reached the host by `now`. At most 8 pairs wait. If another
   // pair arrives, the oldest waiting pair is dropped.
@@ -89,13 +92,13 @@ class Eyes {
   // Returns the number of pairs dropped because of FramePolicy::drop.
   std::uint64_t left_out() const { return left_out_; }
 
-  // Removes and returns the digests of pairs exposed at least two exposures ago; with `all`, the digests of
-  // all pairs. Blocks until these pairs are rendered, so the number of digests depends only on simulated
-  // time.
+  // Removes and returns the digests of the pairs that were exposed at least two exposures ago. If `all` is
+  // true, removes and returns the digests of all pairs. Blocks until these pairs are rendered, so the number
+  // of digests depends only on simulated time.
   std::vector<Digest> take_digests(bool all);
-  // Waits until all pairs in progress are rendered. Noise and jitter then continue with another seed.
+  // Waits until all pairs in progress are rendered. After this call, noise and jitter use the new seed.
   void reseed(std::uint64_t seed);
-  // Selects what is stored for pairs exposed from now on.
+  // Selects the data that is stored for each pair that is exposed from now on.
   void keep(Keep what) { keep_ = what; }
 
   // Saves or restores the state, including the pixels of waiting pairs (eyes_state.cpp). Saving waits until
@@ -104,8 +107,8 @@ class Eyes {
   void transfer(StateReader& a);
 
  private:
-  // Lens, sensor and rectification of both eyes. Shared with the rendering jobs; only one rendering job runs
-  // at a time.
+  // Lens, sensor and rectification of both eyes. An Optics object is shared with the rendering jobs; only one
+  // rendering job runs at a time.
   struct Optics {
     Optics(const CameraFile& camera, std::uint64_t seed);
     RealEye left, right;

@@ -21,17 +21,17 @@ namespace kaz::sim {
 using RendererFactory = std::function<Result<std::unique_ptr<Renderer>>()>;
 
 // Thread that renders: a separate thread, or the thread that steps the simulation. `caller` suits programs
-// whose many robots already use all processors.
+// that simulate many robots and therefore already use all processors.
 enum class Drawing { own_thread, caller };
 
 class RenderThread {
  public:
-  // A job receives the renderer, or the error that prevented its creation. Jobs run in the order of
-  // submission.
+  // A job receives the renderer, or the error that occurred when the renderer was created. Jobs run in the
+  // order of submission.
   using Job = std::function<void(const Result<Renderer*>&)>;
 
   RenderThread(Scene scene, RendererFactory factory, Drawing drawing = Drawing::own_thread);
-  ~RenderThread();  // finishes submitted jobs first
+  ~RenderThread();  // waits until all submitted jobs are finished
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
@@ -52,7 +52,7 @@ class RenderThread {
   RendererFactory factory_;
   Drawing drawing_;
   bool has_begun_ = false;
-  // Used only by `thread_` once that thread runs.
+  // Used only by the thread `thread_` after this thread has started.
   Result<std::unique_ptr<Renderer>> renderer_ = nullptr;
   mutable std::mutex mutex_;
   std::condition_variable wake_;

@@ -1,11 +1,11 @@
 // Reads MCAP files as written by McapWriter: chunks without compression.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A file may be truncated because the program was killed or the disk was full. Such a file ends within a
-// top-level record or before the data end record. The file is then read up to its end, and `whole` is
-// false. A chunk with a wrong CRC is skipped and counted. Other deviations from the format are errors. Among
-// these are fields beyond the end of their record, nested chunks, impossible record lengths, unknown
-// channels, and times out of range.
+// A file may be truncated because the program was killed or the disk was full. A truncated file ends within a
+// top-level record or before the data end record. A truncated file is read up to the end, and `whole` is
+// false. A chunk with a wrong CRC is skipped and counted. Other deviations from the format are errors.
+// Examples of errors are fields beyond the end of the record, nested chunks, impossible record lengths,
+// unknown channels, and times out of range.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +19,14 @@
 namespace kaz::sim {
 
 struct McapRecording {
-  // Limits (docs/reference/recording.md). The recording is kept in memory. During load(), the file is in
-  // memory, too.
+  // Limits (docs/reference/recording.md). The recording is kept in memory. During load(), the bytes of the
+  // file are in memory, too.
   static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
   static constexpr std::size_t max_facts = 10'000;
-  // Key of the fact whose value is the signal that interrupted the run.
+  // Key in `facts` of the signal that interrupted the run.
   static constexpr const char* kInterrupted = "interrupted";
-  // One year: longer than any run, and short enough to be counted in crystal periods (time.h).
+  // Limit of message times: one year, which is longer than any run. For one year, the conversion to crystal
+  // periods (time.h) does not overflow.
   static constexpr std::uint64_t max_time_ns = 366ull * 24 * 3600 * 1'000'000'000;
 
   struct Message {
@@ -49,8 +50,8 @@ struct McapRecording {
   // Returns the time of the latest message, or 0 without messages.
   std::uint64_t end_ns() const;
 
-  // Reads a file. Returns Fault::usage if the file is missing, not MCAP, larger than max_bytes, malformed or
-  // compressed. The error message is one sentence that names the file.
+  // Reads a file. Returns Fault::usage if the file is missing, is not an MCAP file, is larger than max_bytes,
+  // is malformed, or is compressed. The error message is one sentence that names the file.
   static Result<McapRecording> load(const std::string& path);
   // Parses the contents of a file, with the same errors as load(). `name` is the file name for error
   // messages.

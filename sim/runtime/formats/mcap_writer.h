@@ -3,8 +3,8 @@
 //
 // Format: https://mcap.dev/spec, version 0, without compression. Messages are collected in chunks of about
 // 1 MB, each with a CRC and a message index. The summary at the end lists schemas, channels and chunks, so
-// that a reader can seek by time. Damage is limited to one chunk. If the program is killed, the complete
-// chunks are readable. The same calls produce the same bytes.
+// that a reader can seek by time. Damaged bytes affect only the chunk that contains them. If the program is
+// killed, all complete chunks are readable. The same calls produce the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -67,14 +67,15 @@ class McapWriter {
 
  private:
   struct Channel {
-    std::vector<std::uint8_t> record;  // content of the channel record, for the summary
-    std::uint32_t messages = 0;        // number of messages written so far
-    // Times of messages, and their offsets in the chunk.
+    // Content of the channel record, written again in the summary.
+    std::vector<std::uint8_t> record;
+    std::uint32_t messages = 0;  // number of messages written so far
+    // Time of each message of this channel in the current chunk, and offset of the message in the chunk.
     std::vector<std::pair<std::uint64_t, std::uint64_t>> in_chunk;
   };
   struct ChunkIndex {
     std::uint64_t first_ns = 0, last_ns = 0, start = 0, length = 0;
-    // Channels, and offsets of their message indexes.
+    // Number of each channel in the chunk, and offset of the channel's message index.
     std::vector<std::pair<std::uint16_t, std::uint64_t>> message_indexes;
     std::uint64_t indexes_length = 0, size = 0;
   };
@@ -103,9 +104,9 @@ class McapWriter {
   std::ofstream file_;
   int write_error_ = 0;    // errno of the first failed write
   std::uint64_t at_ = 0;   // bytes written
-  std::uint32_t crc_ = 0;  // CRC of the bytes written since crc_ was last set to 0
+  std::uint32_t crc_ = 0;  // CRC of the bytes that were written since crc_ was set to 0
   evp_md_ctx_st* digest_ = nullptr;
-  // Record contents; schema number n is at index n - 1.
+  // Contents of the schema records. Schema number n is at index n - 1.
   std::vector<std::vector<std::uint8_t>> schemas_;
   std::vector<Channel> channels_;
   std::vector<MetadataIndex> metadata_;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The digest is XXH3 with 128 bits and seed 0; `xxhsum -H2` prints the same digits. The digest detects
-// accidental differences but does not resist attackers. SHA-256 resists attackers but takes more than seven
-// times as long.
+// accidental differences but does not resist attackers. SHA-256 would resist attackers but takes more than
+// seven times as long as XXH3.
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@
 namespace kaz::sim {
 
 // Encodes 8-bit RGB with low compression for speed. The same versions of libpng and zlib give the same bytes.
-// Fails if `image` is empty or its number of pixels does not match its width and height.
+// Fails if `image` is empty, or if the number of pixels does not match the width and the height.
 Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image);
 
 // Decodes a PNG. Fails if the bytes are not a PNG, are damaged, or the picture has a side above 8192 px.

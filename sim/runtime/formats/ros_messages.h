@@ -66,7 +66,8 @@ void pose(LittleEndian& to, const Eigen::Isometry3d& at);
 
 using NamedPose = std::pair<std::string, Eigen::Isometry3d>;  // pose in the frame `world`
 
-// Writes tf2_msgs/TFMessage to `data`. `data` must be empty, also for the functions below.
+// Writes tf2_msgs/TFMessage to `data`. For all functions in this file that write to `data`, `data` must be
+// empty before the call.
 void transforms(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
                 std::span<const NamedPose> poses);
 
@@ -78,7 +79,8 @@ struct Marker {
   Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
-  // Visual::texture; written to the message field `text`, which markers of these types do not use.
+  // Name of the texture (Visual::texture). The name is written to the message field `text`, because ROS does
+  // not use this field for the types of Marker::Type.
   std::string texture;
   bool removes_all = false;
 };
@@ -87,7 +89,8 @@ struct Marker {
 void markers(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
              std::span<const Marker> markers);
 
-// Returns markers for the visuals of the scene. Leaves out meshes, and visuals of the frames in `without`.
+// Returns markers for the visuals of the scene. Meshes and the visuals of the frames in `without` are left
+// out.
 std::vector<Marker> markers_of(const Scene& scene, std::span<const std::string> without);
 
 // Returns contact forces above 0.05 N as arrows of 1 cm/N, at most 30 cm long. An arrow has the direction of

@@ -13,7 +13,7 @@ namespace kaz::sim {
 
 class BusCommands {
  public:
-  // `serving` returns the server's part of the status. `bus` must outlive this object.
+  // `serving` returns the part of the status that describes the server. `bus` must outlive this object.
   BusCommands(VirtualBus& bus, std::function<nlohmann::ordered_json()> serving)
       : bus_(&bus), serving_(std::move(serving)) {}
   // Executes one request: plain words, or JSON such as {"command": "power", "argument": "off"}. The reply

@@ -1,9 +1,9 @@
 // Serves a servo bus to other processes (`kaz sim --bus`), paced by the wall clock.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The port is a pty with a control socket beside it (bus_commands.h). The servos receive bytes at the rate
-// that the host has set. Replies reach the host when the wire becomes idle or a USB packet is full, like with
-// a real adapter. They never arrive before the wire could have carried their bytes.
+// The port is a pty with a control socket beside it (bus_commands.h). The servos receive bytes at the bit
+// rate that the host has set. A reply reaches the host when the wire becomes idle or a USB packet is full,
+// like with a real adapter. No byte of a reply arrives before the wire could have carried this byte.
 #pragma once
 
 #include <atomic>
@@ -26,7 +26,7 @@ struct BusServerOptions {
 
 struct BusServerStatistics {
   double simulated_s = 0;
-  std::uint64_t overruns = 0;  // steps that ended more than 20 ms late
+  std::uint64_t overruns = 0;  // number of steps that ended more than 20 ms late
   double lost_s = 0;           // total time by which the bus fell behind the wall clock
   double worst_late_s = 0;
   std::uint64_t bytes_from_host = 0, bytes_to_host = 0;

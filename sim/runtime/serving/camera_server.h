@@ -17,8 +17,8 @@
 
 namespace kaz::sim {
 
-// Runs its own thread, so neither rendering nor a slow reader blocks the publisher. Serves at most 8 readers
-// and disconnects any further reader.
+// The server has its own thread, so neither rendering nor a slow reader blocks the caller of publish(). The
+// server serves at most 8 readers and disconnects any further reader.
 class CameraServer {
  public:
   // Listens on a Unix socket at `path`. Returns the errors of UnixListener::open().
@@ -27,17 +27,18 @@ class CameraServer {
   ~CameraServer();
 
   // Queues a pair. `exposure` is a time on CLOCK_MONOTONIC. A reader that is still receiving an earlier pair
-  // misses the new pair.
+  // does not receive the new pair.
   void publish(vision::StereoPair pair, Time exposure);
   int readers() const { return reader_count_; }
-  std::uint64_t missed() const { return missed_; }  // number of missed pairs, summed over readers
+  // Number of pairs that a reader did not receive, summed over all readers.
+  std::uint64_t missed() const { return missed_; }
 
  private:
   using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
   struct Reader {
     Descriptor socket;
     Bytes sending;         // null: the reader is idle
-    std::size_t sent = 0;  // bytes of `sending` already sent
+    std::size_t sent = 0;  // number of bytes of `sending` that are already sent
   };
   struct Published {
     vision::StereoPair pair;

@@ -39,8 +39,8 @@ class ControlCommands {
     std::function<void(const faults::Fault& fault)> fault;
     std::function<void()> clear_faults;
     std::function<Time()> now;  // simulated time
-    // Motor stand: maps the rest of the line to a reply without "ok". Empty function: there is no motor
-    // stand.
+    // Executes the command `stand` of a motor stand. The argument is the rest of the line; the reply does not
+    // contain "ok". The function is empty if there is no motor stand.
     std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand = nullptr;
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}
@@ -53,7 +53,8 @@ class ControlCommands {
   Handlers handlers_;
 };
 
-// Serves at most 8 clients. Never blocks: poll() handles the requests received since the last call.
+// Serves at most 8 clients. The server never blocks: poll() handles the requests that have arrived since the
+// last call.
 class ControlServer {
  public:
   // Executes one line and returns the reply.

@@ -3,15 +3,15 @@
 //
 // The other machine is a virtual machine with host programs (tests/system/guest). An emulated processor is
 // slower than a real processor, and the clock of a virtual machine may stand still during computations. A
-// world paced by this machine's clock would run ahead. The board's watchdog would then act on a host that is
-// on time by the clock of its virtual machine.
+// world that is paced by this machine's clock would run ahead of the virtual machine. The board's link
+// watchdog would then expire although the host is on time by the clock of the virtual machine.
 //
-// Protocol: a Unix stream socket with one client. About once per millisecond, the client sends its
-// CLOCK_MONOTONIC in ns, as 8 bytes little-endian. The followed clock stands still between two messages,
-// before the first message and without a client. A second client waits until the first client disconnects or
-// has sent nothing for kMaxSilence; then the second client replaces the first. The next message is read only
-// when the world has reached the time of the previous message. A client with a small socket buffer therefore
-// waits for the world.
+// Protocol: a Unix stream socket with one client. About once per millisecond, the client sends the time of
+// its CLOCK_MONOTONIC in ns, as 8 bytes, little-endian. The followed clock stands still between two messages,
+// before the first message, and while there is no client. A second client waits until the first client
+// disconnects or has sent nothing for kMaxSilence; then the second client replaces the first. The next
+// message is read only after the world has reached the time of the previous message. Therefore a client with
+// a small socket buffer blocks until the world has reached the client's time.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ namespace kaz::sim {
 // Parses times from the bytes of a stream.
 class ClockStream {
  public:
-  // Consumes bytes. Returns Fault::environment if a time is less than an earlier time or out of range.
+  // Parses bytes. Returns Fault::environment if a time is out of range or earlier than the previous time.
   Result<void> feed(std::span<const std::uint8_t> bytes);
   // Returns the latest time; empty before the first time.
   std::optional<Time> latest() const { return latest_; }
@@ -52,14 +52,14 @@ class FollowedClock {
   static Result<std::unique_ptr<FollowedClock>> open(const std::string& path);
 
   // Reads the next message. Waits for the message for at most `patience` by this machine's clock. Returns
-  // true for the first time of a new client, because the clock may then have jumped. Returns the errors of
-  // ClockStream::feed().
+  // true if the message is the first message of a new client. The clock may jump when a new client connects.
+  // Returns the errors of ClockStream::feed().
   Result<bool> poll(Time patience);
-  // Returns the latest time, zero before the first message.
+  // Returns the latest time, or zero before the first message.
   Time now() const { return now_; }
 
-  // Maximum silence by this machine's clock. A guest's clock may stand still for longer. A silent client is
-  // only replaced if another client waits.
+  // Maximum silence of a client, by this machine's clock. The clock of a virtual machine may stand still for
+  // longer than kMaxSilence. A silent client is only replaced if another client waits.
   static constexpr std::chrono::seconds kMaxSilence{1};
 
  private:

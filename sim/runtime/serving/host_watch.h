@@ -1,7 +1,7 @@
 // Reports events as text: host connected, silent or gone on the serial line, and motors on or off.
 // SPDX-License-Identifier: Apache-2.0
 //
-// All times are simulated times.
+// All times are in simulated time.
 #pragma once
 
 #include <functional>
@@ -20,15 +20,15 @@ class HostWatch {
   HostWatch(std::string port, std::function<void(const std::string&)> report)
       : port_(std::move(port)), report_(std::move(report)) {}
 
-  // Call this function in each step, with ascending times. `baud` is the rate that the host set; 0 if the
-  // rate is unsupported.
+  // Call this function in each step, with ascending times. `baud` is the bit rate that the host has set, or 0
+  // if the rate is unsupported.
   void presence(Time now, bool present, long baud);
   // Call this function if the host has sent bytes.
   void bytes_came(Time now);
   // Call this function if the host has not read `count` bytes from the board.
   void bytes_lost(std::size_t count);
-  // Call this function in each step. `why` states in a few words why the motor drivers are off. Empty: the
-  // reason is unknown.
+  // Call this function in each step. `why` states in a few words why the motor drivers are off. If `why` is
+  // empty, the reason is unknown.
   void drivers(Time now, bool enabled, const std::string& why = "");
   // Call this function if the board's link watchdog has expired and the joints hold their positions.
   void held(Time now);

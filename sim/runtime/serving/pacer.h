@@ -1,7 +1,7 @@
 // Paces simulated time by the wall clock.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The class only calculates; the caller reads the clock.
+// The class Pacer only calculates; the caller reads the clock.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +11,9 @@
 
 namespace kaz::sim {
 
-// Simulated time t is due at wall time origin + t. A late world catches up. If the world is later than
-// `tolerance`, the origin is shifted and the loss is counted. Without this shift, a stall would be followed
-// by a burst of steps.
+// Simulated time t is due at wall time origin + t. A late world runs without waiting until the delay is made
+// up. If the world is late by more than `tolerance`, the origin is shifted, and the delay is counted as lost
+// time. Without this shift, a stall would be followed by a burst of steps.
 class Pacer {
  public:
   explicit Pacer(Time tolerance) : tolerance_(tolerance) {}
@@ -36,8 +36,8 @@ class Pacer {
   Time wall_of(Time simulated) const { return origin_ + simulated; }
   std::uint64_t overruns() const { return overruns_; }
   Time lost() const { return lost_; }
-  // Returns lost() plus the loss of the step in progress. The loss of this step may be large if the process
-  // was stopped and has just been continued.
+  // Returns the lost time, including the loss of the step in progress. The loss of the step in progress is
+  // large if the process was stopped and has just been continued.
   Time lost_until(Time simulated, Time wall) const {
     const Time late = wall - wall_of(simulated);
     return late > tolerance_ ? lost_ + late : lost_;

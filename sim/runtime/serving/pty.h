@@ -14,33 +14,35 @@
 
 namespace kaz::sim {
 
-// Non-blocking. The port is in raw mode at 115,200 baud until the host changes its settings.
+// All transfers are non-blocking. The port is in raw mode at 115,200 baud until the host changes its
+// settings.
 class Pty {
  public:
-  // Creates `link_path` as a symbolic link to the port. An existing link is replaced if its pty no longer
-  // exists. With `maker_is_dead`, a link to any pty is replaced, because a killed virtual board has left the
-  // link behind. Otherwise returns Fault::usage if the path is in use. Returns Fault::environment if no pty
-  // is available.
+  // Creates `link_path` as a symbolic link to the port. An existing link is replaced if the link's pty no
+  // longer exists. If `maker_is_dead` is true, a link to any pty is replaced, because a killed virtual board
+  // has left the link behind. Returns Fault::usage if the path is in use by anything else. Returns
+  // Fault::environment if no pty is available.
   static Result<std::unique_ptr<Pty>> open(const std::string& link_path,
                                            bool maker_is_dead = false);
-  ~Pty();  // removes the link unless another process has replaced it
+  ~Pty();  // removes the link unless another process has replaced the link
 
   // Returns whether a process has the port open.
   bool host_present() const;
-  // Returns the rate that the host has set, in baud. Returns 0 if this rate is not in kSerialRates
+  // Returns the bit rate that the host has set, in baud. Returns 0 if this rate is not in kSerialRates
   // (shared/base/serial_rates.hpp).
   long baud() const;
-  // Returns the rate that the host has set, in baud, even if termios has no name for this rate (BOTHER).
+  // Returns the bit rate that the host has set, in baud. Unlike baud(), also returns rates for which termios
+  // has no constant (BOTHER).
   long rate() const;
-  // Waits until the host has written bytes, for at most `length`. If no host is present, waits for `length`.
-  // A signal may end the wait early.
+  // Waits until the host has written bytes, but not longer than `length`. If no host is present, the wait
+  // takes `length`. A signal may end the wait early.
   void wait(Time length, bool host_present) const;
   // Reads bytes from the host. Returns the number of bytes read.
   std::size_t read(std::span<std::uint8_t> bytes);
   // Writes bytes to the host. Returns the number of bytes accepted.
   std::size_t write(std::span<const std::uint8_t> bytes);
   // Discards bytes that the host has not read, so that the next host does not receive these bytes. The kernel
-  // moves bytes with some delay. Therefore repeat the call for a while after a host has closed the port.
+  // moves bytes with some delay. Therefore repeat the call for some time after a host has closed the port.
   void discard_unread();
 
   const std::string& port() const { return port_; }  // such as "/dev/pts/7"

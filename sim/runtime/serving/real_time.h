@@ -1,4 +1,5 @@
-// Serves a simulation to other processes (`kaz sim`), paced by this or another machine's clock.
+// Serves a simulation to other processes (`kaz sim`), paced by the clock of this machine or of another
+// machine.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The serial line is a pty with a control socket beside it. A Unix socket delivers stereo pairs
@@ -27,10 +28,10 @@ struct RealTimeOptions {
   // True: after an illegal operation of the firmware, the board hangs until reset. False: the illegal
   // operation ends run().
   bool keep_hung = false;
-  // Motor stand: handles `stand ...` on the control socket (control_server.h).
+  // Handles the command `stand ...` on the control socket, for a motor stand (control_server.h).
   std::function<Result<nlohmann::ordered_json>(const std::string&)> stand;
-  // While `wants_pairs` returns true, receives each pair at its exposure, even if cameras_path has no
-  // readers. The pixels of the pair may not be rendered yet.
+  // Receives each pair at the time of the pair's exposure, as long as `wants_pairs` returns true. The socket
+  // at cameras_path need not have readers. The pixels of the pair may not be rendered yet.
   std::function<void(const vision::StereoPair&)> on_pair;
   std::function<bool()> wants_pairs;
   // Receives messages for the user: host connected, silent or gone, motors on or off, overruns. Each message
@@ -40,7 +41,7 @@ struct RealTimeOptions {
 
 struct RealTimeStatistics {
   double simulated_s = 0;
-  std::uint64_t overruns = 0;  // steps that ended more than 20 ms late
+  std::uint64_t overruns = 0;  // number of steps that ended more than 20 ms late
   double lost_s = 0;           // total time by which the world fell behind the wall clock
   double worst_late_s = 0;
   std::uint64_t pairs_dropped = 0;

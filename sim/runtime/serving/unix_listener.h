@@ -11,17 +11,18 @@
 
 namespace kaz::sim {
 
-// Non-blocking. Only the user of this process may connect to the socket.
+// No function blocks. Only the user of this process may connect to the socket.
 class UnixListener {
  public:
   // Replaces a stale socket. Returns Fault::environment if another process serves the socket, or if the
-  // socket cannot be created. Returns Fault::usage if the path is too long or is not a socket.
+  // socket cannot be created. Returns Fault::usage if the path is too long, or if a file at the path is not a
+  // socket.
   static Result<std::unique_ptr<UnixListener>> open(const std::string& path);
   ~UnixListener();  // removes the path unless another process has replaced the socket
 
-  // Returns the next client without blocking. The descriptor is empty if no client waits or the process has
-  // no free descriptor. Without a free descriptor, a waiting client keeps the socket readable, so fd()
-  // returns -1 for the next 100 ms.
+  // Returns the next client without blocking. The returned descriptor is empty if no client waits or the
+  // process has no free descriptor. If the process has no free descriptor, fd() returns -1 for the next 100
+  // ms, because the waiting client keeps the socket readable.
   Descriptor accept();
   // Returns the descriptor for poll(). During a pause after a failed accept(), returns -1, which poll()
   // ignores.

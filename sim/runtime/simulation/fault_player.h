@@ -1,9 +1,9 @@
 // Applies faults of sensors, power and mechanics to the board and the world, step by step.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A fault is reported in the step that contains the start of the fault. A power reset takes effect in this
-// step. Other faults take effect in each step that begins within their duration. SerialLine applies faults of
-// the serial line, byte by byte.
+// A fault is reported in the step that contains the start of the fault. A power reset takes effect in the
+// same step. Other faults take effect in each step that begins within the duration of the fault. SerialLine
+// applies faults of the serial line, byte by byte.
 #pragma once
 
 #include <functional>
@@ -42,8 +42,8 @@ class FaultPlayer {
 
   faults::Schedule schedule_;
   std::vector<bool> begun_;  // whether each fault was reported; same indices as the schedule
-  bool touched_ = false;     // the board has a fault that may have to be cleared
-  bool cut_ = false;         // a fault switched the power off
+  bool touched_ = false;     // true: the board may have a fault that must be cleared
+  bool cut_ = false;         // true: a fault has switched the power off
 };
 
 }  // namespace kaz::sim

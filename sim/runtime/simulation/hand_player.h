@@ -3,14 +3,14 @@
 //
 // An action is one line of text, as in the topic `/hand` of recordings (docs/reference/recording.md):
 //
-//   `push LINK X Y Z`: impulse on a link of the robot at its center of mass, N s, world axes.
+//   `push LINK X Y Z`: impulse on a link of the robot at the link's center of mass, N s, world axes.
 //   `hold OBJECT X Y Z`: a hand grips an object and pulls it to a position, m, world frame.
 //   `release OBJECT`: the hand releases the object.
 //   `[for TIME] FAULT ...`: a fault that begins now (shared/faults/faults.h).
 //   `clear`: ends all faults.
 //
-// An action takes effect in the step in which its line is taken. Two runs that take the same lines in the
-// same steps are equal.
+// An action takes effect in the step in which HandSource::take() returns the action's line. Two runs that
+// take the same lines in the same steps are identical.
 #pragma once
 
 #include <span>
@@ -34,14 +34,14 @@ struct HandAct {
   Kind kind = Kind::clear;
   std::string name;                                  // name of a link or object
   Eigen::Vector3d vector = Eigen::Vector3d::Zero();  // impulse in N s, or position in m
-  faults::Fault fault;  // the fault begins at the time `now` of parse_hand()
+  faults::Fault fault;  // the fault begins at the time `now` that was passed to parse_hand()
 
   static constexpr double kMaxImpulse = 5;  // maximum impulse along each axis, N s
   static constexpr double kMaxPlace = 20;   // largest coordinate of a position, m
 };
 
-// Parses a line. Returns Fault::usage with the expected syntax if the line is invalid. Does not check that
-// the link or object exists; HandPlayer::begin() does.
+// Parses a line. Returns Fault::usage with the expected syntax if the line is invalid. Only
+// HandPlayer::begin() checks that the link or object exists.
 Result<HandAct> parse_hand(std::string_view line, Time now);
 
 // Source of action lines.
@@ -60,15 +60,16 @@ class HandPlayer {
   // Begins an action. Returns Fault::usage if the link or object is unknown or cannot move, or if an object
   // to be released is not held.
   Result<void> begin(const HandAct& act, World& world, FaultPlayer& faults);
-  // Pulls the held objects; call this function before each step of the world. An object follows its hand like
-  // a mass on a critically damped spring. The hand supports the object's weight and accelerates the object by
-  // at most kMaxPull.
+  // Pulls the held objects toward the hands. Call this function before each step of the world. An object
+  // follows the hand like a mass on a critically damped spring. The hand supports the object's weight and
+  // accelerates the object by at most kMaxPull.
   void pull(World& world);
   bool holds() const { return !grips_.empty(); }
 
-  static constexpr double kStiffness = 400;  // 1/s^2; natural frequency 20 rad/s
-  static constexpr double kDamping = 40;     // 1/s
-  static constexpr double kMaxPull = 60;     // m/s^2
+  // Stiffness per mass, 1/s^2; the natural frequency is 20 rad/s.
+  static constexpr double kStiffness = 400;
+  static constexpr double kDamping = 40;  // damping per mass, 1/s
+  static constexpr double kMaxPull = 60;  // maximum acceleration by a hand, m/s^2
 
   // Saves or restores the complete state (archive.hpp).
   template <class A>
@@ -79,8 +80,9 @@ class HandPlayer {
  private:
   struct Grip {
     std::string object;
-    std::array<double, 3> to{}, last{};  // target and last position, m, world frame
-    bool moved = false;                  // true: `last` is the position one step ago
+    // Target position and last position of the object, m, world frame.
+    std::array<double, 3> to{}, last{};
+    bool moved = false;  // true: `last` is the position one step ago
     template <class A>
     void transfer(A& a) {
       a(object, to, last, moved);

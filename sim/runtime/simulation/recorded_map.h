@@ -9,12 +9,13 @@
 
 namespace kaz::sim {
 
-// Positions in m in the frame "map": x ahead, y left, on the floor.
+// Positions on the floor, in m, in the frame "map": x points forward, y to the left.
 struct RecordedMap {
   double cell_m = 0;
   int cells_x = 0, cells_y = 0;
   Eigen::Vector2d corner{0, 0};  // corner of the first cell
-  // Obstacle probability of each cell, 0..100 %, x fastest; -1: unknown.
+  // Obstacle probability of each cell, 0..100 %; -1: unknown. Cells with adjacent x are adjacent in the
+  // vector.
   std::vector<std::int8_t> cells;
   std::vector<Eigen::Vector2d> path;  // vertices of the path from start to goal; empty: no path
   Eigen::Vector2d robot{0, 0};

@@ -26,14 +26,15 @@ namespace kaz::sim {
 
 class Recorder {
  public:
-  // Like McapWriter::create(). `facts` is written as the metadata record `kaz`.
+  // Creates the file like McapWriter::create(). `facts` is written as the metadata record `kaz`.
   static Result<std::unique_ptr<Recorder>> create(const std::string& path,
                                                   const McapWriter::Metadata& facts,
                                                   MessageTap* tap = nullptr);
 
   enum class Direction { to_board, to_host };
   // Records bytes whose stop bit ended in the step that began at `step_start`. `line` is the number of the
-  // serial line, from 0. Lines from number 1 on have their own topics: line 1 has /wire/2/to_board.
+  // serial line; the first line has number 0. Each further line has its own topics, such as /wire/2/to_board
+  // for line 1.
   void wire(Direction direction, States step_start, std::span<const SerialByte> bytes,
             std::size_t line = 0);
   void pins(States at, const PinLevels& pins);
@@ -47,7 +48,7 @@ class Recorder {
   // Records only the links that are in contact. `names` has the same indices as `links`.
   void link_forces(States at, std::span<const std::string> names, std::span<const LinkForce> links);
   void joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads);
-  // Records the digests of a pair. Also records the pictures if they were kept.
+  // Records the digests of a picture pair. Also records the pictures if `digest` contains the PNG pictures.
   void eyes(const Eyes::Digest& digest);
   // Sets the calibration that is recorded with each picture.
   void camera(const vision::CameraModel& model) { camera_ = model; }
@@ -61,11 +62,12 @@ class Recorder {
   // Records the start of a fault. `line` is a line of a fault schedule (docs/reference/simulator.md).
   void fault(States at, std::string_view line);
 
-  // Records a manual action. `line` is described in hand_player.h. The first call adds the channel.
+  // Records a manual action. hand_player.h describes the format of `line`. The first call of hand() adds the
+  // channel.
   void hand(States at, std::string_view line);
 
-  // Adds the channels that otherwise exist only from their first message on. For readers that need all
-  // schemas.
+  // Adds all channels that would otherwise be added with their first message. This function is for readers
+  // that need all schemas.
   void add_all_channels();
 
   // Records that a signal, such as "SIGINT", interrupted the run.

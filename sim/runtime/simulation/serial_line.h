@@ -1,4 +1,5 @@
-// The serial line between host and board: 8N1, each side at its own bit rate, 115,200 baud by default.
+// The serial line between host and board. The format is 8N1. Host and board each have their own bit rate, by
+// default 115,200 baud.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -27,23 +28,23 @@ class SerialLine {
   // Sets the faults of the line for bytes written or sent from now on; null: no faults. `schedule` must
   // outlive the line.
   void set_faults(const faults::Schedule* schedule) { schedule_ = schedule; }
-  // Sets the host's bit time from now on. Each byte from the board carries the board's bit time. If the bit
-  // times differ, the receiver samples the waveform at the receiver's own rate.
+  // Sets the host's bit time from now on. The board's bit time is part of each SerialByte from the board. If
+  // the two bit times differ, the receiver samples the waveform at the receiver's own rate.
   void set_host_bit(States bit) { host_bit_ = bit; }
-  // Queues bytes that the host writes at `now`. The first byte starts at `now`, or after the last queued
-  // byte.
+  // Queues bytes that the host writes at `now`. The first byte starts at `now`, or at the end of the last
+  // byte in the queue if that is later.
   void write(std::span<const std::uint8_t> bytes, States now);
   // Like write(), but with a framing error in every byte.
   void write_garbled(std::span<const std::uint8_t> bytes, States now);
-  // Returns the number of written bytes whose stop bit has not ended by `now`. Callers use the number to
-  // model an adapter that blocks its writer when the adapter is full.
+  // Returns the number of written bytes whose stop bit has not ended by `now`. With this number, callers can
+  // model an adapter that blocks the writer while the adapter's buffer is full.
   std::size_t waiting(States now) const;
   // Removes and returns the bytes that arrive at the board by `until`.
   std::vector<SerialByte> take_for_board(States until);
 
   // Queues bytes that the board has sent, ordered by time.
   void from_board(std::span<const SerialByte> bytes);
-  // Moves bytes whose stop bit has ended by `now` into `bytes` and returns their number.
+  // Moves the bytes whose stop bit has ended by `now` into `bytes`. Returns the number of moved bytes.
   std::size_t read(std::span<std::uint8_t> bytes, States now);
   bool readable(States now) const;
   // Discards bytes that the host has not read. Call this function when the host closes the port.

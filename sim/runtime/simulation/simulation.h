@@ -1,11 +1,11 @@
 // Simulates the robot on one clock: servo board, world, stereo camera, serial line, recorder.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Time advances only in step(), by one millisecond. The board runs to the end of the step. The board's mean
-// motor drives then move the world, and the joint angles return to the potentiometers. If the physics step is
-// shorter than a millisecond, board and world alternate within the millisecond. A physics step may also be
-// longer than a millisecond. The wall clock is never read: the same options and calls give the same
-// recording, byte for byte (docs/explanation/time.md).
+// Time advances only in step(), by one millisecond. The board first runs to the end of the step. The means of
+// the board's motor drives over the step then move the world. The new joint angles are the inputs of the
+// potentiometers in the next step. If the physics step is shorter than a millisecond, board and world
+// alternate within the millisecond. A physics step may also be longer than a millisecond. The wall clock is
+// never read: the same options and calls give the same recording, byte for byte (docs/explanation/time.md).
 #pragma once
 
 #include <cstdint>
@@ -44,19 +44,21 @@ struct RecordedMap;
 
 struct SimulationOptions {
   McuKind mcu = McuKind::native;
-  std::string image_path;   // path of the firmware image for h8; empty: the flash is erased
-  std::string world_path;   // path of an SDF file
-  std::string robot_path;   // path of a URDF file
-  std::string camera_path;  // camera.json beside the URDF; not read for a robot without eyes
+  std::string image_path;  // path of the firmware image for h8; empty: the flash is erased
+  std::string world_path;  // path of an SDF file
+  std::string robot_path;  // path of a URDF file
+  // Path of camera.json in the URDF's folder; not read for a robot without eyes.
+  std::string camera_path;
   std::uint64_t seed = 1;
   std::string dynamics = "reduced";  // name of the dynamics (sim/body/world/world.h)
   double physics_step_ms = 1;        // step of the world: 0.125, 0.25, 0.5, 1, 2 or 4
-  // WorldOptions::hung: the root link is fixed, the feet are clear of the ground.
+  // True: the robot is suspended. The root link is fixed, and the feet do not touch the ground
+  // (WorldOptions::hung).
   bool suspended = false;
   SensorSwitches sensors = {};
-  // Read by create() from sensors.xml beside the URDF.
+  // Parameters of the sensors. create() reads these parameters from sensors.xml in the URDF's folder.
   SensorParams sensor_params = {};
-  bool imu = false;  // the board has gyro and accelerometer
+  bool imu = false;  // true: the board has a gyro and an accelerometer
   EyeKind eyes = EyeKind::ideal;
   int eye_width = 0;  // width of 4:3 pictures, px; 0: size from the camera file
   double supply_volts = 10.0;
@@ -64,21 +66,22 @@ struct SimulationOptions {
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;     // fault times count from the start of the simulation
   std::string recording_path;  // empty: no recording
-  // Observes the messages of the recording, even if no file is written. Must outlive the simulation.
+  // Observer of the messages of the recording, called even if no file is written. Must outlive the
+  // simulation.
   RecordingTap* tap = nullptr;
   // Source of manual actions, used in each step that is recorded or tapped. Must outlive the simulation.
   HandSource* hands = nullptr;
-  // Records the eyes' pictures and their digests; false: only the digests.
+  // True: the recording contains the eyes' pictures and the digests of the pictures. False: only the digests.
   bool record_pictures = false;
-  McapWriter::Metadata recording_facts;  // metadata of the recording, such as versions
+  McapWriter::Metadata recording_facts;  // metadata of the recording, for example versions
   RendererFactory renderer = maker_of(kDefaultRenderer);
   Drawing drawing = Drawing::own_thread;
   // For tests: time between calls of detour(). Zero: detour() is never called.
   Time detour_every{};
 };
 
-// Returns all inputs that determine the course of a simulation: the options, and digests of the files that
-// the options name.
+// Returns all inputs that determine the course of a simulation, as pairs of name and value. The inputs are
+// the options, and digests of the files that the options name.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world);
 
@@ -88,8 +91,8 @@ Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options);
 class Simulation {
  public:
   // Loads the files. Starts the recording if the options contain a recording path. Fails if a file is missing
-  // or invalid, or the physics step is invalid. Also fails if the number or limits of the joints exceed those
-  // of the servo board's channels.
+  // or invalid, or the physics step is invalid. Also fails if the servo board has too few channels for the
+  // joints, or if a joint has wider limits than its channel.
   static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
   // Like create(), but with the given microcontroller, world and camera. For tests and other boards.
   static Result<std::unique_ptr<Simulation>> assemble(const SimulationOptions& options,
@@ -100,11 +103,11 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // Advances by one millisecond. Errors: the chip stopped, physics or rendering failed, or the disk is full.
-  // After an error, later calls return the same error.
+  // Advances by one millisecond. Fails if the chip has stopped, physics or rendering has failed, or the disk
+  // is full. After an error, later calls return the same error.
   Result<void> step();
   const std::optional<Error>& error() const { return error_; }
-  // Returns the end of the last step, a whole number of milliseconds.
+  // Returns the time at the end of the last step. This time is a whole number of milliseconds.
   States now() const { return now_; }
   Time time() const { return time_of(now_); }
 
@@ -116,13 +119,15 @@ class Simulation {
   // The eyes are closed initially, so a simulation renders nothing unless a program reads the pictures. If
   // the robot has no eyes, open_eyes() has no effect.
   bool has_eyes() const { return world_->head_frame() >= 0 && options_.eyes != EyeKind::none; }
-  static Error no_eyes();  // error for a request of a picture pair if the robot has no eyes
+  // The error that a request for a picture pair returns if the robot has no eyes.
+  static Error no_eyes();
   void open_eyes();
   void close_eyes() { eyes_open_ = false; }
   const CameraFile& camera() const { return camera_; }
   // Removes and returns the oldest pair that has reached the host by now.
   std::optional<vision::StereoPair> next_pair();
-  // Like next_pair(), but without latency and jitter. For publishers whose readers apply the latency.
+  // Like next_pair(), but without latency and jitter. This function is for publishers whose readers apply the
+  // latency.
   std::optional<vision::StereoPair> next_exposed_pair();
   std::uint64_t pairs_dropped() const;
   // Renders the world at `pose` (from World::pose()) with an observer's camera. Blocks until the picture is
@@ -134,8 +139,8 @@ class Simulation {
   World& world() { return *world_; }
   const World& world() const { return *world_; }
 
-  // add_fault() adds a fault to the faults of the options; clear_faults() removes all faults. Fault times are
-  // on the scale of time(). A fault whose start is in the past begins in the next step.
+  // add_fault() adds a fault to the faults of the options; clear_faults() removes all faults. Fault times use
+  // the same time scale as time(). A fault whose start is in the past begins in the next step.
   void add_fault(const faults::Fault& fault) { faults_.add(fault); }
   void clear_faults() { faults_.clear(); }
   const faults::Schedule& faults() const { return faults_.schedule(); }
@@ -144,23 +149,24 @@ class Simulation {
   void record_behavior(std::string_view json);
   // Records the host's map at the present time.
   void record_map(const RecordedMap& map);
-  // Starts a recording now, instead of at the start of the simulation as with `recording_path`. Fails if the
-  // file cannot be written or a recording is in progress.
+  // Starts a recording now. With SimulationOptions::recording_path, a recording starts at the beginning of
+  // the simulation instead. Fails if the file cannot be written or a recording is in progress.
   Result<void> start_recording(const std::string& path);
   // Returns whether a recording is in progress and a write has failed. step() has then failed, too.
   bool recording_failed() const;
-  // Finishes the recording and returns the SHA-256 of its file. Returns an empty string without a recording
-  // or without a file. `interrupted_by` is the signal that ended the run early, and is written to the
-  // recording. Empty: no signal ended the run.
+  // Finishes the recording and returns the SHA-256 of the file. Returns an empty string if there is no
+  // recording or the recording has no file. `interrupted_by` is the name of the signal that ended the run
+  // early; the name is written to the recording. If `interrupted_by` is empty, no signal ended the run.
   Result<std::string> finish_recording(const std::string& interrupted_by = "");
 
   // Returns the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
-  // generators and time. The recording is not part of the state and continues. Waits for pictures being
-  // rendered. Fails if the simulation has failed, or if a part cannot be saved (test doubles).
+  // generators and time. The recording is not part of the state and continues. save() waits for pictures that
+  // are being rendered. Fails if the simulation has failed, or if a part cannot be saved (test doubles).
   Result<std::vector<std::uint8_t>> save();
-  // Continues exactly like the saved simulation, which must have had the same options and the same build.
-  // `blob` may be damaged or hostile: indices, lengths and ranges are checked. For invalid bytes, returns
-  // Fault::usage or the error of Snapshot::unpack() and leaves this simulation unchanged.
+  // Restores a saved state. This simulation then continues exactly like the saved simulation. Both
+  // simulations must have the same options and the same build. `blob` may be damaged or hostile: indices,
+  // lengths and ranges are checked. For invalid bytes, returns Fault::usage or the error of
+  // Snapshot::unpack() and leaves this simulation unchanged.
   Result<void> restore(std::span<const std::uint8_t> blob);
   // State from which many episodes of one process can begin.
   struct Start {
@@ -168,15 +174,16 @@ class Simulation {
     std::unique_ptr<const Mcu::Kept> chip;
     std::vector<std::uint8_t> rest;
   };
-  // Like save(), but for begin() in the same process. Also fails if the world cannot be cloned.
+  // Like save(), but returns a state for begin() in the same process. Also fails if the world cannot be
+  // cloned.
   Result<Start> keep();
   // Continues from `start`, but with the random numbers and constant sensor errors of `seed`. The simulation
-  // of `start` must have the same options except seed and sensors. begin() takes microseconds; restore()
-  // takes milliseconds. Several simulations may begin from the same start concurrently. Fails if a recording
-  // is in progress or `start` does not fit this simulation.
+  // that returned `start` must have the same options as this simulation, except seed and sensors. begin()
+  // takes microseconds; restore() takes milliseconds. Several simulations may begin from the same start
+  // concurrently. Fails if a recording is in progress or `start` does not fit this simulation.
   Result<void> begin(const Start& start, std::uint64_t seed);
-  // Saves the state, runs `steps` steps without recording, and restores the state. A detour must have no
-  // visible effect. It therefore tests whether save() is complete.
+  // Saves the state, runs `steps` steps without recording, and restores the state. A detour has no visible
+  // effect if save() is complete. Tests use detours to check save().
   Result<void> detour(int steps);
 
  private:

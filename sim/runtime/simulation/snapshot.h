@@ -1,8 +1,9 @@
 // File format of a saved state: header, metadata, payload, checksum.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Layout: "KAZSTATE", version (4 bytes), facts (options as pairs of name and value), length of the payload,
-// payload (state of all parts). The file ends with the SHA-256 of all earlier bytes, in hexadecimal.
+// A file begins with "KAZSTATE", the version (4 bytes) and the facts (options as pairs of name and value).
+// The length of the payload and the payload (state of all parts) follow. The file ends with the SHA-256 of
+// all earlier bytes, in hexadecimal.
 #pragma once
 
 #include <cstdint>

@@ -6,8 +6,8 @@
 
 namespace kaz::sim {
 
-// Numbers of physics steps per tick of 1 ms, and of ticks per physics step. At least one of these numbers is
-// 1.
+// Number of physics steps per tick of 1 ms, and number of ticks per physics step. At least one of the two
+// numbers is 1.
 struct StepRatio {
   int steps_a_tick = 1;
   int ticks_a_step = 1;

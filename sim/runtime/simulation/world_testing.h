@@ -16,8 +16,8 @@
 
 namespace kaz::sim {
 
-// World without physics. Joints turn at 5 rad/s times the duty of their motors. The head frame follows
-// neck_pan.
+// World without physics. Each joint turns at 5 rad/s times the duty of the joint's motor. The head frame
+// turns with the joint neck_pan.
 class TestWorld final : public World {
  public:
   explicit TestWorld(double step_s = 0.001) : step_s_(step_s) {
@@ -72,7 +72,8 @@ class TestWorld final : public World {
   std::array<JointState, KZ_JOINTS> joints_{};
 };
 
-// Renderer whose pictures begin with the camera's position: x and y in mm, modulo 256.
+// Renderer that draws nothing. The first two bytes of a picture are the camera's position: x and y in mm,
+// modulo 256.
 class TestRenderer final : public Renderer {
  public:
   Result<void> set_scene(const Scene&) override { return {}; }

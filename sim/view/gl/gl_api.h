@@ -1,4 +1,5 @@
-// OpenGL functions. They are looked up at run time, so the program is not linked to a certain OpenGL library.
+// OpenGL functions. The functions are looked up at run time, so the program is not linked to a certain OpenGL
+// library.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

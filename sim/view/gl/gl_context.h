@@ -1,4 +1,4 @@
-// OpenGL 3.3 core contexts without a window.
+// Contexts of OpenGL 3.3 (core profile) without a window.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,4 +1,4 @@
-// A linked shader program and its uniforms.
+// A linked shader program, and functions that set uniforms of the program.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ class GlProgram {
                                  const std::string& fragment);
 
   void use() const { gl_->UseProgram(id_); }
-  // Sets a uniform; call use() first. Ignores names that the program does not have.
+  // Sets a uniform. Call use() first. If the program has no uniform with this name, the call has no effect.
   void set(const char* name, const Eigen::Matrix4d& value) const;
   void set(const char* name, const Eigen::Vector3d& value) const;
   void set(const char* name, double value) const;

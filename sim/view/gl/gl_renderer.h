@@ -12,10 +12,10 @@ namespace kaz::sim {
 
 using ContextMaker = std::function<Result<std::unique_ptr<GlContext>>()>;
 
-// Sets those environment variables of this process that influence Mesa's pictures.
+// Sets all environment variables that influence Mesa's pictures to fixed values, for this process.
 void fix_mesa_environment();
 
-// Makes a renderer. The renderer makes its context in the first call of render().
+// Makes a renderer. In the first call of render(), the renderer calls `make_context`.
 std::unique_ptr<Renderer> make_gl_renderer(ContextMaker make_context);
 
 }  // namespace kaz::sim

@@ -12,14 +12,15 @@
 
 namespace kaz::sim {
 
-// The context must be current in every call. The OpenGL objects of a GlScene are freed with the context.
+// The OpenGL context must be current in every call. The OpenGL objects of a GlScene are freed when the
+// context is destroyed.
 class GlScene {
  public:
   // `gl` and `model` must outlive the GlScene.
   static Result<GlScene> create(const Gl& gl, const SceneModel& model);
 
-  // Draws into `framebuffer`. The width and height of the framebuffer must be those of the picture times
-  // `samples_per_axis`.
+  // Draws into `framebuffer`. The width and the height of the framebuffer must be `samples_per_axis` times
+  // the width and the height of the picture.
   void draw(const ScenePose& pose, const View& view, GLuint framebuffer);
 
  private:
@@ -34,7 +35,7 @@ class GlScene {
     int texels = 0;
     GLuint framebuffer = 0, texture = 0;
     ShadowView view{};
-    // Poses of the frames in the current map; empty: the map was never drawn.
+    // Poses of the frames at the time when the map was drawn. Empty if the map was never drawn.
     std::vector<Eigen::Isometry3d> pose;
     Eigen::Vector3d to_key = Eigen::Vector3d::Zero();
   };

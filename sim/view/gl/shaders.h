@@ -7,7 +7,7 @@
 namespace kaz::sim {
 
 enum class Shadow {
-  none,  // for parts of the picture without shadows; gives the same colors as `hard` there
+  none,  // for parts of the picture without shadows; in these parts, same colors as `hard`
   hard,  // one sample of the shadow map, for the eyes
   soft,  // twelve samples of the shadow map, for supersampled pictures
 };
@@ -18,10 +18,10 @@ struct SurfaceVariant {
 
 std::string surface_vertex_shader(const SurfaceVariant& variant);
 std::string surface_fragment_shader(const SurfaceVariant& variant);
-// Computes only positions, for the shadow map.
+// Shaders that compute only positions, for the shadow map.
 std::string depth_vertex_shader();
 std::string depth_fragment_shader();
-// Computes one triangle over the whole picture, at maximum depth.
+// Shaders for the background: one triangle over the whole picture, at maximum depth.
 std::string background_vertex_shader();
 std::string background_fragment_shader();
 

@@ -1,5 +1,5 @@
-// Splits a picture into parts where a flat ground may be in shadow, and parts where the ground is lit. Only
-// the parts that may be in shadow need the shadow map.
+// Splits a picture into parts where a flat ground may be in shadow, and parts where the ground is lit. The
+// shadow map is only needed in the parts that may be in shadow.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,25 +13,26 @@
 
 namespace kaz::sim {
 
-// Rectangle of samples. y counts from the first row in memory.
+// Rectangle of samples. The row number `y` counts from the first row in memory.
 struct PictureRectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-// The lit side of the ground. Points x of the ground satisfy normal . x = distance, world frame, m.
+// Plane of a flat ground: all points x with normal . x = distance, in the world frame, m. The normal points
+// to the lit side.
 struct GroundPlane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double distance = 0;
 };
 
-// Rectangles that together cover the picture without overlap.
+// Rectangles that cover the picture without overlap.
 struct GroundParts {
   std::vector<PictureRectangle> shaded, lit;
 };
 
-// Computes the parts conservatively: `shaded` covers every sample of the ground that may be in the shadow of
-// a caster's bounding sphere. The spheres are enlarged by `edge_m`, the width of the shadow's edge
-// perpendicular to the light.
+// Splits a picture into shaded and lit parts. GroundParts::shaded covers every sample of the ground that may
+// be in the shadow of a caster's bounding sphere. Each sphere is enlarged by `edge_m`, the width of a
+// shadow's edge, measured perpendicular to the light.
 GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose, const View& view,
                             const GroundPlane& ground, double edge_m);
 

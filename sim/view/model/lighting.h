@@ -1,21 +1,22 @@
 // Constants of the lighting model, shared by all renderers.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Transfer function: a color code c, 0..1, stands for the light c^2. This function is close to sRGB and fast
-// to compute. Contributions of light are added linearly. The key light comes from the upper right front,
-// casts shadows and makes a small specular highlight. Ambient light is hemispheric; a weak fill light comes
-// from the left. Distant surfaces fade to the color of the horizon.
+// Transfer function: a color code c (0..1) represents the light c^2. The function is close to sRGB and fast
+// to compute. The contributions of several lights are added as linear light. The key light comes from the
+// upper right front, casts shadows and makes a small specular highlight. Ambient light is hemispheric; a weak
+// fill light comes from the left. Distant surfaces fade to the color of the horizon.
 //
 // A surface with color c and unit normal n is seen from the unit direction v at distance d. The key light
-// comes from direction l, and its visible share is s. The gain of the key light is a, and the gain of the
-// ambient light is b (View::light).
+// comes from the direction l. The share of the key light that reaches the surface is s (0..1). The gain of
+// the key light is a, and the gain of the ambient light is b (View::light).
 //   ambient   = mix(ground, sky, (1 + n.z) / 2) + fill max(n . to_fill, 0)
 //   key       = max(n . l, 0) s a
 //   light     = c^2 (b ambient + key_light key) + highlight max(n . (v + l) / |v + l|, 0)^32 key
 //   haze      = d^2 / (d^2 + haze_m2)
 //   code      = sqrt(mix(light, horizon, haze))
 // Textured surfaces have no highlight. For textured surfaces, c^2 includes the light of the texture, and n is
-// constant in a triangle. The background in the unit direction r, with u = clamp(r.z, 0, 1):
+// constant in a triangle. The background in the unit direction r has the following code, with u = clamp(r.z,
+// 0, 1):
 //   code      = sqrt(mix(horizon, zenith, u (2 - u)))
 #pragma once
 
@@ -35,7 +36,8 @@ inline constexpr float fill = 0.10F;
 inline constexpr float highlight = 0.16F;
 inline constexpr float haze_m2 = 28.0F;
 
-// Offsets of the samples for soft shadows, in units of `soft_texels` texels of the shadow map.
+// Positions of the shadow map samples for soft shadows, relative to the shaded point, in units of
+// `soft_texels` texels.
 inline constexpr std::array<std::array<float, 2>, 12> taps{{{-0.33F, -0.84F},
                                                             {0.52F, -0.77F},
                                                             {-0.84F, -0.27F},
@@ -50,8 +52,8 @@ inline constexpr std::array<std::array<float, 2>, 12> taps{{{-0.33F, -0.84F},
                                                             {0.42F, 0.86F}}};
 inline constexpr float soft_texels = 3.0F;
 
-// Sides of the shadow maps in texels, including the ring of free texels. The eyes' map is smaller to keep the
-// rendering of a pair within the budget of 4 ms.
+// Side lengths of the shadow maps in texels, including the ring of free texels. The eyes have a smaller map,
+// because the rendering of a picture pair must not take more than 4 ms.
 inline constexpr int eye_shadow_texels = 512, picture_shadow_texels = 2048;
 
 }  // namespace kaz::sim::lighting

@@ -17,7 +17,8 @@ namespace kaz::sim {
 struct Vertex {
   std::array<float, 3> position;  // m
   std::array<float, 3> normal;    // unit vector
-  std::array<float, 2> uv;  // m along the surface; the texture defines the length of its period
+  // Texture coordinates: distance along the surface, m; Texture::repeat_m is the period.
+  std::array<float, 2> uv;
 };
 
 // The vertices of a triangle are counter-clockwise as seen from outside.
@@ -31,17 +32,17 @@ struct Mesh {
   void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
 };
 
-// Coarse meshes are closed and have about a quarter of the triangles of fine meshes. They are used for the
-// shadow map and for pieces that are small in the picture.
+// Coarse meshes are closed and have about a quarter of the triangles of fine meshes. Coarse meshes are used
+// for the shadow map, and for pieces that are small in the picture.
 enum class Detail { fine, coarse };
 
-// Makes a box. `lengths`: m. The edges of a fine box are beveled by min(2 mm, 12 % of the shortest side) and
-// shaded as if they were round.
+// Makes a box with the given side lengths (m). The edges of a fine box are beveled by min(2 mm, 12 % of the
+// shortest side), and are shaded as if the edges were round.
 Mesh box_mesh(const Eigen::Vector3d& lengths, Detail detail = Detail::fine);
 Mesh cylinder_mesh(double radius, double length, Detail detail = Detail::fine);
 Mesh capsule_mesh(double radius, double length, Detail detail = Detail::fine);
-// Makes a subdivided icosahedron with the volume of the sphere. Its mean outline therefore has the radius of
-// the sphere.
+// Makes a subdivided icosahedron with the same volume as the sphere. Therefore the outline of the mesh in a
+// picture has the radius of the sphere in the mean.
 Mesh sphere_mesh(double radius, Detail detail = Detail::fine);
 // Makes a plane with normal +z, centered at the origin.
 Mesh plane_mesh(double length_x, double length_y);

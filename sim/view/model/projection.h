@@ -1,4 +1,4 @@
-// Computes projection matrices to clip space, and tests spheres against the view frustum.
+// Computes projection matrices to clip space, and checks whether spheres are in the view frustum.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace kaz::sim {
 
-// Returns the projection to OpenGL's clip space with the y axis downwards. The first row in memory is thus
-// the top row of the picture. The matrix is column-major.
+// Returns the projection from the optical frame to OpenGL's clip space. The y axis of the clip space points
+// down, so the first row in memory is the top row of the picture. The matrix is column-major.
 Eigen::Matrix4d clip_from_optical(const Pinhole& camera);
 
 // Returns false if the sphere (optical frame, m) is outside the view frustum. The far plane is ignored.
@@ -20,14 +20,15 @@ bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double ra
 
 inline constexpr double kNear_m = 0.008, kFar_m = 40.0;
 
-// Orthographic view of the shadow casters from the key light.
+// Orthographic view in the direction of the key light, for a shadow map.
 struct ShadowView {
   Eigen::Matrix4d clip_from_world;
-  Eigen::Matrix4d texture_from_world;  // maps to 0..1 in all three coordinates
+  Eigen::Matrix4d texture_from_world;  // maps points in the view to 0..1 in all three coordinates
 };
-// Fits the view to the casters. `texels` is the side of the shadow map; the outermost ring of texels stays
-// free. `to_key` is the direction to the key light. The bounds move in whole texels, so that shadow edges do
-// not crawl if other objects move. Casters more than 1.5 m from the mean position may cast no shadow.
+// Fits the view to the shadow casters. `texels` is the length of the shadow map's side in texels. The
+// outermost ring of texels stays free. `to_key` is the direction to the key light. The bounds of the view
+// move in whole texels, so that shadow edges do not crawl if other objects move. A caster that is more than
+// 1.5 m from the mean position of the casters may cast no shadow.
 ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
                            const Eigen::Vector3d& to_key);
 

@@ -1,4 +1,4 @@
-// A scene prepared for rendering: one vertex buffer, and pieces. Each piece is drawn with one call.
+// A scene prepared for rendering: one vertex buffer, and pieces that are drawn with one call each.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@
 namespace kaz::sim {
 
 struct ColoredVertex {
-  Vertex vertex;                      // in the frame of its piece
+  Vertex vertex;                      // vertex in the frame of the piece
   std::array<std::uint8_t, 4> color;  // RGB codes; alpha is unused
 };
 
@@ -25,24 +25,24 @@ struct BoundingSphere {
   double radius = 0;
 };
 
-// Visuals with the same frame and texture. A piece has a few hundred triangles, because larger pieces are
-// slower in llvmpipe.
+// A group of visuals with the same frame and texture. A piece has a few hundred triangles, because llvmpipe
+// draws larger pieces more slowly.
 struct Piece {
   int frame = 0;
-  int texture = -1;     // index into SceneModel::textures; -1: none
+  int texture = -1;     // index into SceneModel::textures; -1: no texture
   bool ground = false;  // true for planes; planes are drawn last and cast no shadow
-  // Ranges of SceneModel::indices. Coarse meshes are used if the piece is small in the picture. The first
-  // `caster_count` indices of the coarse range belong to large visuals, which are also drawn into the shadow
-  // map.
+  // Ranges of SceneModel::indices for the fine and the coarse meshes. The coarse meshes are used if the piece
+  // is small in the picture. The first `caster_count` indices of the coarse range belong to large visuals.
+  // These visuals are also drawn into the shadow map.
   std::uint32_t fine_first = 0, fine_count = 0;
   std::uint32_t coarse_first = 0, coarse_count = 0, caster_count = 0;
   // Bounding sphere, in the frame of the piece.
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double radius = 0;
-  // Sphere around each visual that casts a shadow, in the frame of the piece.
+  // Bounding sphere of each visual that casts a shadow, in the frame of the piece.
   std::vector<BoundingSphere> casters;
-  // True if the piece is a ground in one plane. `normal` and `distance` (from the origin) are in the frame of
-  // the piece.
+  // True if the piece is a ground in one plane. In the frame of the piece, `normal` is the normal of this
+  // plane, and `distance` is the distance of this plane from the origin.
   bool flat = false;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double distance = 0;

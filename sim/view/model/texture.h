@@ -11,12 +11,12 @@
 
 namespace kaz::sim {
 
-// Square RGBA pictures. Each level is half as wide as the previous level; the last level is 1 x 1. The
-// pictures are periodic in both directions. Their colors multiply the base color of a visual; white leaves
-// the base color unchanged.
+// A texture is a series of square RGBA pictures, the mip levels. Each level is half as wide as the previous
+// level; the last level is 1 x 1. The pictures are periodic in both directions. The base color of a visual is
+// multiplied by the color of the texture; white leaves the base color unchanged.
 struct Texture {
   int size = 0;         // width of level 0 in px, a power of two
-  double repeat_m = 1;  // length of one period on the surface
+  double repeat_m = 1;  // length of one period of the texture on the surface, m
   std::vector<std::vector<std::uint8_t>> levels;
 };
 

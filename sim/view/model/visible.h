@@ -13,20 +13,20 @@ namespace kaz::sim {
 // Maximum width and height of a picture, in samples.
 inline constexpr int kLargestSide = 8192;
 
-// Checks a view, and a pose of a scene with `frames` frames. Returns Fault::usage with the reason if the view
-// or the pose cannot be drawn.
+// Checks whether a view and a pose can be drawn. `frames` is the number of frames of the scene. If the view
+// or the pose is invalid, returns Fault::usage with the reason.
 Result<void> check_view(std::size_t frames, const ScenePose& pose, const View& view);
 
 struct VisiblePiece {
   const Piece* piece;
   // Distance from the eye to the bounding sphere, m; negative if the eye is inside the sphere.
   double distance;
-  bool fine;  // true if the piece is so large in the picture that its fine mesh is drawn
+  bool fine;  // true: the piece is large in the picture, so the fine mesh is drawn
 };
 
-// Returns the pieces whose bounding spheres reach into the view: first plain pieces, then textured pieces,
-// then grounds. Each group is ordered from near to far. Most hidden surfaces are thus drawn after the
-// surfaces that hide them.
+// Returns the pieces whose bounding spheres reach into the view. The order is: first untextured pieces, then
+// textured pieces, then grounds. Each group is ordered from near to far. With this order, most hidden
+// surfaces are drawn after the surfaces in front, which saves time.
 std::vector<VisiblePiece> visible_pieces(const SceneModel& model, const ScenePose& pose,
                                          const View& view);
 

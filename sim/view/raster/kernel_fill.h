@@ -20,8 +20,9 @@ static inline std::int32_t first_centre(std::int32_t at) {  // ceil(at / kSubpix
 }
 static_assert(kSubpixel == 1 << 8);
 
-// Computes, row by row, the column of the first sample center at or right of an edge. The calculation uses
-// exact integers. Formula: ceil(x / kSubpixel) with x = x0 + dx (kSubpixel row - y0) / dy.
+// Computes for each row the column of the first sample center that is on the edge or to the right of the
+// edge. The column is ceil(x / kSubpixel) with x = x0 + dx (kSubpixel row - y0) / dy. The calculation is
+// exact, in integers.
 class Edge {
  public:
   Edge(const Outline& t, int from, int to, std::int64_t row) {
@@ -53,8 +54,8 @@ class Edge {
   std::int64_t column_, rest_, step_, rest_step_, divisor_;
 };
 
-// Calls span(row, first, end) for each row that contains covered sample centers. Only centers in columns
-// left..right - 1 and rows top..bottom - 1 count.
+// Calls span(row, first, end) for each row that contains covered sample centers. Sample centers outside the
+// columns left..right - 1 and the rows top..bottom - 1 are ignored.
 template <class Span>
 static inline void scan(const Outline& t, int left, int top, int right, int bottom,
                         const Span& span) {
@@ -88,9 +89,11 @@ static inline std::int64_t twice_area(const Outline& t) {
   return dx1 * dy2 - dx2 * dy1;
 }
 
-// Computes slopes of functions over a triangle with values f at its corners:
+// Computes the slopes of a linear function over a triangle from the function's values f0, f1 and f2 at the
+// corners:
 //   by_x = ((f1 - f0) dy2 - (f2 - f0) dy1) / (2 area), by_y = ((f2 - f0) dx1 - (f1 - f0) dx2) / (2 area).
-// Triangles thinner than 1/256 sample get the constant mean instead, because their slopes are unbounded.
+// For a triangle that is thinner than 1/256 sample, the slopes could become infinite. Therefore a thin
+// triangle gets the mean of the three values, with slopes of 0.
 struct Gradients {
   double dx1, dy1, dx2, dy2;
   bool flat;
@@ -121,8 +124,8 @@ static inline Outline outline_of(const Vertices& v, std::uint32_t a, std::uint32
   return {{v.px[a], v.px[b], v.px[c]}, {v.py[a], v.py[b], v.py[c]}};
 }
 
-// Tests the depth of samples first .. end - 1 of a row. Stores `number`, the primitive's number, at the
-// samples where the primitive is nearest.
+// Compares the depth of a primitive with the depth of samples first .. end - 1 of a row. Stores `number`, the
+// primitive's number, at the samples where the primitive is nearest.
 KAZ_LANES_INLINE void fill_span(Target& target, const Primitive& p, std::uint32_t number, int row,
                                 int first, int end) {
   const std::size_t begin =
@@ -150,10 +153,11 @@ struct FillJob {
   std::uint32_t surface;
 };
 
-// Fills a triangle in front of the eye. Vertices a, b, c are counter-clockwise as seen from outside the body.
+// Fills a triangle in front of the eye. The vertices a, b, c are counter-clockwise as seen from outside the
+// body.
 static inline void fill_triangle(const FillJob& job, std::uint32_t a, std::uint32_t b,
                                  std::uint32_t c, std::uint32_t provoking) {
-  // With the y axis downwards, a triangle that faces the eye has a negative area. Therefore b and c are
+  // Because the y axis points down, a triangle that faces the eye has a negative area. Therefore b and c are
   // swapped.
   const Outline t = outline_of(job.v, a, c, b);
   if (twice_area(t) <= 0) return;
@@ -177,7 +181,7 @@ static inline void fill_triangle(const FillJob& job, std::uint32_t a, std::uint3
 }
 
 // Corner of a polygon during clipping: position (optical frame, m), and weights of the triangle's three
-// vertices.
+// vertices for interpolation.
 struct ClipCorner {
   std::array<double, 3> at;
   std::array<double, 3> weight;
@@ -200,7 +204,8 @@ static inline ClipPolygon clipped(const ClipPolygon& from, const std::array<doub
     if (ha >= 0) to.corners[static_cast<std::size_t>(to.count++)] = a;
     if ((ha >= 0) == (hb >= 0)) continue;
     ClipCorner& cut = to.corners[static_cast<std::size_t>(to.count++)];
-    // Interpolate from the inner to the outer corner, so that both triangles at an edge get the same point.
+    // Interpolate from the inner to the outer corner, so that the two triangles that share an edge get the
+    // same point.
     const ClipCorner &in = ha >= 0 ? a : b, &out = ha >= 0 ? b : a;
     const double share = height(in) / (height(in) - height(out));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -248,7 +253,7 @@ static inline std::uint32_t append_vertex(Vertices& v, const ClipCorner& corner,
   return number;
 }
 
-// Clips and fills a triangle with a part behind the eye, beyond the far plane, or far outside the picture.
+// Clips and fills a triangle that is partly behind the eye, beyond the far plane, or far outside the picture.
 static inline void fill_clipped(const FillJob& job, const Projection& p,
                                 const std::array<std::uint32_t, 3>& of) {
   ClipPolygon polygon;
@@ -265,7 +270,8 @@ static inline void fill_clipped(const FillJob& job, const Projection& p,
       corner.weight[r] = r == i ? 1 : 0;
     }
   }
-  // A guard band of half of kRange on each side: -g <= f x + c z <= g z, with g in samples.
+  // Clipping planes of a guard band around the picture: -g z <= f x + c z <= g z, with g = kRange / 2
+  // samples.
   const double g = 0.5 * kRange, fx = static_cast<double>(p.focal_x),
                fy = static_cast<double>(p.focal_y);
   const double cx = static_cast<double>(p.centre_x), cy = static_cast<double>(p.centre_y);
@@ -320,8 +326,8 @@ KAZ_LANES_INLINE void fill_shadow_span(ShadowTexels& map, float x0, float base, 
 static inline void fill_shadow(const Vertices& v, const Batch& batch, ShadowTexels& map) {
   for (std::uint32_t i = 0; i < batch.count; i += 3) {
     const std::uint32_t a = batch.indices[i], b = batch.indices[i + 1], c = batch.indices[i + 2];
-    // The rows of the shadow map count upwards as seen from the lamp. A triangle that faces away from the
-    // lamp has a negative area.
+    // Seen from the lamp, the rows of the shadow map are numbered upward. Thus a triangle that faces away
+    // from the lamp has a negative area before b and c are swapped.
     const Outline t = outline_of(v, a, c, b);
     if (twice_area(t) <= 0) continue;
     const float x0 = static_cast<float>(t.x[0]) * (1.0F / kSubpixel);

@@ -11,8 +11,8 @@
 KAZ_RASTER_BEGIN
 namespace kaz::sim::raster::KAZ_RASTER_SET {
 
-// Computes the slopes of a primitive's interpolated values. For a textured primitive, also computes its
-// light.
+// Computes the slopes of a primitive's interpolated values. For a textured primitive, also computes the
+// members `shaded` and `key`.
 static inline void prepare(const Vertices& v, const Shading& s, Primitive& p) {
   p.prepared = true;
   const Gradients g(outline_of(v, p.a, p.b, p.c));
@@ -26,7 +26,8 @@ static inline void prepare(const Vertices& v, const Shading& s, Primitive& p) {
     p.shaded = tint;
     return;
   }
-  // Adds whole repeats of the texture to make coordinates positive. Truncation then equals floor().
+  // Adds whole repeats of the texture to make the coordinates positive. For positive coordinates, truncation
+  // equals floor().
   const auto coordinate = [&](const std::vector<float>& f) {
     const float from = 1.0F - std::floor(std::min({f[p.a], f[p.b], f[p.c]}));
     return g.slope((f[p.a] + from) * wa, (f[p.b] + from) * wb, (f[p.c] + from) * wc);
@@ -76,7 +77,7 @@ struct Row {
 KAZ_LANES_INLINE Floats square(Floats x) {
   return x * x;
 }
-// Returns the squared length of the rays to the samples.
+// Returns the squared lengths of the rays to the samples.
 KAZ_LANES_INLINE Floats ray_square(const Row& row, Floats x) {
   return square(row.s.ax * x + row.s.a0) + row.b2;
 }
@@ -95,9 +96,9 @@ KAZ_LANES_INLINE Ints hazy(Floats r, Floats g, Floats b, Floats haze) {
                 code_of(b + (h[2] - b) * haze));
 }
 
-// Returns the visible share of the key light at shadow map coordinates in texels and depth codes. Compares
-// the depth at the four nearest texels and interpolates linearly between the results, like OpenGL's LINEAR
-// with COMPARE_REF_TO_TEXTURE.
+// Returns the share of the key light that reaches a point. The point is given in shadow map coordinates:
+// texels and a depth code. The function compares the depth at the four nearest texels and interpolates
+// linearly between the four results, like OpenGL's LINEAR with COMPARE_REF_TO_TEXTURE.
 KAZ_LANES_INLINE Floats lit_at(const ShadowTexels& map, Floats sx, Floats sy, Floats depth) {
   const float limit = static_cast<float>(map.side) - 1.5F;
   const Floats fx = larger(smaller(sx - 0.5F, splat(limit)), splat(0.0F));
@@ -256,16 +257,16 @@ KAZ_LANES_INLINE Pattern texel_at(const TextureLevels& t, Floats u, Floats v, In
   return interpolated(t, footprint(u, v, to_float(mask + 1), side_bits, mask, offset));
 }
 
-// Texture coordinates of a primitive in a row, and the differences of these coordinates in blocks of 2 x 2
-// samples.
+// Texture coordinates of a primitive in a row of samples, and the differences of these coordinates within
+// blocks of 2 x 2 samples.
 struct TextureRow {
   Along plane;  // u w, v w and w at column x: at + by (x - x0)
   float x0;
-  // Between neighboring columns, u changes by (by_u w - by_w u w) / (w w'). The numerator is the same for the
-  // whole row. Between neighboring rows, the formula is analogous. The next two lines contain the numerators
-  // at the upper row of the block.
+  // Between neighboring columns with depths w and w', u changes by (by_u w - by_w u w) / (w w'). This
+  // numerator is the same at all columns of a row. For neighboring rows, the formula is analogous. across_u
+  // and across_v are the numerators for neighboring columns in the upper row of the block.
   float across_u, across_v;
-  Slope down_u, down_v;    // numerators between rows: at + by_x (x - x0)
+  Slope down_u, down_v;    // numerators for neighboring rows: at + by_x (x - x0)
   float w_upper, w_lower;  // w of the upper and lower row of the block, at x0
   float by_w;
 };
@@ -296,8 +297,8 @@ KAZ_LANES_INLINE TextureRow texture_row(const Primitive& p, const Row& row) {
   return t;
 }
 
-// Returns the squared distance on the texture between neighboring samples in the block of 2 x 2, in texels of
-// level 0. Returns the longer of the distances in both directions.
+// Returns the squared distance on the texture between neighboring samples in a block of 2 x 2 samples, in
+// squared texels of level 0. Returns the maximum of the horizontal and the vertical distance.
 KAZ_LANES_INLINE Floats texels_a_sample(const TextureRow& t, int at, float side) {
   const Floats dx = to_float((lane_numbers() + at) & ~1) - t.x0;
   const Floats w00 = t.w_upper + t.by_w * dx, w10 = t.w_upper + t.by_w * (dx + 1.0F);
@@ -312,20 +313,22 @@ KAZ_LANES_INLINE Ints exponent(Floats x) {
   return ((bits(x) >> 23) & 255) - 127;
 }
 
-// Returns round(log2(root(texels2))), limited to 0..last. The result is half the exponent of 2 texels2.
+// Returns round(log2(root(texels2))), limited to 0..last. The result is half the binary exponent of 2
+// texels2.
 KAZ_LANES_INLINE Ints nearest_level(Floats texels2, int last) {
   const Ints level = exponent(texels2 * 2.0F) >> 1;
   return larger_int(smaller_int(level, splat_int(last)), splat_int(0));
 }
 
-// Samples the texture at the nearest level. If `soft`, interpolates linearly between two levels. These
-// methods are OpenGL's LINEAR_MIPMAP_NEAREST and LINEAR_MIPMAP_LINEAR as llvmpipe computes them.
-// LINEAR_MIPMAP_LINEAR mixes two levels only in the middle half of the interval between these levels.
+// Samples the texture at the nearest mip level. If `soft` is true, interpolates linearly between two mip
+// levels. The two methods are OpenGL's LINEAR_MIPMAP_NEAREST and LINEAR_MIPMAP_LINEAR as llvmpipe computes
+// them. In llvmpipe, LINEAR_MIPMAP_LINEAR mixes two levels only in the middle half of the interval between
+// these levels.
 KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Floats texels2,
                                  bool soft) {
   if (!soft) return texel_at(t, u, v, nearest_level(texels2, t.last));
   const Ints last = splat_int(t.last), zero = splat_int(0);
-  // log2 of the root, with linear interpolation between powers of two.
+  // log2(root(texels2)), approximated by linear interpolation between powers of two, plus the offset 0.25.
   const Floats mantissa = (Floats)((bits(texels2) & 0x007FFFFF) | 0x3F800000);
   const Floats lod = 0.5F * (to_float(exponent(texels2)) + (mantissa - 1.0F)) + 0.25F;
   const Floats whole = floor_of(lod);
@@ -339,8 +342,9 @@ KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Flo
   return mix(one, texel_at(t, u, v, coarse), part);
 }
 
-// Returns the level if all samples first .. end - 1 have the same level. Returns -1 if there may be several
-// levels. The two end samples give the bounds, because w and the numerators are linear.
+// Returns the mip level if all samples first .. end - 1 have the same level. Returns -1 if the samples may
+// have several levels. The first and the last sample give the bounds, because w and the numerators are linear
+// functions of the column.
 static inline int level_of_all(const TextureRow& t, const TextureLevels& texture, int first,
                                int end) {
   const float from = static_cast<float>(first & ~1) - t.x0;
@@ -421,7 +425,8 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
   }
 }
 
-// Shades a run of textured samples. Splits the run where marked blocks begin and end.
+// Shades a run of textured samples. Splits the run at the columns where marked blocks (Shading::blocks) begin
+// and end.
 static inline void shade_textured_run(const Row& row, const Primitive& p, int first, int end,
                                       std::uint32_t* codes) {
   const Shading& s = row.s;

@@ -47,8 +47,8 @@ static inline void project(Vertices& v, VertexRange range, const Projection& p) 
     outside |= ((px < 0.0F) & out_left) | ((px > p.width) & out_right);
     outside |= ((py < 0.0F) & out_top) | ((py > p.height) & out_bottom);
     outside |= ((cx != px) | (cy != py)) & out_of_range;
-    // The sides of the picture are planes through the eye. Behind the eye, left and right are swapped, and so
-    // are top and bottom.
+    // For a point behind the eye, left and right are swapped, and top and bottom are swapped, too. Therefore
+    // a point behind the eye only gets the bit out_near.
     outside = behind ? splat_int(out_near) : outside;
     store(&v.px[i], snap(cx));
     store(&v.py[i], snap(cy));

@@ -1,11 +1,12 @@
-// Data of the rasterizer's inner loops, and the table of the loops' functions for each instruction set.
+// Data of the rasterizer's inner loops (kernels), and a table of the kernels for each instruction set.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The center of sample (x, y) is at integer coordinates; rows count from the top. Vertices are rounded to
-// 1/256 sample; the coverage of the rounded triangles is exact. A sample center on an edge belongs to the
-// triangle on the right of the edge or below the edge. Triangles that share an edge therefore neither overlap
-// nor leave gaps. Depth is w = 1 / z (1/m), which is linear in the picture. At each sample, the triangle with
-// the larger w is visible. If w is equal, the later triangle is visible.
+// 1/256 sample; the coverage of the rounded triangles is exact. A sample center that lies exactly on an edge
+// belongs to the triangle on the right of the edge or below the edge. Therefore triangles that share an edge
+// neither overlap nor leave gaps. The depth is stored as w = 1 / z (1/m), which is linear in the picture. At
+// each sample, the triangle with the largest w is visible. If two triangles have the same w, the triangle
+// that was drawn later is visible.
 #pragma once
 
 #include <array>
@@ -15,24 +16,26 @@
 
 namespace kaz::sim::raster {
 
-// Number of extra elements at the end of each array that vector instructions access.
+// Number of extra elements at the end of each array. Vector instructions may access these elements.
 inline constexpr std::size_t kPad = 16;
 inline constexpr int kSubpixel = 256;
 
 // Vertices of a scene and their positions in a picture, one array per coordinate. Clipping appends vertices.
 struct Vertices {
-  std::size_t count = 0;               // number of vertices, including those that clipping appended
-  std::vector<float> x, y, z;          // frame of the piece, m
-  std::vector<float> model_normal[3];  // frame of the piece
-  std::vector<float> normal[3];        // world frame, for the current pose of the piece
-  std::vector<float> u, v;             // texture coordinates, in repeats of the texture
+  // Number of vertices, including vertices that clipping appended.
+  std::size_t count = 0;
+  std::vector<float> x, y, z;          // position in the frame of the piece, m
+  std::vector<float> model_normal[3];  // normal in the frame of the piece
+  // Normal in the world frame, at the current pose of the piece.
+  std::vector<float> normal[3];
+  std::vector<float> u, v;                 // texture coordinates, in repeats of the texture
   std::vector<std::array<float, 3>> tint;  // color as linear light
   std::vector<std::int32_t> px, py;        // position in the picture, 1/256 sample
-  std::vector<float> w;                    // 1 / z
-  std::vector<std::int32_t> outside;       // bits out_left etc. below
+  std::vector<float> w;                    // depth of each vertex, 1 / z
+  std::vector<std::int32_t> outside;       // combination of the bits out_left etc.
 };
 
-// Bits of Vertices::outside.
+// Bits of Vertices::outside. Each bit means that the vertex is beyond one plane of the view frustum.
 inline constexpr std::int32_t out_left = 1, out_right = 2, out_top = 4, out_bottom = 8;
 inline constexpr std::int32_t out_near = 16, out_far = 32;
 inline constexpr std::int32_t out_of_range = 64;  // too far from the picture for fixed point
@@ -50,8 +53,8 @@ struct Projection {
   float width, height, near, far;
 };
 
-// Linear function of the sample position: f(x, y) = at + by_x (x - x0) + by_y (y - y0). x0 and y0 are members
-// of Primitive.
+// Linear function of the sample position (x, y): at + by_x (x - x0) + by_y (y - y0). The origin (x0, y0) is
+// stored in Primitive.
 struct Slope {
   float at = 0, by_x = 0, by_y = 0;
 };
@@ -61,55 +64,59 @@ struct Primitive {
   float x0, y0;
   Slope w;
   std::uint32_t a, b, c;  // indices of the vertices, clockwise in the picture
-  // Index of the vertex that defines the color; for textured triangles, also the normal.
+  // Index of the vertex that defines the color. For textured triangles, the same vertex also defines the
+  // normal.
   std::uint32_t provoking;
   std::uint32_t surface;  // index into Shading::surfaces
-  bool prepared;          // true: the members below are computed
-  // The normal times w. For textured triangles, slopes[0] is u * w and slopes[1] is v * w.
+  bool prepared;          // true: `slopes`, `shaded` and `key` are computed
+  // Components of the normal times w. For textured triangles, slopes[0] is u * w and slopes[1] is v * w
+  // instead.
   std::array<Slope, 3> slopes;
-  // Textured triangle: light in shadow, and the additional light from the key light. Other triangles:
-  // `shaded` is the tint, and `key` is unused.
+  // For a textured triangle, `shaded` is the light in shadow, and `key` is the additional light from the key
+  // light. For other triangles, `shaded` is the tint, and `key` is unused.
   std::array<float, 3> shaded, key;
 };
 
 // Properties that all triangles of a piece share.
 struct Surface {
   int texture = -1;
-  bool lit_outside_blocks = false;  // true: shadows fall only in the marked blocks of the picture
+  // True: shadows fall on this surface only in the marked blocks (Shading::blocks).
+  bool lit_outside_blocks = false;
 };
 
-// Depth, and number of the nearest primitive, for each sample in a band of rows.
+// A band of rows of the picture: for each sample, the depth and the number of the nearest primitive.
 struct Target {
   int left = 0, right = 0;  // columns left .. right - 1 are drawn
   int top = 0, bottom = 0;  // rows top .. bottom - 1
-  int stride = 0;           // length of a row in memory: columns from 0 on, padded by kPad
-  std::vector<float> w;     // depth of each sample; 0: background
+  // Length of a row in memory, which begins at column 0 and is padded by kPad.
+  int stride = 0;
+  std::vector<float> w;                  // depth of each sample; 0: background
   std::vector<std::uint32_t> primitive;  // number of the primitive at each sample; 0: background
 };
 
 struct ShadowTexels {
-  int side = 0;  // texels; the outermost ring of texels stays free
+  int side = 0;  // side length in texels; the outermost ring of texels stays free
   int stride = 0;
   std::vector<std::uint16_t> depth;  // depth of each texel; 65535: empty
 };
 
-// Triangles of a piece.
+// The triangles of a piece.
 struct Batch {
   const std::uint32_t* indices;
   std::uint32_t count;
   std::uint32_t surface;
 };
 
-// A texture with its mip levels. Each word contains one color channel at four texels, from the lowest byte:
-// (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1). One memory access thus gives all values for a linear
-// interpolation. A gray texture has one word per texel. Other textures have four words: red, green, blue, and
-// an unused word.
+// A texture with its mip levels. Each word contains one color channel of four texels. From the lowest byte,
+// these texels are (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1). Thus one memory access gives all values
+// for a linear interpolation. A gray texture has one word per texel. Other textures have four words: red,
+// green, blue, and an unused word.
 struct TextureLevels {
   int side_bits = 0;                      // the side of level 0 is 2^side_bits texels
   int last = 0;                           // number of the last level
   bool grey = false;                      // true: the three color channels are equal
   std::vector<std::uint32_t> words;       // words of all levels
-  std::array<std::int32_t, 16> offset{};  // index of the first texel of each level
+  std::array<std::int32_t, 16> offset{};  // index of the first texel of each mip level
 };
 
 using Three = std::array<float, 3>;
@@ -117,20 +124,22 @@ using Three = std::array<float, 3>;
 struct Shading {
   std::vector<Surface> surfaces;
   std::vector<TextureLevels> textures;
-  // Ray to the sample (x, y), with z = 1 in the optical frame. The squared length of the ray is 1 + (ax x +
-  // a0)^2 + (by y + b0)^2.
-  Three ray0, ray_x, ray_y;  // world frame: ray0 + ray_x x + ray_y y
+  // The ray to the sample (x, y) is ray0 + ray_x x + ray_y y in the world frame. In the optical frame, z of
+  // the ray is 1. The squared length of the ray is 1 + (ax x + a0)^2 + (by y + b0)^2.
+  Three ray0, ray_x, ray_y;
   float ax, a0, by, b0;
   Three to_key;
   float key_gain, shaded_gain;
-  // Shadow map coordinates (texels, texels, depth 0..65535) of the eye, and of the ray to a sample.
+  // Shadow map coordinates (texels, texels, depth 0..65535). `shadow_eye` are the coordinates of the eye. The
+  // other three vectors convert the ray to a sample, as ray0, ray_x and ray_y do for the world frame.
   Three shadow_eye, shadow0, shadow_x, shadow_y;
   const ShadowTexels* shadow = nullptr;
-  bool soft = false;  // many samples of the shadow map, and linear interpolation between mip levels
-  int block_columns = 0;             // number of blocks in a row of the picture
-  std::vector<std::uint8_t> blocks;  // 1: a shadow may fall on a flat ground in the block
+  bool soft = false;      // true: soft shadows, and linear interpolation between mip levels
+  int block_columns = 0;  // number of blocks in a row of the picture
+  // For each block, 1: a shadow may fall on a flat ground in this block.
+  std::vector<std::uint8_t> blocks;
 };
-inline constexpr int kBlock = 32;  // side of a block, samples
+inline constexpr int kBlock = 32;  // side length of a block, in samples
 
 // Working memory for shading a row.
 struct RowScratch {
@@ -143,17 +152,19 @@ struct Kernels {
   void (*turn_normals)(Vertices&, VertexRange, const std::array<float, 9>& rotation);
   // Computes `px`, `py`, `w` and `outside` of the vertices.
   void (*project)(Vertices&, VertexRange, const Projection&);
-  // Draws the triangles that face the eye; call this function after project(). Appends the triangles that
-  // cover samples to the list.
+  // Draws the triangles that face the eye. Call this function after project(). Appends each triangle that
+  // covers a sample to the list of primitives.
   void (*fill)(Vertices&, const Batch&, const Projection&, Target&, std::vector<Primitive>&);
-  // Draws the triangles that face away from the lamp; call this function after project_shadow().
+  // Draws the triangles that face away from the lamp into the shadow map. Call this function after
+  // project_shadow().
   void (*fill_shadow)(const Vertices&, const Batch&, ShadowTexels&);
-  // Computes `px` and `py` in the shadow map, and stores the depth 0..65535 in `w`.
+  // Computes the positions of vertices in the shadow map. Stores the positions in `px` and `py`, and the
+  // depth (0..65535) in `w`.
   void (*project_shadow)(Vertices&, VertexRange, const std::array<float, 12>& texels_from_model);
   // Computes RowScratch::codes for a row of the target.
   void (*shade_row)(const Vertices&, const Shading&, const Target&, std::vector<Primitive>&, int y,
                     RowScratch&);
-  // Converts RGBA to RGB. May write up to kPad bytes beyond the end.
+  // Converts RGBA to RGB. The function may write up to kPad bytes beyond the end of the row.
   void (*pack)(const std::uint32_t* rgba, int count, std::uint8_t* rgb);
 };
 

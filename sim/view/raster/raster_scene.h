@@ -9,7 +9,8 @@
 
 namespace kaz::sim::raster {
 
-// Each range begins at a multiple of kPad. Vector instructions may therefore write beyond the end of a range.
+// Vertices of a piece. Each range begins at a multiple of kPad. Therefore vector instructions may write
+// beyond the end of a range.
 struct PieceVertices {
   VertexRange fine, coarse;
 };
@@ -18,10 +19,10 @@ struct RasterScene {
   explicit RasterScene(SceneModel from);
 
   SceneModel model;
-  std::vector<std::uint32_t> indices;  // like model.indices, but with indices into `vertices`
+  std::vector<std::uint32_t> indices;  // model.indices, converted to indices into `vertices`
   Vertices vertices;
   std::size_t own_vertices = 0;  // number of vertices of the scene; clipping appends more vertices
-  std::vector<PieceVertices> ranges;  // ranges of vertices, by piece
+  std::vector<PieceVertices> ranges;  // ranges of vertices of each piece
   std::vector<TextureLevels> textures;
 
  private:

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // kernels_plain.cpp, kernels_avx2.cpp and kernels_avx512.cpp include this file. Each of these files defines
-// its own KAZ_RASTER_SET (the namespace) and KAZ_RASTER_LANES. All operations are single IEEE operations,
-// correctly rounded, so all sets compute the same bits. Vectors stay inside the functions of a set; they are
-// never passed to other code.
+// KAZ_RASTER_SET (the namespace) and KAZ_RASTER_LANES for one instruction set. All operations are single IEEE
+// operations, correctly rounded, so all sets compute the same bits. Vectors stay inside the functions of a
+// set and are never passed to other code.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@
 #define KAZ_RASTER_LANES 4
 #endif
 
-// Mark the begin and the end of the code of a set. GCC and Clang use the set's instructions in all functions
-// between these macros.
+// KAZ_RASTER_BEGIN and KAZ_RASTER_END enclose the code of an instruction set. GCC and Clang may use the set's
+// instructions in all functions between the two macros.
 #if !defined(__x86_64__) || KAZ_RASTER_LANES == 4
 #define KAZ_RASTER_BEGIN
 #define KAZ_RASTER_END
@@ -51,7 +51,7 @@ namespace kaz::sim::raster::KAZ_RASTER_SET {
 
 inline constexpr int kLanes = KAZ_RASTER_LANES;
 using Floats = float __attribute__((vector_size(4 * KAZ_RASTER_LANES)));
-// Masks: each lane is 0 or -1.
+// Integers, or a mask. Each lane of a mask is 0 or -1.
 using Ints = std::int32_t __attribute__((vector_size(4 * KAZ_RASTER_LANES)));
 
 #define KAZ_LANES_INLINE [[gnu::always_inline]] static inline
@@ -86,7 +86,7 @@ KAZ_LANES_INLINE void store(void* to, const V& v) {
 KAZ_LANES_INLINE Floats to_float(Ints x) {
   return __builtin_convertvector(x, Floats);
 }
-// Rounds towards zero.
+// Rounds toward zero.
 KAZ_LANES_INLINE Ints to_int(Floats x) {
   return __builtin_convertvector(x, Ints);
 }
@@ -118,8 +118,8 @@ struct ThreeWords {
   Ints first, second, third;
 };
 
-// The code uses the masked forms of the intrinsics, because GCC 12 warns about its own headers for the
-// unmasked forms.
+// The code uses the masked forms of the AVX-512 intrinsics. Reason: for the unmasked forms, GCC 12 warns
+// about its own headers.
 #if defined(__x86_64__) && KAZ_RASTER_LANES == 16
 KAZ_LANES_INLINE Floats root(Floats x) {
   return (Floats)_mm512_maskz_sqrt_ps(0xFFFF, (__m512)x);
@@ -128,9 +128,9 @@ KAZ_LANES_INLINE Floats root(Floats x) {
 KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return _mm512_movepi32_mask((__m512i)mask);
 }
-// Uses sixteen loads instead of AVX-512's gather instruction. On AMD processors, the gather takes twice as
-// long as the loads; for gather_three(), three times as long. On Intel processors, the gather is slow since a
-// microcode update that keeps the gather from leaking data.
+// Uses sixteen loads instead of AVX-512's gather instruction. On AMD processors, the gather instruction takes
+// twice as long as the loads, and in gather_three() three times as long. On Intel processors, the gather
+// instruction is slow since a microcode update that prevents data leaks.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[16];
   store(at, index);
@@ -155,7 +155,7 @@ KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
 KAZ_LANES_INLINE Ints look_up(const std::int32_t* table, Ints index) {
   return (Ints)_mm512_maskz_permutexvar_epi32(0xFFFF, (__m512i)index, _mm512_loadu_si512(table));
 }
-// Loads four words for each lane. Then transposes 4 x 4 words in each quarter of the vector.
+// Loads four words for each lane. Then transposes the 4 x 4 words in each quarter of the vector.
 KAZ_LANES_INLINE ThreeWords gather_three(const std::uint32_t* from, Ints index) {
   std::int32_t at[16];
   store(at, index);
@@ -209,7 +209,7 @@ KAZ_LANES_INLINE Ints look_up(const std::int32_t* table, Ints index) {
   };
   return index > 7 ? eight(8) : eight(0);
 }
-// Loads four words for each lane. Then transposes 4 x 4 words in each half of the vector.
+// Loads four words for each lane. Then transposes the 4 x 4 words in each half of the vector.
 KAZ_LANES_INLINE ThreeWords gather_three(const std::uint32_t* from, Ints index) {
   std::int32_t at[8];
   store(at, index);

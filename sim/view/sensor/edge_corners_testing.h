@@ -12,11 +12,12 @@
 namespace kaz::sim {
 
 // A corner is the intersection of two edges. For each edge, a parabola is fitted between the two neighbors of
-// the corner. OpenCV's cornerSubPix only uses a small window. Whole edges average out the steps of
-// rasterization. Units: px and gray codes.
+// the corner. OpenCV's cornerSubPix uses only a small window at the corner. A fit to whole edges averages out
+// the steps of rasterization. Units: px and gray codes.
 class EdgeCorners {
  public:
-  // `found`: initial corners, row by row. `grey` and `found` must outlive this object.
+  // `found` contains the initial positions of the corners, row by row. `grey` and `found` must outlive this
+  // object.
   EdgeCorners(const cv::Mat& grey, const std::vector<cv::Point2f>& found, int columns)
       : grey_(grey),
         found_(found),
@@ -41,8 +42,8 @@ class EdgeCorners {
     }
   };
 
-  // Returns the initial corner. The board has one more square beyond the outermost corners; there, the
-  // position is extrapolated.
+  // Returns the initial position of a corner. The board has one more row of squares beyond the outermost
+  // corners. For the outer corners of these squares, the position is extrapolated.
   cv::Point2d seed(int column, int row) const {
     const auto at = [&](int x, int y) {
       return cv::Point2d(found_[static_cast<std::size_t>(y * columns_ + x)]);
@@ -63,9 +64,9 @@ class EdgeCorners {
     return (1 - b) * ((1 - a) * at(0, 0) + a * at(1, 0)) + b * ((1 - a) * at(0, 1) + a * at(1, 1));
   }
 
-  // Returns the distance from `p` along `across` to the edge, px in [-reach, reach]. An ideal step at this
-  // position has the same two levels a, b of light and the same integral of light as the picture. Formula: x
-  // = reach (2 (mean - b) / (a - b) - 1).
+  // Returns the distance x from `p` along `across` to the edge, in px, in [-reach, reach]. An ideal step at x
+  // has the same two levels a and b of light and the same integral of light as the picture. Therefore x =
+  // reach (2 (mean - b) / (a - b) - 1).
   double crossing(const cv::Point2d& p, const cv::Point2d& across, double reach) const {
     constexpr int kSteps = 64;
     std::array<double, kSteps> codes{};
@@ -93,7 +94,8 @@ class EdgeCorners {
       const int steps = static_cast<int>(4 * cv::norm(end - at));
       for (int i = 0; i < steps; ++i) {
         const double share = (i + 0.5) / steps;
-        if (share < 0.2 || share > 0.8) continue;  // too close to crossing edges
+        // These points are too close to the crossing edges.
+        if (share < 0.2 || share > 0.8) continue;
         const cv::Point2d p = at + share * (end - at);
         const double s = (p - at).dot(curve.along);
         rows.push_back(cv::Mat(cv::Matx13d(1, s, s * s)));

@@ -10,8 +10,8 @@
 
 namespace kaz::sim {
 
-// Takes a picture. `world_from_eye` is the pose of the mounting's optical frame, m. `exposure` is the number
-// of the exposure and determines the noise.
+// Takes a picture. `world_from_eye` is the world pose of the optical frame of the eye's mounting, m.
+// `exposure` is the number of the exposure; the number determines the noise.
 inline vision::Image take(Renderer& renderer, const ScenePose& pose, const Sensor& sensor,
                           const Eigen::Isometry3d& world_from_eye, std::uint64_t exposure) {
   View view;

@@ -15,15 +15,16 @@ namespace kaz::sim {
 // Draws and exposes only those pixels of a picture that the rectified picture uses.
 class RealEye {
  public:
-  // `noise_seed` has the same meaning as for Sensor.
+  // `noise_seed` has the same meaning as in the constructor of Sensor.
   RealEye(const EyeModel& model, const vision::StereoCalibration& calibration, Sensor::Eye eye,
           std::uint64_t noise_seed);
 
   void set_noise_seed(std::uint64_t seed) { sensor_.set_noise_seed(seed); }
-  // Returns the view for take(). `world_from_eye` is the pose of the mounting's optical frame, m.
+  // Returns the view for take(). `world_from_eye` is the world pose of the optical frame of the eye's
+  // mounting, m.
   View view(const Eigen::Isometry3d& world_from_eye) const;
-  // Takes the picture with the number `exposure`. `view` is the result of view(), with the light of the
-  // world. Returns the errors of Renderer::render().
+  // Takes a picture. `exposure` is the number of the exposure. `view` is the result of view(); the caller
+  // sets the light of the world in `view`. Returns the errors of Renderer::render().
   Result<void> take(Renderer& renderer, const ScenePose& pose, const View& view,
                     std::uint64_t exposure, vision::Image& rectified);
 

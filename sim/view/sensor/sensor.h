@@ -1,9 +1,10 @@
-// Camera model: converts the picture of an ideal pinhole camera to that of a real lens and image sensor.
+// Camera model: converts the picture of an ideal pinhole camera to the picture of a camera with a real lens
+// and image sensor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Modeled: lens distortion (Brown-Conrady, as in OpenCV), vignetting, exposure, shot and read noise, 8-bit
-// codes. Not modeled: rolling shutter (the paper's cameras expose all rows of a field at once), motion blur,
-// interlacing, color mosaic, blooming.
+// The model includes lens distortion (Brown-Conrady, as in OpenCV), vignetting, exposure, shot noise, read
+// noise and 8-bit codes. The model does not include motion blur, interlacing, color mosaic or blooming.
+// Rolling shutter is not modeled because the cameras in the paper expose all rows of a field at once.
 #pragma once
 
 #include <cstdint>
@@ -22,20 +23,22 @@ struct EyeModel {
   int width = 320, height = 240;
   // Horizontal angle of view of the rectified pictures: 80 degrees.
   double rectified_view_rad = 1.3962634015954636;
-  // Horizontal angle of view of the middle row through the lens. It is larger than the angle of the rectified
-  // pictures. Rectified pictures therefore have no empty margin if the principal point and the direction of a
-  // camera deviate.
+  // Horizontal angle of view of the middle row through the lens. This angle is larger than the angle of the
+  // rectified pictures. Therefore rectified pictures have no empty margin if the principal point or the
+  // direction of a camera deviates.
   double lens_view_rad = 1.4922565104551517;                // 85.5 degrees
   std::array<double, 5> distortion{-0.15, 0.022, 0, 0, 0};  // k1 k2 p1 p2 k3
-  // Fraction of the light lost in the corners; the loss is proportional to r^2.
+  // Fraction of the light that is lost in the corners of the picture. The loss is proportional to the squared
+  // distance from the center.
   double vignetting = 0.3;
   NoiseLaw noise;
-  // Standard deviations over the production series.
-  double focal_spread = 0.004;          // relative to the focal length
-  double centre_spread = 0.004;         // principal point, relative to the width
-  double distortion_spread = 0.03;      // k1 and k2, relative to their values
-  double tangential_spread = 0.0003;    // p1 and p2: tilt of the lens against the sensor
-  double direction_spread_rad = 0.004;  // rotation about each axis, 0.23 degrees
+  // Standard deviations of the parameters over the production series.
+  double focal_spread = 0.004;        // relative to the focal length
+  double centre_spread = 0.004;       // principal point, relative to the picture's width
+  double distortion_spread = 0.03;    // k1 and k2, relative to their values
+  double tangential_spread = 0.0003;  // p1 and p2: tilt of the lens against the sensor
+  // Rotation of the camera about each axis; 0.004 rad = 0.23 degrees.
+  double direction_spread_rad = 0.004;
 };
 
 // Returns the calibration of two cameras of the series at a distance of `baseline_m`. The same `unit` gives
@@ -55,8 +58,8 @@ class Sensor {
   void set_noise_seed(std::uint64_t seed);
 
   // Returns the pinhole camera whose picture expose() needs. This picture covers the full view of the lens.
-  // Its angular resolution is 0.92 times that of the rectified picture. The loss of resolution is less than
-  // the blur of a wide conversion lens.
+  // The angular resolution of this picture is 0.92 times the resolution of the rectified picture. The loss of
+  // resolution is less than the blur of a wide conversion lens.
   const Pinhole& ideal() const { return ideal_; }
   // Returns the rotation from the optical frame of ideal() to the eye's mounting frame.
   Eigen::Isometry3d mounting_from_optical() const;
@@ -68,7 +71,7 @@ class Sensor {
   // Applies lens, vignetting, noise and quantization. `ideal` must have the width and height of ideal().
   // Pixels that are not exposed keep their codes in `picture`.
   void expose(const Picture& ideal, std::uint64_t exposure, Picture& picture) const;
-  // Applies only lens and vignetting, and rounds the codes. For tests of geometry.
+  // Applies only lens and vignetting, and rounds the codes. This function is for tests of the geometry.
   void bend(const Picture& ideal, Picture& picture) const;
 
  private:

@@ -9,13 +9,13 @@
 
 namespace kaz::sim {
 
-// Photon-transfer model (EMVA 1288, shot and dark noise). A code c stands for the light c^2 (lighting.h).
-// Code 255 stands for `full_well_e` electrons. If the mean number of electrons is n, the variance of the
-// number is n + read_noise_e^2.
+// Parameters of a photon-transfer model (EMVA 1288, shot and dark noise). A code c represents the light c^2
+// (lighting.h). Code 255 represents `full_well_e` electrons. If a pixel has n electrons in the mean, the
+// variance of this number is n + read_noise_e^2.
 struct NoiseLaw {
   double exposure = 1.0;  // factor that multiplies the light
   double full_well_e = 10'000;
-  double read_noise_e = 12;  // electrons, rms
+  double read_noise_e = 12;  // read noise in electrons, rms
 };
 
 // Applies a NoiseLaw to rows of pixels. The unit of light is the square of a code.
@@ -23,20 +23,21 @@ class NoiseRow {
  public:
   explicit NoiseRow(const NoiseLaw& law);
 
-  // Range of the values first .. end - 1 of a row.
+  // The range of a row's values with the indices first .. end - 1.
   struct Range {
     std::size_t first = 0, end = 0;
   };
   // Converts the values of a row from units of 1/64 code to codes. A pixel with n electrons is read as n + z
-  // sqrt(n + read^2), where z has mean 0 and sigma 1. The random number z is a scaled sum of four random
-  // bytes (nearly normal, |z| <= 3.46). These bytes depend on `key` and on the position in the row. `with`
-  // must be available; all instruction sets give the same codes.
+  // sqrt(n + read_noise_e^2), where z has mean 0 and sigma 1. The random number z is a scaled sum of four
+  // random bytes (nearly normal, |z| <= 3.46). These bytes depend on `key` and on the position in the row.
+  // The instruction set `with` must be available. All instruction sets give the same codes.
   void expose(const std::uint16_t* codes64, std::uint8_t* codes, Range range, std::uint64_t key,
               InstructionSet with = best_instructions()) const;
 
   struct Factors {
-    float code = 0;  // converts units of 1/64 code to codes; includes the factor sqrt(exposure)
-    // Variance of the noise: (shot * code^2 + read) times the variance of the sum of four random bytes.
+    float code = 0;  // factor from units of 1/64 code to codes; includes sqrt(exposure)
+    // Parameters of the noise's variance, which is (shot * code^2 + read) times the variance of the sum of
+    // four random bytes.
     float shot = 0, read = 0;
   };
 

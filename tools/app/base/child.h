@@ -14,18 +14,18 @@
 
 namespace kaz::tools {
 
-// Runs in a process group of its own, so that Ctrl-C in the terminal does not reach it. Standard output and
-// standard error go to a log file.
+// The child runs in its own process group: Ctrl-C in the terminal sends no signal to the child. Its standard
+// output and standard error go to a log file.
 class Child {
  public:
-  // of_parent: killed by the destructor of Child, and when the parent process ends for any reason.
-  // own: runs on after both.
+  // `of_parent`: the destructor of Child kills the child. The child is also killed if the parent process ends
+  // for any reason. `own`: the child survives the destructor of Child and the end of the parent process.
   enum class Lifetime { of_parent, own };
-  // Starts this executable again with other arguments. `log` is replaced.
+  // Starts another process of this executable, with `arguments`. Replaces the file `log`.
   static Result<Child> begin(const std::vector<std::string>& arguments, const std::string& log);
   // Starts a program, searched in PATH. If the program is missing, the child exits with status 127. `input`
-  // becomes its standard input; the caller keeps ownership of the descriptor. With -1 standard input is
-  // /dev/null.
+  // becomes the child's standard input. The caller keeps ownership of the descriptor. If `input` is -1, the
+  // child's standard input is /dev/null.
   static Result<Child> begin(const std::string& program, const std::vector<std::string>& arguments,
                              const std::string& log, Lifetime lifetime = Lifetime::of_parent,
                              int input = -1);
@@ -34,9 +34,10 @@ class Child {
   Child& operator=(Child&&) = delete;
   ~Child();
 
-  // Returns its exit status, or 128 + signal if a signal ended it. Returns nullopt while it runs.
+  // Returns the child's exit status, or 128 + signal number if a signal ended the child. Returns nullopt if
+  // the child is still running.
   std::optional<int> ended();
-  // Waits up to `at_most` for its end. Returns as ended().
+  // Waits up to `at_most` for the end of the child. Returns the same values as ended().
   std::optional<int> wait(std::chrono::seconds at_most);
   void signal(int number);
 

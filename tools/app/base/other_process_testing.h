@@ -1,4 +1,4 @@
-// A second process that holds a file or folder, for tests of locks.
+// A second process that holds the lock of a file or folder, for tests of locks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,8 @@
 
 namespace kaz::tools {
 
-// Forks a process that calls take() and keeps the result. The destructor kills the process.
+// The constructor forks a process that calls take() and keeps the returned object, such as a lock. The
+// destructor kills the process.
 class OtherProcess {
  public:
   template <class Take>

@@ -12,9 +12,9 @@
 
 namespace kaz::tools {
 
-// Prints progress to standard error, so that standard output contains only results. On a terminal it draws a
-// bar. In a pipe it prints a line every 10 %, and after `longest_silence` without one. Prints nothing if
-// `quiet`.
+// Prints progress to standard error, so that standard output contains only results. If standard error is a
+// terminal, draws a progress bar. Otherwise prints a line every 10 %, and also if no line was printed for
+// `longest_silence`. Prints nothing if `quiet`.
 class Progress {
  public:
   Progress(std::string label, bool quiet,
@@ -23,14 +23,14 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // `share`: completed part, 0 to 1. `note`: a few words on the current work.
+  // `share`: completed fraction of the work, 0 to 1. `note`: a few words on the current work.
   void update(double share, const std::string& note);
-  // For work of unknown length: prints the time in seconds and the phase. In a pipe it prints a line every
-  // 10 s of `at_s`.
+  // Like update(), but for work of unknown length: shows the time `at_s` in seconds and the phase. If
+  // standard error is no terminal, prints a line whenever `at_s` has increased by 10 s.
   void show(double at_s, const std::string& phase);
-  // Prints a new phase on a line of its own.
+  // Prints the start of a new phase on a separate line.
   void announce(double at_s, const std::string& phase);
-  // Erases the bar. The destructor does the same.
+  // Erases the progress bar. The destructor calls done().
   void done();
 
  private:
@@ -39,39 +39,42 @@ class Progress {
   bool terminal_;
   std::chrono::milliseconds longest_silence_;
   int last_decile_ = -1;
-  double shown_s_ = 0;  // time of the last line of show() or announce()
+  double shown_s_ = 0;  // `at_s` of the last line that show() or announce() printed
   bool line_open_ = false;
   std::chrono::steady_clock::time_point last_draw_{};
 };
 
-// Returns a row of a list, with its line break: `columns`, then `text`. Text beyond `width` is wrapped at
-// spaces below its first line. If fewer than 30 characters remain beside `columns`, the text starts on a new
-// line. 0: no limit.
+// Returns a row of a list: `columns`, then `text`, then a line break. Text beyond column `width` is wrapped
+// at spaces. Each further line of `text` starts below the first line of `text`. If fewer than 30 characters
+// remain beside `columns`, the text starts on a new line. A `width` of 0 means no limit.
 std::string list_row(const std::string& columns, const std::string& text, std::size_t width);
-// Returns the width of the terminal at standard output. 0: no terminal, so that a list has one line per row.
+// Returns the width of the terminal at standard output, in columns. Returns 0 if standard output is no
+// terminal; a list then has one line per row.
 std::size_t list_width();
 
-// Wraps lines wider than `width` at spaces, with 2 more columns of indentation. 0: no limit.
+// Wraps lines wider than `width` at spaces. Continued lines are indented by 2 more columns. A `width` of 0
+// means no limit.
 std::string broken_lines(const std::string& text, std::size_t width);
-// printf() of complete lines, wrapped at the terminal's width.
+// Like printf(), but only for complete lines, which are wrapped at the terminal's width.
 [[gnu::format(printf, 1, 2)]] void print_lines(const char* format, ...);
 
-// Prints a result to standard output. Replaces bytes that are not UTF-8: a recording may contain any bytes,
-// but JSON may not.
+// Prints a result to standard output. Replaces bytes that are not valid UTF-8: recordings may contain any
+// bytes, but JSON must be UTF-8.
 void print_json(const nlohmann::ordered_json& value);
 // Returns whether print_json() was called in this process.
 bool json_printed();
 
-// Returns a path in a folder that only this process uses. The folder is removed at exit if it is empty.
-// Throws std::runtime_error if it cannot be created.
+// Returns a path in a folder that only this process uses. The folder is removed at exit if the folder is
+// empty then. Throws std::runtime_error if the folder cannot be created.
 std::string temporary_file(const std::string& name);
-// Removes that folder if it is empty, for a process that ends without its destructors.
+// Removes the folder of temporary_file() if the folder is empty. A process that ends without running its
+// destructors must call this function.
 void remove_temporary_folder();
 
 // Flushes the complete file `part` to disk and renames it to `path`.
 Result<void> put_in_place(const std::string& part, const std::string& path);
 
-// The destructor removes the file, unless keep() was called.
+// Removes a file in its destructor, unless keep() was called.
 class FileRemover {
  public:
   explicit FileRemover(std::string path) : path_(std::move(path)) {}

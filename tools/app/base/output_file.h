@@ -1,4 +1,4 @@
-// One output file at a path given by the user: checked and locked before a run starts.
+// One output file at a path given by the user. The file is checked and locked before a run starts.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,21 +12,23 @@
 
 namespace kaz::tools {
 
-// Type of an output file, and how an earlier file of this type is recognized. Only a recognized or an empty
-// file is replaced. Without marks and size, no file with content is recognized.
+// Type of an output file, and the marks by which an existing file of this type is recognized. An existing
+// file is replaced only if the file is recognized or empty. If a type has neither marks nor size, only an
+// empty file is replaced.
 struct FileKind {
-  const char* name;                         // for messages: "JUnit report"
-  std::array<std::string_view, 2> marks{};  // both occur within the first 4096 bytes
-  std::uint64_t size = 0;                   // exact size of every such file; 0: any
+  const char* name;  // for messages: "JUnit report"
+  // Texts that both occur within the first 4096 bytes of a file of this type.
+  std::array<std::string_view, 2> marks{};
+  std::uint64_t size = 0;  // size in bytes of every file of this type; 0: any size
 };
 
-// Written by kaz calibrate and kaz sim, as YAML or JSON.
+// Type of the camera calibration that `kaz calibrate` and `kaz sim` write, as YAML or JSON.
 inline constexpr FileKind kCalibrationFile{"calibration",
                                            {"camera_matrix_left", "distortion_coefficients_left"}};
 
-// Writes to PATH.part, which is locked, and renames it at the end: PATH never contains an incomplete file. A
-// symbolic link stays; its target is replaced. A character device, or a pipe with a reader, is written
-// directly.
+// Writes to the locked file PATH.part and renames that file to PATH at the end. So PATH is never an
+// incomplete file. If PATH is a symbolic link, the link stays and its target is replaced. If PATH is a
+// character device, or a pipe with a reader, the bytes are written to PATH directly.
 class OutputFile {
  public:
   // `option` names the file in errors: "--json". Errors:
@@ -37,23 +39,28 @@ class OutputFile {
                                  const FileKind& kind);
   OutputFile(OutputFile&& other) noexcept { *this = std::move(other); }
   OutputFile& operator=(OutputFile&& other) noexcept;
-  // Without commit() or failure() removes the part.
+  // Removes PATH.part, unless commit() or failure() was called.
   ~OutputFile();
 
   const std::string& path() const { return path_; }
-  // Path to write to until commit(). If a second Ctrl-C ends the program, the part stays unless it is empty.
+  // Path to write to before commit(). If a second Ctrl-C ends the program, PATH.part stays unless PATH.part
+  // is empty.
   const std::string& part() const;
-  // The same path, for a part that is useless before commit(): a second Ctrl-C removes it.
+  // Returns the same path as part(). Use scratch() if the content is useless before commit(): a second Ctrl-C
+  // then removes PATH.part.
   const std::string& scratch() const { return part_; }
-  // Checks that `bytes` fit on the disk, before long work. Fails like write() on a full disk. Succeeds for
-  // devices, pipes and file systems that cannot check this.
+  // Checks that the disk has room for `bytes` bytes; call this function before long work. If the disk is
+  // full, check_room() returns the same error as write(). Succeeds for devices and pipes, and for file
+  // systems that cannot check their free space.
   Result<void> check_room(std::uint64_t bytes);
-  // Writes the complete content and calls commit(). The error of a full disk lists the files saved so far.
+  // Writes the complete content and calls commit(). The error message for a full disk lists the files that
+  // were saved before.
   Result<void> write(std::string_view bytes);
   // Flushes the file to disk and renames it to its final path.
   Result<void> commit();
-  // Returns the error after a stream on part() failed. The stream does not keep the reason, so this function
-  // writes again to get it. The part stays; the error of a full disk names it.
+  // Call this function after a stream failed to write to part(). Returns the error. The stream does not keep
+  // the reason of its failure, so this function writes again to find the reason. PATH.part stays; the error
+  // message for a full disk contains its path.
   Error failure();
 
  private:
@@ -62,10 +69,10 @@ class OutputFile {
   Result<bool> lock_part(const std::string& option, const FileKind& kind);
   void release();
 
-  // Target_: file that path_ points to; empty for a device or pipe.
+  // target_: file that path_ points to; empty for a device or pipe.
   std::string path_, target_, part_;
   int fd_ = -1;
-  int at_last_ = -1;  // number from remove_file_at_last()
+  int at_last_ = -1;  // number that remove_file_at_last() returned
 };
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Locations of installed files: robot, worlds, page, firmware.
+// Locations of installed files: robot, worlds, viewer page, firmware.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,22 +9,25 @@
 
 namespace kaz::tools {
 
-// Returns the path of a file under share/kaz, for example "robot/kaz/kaz.urdf". The folder is $KAZ_DATA if
-// set, else ../share/kaz relative to the executable. Fails (environment) if the file is missing.
+// Returns the path of a file under share/kaz, for example "robot/kaz/kaz.urdf". The folder share/kaz is
+// $KAZ_DATA if this variable is set, else ../share/kaz relative to the executable. Fails (environment) if the
+// file is missing.
 Result<std::string> data_file(const std::string& name);
 
-// Finds a world by the name of an installed one ("ball"), or by path. Fails with Fault::usage.
+// Returns the path of a world file. `name` is the name of an installed world, for example "ball", or a path.
+// Fails (usage) if the file is missing.
 Result<std::string> world_file(const std::string& name);
 
-// Returns the folder of the --view page. If it is missing, the error (environment) states the command that
-// builds it.
+// Returns the folder of the viewer's page (option --view). If the folder is missing, the error (environment)
+// states the command that builds the page.
 Result<std::string> view_page();
 
-// Returns the firmware image to emulate: `given`, or the installed one if `given` is empty. A missing
-// installed image fails with Fault::environment, and the message lists the packages to install.
+// Returns the path of the firmware image to emulate: `given`, or the installed image if `given` is empty. A
+// missing installed image fails with Fault::environment, and the message lists the packages to install.
 Result<std::string> firmware_image(const std::string& given);
 
-// Returns recording.mcap in a folder written by `kaz run`, or `path` itself if it is no folder.
+// Returns the path of recording.mcap in a folder that `kaz run` has written. If `path` is no folder, returns
+// `path`.
 std::string recording_of(const std::string& path);
 
 }  // namespace kaz::tools

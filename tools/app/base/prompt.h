@@ -1,4 +1,4 @@
-// Questions to the user at the keyboard.
+// Prompts the user for input at the keyboard.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,8 +9,9 @@
 
 namespace kaz::tools {
 
-// Prints `prompt` on standard error and returns the typed line without its end. Ctrl-C ends the wait with
-// Fault::interrupted. At the end of standard input it fails with Fault::usage and the message `nobody`.
+// Prints `prompt` on standard error and returns the typed line without its line break. Fails with
+// Fault::interrupted after Ctrl-C. Fails with Fault::usage and the message `nobody` at the end of standard
+// input.
 Result<std::string> prompt_user(const std::string& prompt, const host::Interrupt& interrupt,
                                 const std::string& nobody);
 

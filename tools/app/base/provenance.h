@@ -1,7 +1,8 @@
 // Date, version, machine and command line of this program run, for reports.
 // SPDX-License-Identifier: Apache-2.0
 //
-// They are never part of a recording: the same seed must give the same bytes at any time on any machine.
+// These values are never written to a recording: the same seed must give the same bytes at any time on any
+// machine.
 #pragma once
 
 #include <string>
@@ -13,14 +14,14 @@
 
 namespace kaz::tools {
 
-// Stores the command line. Call it once, from main().
+// Stores the command line. Call set_command_line() once, from main().
 void set_command_line(int argc, const char* const* argv);
-// Returns the words of the command line without the program.
+// Returns the words of the command line without the program's name.
 const std::vector<std::string>& command_words();
 
-// `date` is the time of the call.
+// Returns the provenance of this run. Its `date` is the time at which provenance() was called.
 hil::Provenance provenance();
-// Value of `provenance` in JSON reports.
+// Returns the value of the member `provenance` in JSON reports.
 nlohmann::ordered_json provenance_json();
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Suggestion of a name for a mistyped one.
+// Suggests the correct spelling of a mistyped name.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace kaz::tools {
 
-// Returns "; did you mean --duration?", or "" if no name is similar: an edit distance of at most 2, or a name
-// that starts with `given`.
+// Returns a text such as "; did you mean --duration?", or "" if no name is similar to `given`. A name is
+// similar if its edit distance from `given` is at most 2, or if the name starts with `given`.
 std::string suggestion(std::string_view given, const std::vector<std::string>& names);
 
 }  // namespace kaz::tools

@@ -9,12 +9,13 @@
 
 namespace kaz::tools {
 
-// Returns a function that reads the lag from the control socket beside the port (`kaz sim`). Null without a
-// socket, as at a real port. After an interrupt the function waits at most 0.3 s for the reply, so that a
-// run's end can still be evaluated. `interrupt` must outlive it.
+// Returns a function that reads the simulator's lag from the control socket beside the port (`kaz sim`).
+// Returns null if there is no socket, as at a real port. After an interrupt the function waits at most 0.3 s
+// for the reply, so that a run's end can still be evaluated. `interrupt` must outlive the function.
 host::LatenessMeter::TimeLost time_lost_behind(const std::string& port, host::Interrupt& interrupt);
 
-// Returns "native" or "h8" from the same socket; empty without a socket, or without a valid reply.
+// Returns the simulator's kind of microcontroller, "native" or "h8", from the control socket beside the port.
+// Returns "" if there is no socket or no valid reply.
 std::string simulated_mcu(const std::string& port, const host::Interrupt& interrupt);
 
 }  // namespace kaz::tools

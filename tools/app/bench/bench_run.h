@@ -14,12 +14,14 @@ namespace kaz::tools {
 
 struct BenchOptions {
   BenchTargetOptions target;
-  bool motor = false, link = false, tick = false;  // groups to measure
-  std::string joints = "l_sh_pitch";               // names separated by commas, or "all"
+  bool motor = false, link = false, tick = false;  // groups of measurements to make
+  std::string joints = "l_sh_pitch";               // names of joints separated by commas, or "all"
   std::string filter, limits;
-  std::string out = "kaz-bench";  // `kaz bench` appends the group, as "-motor"
+  // Output folder; `kaz bench` appends the group, for example "-motor".
+  std::string out = "kaz-bench";
   double supply_volts = 10;
-  std::string of_motors;  // name of a given option that applies only to motors; empty: none
+  // Name of a given option that is valid only for motors; empty: no such option was given.
+  std::string of_motors;
   bool allow_motion = false, json = false;
 };
 
@@ -29,11 +31,12 @@ struct BenchFitOptions {
   bool json = false;
 };
 
-// Parses a list of joint names. Returns their numbers, each once.
+// Parses a list of joint names. Returns the numbers of these joints, each number once.
 Result<std::vector<int>> joints_of(const std::string& text);
 
-// Writes the reports to `out`, and prints each measurement. Status 1: a measurement failed, or none passed.
-// Status 3: none failed, but some are undecided because of a warm motor, a disturbed line, or a late machine.
+// Writes the reports to the folder `out`, and prints each measurement. Exit status 1: a measurement failed,
+// or no measurement passed. Exit status 3: no measurement failed, but some are undecided because a motor was
+// warm, the line was disturbed, or this machine was late.
 Result<Outcome> run_bench(const BenchOptions& arguments);
 // Fits the motor model to a report of run_bench().
 Result<bool> run_fit(const BenchFitOptions& arguments);

@@ -1,4 +1,4 @@
-// Target of `kaz bench`: an emulated board on the virtual motor stand, or a board at a port with its stand.
+// Target of `kaz bench`: an emulated board on the virtual motor stand, or a board at a port with a stand.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,10 +17,12 @@
 namespace kaz::tools {
 
 struct BenchTargetOptions {
-  std::string port;                           // for parse_port_address(); empty: the virtual stand
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // at a port
-  std::string stand;                          // at a port: "", "manual" or "ctl:PATH"
-  BackendOptions backend;  // for the virtual stand: mcu, image, motor, disc, sensors, seed
+  // Port of the board, as for parse_port_address(); empty: the virtual stand.
+  std::string port;
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // address of the board at the port
+  // Stand of the board at the port: "", "manual" or "ctl:PATH".
+  std::string stand;
+  BackendOptions backend;  // for the virtual stand; uses mcu, image, motor, disc, sensors and seed
 };
 
 class BenchTarget {
@@ -30,11 +32,12 @@ class BenchTarget {
   static Result<std::unique_ptr<BenchTarget>> open(const BenchTargetOptions& options,
                                                    host::Interrupt& interrupt);
   virtual ~BenchTarget() = default;
-  virtual std::string name() const = 0;  // "virtual board (h8)", "/dev/ttyUSB0"
+  virtual std::string name() const = 0;  // for example "virtual board (h8)" or "/dev/ttyUSB0"
   virtual host::Link& link() = 0;
   virtual host::Clock& clock() = 0;
-  virtual hil::Stand* stand() = 0;  // null without a stand
-  // Meter that link() and clock() belong to, at a port; null in simulated time.
+  virtual hil::Stand* stand() = 0;  // null if there is no stand
+  // Meter that measures how late this machine serves link() and clock(), for a board at a port. Null if the
+  // time is simulated.
   virtual host::LatenessMeter* lateness() = 0;
 };
 

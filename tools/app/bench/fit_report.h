@@ -11,11 +11,11 @@
 namespace kaz::tools {
 
 nlohmann::ordered_json fit_json(const lockstep::MotorFit& fit);
-// Returns a page with the parameters, the residuals before and after, and the curves. `report`: name of the
-// bench report. `from`: time, program version and command of the fit.
+// Returns a page with the parameters, the residuals before and after the fit, and the curves. `report`: name
+// of the bench report. `from`: time, program version and command of the fit.
 std::string fit_html(const lockstep::MotorFit& fit, const std::string& report,
                      const hil::Provenance& from);
-// Returns the same parameters and residuals as lines of text.
+// Returns the parameters and the residuals of the fit as lines of text.
 std::string fit_text(const lockstep::MotorFit& fit);
 
 }  // namespace kaz::tools

@@ -11,16 +11,16 @@
 namespace kaz::tools {
 
 struct PendulumArguments {
-  std::string robot;                            // for parse_bus()
-  std::optional<servo_bus::Protocol> protocol;  // used if `robot` contains none
-  long baud = 0;  // 0: the rate in `robot`, or the servos' factory setting
+  std::string robot;                            // bus and port, as for parse_bus()
+  std::optional<servo_bus::Protocol> protocol;  // protocol to use if `robot` contains no protocol
+  long baud = 0;  // baud rate; 0: the rate in `robot`, or the servos' factory setting
   hil::PendulumOptions recorder;
   double amplitude_deg = 80;
   std::string out = "kaz-pendulum";
   bool yes = false, json = false;
 };
 
-// Records twelve logs, and writes them to the folder with record.json.
+// Records twelve logs. Writes the logs and record.json to the folder `out`.
 Result<bool> record_pendulum_logs(PendulumArguments arguments);
 
 }  // namespace kaz::tools

@@ -10,8 +10,8 @@
 namespace kaz::tools {
 
 struct ServoFitArguments {
-  std::vector<std::string> logs, held_out;  // files (servo_log.h)
-  int model = 0;                            // largest model to fit; 0: all six
+  std::vector<std::string> logs, held_out;  // paths of logs (servo_log.h)
+  int model = 0;                            // number of the largest model to fit; 0: all six models
   std::string out = "kaz-servo";
   bool json = false;
 };

@@ -1,4 +1,4 @@
-// `kaz status`: reads the state of a board. It moves and changes nothing.
+// `kaz status`: reads the state of a board, without moving a joint or changing a setting.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,12 +11,12 @@
 namespace kaz::tools {
 
 struct StatusOptions {
-  std::string port;  // for parse_port()
+  std::string port;  // port of the board, as for parse_port()
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   bool json = false;
 };
 
-// Prints the state. Returns false if a shutdown is latched.
+// Prints the state. Returns false if the board has latched a shutdown.
 Result<bool> print_status(const StatusOptions& arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz recover`: restores a board, whatever address an interrupted run has left it at.
+// `kaz recover`: restores a board after an interrupted run, whichever address the board has now.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,12 +14,17 @@
 namespace kaz::tools {
 
 struct RecoverOptions {
-  std::string port = {};                      // for parse_port()
-  std::optional<std::uint8_t> address = {};   // final address; empty: from the notes, else 1
-  std::optional<std::uint8_t> found_at = {};  // present address, if there are several boards
-  std::optional<bool> shared_line = {};       // empty: as in the notes, else unchanged
-  std::string from = {};                      // notes of an interrupted run; empty: none
-  bool port_changed = false;  // the notes describe this board, but name another port
+  std::string port = {};  // port of the board, as for parse_port()
+  // Address to set; empty: the one in the notes, or 1 without notes.
+  std::optional<std::uint8_t> address = {};
+  // Present address of the board, if several boards reply.
+  std::optional<std::uint8_t> found_at = {};
+  // Setting to write; empty: the one in the notes, or unchanged without notes.
+  std::optional<bool> shared_line = {};
+  // File with the notes of an interrupted run; empty: no notes.
+  std::string from = {};
+  // The notes describe this board, although the port in the notes is another one.
+  bool port_changed = false;
   bool json = false;
 };
 
@@ -31,15 +36,16 @@ struct Recovered {
 };
 
 // Finds the board, switches its motors off, resets it and sets its address. Waits up to `patience` for a
-// board that starts or is in its loader. With `kept` it also restores all settings in those notes, including
-// the calibration in flash. Without them the calibration stays. Fails (usage or environment) if no board is
-// found, if there are several and none is selected, or if another board has the address.
+// board that is starting or is in its loader. If `kept` is given, also restores all settings in these notes,
+// including the calibration in flash. Without notes the calibration in flash stays unchanged. Fails (usage or
+// environment) if no board is found, or if another board has the address to set. Also fails if several boards
+// are found and none is selected.
 Result<Recovered> recover_board(host::Link& link, host::Clock& clock, const RecoverOptions& options,
                                 const std::optional<KeptFile>& kept,
                                 Time patience = std::chrono::seconds(6));
 
-// Runs the command, and prints what was found and done. Returns false if a fault remains, or if something
-// could not be restored.
+// Runs `kaz recover`, and prints what it has found and done. Returns false if the board still has a fault, or
+// if a setting could not be restored.
 Result<bool> recover(const RecoverOptions& options);
 
 }  // namespace kaz::tools

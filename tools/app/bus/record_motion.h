@@ -1,5 +1,6 @@
-// `kaz bus record`: records a motion by hand for `kaz run play`. `kaz bus status`: reads each servo once.
+// `kaz bus record`: records a motion that the user makes by hand, for `kaz run play`.
 // SPDX-License-Identifier: Apache-2.0
+// `kaz bus status`: reads each servo once.
 #pragma once
 
 #include <string>
@@ -11,15 +12,15 @@
 namespace kaz::tools {
 
 struct MotionRecordOptions {
-  BackendOptions backend;  // uses robot and robot_file
+  BackendOptions backend;  // only robot and robot_file are used
   double seconds = 20;
-  std::string out;       // file of poses
-  bool release = false;  // switches the torque off first, if it is on
+  std::string out;       // file of poses to write
+  bool release = false;  // switches the servos' torque off first
   bool json = false;
 };
 
-// Reads the joints while the user moves them, and writes the file of poses. Drives no servo. The outcome is a
-// failure if nothing moved, or if a joint was outside of its limits.
+// Reads the joint angles while the user moves the joints, and writes the file of poses. Drives no servo. The
+// outcome is a failure if no joint moved, or if a joint was outside of its limits.
 Result<Outcome> record_motion(const MotionRecordOptions& options);
 
 struct BusStatusOptions {

@@ -1,4 +1,4 @@
-// `kaz bus scan`: finds the servos on a bus and their baud rates, and checks them and the wiring.
+// `kaz bus scan`: finds the servos on a bus and their baud rates, and checks the servos and the wiring.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,16 +11,18 @@
 namespace kaz::tools {
 
 struct BusScanOptions {
-  std::string robot;     // for parse_bus(); if it contains a protocol, `protocol` must be empty
-  std::string protocol;  // "feetech", "dynamixel"; empty: the one in `robot`, or both
+  // Bus and port, as for parse_bus(); if `robot` contains a protocol, `protocol` must be empty.
+  std::string robot;
+  // "feetech" or "dynamixel"; empty: the protocol in `robot`, or both protocols.
+  std::string protocol;
   std::vector<long> bauds;
   int first_id = 0, last_id = 252;
   int readings = 20;
   bool json = false;
 };
 
-// Prints the servos. Status 1: no servo found, or a problem found. Status 3: no problem found, but this
-// machine was too late to judge all ids.
+// Scans the bus and prints the servos that it finds. Exit status 1: no servo was found, or a problem was
+// found. Exit status 3: no problem was found, but this machine was too late to judge all ids.
 Result<Outcome> run_bus_scan(const BusScanOptions& options);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz calibrate joints` for a servo bus: measures ranges by hand, and prevents wrapping positions.
+// `kaz calibrate joints` for a servo bus: measures joint ranges and prevents positions that wrap around.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,19 +11,19 @@
 namespace kaz::tools {
 
 struct BusCalibrationOptions {
-  BackendOptions backend;  // uses robot and robot_file
-  double seconds = 120;    // maximum time to turn the joints
-  std::string out;         // folder for result.json; none if empty
-  bool release = false;    // switches the torque off first, if it is on
-  bool yes = false;        // writes without confirmation
-  bool store = true;       // false: report only
+  BackendOptions backend;  // only robot and robot_file are used
+  double seconds = 120;    // longest time that the user has to turn the joints
+  std::string out;         // folder for result.json; empty: no file is written
+  bool release = false;    // switches the servos' torque off first
+  bool yes = false;        // writes the changes without asking for confirmation
+  bool store = true;       // false: only prints the changes
   bool json = false;
 };
 
-// Reads positions while the user turns each joint from stop to stop. Places each range so that it does not
-// wrap, and prints the changes. Then writes them to the servos' EEPROM and to bus.json. The outcome is a
-// failure, and nothing is written, if a joint has no good range. After an interrupt or an error nothing is
-// written, or the writes are undone.
+// Reads positions while the user turns each joint from stop to stop. Shifts each joint's range so that no
+// position in the range wraps around, and prints the changes. Then writes the changes to the servos' EEPROM
+// and to bus.json. If a joint has no good range, the outcome is a failure and nothing is written. After an
+// interrupt or an error nothing is written, or all writes are undone.
 Result<Outcome> calibrate_bus_joints(const BusCalibrationOptions& options);
 
 }  // namespace kaz::tools

@@ -14,8 +14,9 @@
 
 namespace kaz::tools {
 
-// A calibration is good if 95 % of the angles have a smaller expected error (two standard deviations). A
-// gauge gives only a few angles, so it determines slope and curve of a potentiometer less well.
+// A calibration is good if the expected error (two standard deviations) is below this limit at 95 % of the
+// angles. The limit for a gauge is larger: a gauge gives only a few angles, so it determines slope and curve
+// of a potentiometer less well.
 inline constexpr double kGoodError = 0.5 * kDegree, kGoodByGauge = 1 * kDegree;
 
 struct GaugeReading {
@@ -24,29 +25,33 @@ struct GaugeReading {
 };
 
 struct JointReport {
-  std::string port, board;  // port: "sim", "/dev/ttyUSB0"; board: its own identification
-  bool stops = false, floor = false, gauge = false;  // methods that were requested
+  // Port: "sim" or for example "/dev/ttyUSB0"; board: identification reported by the board.
+  std::string port, board;
+  bool stops = false, floor = false, gauge = false;  // whether each method was requested
   std::uint32_t joints = 0;                          // mask of the joints to calibrate
   std::vector<calibration::StopReading> stop_readings;
   std::vector<calibration::FloorReading> floor_readings;
   std::vector<GaugeReading> gauge_readings;
-  double gauge_error_rad = 0;  // one standard deviation of an angle by gauge
+  double gauge_error_rad = 0;  // standard deviation of an angle at the gauge
   std::array<host::JointCalibration, KZ_JOINTS> before{};
   std::optional<calibration::JointEstimator::Solution> solution;
   std::optional<host::StoredCalibration> stored;
-  std::optional<Error> error;  // error that ended the measurements early
-  std::string signal;          // name of the signal that ended them
-  double seconds = 0;          // robot time
+  std::optional<Error> error;  // error that ended the measurements early, if any
+  std::string signal;          // name of the signal that ended the measurements early
+  double seconds = 0;          // duration of the measurements in robot time
 };
 
-// Returns one sentence on the fault of a joint's calibration; empty if it is good, or was not requested.
+// Returns one sentence that states what is wrong with a joint's calibration. Returns "" if the calibration is
+// good, or if the calibration was not requested.
 std::string fault_of(const JointReport& report, int joint);
-// Returns the joints with a fault. If floor readings contradict each other, these are all joints of the legs.
+// Returns the joints for which fault_of() is not empty. If floor readings contradict each other, every joint
+// of the legs has a fault.
 std::vector<int> faulty(const JointReport& report);
 
 std::string joint_table_text(const JointReport& report);
 nlohmann::ordered_json joint_report_json(const JointReport& report);
-// Returns a picture with a bar for each joint: its expected error over its range, and the largest error.
+// Returns a picture with one bar per joint, which shows the joint's expected error over its range, and its
+// largest error.
 std::string joint_report_svg(const JointReport& report);
 
 }  // namespace kaz::tools

@@ -1,7 +1,7 @@
 // Run as observed on the wire: commands, postures, replies and pictures from a recording.
 // SPDX-License-Identifier: Apache-2.0
-// It is the same for recordings of a virtual robot and of a port: the simulator's ground truth is not read.
-// The same of a virtual robot's recording and of one made at a port: the simulator's truth is not read.
+// A trace contains the same data for a virtual robot and for a robot at a port: the simulator's ground truth
+// is not read.
 #pragma once
 
 #include <array>
@@ -15,17 +15,19 @@
 
 namespace kaz::tools {
 
-// Times are in s since the first record of the behavior; without one, since the start of the recording.
+// Times are in s since the first record of the behavior, or since the start of a recording without such
+// records.
 struct RunTrace {
-  std::string name;      // as passed to of(); load() passes the file
-  std::string behavior;  // empty if unknown
-  std::string settings;  // JSON
-  std::string robot;     // "virtual", or the port
+  std::string name;      // the `name` passed to of(); load() passes the path of the file
+  std::string behavior;  // name of the behavior; empty if unknown
+  std::string settings;  // settings of the behavior as JSON
+  std::string robot;     // "virtual" or the port
   double duration_s = 0;
-  std::string early_end;  // why the recording ends before the run; else empty
+  std::string early_end;  // reason why the recording ends before the run; empty if it is complete
 
   struct Posture {
-    // When the angles were measured: the board's tick, aligned with the earliest arrivals.
+    // Time at which the angles were measured: the time of the board's tick, aligned to the recording by the
+    // replies that arrived fastest.
     double time_s = 0;
     std::array<double, KZ_JOINTS> angle_rad{};
     double supply_v = 0;
@@ -33,35 +35,36 @@ struct RunTrace {
   std::vector<Posture> postures;
 
   struct Targets {
-    // Time at which the request had arrived at the board, as far as the wire shows.
+    // Time at which the request had arrived at the board, estimated from the traffic on the wire.
     double time_s = 0;
     double ramp_s = 0;
     std::uint32_t mask = 0;
-    std::array<double, KZ_JOINTS> angle_rad{};  // for the joints in the mask
+    std::array<double, KZ_JOINTS> angle_rad{};  // valid for the joints in `mask`
   };
   std::vector<Targets> targets;
 
   struct Exchange {
-    double time_s = 0;        // start of the request
-    double round_trip_s = 0;  // until the complete reply
+    double time_s = 0;        // time at which the request started
+    double round_trip_s = 0;  // from the start of the request until the complete reply
   };
   std::vector<Exchange> exchanges;
 
   struct Picture {
     double exposure_s = 0;
-    double delay_s = 0;  // until the behavior received the result of vision
+    double delay_s = 0;  // from the exposure until the behavior received the result of vision
     bool found = false;  // the ball was found
   };
   std::vector<Picture> pictures;
 
   int unanswered = 0;  // requests without a reply
   int refused = 0;
-  int damaged = 0;                     // damaged frames in either direction
-  std::vector<std::string> shutdowns;  // reasons that the board reported, each once
+  int damaged = 0;  // damaged frames in either direction
+  // Reasons for shutdowns that the board reported, each reason once.
+  std::vector<std::string> shutdowns;
 
   // Fails (usage) if the recording is damaged or contains no posture.
   static Result<RunTrace> of(const sim::McapRecording& recording, const std::string& name);
-  // Loads a file, or recording.mcap in a folder.
+  // Loads the file at `path`, or recording.mcap if `path` is a folder.
   static Result<RunTrace> load(const std::string& path);
 };
 

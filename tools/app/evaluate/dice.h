@@ -11,7 +11,7 @@
 
 namespace kaz::tools {
 
-// Purpose of a random number; its value is the key of the stream.
+// Purpose of a random number. The value of the enumerator is the key of the purpose's stream.
 enum class Draw : std::uint64_t {
   friction = 301,
   supply,
@@ -36,7 +36,8 @@ enum class Draw : std::uint64_t {
   pushes
 };
 
-// Maps a normal deviate to a uniform one, 0 to 1. keyed_normal() returns the same deviates on all machines.
+// Maps a normally distributed random number to a uniformly distributed one, 0 to 1. The normal numbers come
+// from keyed_normal(), because keyed_normal() returns the same numbers on all machines.
 inline double from_normal(double normal) {
   return std::clamp(0.5 * std::erfc(-normal / std::numbers::sqrt2), 0.0, 1.0);
 }
@@ -49,7 +50,7 @@ class Dice {
     return from + (to - from) * from_normal(keyed_normal(seed_, ++number_,
                                                          static_cast<std::uint64_t>(what_)));
   }
-  // Returns 0 to `count` - 1.
+  // Returns a random integer, 0 to `count` - 1.
   std::size_t below(std::size_t count) {
     return static_cast<std::size_t>((*this)(0, static_cast<double>(count) - 0.001));
   }

@@ -10,7 +10,7 @@
 
 namespace kaz::tools {
 
-// Parses campaign.json. Errors (usage) contain `name`.
+// Parses campaign.json. Error messages (usage) of all functions in this file contain `name`.
 Result<nlohmann::ordered_json> parse_campaign(const std::string& text, const std::string& name);
 // Parses one episode: its number, scenario, outcome, times, results and ground truth.
 Result<nlohmann::ordered_json> parse_episode(const std::string& text, const std::string& name);

@@ -10,8 +10,8 @@
 
 namespace kaz::tools {
 
-// `given`: option names on the command line, as "--obstacles". Fails (usage) for the first option without
-// effect; the message states its purpose.
+// `given`: names of the options on the command line, for example "--obstacles". If an option has no effect,
+// fails (usage) for the first such option. The message states the purpose of that option.
 Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given);
 
 }  // namespace kaz::tools

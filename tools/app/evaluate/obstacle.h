@@ -1,7 +1,7 @@
 // Obstacles in the world of an episode.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frame: between the feet of the robot at its start; x ahead, y left. Units m, rad, s.
+// Coordinate frame: origin between the feet of the robot at the start; x ahead, y left. Units: m, rad, s.
 #pragma once
 
 #include <array>
@@ -13,16 +13,17 @@ namespace kaz::tools {
 
 enum class Shape { box, can, ball };
 
-// A push at a time after the start of the world. The obstacle slides by `by_m` and stays there.
+// A push at the time `at_s` after the start of the simulation. The obstacle slides by `by_m` and then stays.
 struct Slide {
   double at_s = 0;
   Eigen::Vector2d by_m{0, 0};
 };
 
-// Stands on the floor. A ball can roll, a sliding obstacle is pushed, all others are fixed.
+// An object that stands on the floor. A ball can roll, an obstacle with `slide` is pushed, and all other
+// obstacles are fixed.
 struct Obstacle {
   double x_m = 0, y_m = 0, yaw_rad = 0;
-  // For cans and balls, length and width are the diameter; for a ball so is the height.
+  // For a can, length and width are the diameter. For a ball, length, width and height are the diameter.
   double length_m = 0.1, width_m = 0.1, height_m = 0.1;
   Shape shape = Shape::box;
   std::array<double, 3> rgb{0.5, 0.5, 0.5};
@@ -33,10 +34,10 @@ struct Obstacle {
 
 // Returns the distance in m from `place` to the obstacle's wall, seen from above; 0 inside.
 double distance_to(const Obstacle& obstacle, const Eigen::Vector2d& place);
-// Returns the obstacle after its slide.
+// Returns the obstacle at its position after the slide.
 Obstacle at_rest(const Obstacle& obstacle);
-// Friction coefficient of a sliding obstacle on any floor, and the initial speed in m/s for a slide of
-// `distance_m`.
+// kSlideFriction: friction coefficient of a sliding obstacle on any floor. push_speed() returns the initial
+// speed in m/s that makes the obstacle slide by `distance_m`.
 constexpr double kSlideFriction = 0.15;
 double push_speed(double distance_m);
 

@@ -1,4 +1,4 @@
-// Shapes of the robot as its eyes see them, to find what its limbs hide.
+// Shapes of the robot that the robot's eyes can see, to find the points that the robot's limbs hide.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,16 +13,17 @@
 
 namespace kaz::tools {
 
-// Contains the triangles of which the eyes' pictures are drawn. Only the judge uses it. A behavior estimates
-// its limbs roughly, from joint angles.
+// Contains the same triangles from which the eyes' pictures are drawn. Only the judge uses this class. A
+// behavior estimates the positions of the robot's limbs roughly, from joint angles.
 class OwnBody {
  public:
-  // Takes the scene's shapes of the frames in `links`. Fails if a shape's file cannot be read.
+  // Copies the shapes of the scene's frames that `links` lists. Fails if the file of a shape cannot be read.
   static Result<OwnBody> make(const sim::Scene& scene, std::span<const std::string> links);
 
-  // Moves the shapes to their poses. `from_world`: transform to the frame of hides().
+  // Moves the shapes to their poses in `pose`. `from_world`: transform from the world to the frame of
+  // hides().
   void move(const sim::ScenePose& pose, const Eigen::Isometry3d& from_world);
-  // Whether a shape is between the eye and the point `at`.
+  // Returns whether a shape is between the eye and the point `at`.
   bool hides(const Eigen::Vector3d& eye, const Eigen::Vector3d& at) const;
 
  private:
@@ -31,9 +32,11 @@ class OwnBody {
   };
   struct Part {
     int frame = 0;
-    // in_frame: pose of the visual in its frame. into: from the frame of hides() to the visual's.
+    // in_frame: pose of the visual in its frame. into: transform from the frame of hides() to the frame of
+    // the visual.
     Eigen::Isometry3d in_frame, into;
-    double radius_m = 0;              // radius of a sphere around its origin
+    // Radius of a sphere around the visual's origin that contains all triangles.
+    double radius_m = 0;
     std::vector<Triangle> triangles;  // in the frame of the visual
   };
   std::vector<Part> parts_;

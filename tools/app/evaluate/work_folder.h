@@ -1,4 +1,4 @@
-// Temporary files of an evaluation's episodes, which are removed however it ends.
+// Folder for temporary files of an evaluation's episodes. The folder is removed however the evaluation ends.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,16 +11,17 @@
 
 namespace kaz::tools {
 
-// The folder is in TMPDIR or /tmp. The processes of the episodes use it as their TMPDIR. A killed process
-// cannot remove its files, so its parent removes them. A program that exits at once (interrupt_signals.h)
-// first kills these processes and removes the folder. Only one object may exist in a process.
+// The folder is in TMPDIR or /tmp. The processes of the episodes use the folder as their TMPDIR. A killed
+// process cannot remove its own files, so its parent process removes the files. A program that exits
+// immediately (interrupt_signals.h) first kills the processes of the episodes and removes the folder. Only
+// one object may exist in a process.
 class WorkFolder {
  public:
   static constexpr const char* kPrefix = "kaz-evaluate-";
   static constexpr int kMaxUsers = 256;  // largest value of --jobs
 
-  // Creates and locks the folder. Also removes folders of killed evaluations of this user, which hold no lock
-  // any more. Fails (environment) if TMPDIR cannot be written to.
+  // Creates and locks the folder. Also removes the folders of this user's killed evaluations. These folders
+  // are no longer locked. Fails (environment) if TMPDIR cannot be written to.
   static Result<WorkFolder> make();
   WorkFolder(WorkFolder&& other) noexcept
       : path_(std::exchange(other.path_, {})), folder_(std::exchange(other.folder_, -1)) {}
@@ -29,14 +30,15 @@ class WorkFolder {
   ~WorkFolder();
 
   const std::string& path() const { return path_; }
-  // Call these when a child of this process starts to use the folder, and when it has ended.
+  // Call add_user() when a child of this process starts to use the folder. Call remove_user() when the child
+  // has ended.
   void add_user(pid_t child);
   void remove_user(pid_t child);
 
  private:
   WorkFolder(std::string path, int folder) : path_(std::move(path)), folder_(folder) {}
   std::string path_;
-  int folder_;  // open and locked
+  int folder_;  // descriptor of the folder, which is open and locked
 };
 
 }  // namespace kaz::tools

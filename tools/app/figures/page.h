@@ -1,4 +1,4 @@
-// HTML page of the figures, beside descriptions of the paper's.
+// HTML page that shows the drawn figures beside the captions of the paper's figures.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,9 +8,10 @@
 
 namespace kaz::tools {
 
-// Returns the paper's caption. `number` must be in figure_numbers().
+// Returns the caption of a figure in the paper. `number` must be in figure_numbers().
 std::string paper_caption(int number);
-// `result`: content of result.json. The page needs only the pictures beside it.
+// Returns the page. `result`: content of result.json. The page uses no files except the pictures in the same
+// folder.
 std::string figures_page(const nlohmann::ordered_json& result);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Collects what the paper's figures show, during a run.
+// Collects the data of the paper's figures during a run.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,29 +20,29 @@
 
 namespace kaz::tools {
 
-// Figure 3: one frame with the ball in view, the results of vision, and the world from outside at its
-// exposure.
+// Figure 3: one frame with the ball in view, and the results of vision for this frame. `outside` shows the
+// world at the exposure of the frame.
 struct SceneView {
   std::shared_ptr<const vision::StereoImages> images;
   vision::BallObservation ball;  // ball.info is the frame information
   vision::DepthImage depth;
-  vision::FlowImage flow;      // since the previous frame
-  double ball_moved_px = 0;    // since the previous frame
+  vision::FlowImage flow;      // flow since the previous frame
+  double ball_moved_px = 0;    // motion of the ball since the previous frame
   vision::Image outside = {};  // external view
 };
 
 // Figure 5: the world before the robot moves.
 struct SetupView {
   vision::Image from_side, from_above;
-  // In the view from above, px; empty without a ball.
+  // Positions in the view from above, px. ball_px is empty if there is no ball.
   std::pair<double, double> robot_px{0, 0};
   std::optional<std::pair<double, double>> ball_px;
-  std::optional<Eigen::Vector2d> ball_m;  // x ahead, y left of the robot's start
+  std::optional<Eigen::Vector2d> ball_m;  // position relative to the robot's start; x ahead, y left
 };
 
-// Figure 6: a frame from looking around.
+// Figure 6: one frame taken while the robot looks around.
 struct PlaneView {
-  double wanted_pan_rad = 0, pan_rad = 0;  // head angle; positive to the left
+  double wanted_pan_rad = 0, pan_rad = 0;  // commanded and actual head angle; positive to the left
   std::shared_ptr<const vision::StereoImages> images;
   vision::PlaneSegments planes;  // planes.info is the frame information
   vision::DepthImage depth;
@@ -54,19 +54,19 @@ struct PlanView {
   map::LocalMap map;
   Eigen::Vector2d robot{0, 0}, goal{0, 0};
   double heading_rad = 0;
-  std::vector<Eigen::Vector2d> path;  // corners, from the robot to the place that it walks to
+  std::vector<Eigen::Vector2d> path;  // corners of the path, from the robot to its destination
 };
 
 // Observes one session. Collects only the behavior's reports, its pictures and external views. Ground truth
-// only points the camera of the external views.
+// is used only to direct the camera of the external views.
 class RunCollector final : public Onlooker, public VisionWatcher, public behavior::Sink {
  public:
   struct Wanted {
     bool scene = false, setup = false, plan = false, moments = false;
   };
   explicit RunCollector(Wanted wanted) : wanted_(wanted) {}
-  // Adds this object, and the vision modules that it needs, to the options of a session. Must outlive the
-  // session.
+  // Adds this object, and the vision modules that the object needs, to the options of a session. The object
+  // must outlive the session.
   void listen(SessionOptions& options);
 
   const std::optional<SceneView>& scene() const { return scene_; }
@@ -74,7 +74,7 @@ class RunCollector final : public Onlooker, public VisionWatcher, public behavio
   const std::vector<PlaneView>& look_around() const { return look_around_; }
   const std::optional<PlanView>& plan() const { return plan_; }
   const std::vector<MomentPictures>& moments() const { return moments_; }
-  // Set if a view could not be drawn.
+  // Error of a view that could not be drawn; empty if all views were drawn.
   const std::optional<Error>& error() const { return error_; }
 
   void look(sim::Simulation& simulation) override;
@@ -84,7 +84,7 @@ class RunCollector final : public Onlooker, public VisionWatcher, public behavio
   void map(const behavior::MapReport& report) override;
 
  private:
-  // State of the world at one time, for views of it.
+  // State of the world at one time, for drawing external views.
   struct Pose {
     Time time{};
     sim::ScenePose scene;
@@ -106,7 +106,7 @@ class RunCollector final : public Onlooker, public VisionWatcher, public behavio
 
   Wanted wanted_;
   sim::Simulation* simulation_ = nullptr;
-  std::deque<Pose> poses_;  // newest
+  std::deque<Pose> poses_;  // newest poses
   std::deque<Seen> seen_;   // results of the newest frames
   std::optional<vision::BallObservation> ball_before_;
   std::optional<Pose> scene_pose_;

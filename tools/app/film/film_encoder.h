@@ -1,4 +1,4 @@
-// Encodes pictures as a film, with the program ffmpeg.
+// Encodes pictures as a film, using the program ffmpeg.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,10 +17,10 @@
 namespace kaz::tools {
 
 struct FilmFormat {
-  const char* ending;                // ".mp4"
-  FileKind kind;                     // type of files that it may replace
-  int fps;                           // default
-  std::vector<std::string> options;  // options of ffmpeg after those of its input
+  const char* ending;                // ending of the file's name, for example ".mp4"
+  FileKind kind;                     // type of existing files that the film may replace
+  int fps;                           // default number of pictures per second
+  std::vector<std::string> options;  // options of ffmpeg for its output
 };
 
 // Returns the format for the ending of `path`. Fails (usage) for an unknown ending; the message lists all
@@ -31,17 +31,18 @@ struct FilmSize {
   int width = 0, height = 0, fps = 0;
 };
 
-// Runs ffmpeg as a child process, which ends with this object.
+// Runs ffmpeg as a child process. The destructor ends the process.
 class FilmEncoder {
  public:
   // Starts ffmpeg, which replaces the file at `path`. `interrupt` must outlive the encoder.
   static Result<FilmEncoder> begin(const FilmFormat& format, const FilmSize& size,
                                    const std::string& path, const host::Interrupt& interrupt);
 
-  // Adds one picture: rows from top to bottom, 3 bytes per pixel. Fails if interrupted, or (environment) if
-  // ffmpeg is not installed or ended with an error; the message contains the last line of its output.
+  // Adds one picture: rows from top to bottom, 3 bytes per pixel. Fails after an interrupt. Fails
+  // (environment) if ffmpeg is not installed or ended with an error; the message contains the last line of
+  // ffmpeg's output.
   Result<void> add(std::span<const std::uint8_t> rgb);
-  // Waits until the file is complete. Errors as add().
+  // Waits until the file is complete. Fails like add().
   Result<void> finish();
 
  private:

@@ -25,15 +25,16 @@ class Answer {
   }
 
   void image(const host::FlashImage& image);
-  // Reports a completed write. `by_boot_mode`: boot mode has erased the whole flash before.
+  // Reports a completed write. `by_boot_mode`: the flash was written through boot mode, which first erased
+  // the whole flash.
   void written(const host::FlashReport& report, bool by_boot_mode);
-  // Whether written() was called: the flash is complete.
+  // Returns whether written() was called. If so, the flash is complete.
   bool has_written() const { return has_written_; }
   void application(const std::optional<host::ImageIdentity>& identity);
   void runs(const kz_identify_reply& board);
 
-  // Prints the JSON object with `ok`; for a failure also with `error` and the exit code. Prints nothing
-  // without JSON.
+  // Prints the JSON object with the member `ok`. After a failure, adds `error` and the exit code. Prints
+  // nothing if the output is not JSON.
   void finish(const std::string& verb, const Result<void>& done);
 
  private:

@@ -21,7 +21,7 @@ struct FlashArguments {
   bool dry_run = false, force = false, start = true, json = false;
 };
 
-// Checks without a board: missing options, and options that exclude each other.
+// Fails if an option is missing, or if options exclude each other. Needs no board.
 Result<void> check(const FlashArguments& arguments);
 
 }  // namespace kaz::tools

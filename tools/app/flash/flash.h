@@ -7,7 +7,7 @@
 
 namespace kaz::tools {
 
-// Prints what was done. Error messages describe the present content of the board's flash.
+// Prints the completed steps. Error messages describe the present content of the board's flash.
 Result<bool> run_flash(const FlashArguments& arguments);
 
 }  // namespace kaz::tools

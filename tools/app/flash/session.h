@@ -27,28 +27,29 @@ class FlashSession {
 
   // Opens the port, and loads the flash writer.
   Result<void> open();
-  // Enters boot mode if the reset line can be driven, else the loader. A running firmware reports its board's
-  // id first. `image` is checked against that id before anything is changed; null: no check.
+  // Enters boot mode if the reset line can be driven, else the loader. A running firmware first reports the
+  // id of its board. `image` is checked against this id before the board is changed; null: no check.
   Result<void> enter(const host::FlashImage* image);
-  // Leaves boot mode or loader, and waits until the firmware has started.
+  // Leaves boot mode or the loader, and waits until the firmware has started.
   Result<void> start();
   // Returns the identity of the running firmware. Repeats the request while this machine is late.
   Result<kz_identify_reply> identify();
 
-  // Searches all addresses after identify() returned `error`. Returns the error for a board at another
-  // address; nullopt if no board is found.
+  // Call this function after identify() returned `error`. Searches for a board at all addresses. If there is
+  // a board at another address, returns the error to report; nullopt if no board is found.
   std::optional<Error> at_another_address(const Error& error);
 
-  // Why identify() may have failed although the board is healthy; empty if this machine was on time.
+  // Returns the reason why identify() may have failed although the board is healthy; empty if this machine
+  // was on time.
   std::string excuse() const { return meter_->excuse(host::kIdentifyBears); }
 
   host::Flasher& flasher() { return *flasher_; }
   bool through_boot() const { return reset_ != nullptr; }
-  // Without `serial:`. Valid after open().
+  // Returns the name of the port without the prefix `serial:`. Valid after open().
   const std::string& port() const { return port_; }
   void end_progress() { progress_.done(); }
-  // After an interrupt or a usage error, starts a board that waits in its loader with nothing erased. Returns
-  // the error, extended by the result.
+  // After an interrupt or a usage error, starts the firmware of a board that waits in its loader, if no flash
+  // was erased. Returns `error` with a note on the result.
   Error start_again(const Error& error);
   // Appends the resulting state of the board to the error.
   Error with_advice(const Error& error) const;

@@ -1,4 +1,4 @@
-// Notes of a run that alters a board: the board's previous state.
+// Notes of a run that changes the state of a board. The notes contain the board's previous state.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,10 +11,12 @@
 namespace kaz::tools {
 
 struct KeptFile {
-  std::string verb, port;  // "kaz conformance", "/dev/ttyUSB0"
-  // The port, with all symbolic links except the last one resolved. Empty in notes of version 0.1.0.
+  std::string verb, port;  // for example "kaz conformance" and "/dev/ttyUSB0"
+  // Path of the port, in which all symbolic links except the last one are resolved. Empty in notes of version
+  // 0.1.0.
   std::string line;
-  // Process of the run, and its start in clock ticks since boot; both 0 in notes of version 0.1.0.
+  // Process id of the run, and start of the process in clock ticks since boot. Both are 0 in notes of version
+  // 0.1.0.
   std::int64_t process = 0;
   std::uint64_t process_began = 0;
   std::vector<std::uint8_t> others;  // addresses of other boards on the line
@@ -24,14 +26,14 @@ struct KeptFile {
 // Notes of a running `kaz flash write`. `run.board` is unknown.
 struct WriteFile {
   KeptFile run;
-  std::string command, folder;  // command line, and its working directory
+  std::string command, folder;  // command line of the write, and its working directory
 };
 std::string write_text(const WriteFile& write);
 Result<WriteFile> parse_write(const std::string& text, const std::string& name);
 // Fails (usage) if the file cannot be read or is not valid.
 Result<WriteFile> read_write(const std::string& path);
 
-// Converts to JSON and back. Errors (usage) contain `name`.
+// Convert notes to JSON and back. Error messages (usage) contain `name`.
 std::string kept_text(const KeptFile& kept);
 Result<KeptFile> parse_kept(const std::string& text, const std::string& name);
 // Reads notes from a file. Fails (usage) if the file cannot be read or is not valid.

@@ -1,5 +1,6 @@
-// Notes of a running `kaz flash write`. If it is killed, they contain the command that completes it.
+// Notes of a running `kaz flash write`, for the case that the process is killed.
 // SPDX-License-Identifier: Apache-2.0
+// The notes contain the command that completes the write.
 #pragma once
 
 #include <string>
@@ -12,13 +13,14 @@ namespace kaz::tools {
 
 class WriteNotes {
  public:
-  // Writes the command line of this process. Fails (environment) if that is not possible.
+  // Writes notes with the command line of this process. Fails (environment) if the notes cannot be written.
   static Result<WriteNotes> begin(const std::string& port,
                                   const std::string& folder = kept_folder());
 
-  // Removes these notes: the board was not changed.
+  // Removes these notes. Call drop() if the board was not changed.
   void drop() const;
-  // Removes these notes, and those of earlier writes on the port: the board's flash is complete.
+  // Removes these notes and the notes of earlier writes on the port. Call done() if the board's flash is
+  // complete.
   void done() const;
 
  private:
@@ -26,8 +28,8 @@ class WriteNotes {
   std::string port_, folder_, path_;
 };
 
-// Returns a sentence with the completing command for each interrupted write on the port. Excludes writes that
-// still run.
+// Returns one sentence per interrupted write on the port, with the command that completes the write. Excludes
+// writes that are still running.
 std::vector<std::string> interrupted_writes(const std::string& port,
                                             const std::string& folder = kept_folder());
 

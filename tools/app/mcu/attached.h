@@ -18,11 +18,11 @@ namespace kaz::tools {
 
 class Attached {
  public:
-  // Opens both; an empty path means none. `chip` must outlive this. Fails with Fault::usage for an invalid
-  // netlist or signal, else as OutputFile::open().
+  // Opens the netlist and the VCD file. If a path is empty, that file is not used. `chip` must outlive this
+  // object. Fails with Fault::usage for an invalid netlist or signal, else like OutputFile::open().
   Result<void> open(h8s::Chip& chip, const std::string& netlist, const std::string& vcd,
                     const std::vector<std::string>& signals, double crystal_hz);
-  // Completes the recording, and prints conflicts of the netlist to standard error.
+  // Completes the recording, and prints the conflicts that the netlist detected to standard error.
   Result<void> close();
 
  private:

@@ -10,22 +10,25 @@
 
 namespace kaz::tools {
 
-// File names: "-" is standard error, empty is off.
+// Reports to write, by path. "-" means standard error. An empty path means that the report is not written.
 struct McuDebugOptions {
   std::string trace;
   std::string profile;
   std::string profile_format = "text";  // text, json, callgrind
-  std::string tick;                     // "BEGIN,END": two symbols or addresses (0x...)
-  std::string coverage;                 // in the format of lcov
+  // "BEGIN,END": symbols or addresses (0x...) at which the tick begins and ends.
+  std::string tick;
+  std::string coverage;  // path of a file in the format of lcov
   bool check_uninitialised = false;
   bool stack = false;
-  std::string gdb;  // port, path or "-"
+  // Where GDB connects: TCP port, path of a socket, or "-" for standard input and output.
+  std::string gdb;
 };
 
 class McuDebug {
  public:
-  // Attaches the requested observers. Call it before power_on, so that it detects reads of uninitialized RAM.
-  // Fails if a symbol is unknown or a file cannot be written. `chip` must outlive the object.
+  // Attaches the requested observers. Call attach() before h8s::Chip::power_on(), so that reads of
+  // uninitialized RAM are detected. Fails if a symbol is unknown or a file cannot be written. `chip` must
+  // outlive the object.
   static Result<std::unique_ptr<McuDebug>> attach(h8s::Chip& chip, const h8s::SymbolTable& symbols,
                                                   const McuDebugOptions& options);
   ~McuDebug();
@@ -41,7 +44,8 @@ class McuDebug {
   std::unique_ptr<Parts> parts_;
 };
 
-// Serves one GDB client, which alone controls the chip. Also returns when the descriptor `stop` is readable.
+// Serves one GDB client. Only the client makes the chip run. Returns when the client has left, or when the
+// descriptor `stop` becomes readable.
 Result<bool> serve_gdb(h8s::Chip& chip, const std::string& where, int stop);
 
 }  // namespace kaz::tools

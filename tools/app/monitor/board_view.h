@@ -1,4 +1,4 @@
-// State of a board as the monitor displays it, and its text lines.
+// State of a board as displayed by the monitor, and the text lines that display the state.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,13 +17,15 @@ struct BoardView {
   // Names of the displayed joints; at least one.
   std::vector<std::string> names = kaz_joint_names();
   std::string build;   // build of the firmware
-  bool there = false;  // the last query was answered
+  bool there = false;  // true: the board replied to the last query
   host::Health health;
   kz_statistics_reply counts{};
   host::LinkStatistics link;
-  std::vector<host::JointDetail> joints;  // all joints by number; empty before the first reading
-  host::JointAngles targets{};            // rad; for a joint that is off, its angle
-  std::string fault;                      // Robot::describe_fault, or why the board does not reply
+  // State of every joint, by joint number; empty before the first reading.
+  std::vector<host::JointDetail> joints;
+  host::JointAngles targets{};  // rad; if a joint is off, its present angle instead
+  // Text of Robot::describe_fault(), or the reason why the board does not reply.
+  std::string fault;
   double rounds_per_s = 0;
 };
 
@@ -36,10 +38,11 @@ struct Span {
 };
 using Line = std::vector<Span>;
 
-// Returns at most `rows` lines of at most `columns` columns. At 24 x 80 they are: title, board, link, head of
-// the table, one line for each of 18 joints, last message, keys. Angles are in degrees, as on a protractor at
-// the joint. A smaller window has: motors, joints around the selected one, last message, keys. Below
-// kMinLines x kMinColumns only a note that it is too small.
+// Returns at most `rows` lines of at most `columns` columns. A window of 24 x 80 shows title, board, link,
+// head of the table, one line for each of 18 joints, last message and keys. Angles are in degrees, as on a
+// protractor at the joint. A smaller window has these lines: motors, joints around the selected joint, last
+// message, keys. A window smaller than kMinLines x kMinColumns shows only a note that the window is too
+// small.
 inline constexpr int kLines = 24, kColumns = 80;
 inline constexpr int kMinLines = 5, kMinColumns = 28;
 std::vector<Line> lines(const BoardView& view, int selected, const std::string& said,

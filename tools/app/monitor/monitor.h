@@ -1,4 +1,4 @@
-// `kaz monitor`: displays joints, supply, tick and link in a terminal, and moves joints by keys.
+// `kaz monitor`: displays joints, supply, tick and link in a terminal. The user can move joints with keys.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,16 +15,18 @@ class MessageTap;
 namespace kaz::tools {
 
 struct MonitorOptions {
-  // For parse_port_address() or parse_bus().
+  // Port of the board, as for parse_port_address(), or a servo bus, as for parse_bus().
   std::string port;
-  std::string robot_file;  // URDF; Kaz if empty. A servo bus requires one.
+  std::string robot_file;  // URDF file of the robot; empty: Kaz; must not be empty for a servo bus
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   sim::MessageTap* tap = nullptr;  // receives the messages on the line; must outlive the call
-  std::string watched_at;          // address of the viewer for the first line; empty: none
+  // Address of the viewer's page, displayed in the first line; empty: no viewer.
+  std::string watched_at;
 };
 
-// Runs until q or Ctrl-C. If it switched motors on, it switches them off at the end and restores the link
-// watchdog. Fails (usage or environment) without a terminal, or without a board at the port.
+// Runs until q or Ctrl-C. If motors were switched on by a key, switches the motors off at the end and
+// restores the settings of the link watchdog. Fails (usage or environment) if there is no terminal, or no
+// board at the port.
 Result<bool> monitor(const MonitorOptions& options);
 
 }  // namespace kaz::tools

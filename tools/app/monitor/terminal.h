@@ -1,4 +1,4 @@
-// Terminal output and keys, with ncurses.
+// Output and keyboard input of the terminal, using ncurses.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -27,9 +27,9 @@ enum class Key {
 // Shows text lines on the whole terminal. The destructor restores the terminal.
 class Terminal {
  public:
-  // Fails if standard input or output is no terminal, or if its type (TERM) is unknown.
+  // Fails if standard input or output is no terminal, or if the terminal's type (TERM) is unknown.
   static Result<Terminal> open();
-  // Checks that standard input and output are a terminal.
+  // Fails if standard input or output is no terminal.
   static Result<void> check();
   Terminal(Terminal&& other) noexcept : open_(other.open_) { other.open_ = false; }
   Terminal& operator=(Terminal&&) = delete;
@@ -39,7 +39,7 @@ class Terminal {
   void show(const std::vector<Line>& lines);
   int rows() const;  // present size of the window
   int columns() const;
-  // Returns the next pressed key, or Key::none at once.
+  // Returns the next pressed key. Returns Key::none immediately if no key was pressed.
   Key key();
 
  private:

@@ -11,11 +11,11 @@
 namespace kaz::tools {
 
 struct FieldDifference {
-  std::string recorded, now;  // "angle[3] = 0.12 (2 more differ)"
+  std::string recorded, now;  // texts such as "angle[3] = 0.12 (2 more differ)"
 };
 
-// Returns the first field that differs. Returns nullopt for topics without a fixed layout, or if a length is
-// wrong.
+// Returns the first field that differs. Returns nullopt if the topic has no fixed layout, or if a message has
+// the wrong length.
 std::optional<FieldDifference> field_difference(std::string_view topic,
                                                 std::span<const std::uint8_t> recorded,
                                                 std::span<const std::uint8_t> now);

@@ -19,11 +19,11 @@ struct RecordedBackend {
   std::string behavior;
   std::map<std::string, std::string> settings;  // options of the behavior
   BackendOptions backend;                       // options of the simulated robot
-  vision::BallOptions ball;                     // ball for which vision looked
+  vision::BallOptions ball;                     // ball that vision looked for
 };
 
-// `name`: name of the recording for errors. Fails (usage) if the recording lacks its options or contains
-// invalid ones, or if it was made at a port.
+// `name`: name of the recording for error messages. Fails (usage) if the recording contains no options or
+// invalid options, or if the recording was made at a port.
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
                                          const std::string& name);
 
@@ -35,13 +35,13 @@ std::vector<std::pair<std::uint64_t, std::string>> recorded_acts(
 std::vector<std::pair<std::uint64_t, std::string>> recorded_requests(
     const sim::McapRecording& recording);
 
-// Returns the phases of the behavior, as "search", with their start times in ns, in order.
+// Returns the phases of the behavior, for example "search", with their start times in ns, in order.
 std::vector<std::pair<std::uint64_t, std::string>> recorded_phases(
     const sim::McapRecording& recording);
 
-// Replaces paths of world and robot files that no longer exist. Searches the folder of the recording, where
-// kaz evaluate stores them for failed episodes. Then searches its parent, in which the run may have been
-// started.
+// Replaces paths of world and robot files that no longer exist. First searches the folder of the recording,
+// where `kaz evaluate` stores these files for failed episodes. Then searches the parent of this folder,
+// because the run may have been started there.
 void find_beside(BackendOptions& options, const std::string& recording);
 
 }  // namespace kaz::tools

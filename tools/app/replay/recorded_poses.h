@@ -14,16 +14,16 @@
 
 namespace kaz::tools {
 
-// Poses at one time. World frame.
+// Poses at one time, in the world frame.
 struct RecordedPoses {
   Time time{};
-  std::vector<Eigen::Isometry3d> frames;  // in the requested order
+  std::vector<Eigen::Isometry3d> frames;  // poses of the requested frames, in the requested order
 };
 
-// Returns the poses of `frames` from /tf in order of time, at least one. Skips messages with none of the
-// frames, such as those of a map. Fails (usage) if there are no poses. Fails if a message does not fit its
-// schema, lacks one of the frames, or is not later than the previous one. Also fails if a pose is no
-// rotation, or a coordinate exceeds 1 km.
+// Returns the poses of `frames` from the topic /tf in order of time. The result has at least one entry. Skips
+// messages that contain none of the frames, such as messages of a map. Fails (usage) if there are no poses.
+// Fails if a message does not fit its schema, lacks one of the frames, or is not later than the previous
+// message. Also fails if a quaternion is no rotation, or if a coordinate exceeds 1 km.
 Result<std::vector<RecordedPoses>> recorded_poses(const sim::McapRecording& recording,
                                                   std::span<const std::string> frames,
                                                   const std::string& name);

@@ -1,4 +1,4 @@
-// Runs a recorded run again, and compares.
+// Repeats a recorded run, and compares the new messages with the recorded ones.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,15 +17,16 @@ namespace kaz::tools {
 
 struct SessionOptions;
 
-// host: the host alone on recorded input. whole: host and simulation from the seed. by_itself: host if the
-// recording allows it, else whole.
+// `host`: only the host runs, on recorded input. `whole`: host and simulation run again from the seed.
+// `by_itself`: `host` if the recording allows this mode, else `whole`.
 enum class ReplayMode { by_itself, host, whole };
 
 struct ReplayOptions {
   std::string file;
   ReplayMode mode = ReplayMode::by_itself;
-  std::optional<std::uint64_t> seed;            // another seed; for `whole` only
-  std::map<std::string, std::string> settings;  // override the recording's settings
+  // Seed to use instead of the recorded seed; for `whole` only.
+  std::optional<std::uint64_t> seed;
+  std::map<std::string, std::string> settings;  // settings that replace settings of the recording
   std::string plugin;  // path of the plug-in, if the recording's behavior was one
   bool json = false;
   bool quiet = false;                // prints no result
@@ -34,10 +35,11 @@ struct ReplayOptions {
   VisionWatcher* watcher = nullptr;
   // Called before the run, to add further observers.
   std::function<void(SessionOptions&)> on_session;
-  // Host alone: the replay ends once the watcher has received this number of pairs; 0: at the recording's
-  // end.
+  // For mode `host`: the replay ends when the watcher has received this number of pairs. 0: the replay ends
+  // at the end of the recording.
   std::uint64_t max_pairs = 0;
-  // Host alone: called before the run with the recording's camera. An error ends the replay.
+  // For mode `host`: called before the run with the recording's camera. If the function returns an error, the
+  // replay ends.
   std::function<Result<void>(const vision::CameraModel&)> on_camera;
 };
 
@@ -45,18 +47,20 @@ struct ReplayOptions {
 struct Difference {
   double time_s = 0;
   std::string topic;
-  // First different field, if the topic has a fixed layout. Otherwise the content, as text or in hexadecimal.
-  // "nothing" beyond the end of a recording.
+  // First field that differs, if the topic has a fixed layout. Otherwise the content of the message, as text
+  // or in hexadecimal. The text is "nothing" if the recording has no further message.
   std::string recorded, now;
 };
 std::optional<Difference> first_difference(const sim::McapRecording& recorded,
                                            const sim::McapRecording& now);
 
-// With --json, prints that the replay was interrupted. Ignores other errors.
+// With --json, prints a result which states that the replay was interrupted. Does nothing for errors other
+// than Fault::interrupted.
 void print_interrupted(const Error& error, const ReplayOptions& options, const std::string& mode);
 
-// Returns false if the recordings differ. Fails (usage) if the file is damaged, or is no recording of `kaz
-// run` or `kaz demo`. Files that have changed since are listed, and are no error.
+// Returns false if the recordings differ. Fails (usage) if the file is damaged, or if the file is no
+// recording of `kaz run` or `kaz demo`. Lists the files of the run that have changed since the recording. A
+// changed file is no error.
 Result<bool> replay(const ReplayOptions& options);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Runs the host alone on a recording, and compares what it sends.
+// Runs only the host, on recorded input, and compares the bytes that the host sends with the recorded bytes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,11 +9,11 @@
 
 namespace kaz::tools {
 
-// Whether the recording has pictures, or the behavior needs none.
+// Returns whether the recording has pictures, or the behavior needs no pictures.
 Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::string& behavior);
 
-// Prints the result. Returns false if the host acted differently. `session`: the run to repeat. Fails if the
-// recording cannot be read, or lacks pictures that the behavior needs.
+// Prints the result. Returns false if the host acted differently than in the recording. `session`: the run to
+// repeat. Fails if the recording cannot be read, or lacks pictures that the behavior needs.
 Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording& recording,
                          SessionOptions session);
 

@@ -18,14 +18,14 @@ struct BoardOfFile {
   host::PortAddress port;
   std::uint8_t address = 1;
   std::uint32_t joints = 0;  // bit mask of joints
-  // Set if the port is a servo bus instead of a board.
+  // Protocol of the servo bus at `port`; empty if a board is at the port.
   std::optional<servo_bus::Protocol> bus;
 };
 
-// Format: {"boards": [{"port": "can:can0", "address": 2, "joints": ["neck_pan", ...]}, ...]}
-// The default address is 1. Each joint must be on exactly one board. A serial line or network port has one
-// board. A CAN bus has any number, with different addresses. Errors (usage) contain `name`, the board's
-// number and advice.
+// Format: {"boards": [{"port": "can:can0", "address": 2, "joints": ["neck_pan", ...]}, ...]} The default
+// address is 1. Each joint must be on exactly one board. A serial line or network port has one board. A CAN
+// bus may have several boards, which must have different addresses. Error messages (usage) contain `name`,
+// the board's number and advice.
 Result<std::vector<BoardOfFile>> parse_boards(const std::string& name, std::string_view text);
 Result<std::vector<BoardOfFile>> read_boards(const std::string& path);
 

@@ -1,4 +1,4 @@
-// Gate between a plug-in's code and Kaz's: tracks calls into Kaz, and can block further ones.
+// Gate between a plug-in and Kaz: tracks calls from the plug-in into Kaz, and can block further calls.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,8 +16,9 @@ namespace kaz::tools {
 // Thread-safe.
 class CallGate {
  public:
-  // One call from the plug-in into Kaz. Calls are counted and serialized, and may nest. The constructor
-  // blocks while the gate is shut. With a null gate (for Kaz's own behaviors) it does nothing.
+  // Represents one call from the plug-in into Kaz. Calls are counted and serialized, and may nest. The
+  // constructor blocks while the gate is shut. If `gate` is null, as for built-in behaviors, the constructor
+  // does nothing.
   class Call {
    public:
     explicit Call(CallGate* gate) : gate_(gate) {
@@ -38,15 +39,15 @@ class CallGate {
     CallGate* gate_;
   };
 
-  // Waits until no call is in progress. From then on, calls of other threads block. Returns false if a call
-  // did not end within `at_most`.
+  // Shuts the gate. Waits until no call is in progress. From then on, calls from other threads block. Returns
+  // false if a call did not end within `at_most`.
   bool shut(std::chrono::milliseconds at_most) { return mutex_.try_lock_for(at_most); }
-  // Lets calls pass again. Call it from the thread that shut the gate.
+  // Lets calls pass again. The thread that shut the gate must call open().
   void open() { mutex_.unlock(); }
 
-  // Whether a call is in progress.
+  // Returns whether a call is in progress.
   bool in_call() const { return depth_ > 0; }
-  // Number of calls so far.
+  // Returns the number of calls so far.
   std::uint64_t count() const { return count_; }
 
  private:
@@ -55,7 +56,8 @@ class CallGate {
   std::atomic<std::uint64_t> count_{0};
 };
 
-// Passes all calls on through a gate, which may be null. `link` and `gate` must outlive it.
+// Passes all calls on to `link` through a gate, which may be null. `link` and `gate` must outlive this
+// object.
 class GatedLink final : public host::Link {
  public:
   GatedLink(host::Link& link, CallGate* gate) : link_(link), gate_(gate) {}
@@ -83,7 +85,7 @@ class GatedLink final : public host::Link {
   CallGate* gate_;
 };
 
-// Passes polls on through a gate, as GatedLink.
+// Passes polls on to `detector` through a gate, like GatedLink.
 class GatedDetector final : public behavior::BallDetector {
  public:
   GatedDetector(behavior::BallDetector& detector, CallGate* gate)
@@ -98,7 +100,7 @@ class GatedDetector final : public behavior::BallDetector {
   CallGate* gate_;
 };
 
-// Passes calls on through a gate, as GatedLink.
+// Passes calls on to `detector` through a gate, like GatedLink.
 class GatedFloor final : public behavior::FloorDetector {
  public:
   GatedFloor(behavior::FloorDetector& detector, CallGate* gate)

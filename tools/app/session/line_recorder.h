@@ -1,9 +1,9 @@
-// Records a run at a port: bytes that the host wrote and read, and reports of its behavior.
+// Records a run at a port: the bytes that the host wrote and read, and the reports of the behavior.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Writes the topics of a virtual robot's recording (docs/reference/recording.md) that a host can measure.
-// Times count from the opening of the recording, on the host's clock. Bytes have the time after the write or
-// read.
+// Writes those topics of a virtual robot's recording (docs/reference/recording.md) that a host can measure.
+// Times count from the opening of the recording, on the host's clock. The time of bytes is the time at which
+// the write or read of these bytes ended.
 #pragma once
 
 #include <map>
@@ -19,44 +19,46 @@ namespace kaz::tools {
 
 class LineRecorder {
  public:
-  // Fact in such a recording: host clock, in ns, at which its times begin. Times in the texts of `/behavior`
-  // are on the host's clock.
+  // Name of a fact in the recording: time in ns on the host's clock at which the times of the recording
+  // begin. Times in the texts of `/behavior` are on the host's clock, and not relative to this start.
   static constexpr const char* kStart = "host_clock_start_ns";
 
-  // Replaces the file. With an empty path only the tap receives messages. `clock` and `tap` must outlive the
-  // recorder. Fails (environment) if the file cannot be written.
+  // Replaces the file at `path`. If `path` is empty, only the tap receives messages. `clock` and `tap` must
+  // outlive the recorder. Fails (environment) if the file cannot be written.
   static Result<std::unique_ptr<LineRecorder>> create(const std::string& path,
                                                       sim::McapWriter::Metadata facts,
                                                       const host::Clock& clock,
                                                       sim::MessageTap* tap = nullptr);
 
-  // Returns a link that records its traffic as line `line`, the number of the board. The recorder owns it
-  // until record() is called again for this line. `link` must outlive it.
+  // Returns a link that passes calls on to `link` and records the traffic. `line`: number of the board. The
+  // recorder owns the returned link until record() is called again for this line. `link` must outlive the
+  // returned link.
   host::Link* record(host::Link& link, std::size_t line);
-  // These functions, finish() and failed() are thread-safe, as are the recorded links.
+  // behavior(), map(), finish() and failed() are thread-safe. The recorded links are thread-safe, too.
   void behavior(const std::string& json);
   void map(const sim::RecordedMap& map);
 
   // Ends the recording and returns the SHA-256 of the file. Later calls return the same result.
-  // `interrupted_by`: name of a signal, or empty.
+  // `interrupted_by`: name of the signal that ended the run; empty if no signal did.
   Result<std::string> finish(const std::string& interrupted_by);
-  // Whether something could not be written.
+  // Returns whether a message could not be written.
   bool failed() const;
 
  private:
   class RecordedLink;
   LineRecorder(std::unique_ptr<sim::Recorder> recorder, const host::Clock& clock, Time start)
       : clock_(clock), start_(start), recorder_(std::move(recorder)) {}
-  // Returns the time in the file's unit. It never decreases, because the messages of a file are in order.
+  // Returns the present time in the unit of the recording. The returned time never decreases, because the
+  // messages of a recording are in order of time.
   sim::States now();
   void wire(sim::Recorder::Direction direction, std::size_t line,
             std::span<const std::uint8_t> bytes);
 
   const host::Clock& clock_;
   Time start_;
-  // For the members below; another thread ends a run whose plug-in crashed.
+  // Guards the members below, because another thread ends a run whose plug-in crashed.
   mutable std::mutex mutex_;
-  std::unique_ptr<sim::Recorder> recorder_;  // until finish()
+  std::unique_ptr<sim::Recorder> recorder_;  // null after finish()
   sim::States last_ = 0;
   Result<std::string> finished_;
   std::map<std::size_t, std::unique_ptr<host::Link>> links_;

@@ -10,15 +10,17 @@
 namespace kaz::tools {
 
 // catch-ball has five moments: searching, tracking, approaching, the hand at the ball, the ball held. Other
-// behaviors with a phase `track` have four, spread evenly over the expected time. Times are seconds of the
-// robot since the start.
+// behaviors with a phase `track` have four moments, spread evenly over the expected time. All times are in s
+// of robot time since the start.
 class Moments {
  public:
   explicit Moments(double expected_s) : expected_s_(expected_s) {}
   Moments(const Moments&) = delete;
   Moments& operator=(const Moments&) = delete;
 
-  // Returns the name of the moment if a picture is due, else nullopt. Moments of tracking have an empty name.
+  // Call on_phase() when a phase begins, and on_cycle() at each control cycle. If a picture is due, the
+  // functions return the name of the picture's moment, else nullopt. The moments of the phase `track` have an
+  // empty name, except in catch-ball.
   std::optional<std::string> on_phase(double at_s, std::string_view behavior,
                                       std::string_view phase);
   std::optional<std::string> on_cycle(double at_s);
@@ -27,7 +29,8 @@ class Moments {
   static constexpr int kTracked = 4;
   struct Awaited {
     std::string_view phase, shown;
-    double after_s;  // time after the start of the phase; the end of the phase if that is sooner
+    // Time from the start of the phase to the moment; if the phase ends earlier, the moment is its end.
+    double after_s;
     bool taken = false;
   };
 
@@ -37,7 +40,8 @@ class Moments {
   int tracked_ = 0;
   bool catching_ = false;
   Awaited* due_ = nullptr;
-  // In 5 s of walking the robot comes 0.2 m nearer. In 1.2 s of holding, the head has turned to the hand.
+  // Reasons for the times: after 5 s of walking, the robot is 0.2 m nearer to the ball. After 1.2 s of
+  // holding, the head has turned to the hand.
   std::array<Awaited, 5> caught_{{{"search", "search", 0.5},
                                   {"look", "track", 0.4},
                                   {"walk", "approach", 5},

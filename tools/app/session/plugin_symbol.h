@@ -7,10 +7,11 @@
 
 namespace kaz::tools {
 
-// Reads the symbol table of a 64-bit ELF file, so it also finds functions that are not exported, unlike
-// dladdr(). Returns the demangled name. Returns "" if the file has no such symbol (stripped) or cannot be
-// read. `offset` is relative to the load address. Use it only for files whose code runs in this process: the
-// file is trusted.
+// Reads the symbol table of a 64-bit ELF file. So function_at() also finds functions that are not exported,
+// unlike dladdr(). Returns the demangled name of the function. Returns "" if the file cannot be read, or if
+// the file has no symbol at this address because the file is stripped. `offset` is the address of the
+// function relative to the load address. The file is trusted, so use function_at() only for files whose code
+// runs in this process.
 std::string function_at(const std::string& path, std::uint64_t offset);
 
 }  // namespace kaz::tools

@@ -9,9 +9,9 @@
 
 namespace kaz::tools {
 
-// Returns the joint names of `robot_file` (URDF) in the order of the board's channels. Returns none for Kaz
-// and for an empty path. Fails (usage) if the robot's files are not valid, or if it has more joints than the
-// board has channels.
+// Returns the joint names of `robot_file` (URDF) in the order of the board's channels. Returns an empty list
+// for Kaz and for an empty path. Fails (usage) if the robot's files are not valid, or if the robot has more
+// joints than the board has channels.
 Result<std::vector<std::string>> other_joints(const std::string& robot_file);
 
 }  // namespace kaz::tools

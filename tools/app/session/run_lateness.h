@@ -1,4 +1,4 @@
-// Measures how late this program, and the simulator behind its port, were during a run in real time.
+// Measures how late this program and the simulator behind the port were during a run in real time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,29 +14,33 @@
 namespace kaz::tools {
 
 struct RunLateness {
-  std::optional<double> simulator_lost_s;  // empty at a real port, or without replies
+  // Lag of the simulator; empty at a real port, or if the simulator did not reply.
+  std::optional<double> simulator_lost_s;
   double host_late_s = 0, host_worst_late_s = 0;
-  // Why a failure is inconclusive, as "the program at the other end fell behind by 4200 ms". Empty if both
-  // were on time.
+  // Reason why a failure of the run proves nothing, for example "the program at the other end fell behind by
+  // 4200 ms". Empty if this program and the simulator were on time.
   std::string excuse;
 };
 
-// Measures from its construction on. A behavior may compute between its requests, so the times of its calls
-// do not show how long the system delays this process. A thread that only waits measures that.
+// The measurement begins with the construction of this object. A thread that only waits measures how long the
+// system delays this process. The times of a behavior's requests do not show this delay, because a behavior
+// may compute between its requests.
 class RunLatenessMeter {
  public:
-  // Lateness that a run tolerates: a single delay of this program, or the total lag of the simulator.
+  // Largest lateness that a run tolerates. Applies to a single delay of this program, and to the total lag of
+  // the simulator.
   static constexpr Time kBorne = std::chrono::seconds(1);
 
-  // `link` names the port. `link` and `interrupt` must outlive it.
+  // `link` is the connection to the port; link.name() is the path of the port. `link` and `interrupt` must
+  // outlive this object.
   RunLatenessMeter(host::Link& link, host::Interrupt& interrupt);
-  // Uses another measure of the simulator's lag; null: none.
+  // Measures the simulator's lag with the function `simulator`; null: does not measure this lag.
   RunLatenessMeter(host::Link& link, host::LatenessMeter::TimeLost simulator);
   ~RunLatenessMeter();
   RunLatenessMeter(const RunLatenessMeter&) = delete;
   RunLatenessMeter& operator=(const RunLatenessMeter&) = delete;
 
-  // Ends the measurement. Call it once.
+  // Ends the measurement and returns its result. Call end() once.
   RunLateness end();
 
  private:

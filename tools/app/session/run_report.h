@@ -23,7 +23,7 @@ struct RunReport {
   std::string behavior = {};
   BackendOptions backend = {};
   behavior::Outcome outcome = {};
-  double run_s = 0;  // robot time
+  double run_s = 0;  // duration of the run in robot time
   double rtf = 0;    // real-time factor: run_s divided by wall time
   Score score = {};
   kz_identify_reply identity{};
@@ -32,44 +32,47 @@ struct RunReport {
   Time start{};
   const behavior::Recording& recording;
   const TruthProbe* probe = nullptr;
-  nlohmann::ordered_json vision = {};  // by module: frames, times
-  std::string vision_text = {};        // the same for users
-  std::string vision_table = {};       // CSV, one line per result
+  nlohmann::ordered_json vision = {};  // for each module: number of frames, times
+  std::string vision_text = {};        // `vision` as text for users
+  std::string vision_table = {};       // `vision` in detail as CSV, one line per result
   bool interrupted = false;            // a signal ended the run
   std::optional<RunProfile> profile = {};
-  std::string recording_sha256 = {};         // empty without a recording
+  std::string recording_sha256 = {};         // empty if there is no recording
   std::string camera_warning = {};           // SessionBackend::camera_warning()
-  std::optional<RunLateness> lateness = {};  // set for a run at a port
-  // The robot did not succeed, but the machine was too late to blame it. outcome.sentence contains the
-  // reason.
+  std::optional<RunLateness> lateness = {};  // set only for a run at a port
+  // True: the robot did not succeed, but this machine was so late that the robot may not be the cause.
+  // outcome.sentence contains the reason.
   bool machine_failed = false;
-  const std::optional<figure::Image>* map = nullptr;  // empty if the behavior has no map
-  std::vector<faults::Fault> not_begun = {};          // SessionBackend::faults_not_begun()
-  std::optional<sim::ScenePose> start_pose = {};      // poses in the simulated world at the start
-  // The behavior uses the eyes; if not, missing plots of the ball are not reported.
+  // Picture of the map; empty if the behavior has no map.
+  const std::optional<figure::Image>* map = nullptr;
+  std::vector<faults::Fault> not_begun = {};  // SessionBackend::faults_not_begun()
+  // Poses of the simulated world at the start of the run.
+  std::optional<sim::ScenePose> start_pose = {};
+  // True: the behavior uses the eyes. False: missing plots of the ball are not reported.
   bool looks = true;
 };
 
-// Files that a run writes into its folder.
+// Returns the names of the files that a run writes into its folder.
 const OutputKind& run_output();
-// Returns the path of the recording during the run.
+// Returns the path at which the recording is written during the run.
 std::string growing_recording(const OutputFolder& folder);
-// Renames the completed recording to recording.mcap. Returns its path.
+// Renames the completed recording to recording.mcap. Returns the new path.
 Result<std::string> place_recording(const OutputFolder& folder);
 
-// Returns result.json of a run that broke off: the reason and the options. Other values would be unreliable.
+// Returns the content of result.json for a run that broke off. The content is only the reason and the
+// options, because other values would be unreliable.
 nlohmann::ordered_json broken_off_json(const char* outcome, const std::string& sentence,
                                        const std::string& behavior, const BackendOptions& backend);
-// Sets `duration_s` and `rtf`, rounded.
+// Sets the members `duration_s` and `rtf` to rounded values.
 void add_times(nlohmann::ordered_json& result, double run_s, double rtf);
 
-// Writes all files into `folder`, result.json last; writes none if it is null. `recorded`: the folder
-// contains a completed recording under its temporary name. Returns the content of result.json.
+// Writes all files into `folder`, result.json last. Writes no files if `folder` is null. `recorded`: the
+// folder contains a completed recording under its temporary name. Returns the content of result.json.
 Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
                                             const Snapshots& snapshots, const OutputFolder* folder,
                                             bool recorded);
 
-// Prints a few lines for users, or with `json` the complete result, to standard output.
+// Prints a few lines for users to standard output. With `json`, prints the complete result instead.
 void print_report(const nlohmann::ordered_json& result, const RunReport& report,
                   const std::string& out, bool json);
 

@@ -1,4 +1,4 @@
-// Score of ball tracking: how well the head was directed at the ball.
+// Score of ball tracking: measures how well the head was directed at the ball.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,19 +12,23 @@
 namespace kaz::tools {
 
 struct Score {
-  // "truth": by the ball's position in the simulated world. "pictures": by its position in the left eye's
-  // pictures. A picture without the ball counts as a miss.
+  // "truth": errors are computed from the ball's position in the simulated world. Or "pictures": errors are
+  // computed from the ball's position in the left eye's pictures. A picture without the ball counts as a
+  // miss.
   std::string measured_by;
-  // Time from the start of the run until tracking began. If empty, all other members are empty, too.
+  // Time from the start of the run until tracking began. If found_s is empty, all other members are empty,
+  // too.
   std::optional<double> found_s;
-  std::vector<double> time_s;  // since the start of the run
-  // Angle between the left eye's axis and the ball. NaN: the ball is not in the picture.
+  std::vector<double> time_s;  // times of the samples since the start of the run
+  // Angle between the left eye's axis and the ball for each sample. NaN: the ball is not in the picture.
   std::vector<double> error_deg;
-  std::optional<double> within_3deg;  // share of the samples after found_s; empty without samples
-  std::optional<double> rms_deg;      // over the samples that are not NaN
+  // Share (0 to 1) of the samples after found_s with an error below 3 degrees; empty without samples.
+  std::optional<double> within_3deg;
+  std::optional<double> rms_deg;  // root mean square of the errors after found_s that are not NaN
 };
 
-// Samples the ground truth at each control cycle. For scoring only: behaviors have no access to it.
+// Samples the ground truth at each control cycle, for scoring only. Behaviors have no access to the ground
+// truth.
 class TruthProbe {
  public:
   explicit TruthProbe(sim::Simulation& simulation) : simulation_(simulation) {}
@@ -43,7 +47,7 @@ class TruthProbe {
   std::vector<Sample> samples_;
 };
 
-// `probe` may be null. Times count from `start`.
+// Computes the score. If `probe` is null, uses the pictures. Times count from `start`.
 Score score(const behavior::Recording& recording, const TruthProbe* probe, Time start);
 
 }  // namespace kaz::tools

@@ -16,7 +16,7 @@
 
 namespace kaz::tools {
 
-// Passes pairs through and stores the newest.
+// Passes the pairs of a camera on, and stores the newest pair.
 class RememberingCamera final : public vision::Camera {
  public:
   explicit RememberingCamera(vision::Camera& camera,
@@ -39,44 +39,48 @@ class RememberingCamera final : public vision::Camera {
   std::optional<vision::StereoPair> newest_;
 };
 
-// Returns a 4 : 3 view of robot and ball from the robot's front right, `width` px wide. It shows the
-// surroundings of `middle` with a size of `extent_m`. Without a middle it shows the floor in front of a robot
-// at its start. World frame, m.
+// Returns a 4 : 3 view of robot and ball from the robot's front right, `width` px wide. The view is centered
+// on `middle` and shows an area with a size of `extent_m`. If `middle` is empty, the view shows the floor in
+// front of a robot at its start. World frame, m.
 sim::View onlooker_view(const std::optional<Eigen::Vector3d>& middle, double extent_m,
                         int width = 960);
 
 // Pictures of one moment.
 struct MomentPictures {
   Time time{};
-  std::string shown;         // name of the moment: "approach"
-  vision::Image outside;     // external view; empty without a simulation
-  vision::Image left;        // the left eye, enlarged twice, with its axis and the ball marked
-  vision::Image extraction;  // the same with the pixels that color extraction selects
-  bool found = false;        // ball found in the left eye
-  double distance_m = 0;     // distance of the ball by its size, if found
+  std::string shown;      // name of the moment: "approach"
+  vision::Image outside;  // external view; empty without a simulation
+  // Picture of the left eye, enlarged by 2, in which the eye's axis and the ball are marked.
+  vision::Image left;
+  // Picture of the left eye that shows the pixels selected by color extraction.
+  vision::Image extraction;
+  bool found = false;     // the ball was found in the left eye's picture
+  double distance_m = 0;  // distance of the ball computed from its size; valid if `found`
 };
 
 class Snapshots {
  public:
-  // `simulation` may be null: then there are no external views. `ball`: the ball to look for in the left eye.
-  // `stopped`: returns whether to stop drawing, which takes seconds. The referenced objects must outlive
-  // this.
+  // If `simulation` is null, there are no external views. `ball`: the ball to look for in the left eye's
+  // pictures. `stopped`: returns true to stop drawing early, because drawing takes seconds. `camera` and
+  // `simulation` must outlive this object.
   Snapshots(const RememberingCamera& camera, sim::Simulation* simulation,
             const vision::BallOptions& ball, std::function<bool()> stopped = nullptr)
       : camera_(camera), simulation_(simulation), ball_(ball), stopped_(std::move(stopped)) {}
 
   bool stopped() const { return stopped_ && stopped_(); }
 
-  // Stores the newest pair and the present poses under the name `shown`. Does nothing before the first pair.
-  // write() and draw() draw the external view later.
+  // Stores the newest pair and the present poses under the name `shown`. Does nothing if there is no pair
+  // yet. The external view is drawn later, by write() or draw().
   void take(Time now, const std::string& shown);
 
-  // Draws all moments in order of time. Leaves out moments without pixels. Returns none once stopped.
+  // Draws all moments in order of time. Leaves out moments whose pictures have no pixels. If `stopped`
+  // returns true, returns an empty list.
   Result<std::vector<MomentPictures>> draw() const;
 
   // Writes left_eye.png, color_extraction.png and outside.png of the latest snapshot in which the ball was
-  // found (the first one if it never was). Writes all moments to moments.png, and to moments.jpg at a tenth
-  // of the size. Returns the names of the files written before it was stopped.
+  // found. If the ball was never found, uses the first snapshot. Writes all moments to moments.png, and to
+  // moments.jpg at a tenth of the size. Returns the names of the written files. If `stopped` returns true,
+  // the remaining files are not written.
   Result<std::vector<std::string>> write(const OutputFolder& folder) const;
 
  private:
@@ -84,9 +88,9 @@ class Snapshots {
     Time time{};
     std::string shown;
     vision::StereoPair pair;
-    sim::ScenePose pose;                  // whole world; empty without a simulation
-    std::optional<Eigen::Vector3d> near;  // target of a close external view
-    double extent_m = 0;                  // size of the subject in that view
+    sim::ScenePose pose;                  // poses of the whole world; empty without a simulation
+    std::optional<Eigen::Vector3d> near;  // point at the center of a close external view
+    double extent_m = 0;                  // size of the subject in the close external view
   };
   Result<vision::Image> outside(const Snapshot& snapshot) const;
 

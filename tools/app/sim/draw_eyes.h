@@ -1,4 +1,4 @@
-// `kaz eyes`: pictures of both eyes and an external view.
+// `kaz eyes`: draws the pictures of both eyes and an external view.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,10 +10,10 @@ namespace kaz::tools {
 
 struct EyesOptions {
   BackendOptions backend;
-  std::string out = "kaz-eyes";  // folder
+  std::string out = "kaz-eyes";  // folder for the pictures
 };
 
-// Writes the pictures of the simulated robot at its start.
+// Writes the pictures of a simulated robot in its start pose.
 Result<bool> draw_eyes(EyesOptions arguments);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// `kaz sim --bus`: simulated servo bus of a robot for other processes.
+// `kaz sim --bus`: simulates the servo bus of a robot, which other processes can use.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,14 +12,14 @@ namespace kaz::tools {
 struct ServeBusOptions {
   std::string protocol;    // "feetech" or "dynamixel"
   std::string serial;      // path of the symbolic link to the port
-  std::string robot_file;  // URDF, with bus.json beside it
+  std::string robot_file;  // path of a URDF file; its folder must contain bus.json
   std::string world = "empty";
   std::string dynamics = "reduced";
-  bool suspended = false;              // held at the trunk
-  std::optional<double> supply_volts;  // instead of the voltage in bus.json
+  bool suspended = false;              // the robot is held at the trunk
+  std::optional<double> supply_volts;  // supply voltage; empty: the voltage in bus.json
 };
 
-// Runs until SIGINT, SIGTERM or SIGHUP, which end it normally.
+// Runs until SIGINT, SIGTERM or SIGHUP, which count as a normal end.
 Result<bool> serve_bus(const ServeBusOptions& options);
 
 }  // namespace kaz::tools

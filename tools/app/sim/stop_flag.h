@@ -1,4 +1,4 @@
-// Flag that an interrupt sets, for code that polls a flag instead of a descriptor.
+// Flag that is set by an interrupt, for code that polls a flag instead of a descriptor.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace kaz::tools {
 
-// Waits for the interrupt in a thread. The destructor requests the interrupt, so that the thread ends.
-// `interrupt` must outlive the object.
+// A thread of this object waits for the interrupt. The destructor requests the interrupt, so that this thread
+// ends. `interrupt` must outlive the object.
 class StopFlag {
  public:
   explicit StopFlag(host::Interrupt& interrupt)

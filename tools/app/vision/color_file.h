@@ -14,10 +14,10 @@ namespace kaz::tools {
 nlohmann::ordered_json color_json(const vision::ColorRange& range);
 // Returns whether a ball has the default radius and color.
 bool is_usual(const vision::BallOptions& ball);
-// Missing keys keep their default, unknown keys are ignored. Fails (usage) with the file and key in the
-// message.
+// Reads a color file. A missing key has its default value, and unknown keys are ignored. Fails (usage) if the
+// file is not valid; the message contains the path and the key.
 Result<vision::ColorRange> read_color(const std::string& path);
-// Parses the content of such a file. `name`: for errors.
+// Parses the content of a color file. `name`: name of the file for error messages.
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name);
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Vision modules by name, for the command line.
+// Adds vision modules to a pipeline by name, for the command line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,19 +11,19 @@
 namespace kaz::tools {
 
 struct VisionOptions {
-  std::string modules = "color";  // names, separated by commas
+  std::string modules = "color";  // names of modules, separated by commas
   vision::BallOptions ball;
   vision::DepthOptions depth;
-  // Additional files of VisionReport for each frame with depth.
+  // Whether VisionReport writes additional files for each frame with depth.
   bool export_depth = false, export_points = false;
 };
 
-// Returns all names, separated by commas.
+// Returns the names of all modules, separated by commas.
 std::string module_names();
-// Returns the names in `list` and those that they need, each once, in the order for add_modules(). Fails
-// (usage) for an unknown or repeated name.
+// Returns the names in `list` and the names of the modules that these need. Each name occurs once, in the
+// order for add_modules(). Fails (usage) for an unknown or repeated name.
 Result<std::vector<std::string>> parse_modules(const std::string& list);
-// Adds the modules of `options`, and those that they need, to the pipeline.
+// Adds the modules of `options`, and the modules that these need, to the pipeline.
 Result<void> add_modules(const VisionOptions& options, vision::Pipeline& pipeline);
 
 // Observer of the results of vision during a run.
@@ -32,9 +32,9 @@ class VisionWatcher {
   virtual ~VisionWatcher() = default;
   // Called after the modules were added, before the first picture.
   virtual void begin(vision::Pipeline& pipeline) = 0;
-  // Called after the last picture, also of a failed run.
+  // Called after the last picture, also if the run failed.
   virtual void end(const vision::Pipeline& pipeline) = 0;
-  // Whether it needs no further frames.
+  // Returns true if this observer needs no further frames.
   virtual bool full() const { return false; }
 };
 

@@ -1,4 +1,4 @@
-// Writes pictures in another thread: compressing one takes longer than processing it.
+// Writes pictures in another thread, because compressing a picture takes longer than processing a frame.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,26 +16,27 @@
 
 namespace kaz::tools {
 
-// Runs jobs in order in one thread.
+// Runs jobs one after the other in one thread.
 class PictureWriter {
  public:
   static constexpr std::size_t kMostWaiting = 64;
 
-  // add() and finish() call `interrupted`, also while they wait. Once it returns true, unwritten jobs are
-  // dropped: they may need many seconds, and a program must end within one after an interrupt. Null: never
-  // interrupted.
+  // add() and finish() call `interrupted`, also while they wait. After `interrupted` has returned true, the
+  // remaining jobs are dropped. The remaining jobs may take many seconds, but a program must end within one
+  // second after an interrupt. If `interrupted` is null, no jobs are dropped.
   explicit PictureWriter(std::function<bool()> interrupted = {})
       : interrupted_(std::move(interrupted)),
         worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
-  // Adds a job that writes a file. Waits while kMostWaiting jobs are in the queue.
+  // Adds a job that writes a file. If kMostWaiting jobs are in the queue, waits until a job has ended.
   void add(std::function<Result<void>()> write);
-  // Adds panels for figure::compose(), as a result with this name.
+  // Adds a job that composes the panels with figure::compose() and writes the picture to the folder under
+  // this name.
   void add(const OutputFolder& folder, std::string name, std::vector<figure::Panel> panels,
            int columns);
-  // Waits until all jobs are written or dropped. Returns the first error.
+  // Waits until all jobs have ended or were dropped. Returns the first error of a job.
   Result<void> finish();
-  // Number of files that were dropped after an interrupt: the last ones.
+  // Returns the number of jobs that were dropped after an interrupt. These are always the last jobs.
   std::size_t dropped() const;
 
  private:
@@ -49,7 +50,7 @@ class PictureWriter {
   bool busy_ = false;
   std::size_t dropped_ = 0;
   Result<void> written_;
-  std::jthread worker_;  // last, because it uses all members above
+  std::jthread worker_;  // last member, because the thread uses all members above
 };
 
 }  // namespace kaz::tools

@@ -1,4 +1,4 @@
-// Computes IMU readings for engines without an IMU, by differences of its pose.
+// Computes IMU readings from differences of the IMU's pose, for physics engines without an IMU.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,9 +10,10 @@ namespace kaz::sim::bench {
 
 class ImuByDifferences {
  public:
-  // Sets the first pose of the IMU in the world, at rest.
+  // Sets the first pose of the IMU in the world. The IMU is at rest.
   void start(const Eigen::Isometry3d& at) { at_ = at; }
-  // Returns the readings after a step of step_s. `at`: pose in the world. `gravity`: in the world, m/s^2.
+  // Returns the readings after a step with a duration of step_s. `at`: pose of the IMU in the world.
+  // `gravity`: gravity in the world frame, m/s^2.
   ImuState read(const Eigen::Isometry3d& at, double step_s, const Eigen::Vector3d& gravity) {
     ImuState state;
     const Eigen::AngleAxisd turn(Eigen::Matrix3d(at_.linear().transpose() * at.linear()));

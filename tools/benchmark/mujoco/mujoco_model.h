@@ -13,17 +13,18 @@ namespace kaz::sim::bench {
 struct MujocoSettings {
   double step_s = 0.001;
   bool fixed_base = false;
-  double stop_margin_rad = 0;  // from a joint's limit in the robot file to its stop
-  // A link does not collide with its nearest ancestors, up to this number.
+  double stop_margin_rad = 0;  // angle from a joint's limit in the robot file to the joint's stop
+  // Number of nearest ancestors with which a link does not collide.
   int exempt_generations = 0;
 };
 
-// Returns MJCF. Bodies are named "link0" ... in the order of RobotModel::links, then "body0" ... for the
-// world's moving bodies; joints "joint0" ... in the order of RobotModel::joints. `root`: the root link's pose
-// in the world.
+// Returns the model as MJCF text. The robot's links are named "link0", "link1" and so on, in the order of
+// RobotModel::links. The world's moving bodies are named "body0" and so on. Joints are named "joint0" and so
+// on, in the order of RobotModel::joints. `root`: pose of the root link in the world.
 //
-// Terms of the motor line: rotor inertia is `armature`, back-EMF is `damping` (implicit in MuJoCo's Euler
-// step), dry friction is `frictionloss`. MujocoWorld applies the stall torque. Backlash is not modeled.
+// Terms of the motor model in MuJoCo: rotor inertia is `armature`, back-EMF is `damping`, and dry friction is
+// `frictionloss`. MuJoCo's Euler step treats `damping` implicitly. MujocoWorld applies the stall torque.
+// Backlash is not modeled.
 std::string mujoco_model(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
                          const Eigen::Isometry3d& root, const MujocoSettings& settings);
 

@@ -1,13 +1,14 @@
 // Robot and other bodies in MuJoCo, only for the benchmark of the body.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files, masses, shapes, motor line and loop are those of all steppers. The solver is Newton's method on
-// MuJoCo's convex model of contacts, with elliptic cones. Differences:
-// - Contacts and stops are MuJoCo's springs and dampers (mujoco_model.cpp).
-// - The larger friction of a pair of surfaces counts.
+// Files, masses, shapes, motor model and loop are the same as for the other steppers. The solver is Newton's
+// method on MuJoCo's convex model of contacts, with elliptic cones. Differences from the other steppers:
+// - Contacts and stops are modeled by MuJoCo's springs and dampers (mujoco_model.cpp).
+// - The friction coefficient of a contact is the larger one of its two surfaces.
 // - The gear has no backlash.
-// - Bodies do not fall asleep: Debian's version has no islands.
-// Poses are those at the beginning of the last step, as mj_step leaves them.
+// - The simulation of resting bodies is never suspended, because Debian's version of MuJoCo has no islands.
+// The poses are the poses at the beginning of the last step, because mj_step() does not update the poses
+// after the step.
 #pragma once
 
 #include <memory>
@@ -22,15 +23,16 @@ namespace kaz::sim::bench {
 
 class MujocoWorld final : public StagedWorld {
  public:
-  // Loads the files as World::load does. Returns Fault::failed if MuJoCo rejects the model, else errors of
-  // the files.
+  // Loads the files like World::load(). Returns Fault::failed if MuJoCo rejects the model. Other errors come
+  // from reading the files.
   static Result<std::unique_ptr<World>> load(const std::string& world_path,
                                              const std::string& robot_path,
                                              const WorldOptions& options);
 
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
   int find_contacts() override;
-  double largest_joint_gap_m() const override { return 0; }  // reduced coordinates
+  // Always 0, because MuJoCo uses reduced coordinates.
+  double largest_joint_gap_m() const override { return 0; }
   std::string dynamics() const override { return "mujoco"; }
 
  private:
@@ -53,8 +55,8 @@ class MujocoWorld final : public StagedWorld {
   MotorParams motor_;
   ModelPtr mujoco_;
   std::unique_ptr<mjData, DeleteData> data_;
-  std::vector<int> body_ids_;                // MuJoCo's number by body
-  std::vector<int> angle_at_, velocity_at_;  // indices in qpos and qvel by joint
+  std::vector<int> body_ids_;                // MuJoCo's number of each body
+  std::vector<int> angle_at_, velocity_at_;  // index in qpos and in qvel of each joint
   ImuByDifferences imu_by_differences_;
 };
 

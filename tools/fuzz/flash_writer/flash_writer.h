@@ -9,12 +9,13 @@
 
 namespace kaz::fuzz {
 
-// The bytes choose how the writer was started and what a hostile host sends: valid requests of any type,
-// address and length, raw bytes, and pauses. Requests may be damaged, cut short, repeated or back to back.
-// Returns the first violation (writer_judge.h); nullopt: none.
+// The bytes determine how the writer is started, and which data a hostile host sends: valid requests of any
+// type, address and length, raw bytes, and pauses. Requests may be damaged, truncated, repeated, or sent
+// without pauses. Returns the first violation (writer_judge.h); nullopt: no violation.
 std::optional<std::string> try_flash_writer(std::span<const std::uint8_t> bytes);
 
-// Runs the same case. Returns it as text, one line for each transmission and answer, and its result.
+// Runs the case of try_flash_writer(). Returns a text with one line for each transmission and each answer,
+// and the result of the case.
 std::string flash_writer_text(std::span<const std::uint8_t> bytes);
 
 }  // namespace kaz::fuzz

@@ -1,4 +1,4 @@
-// Checks answers of the flash writer, and its changes of flash and RAM, against shared/flash/protocol.h.
+// Checks the flash writer's answers, and its changes of flash and RAM, against shared/flash/protocol.h.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,23 +13,23 @@
 
 namespace kaz::fuzz {
 
-// Observes one conversation. It is independent of the writer, except for the protocol's constants: it parses
-// the requests itself. `board` must outlive it.
+// Observes one conversation with the writer. The judge shares no code with the writer, only the protocol's
+// constants, and parses the requests itself. `board` must outlive the judge.
 class WriterJudge {
  public:
   WriterJudge(WriterBoard& board, WriterStart start);
 
-  // Call it with all bytes that are sent to the board.
+  // Call sent() with all bytes that are sent to the board.
   void sent(std::span<const std::uint8_t> bytes);
-  // Takes and judges the board's answers. Call it at least every 1/8 ms while the board may answer.
+  // Takes and judges the board's answers. Call look() at least every 1/8 ms as long as the board may answer.
   void look();
   // Checks that the board still answers. Then judges flash, RAM and the emulator's reports of misuse.
   void finish();
 
-  // First violation. Empty: none.
+  // Returns the first violation. Empty: no violation.
   const std::string& complaint() const { return complaint_; }
   std::size_t answers() const { return answers_; }
-  // End address of the part of the second stage that is stored.
+  // Returns the address after the stored part of the second stage.
   std::uint32_t filled() const { return filled_; }
   // Called with type and status of each answer.
   std::function<void(std::uint8_t, std::uint8_t)> on_answer;
@@ -45,7 +45,8 @@ class WriterJudge {
 
   void complain(const std::string& what);
   void judge(const WriterAnswer& answer);
-  // These return why the answer does not fit the request. Empty: it fits.
+  // Each of these functions returns the reason why the answer does not fit the request. Empty: the answer
+  // fits.
   std::string fault(const Request& request, const WriterAnswer& answer);
   std::string write_fault(const Request& request, const WriterAnswer& answer);
   static std::string line_fault(std::uint32_t wanted, const WriterAnswer& answer);
@@ -60,7 +61,7 @@ class WriterJudge {
   WriterBoard& board_;
   WriterStart start_;
   Bytes stream_;
-  std::map<std::size_t, Request> requests_;  // by position in the stream
+  std::map<std::size_t, Request> requests_;  // key: position of the request in the stream
   std::size_t answers_ = 0;
   std::uint32_t filled_;
   Bytes flash_before_, ram_before_;

@@ -1,5 +1,5 @@
-// Fuzz targets for all external inputs except those of vision and of the emulator, which have their own.
-// tools/fuzz/targets.txt lists all targets with the parsers that they drive.
+// Fuzz targets for all external inputs, except inputs of vision and of the emulator. tools/fuzz/targets.txt
+// lists all targets with the parsers that each target tests.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,52 +10,63 @@ namespace kaz::fuzz {
 // Files on the command line (bodies.cpp, files.cpp).
 Complaint try_robot(Bytes bytes);        // URDF
 Complaint try_world(Bytes bytes);        // SDF
-Complaint try_motor(Bytes bytes);        // motor.xml; written and read again
+Complaint try_motor(Bytes bytes);        // motor.xml; a valid input is also written and read again
 Complaint try_sensors(Bytes bytes);      // sensors.xml
 Complaint try_mesh(Bytes bytes);         // OBJ or STL, chosen by the first byte
 Complaint try_camera_file(Bytes bytes);  // camera.json
-Complaint try_faults(Bytes bytes);       // fault schedules; written and read again
-Complaint try_memory(Bytes bytes);       // a board's memory; the native board then runs with it
-Complaint try_state(Bytes bytes);        // a saved state: facts and parts
-Complaint try_flash_image(Bytes bytes);  // S-record, Intel HEX, COFF, ELF, as read by kaz flash
-Complaint try_arguments(Bytes bytes);    // addresses and lists on the command line
+// Fault schedules; a valid input is also written and read again.
+Complaint try_faults(Bytes bytes);
+// A board's memory; the native board then runs with this memory.
+Complaint try_memory(Bytes bytes);
+Complaint try_state(Bytes bytes);  // a saved state: facts and parts
+// S-record, Intel HEX, COFF and ELF files, as read by `kaz flash`.
+Complaint try_flash_image(Bytes bytes);
+Complaint try_arguments(Bytes bytes);  // addresses and lists on the command line
 
-// Results that programs read back (reports.cpp, kept.cpp, recording.cpp).
-Complaint try_bench_report(Bytes bytes);  // result.json of kaz bench; written and read again
+// Files of results that programs read again (reports.cpp, kept.cpp, recording.cpp).
+// Result.json of `kaz bench`; a valid input is also written and read again.
+Complaint try_bench_report(Bytes bytes);
 Complaint try_bench_limits(Bytes bytes);
-Complaint try_balance(Bytes bytes);    // weights of a balance policy; one step with them
-Complaint try_servo_log(Bytes bytes);  // a servo's log; written and read again
-Complaint try_episodes(Bytes bytes);   // an episode of kaz evaluate
-Complaint try_kept(Bytes bytes);       // notes of a run that alters a board; written and read again
-Complaint try_output_list(Bytes bytes);  // a folder's list of results; written and read again
-Complaint try_recording(Bytes bytes);    // MCAP, and its decoding by kaz replay
+Complaint try_balance(Bytes bytes);  // weights of a balance policy; the policy then runs one step
+// Log of a servo; a valid input is also written and read again.
+Complaint try_servo_log(Bytes bytes);
+Complaint try_episodes(Bytes bytes);  // episode file of `kaz evaluate`
+// Notes of a run that changes a board; a valid input is also written and read again.
+Complaint try_kept(Bytes bytes);
+// List of results in a folder; a valid input is also written and read again.
+Complaint try_output_list(Bytes bytes);
+Complaint try_recording(Bytes bytes);  // MCAP file, and its decoding by `kaz replay`
 
 // Lines and sockets (wire.cpp, flash.cpp, sockets.cpp).
-Complaint try_frames(Bytes bytes);         // the receiver, compared with the one of conformance
-Complaint try_replies(Bytes bytes);        // a hostile board for the host's Robot
-Complaint try_flash_replies(Bytes bytes);  // a hostile board for kaz flash: boot mode and writer
-Complaint try_camera_stream(Bytes bytes);  // a hostile publisher of a camera stream
-Complaint try_raw_picture(Bytes bytes);    // pictures of a V4L2 camera
-Complaint try_clock(Bytes bytes);          // another machine's clock, for kaz sim
-Complaint try_control(Bytes bytes);        // the control socket of kaz sim with a motor stand
-Complaint try_control_reply(Bytes bytes);  // hostile replies of that socket to the host
+// Receiver of frames, compared with the receiver of the conformance tests.
+Complaint try_frames(Bytes bytes);
+// Replies of a hostile board to the class Robot of the host.
+Complaint try_replies(Bytes bytes);
+// Replies of a hostile board to `kaz flash`: boot mode and writer.
+Complaint try_flash_replies(Bytes bytes);
+Complaint try_camera_stream(Bytes bytes);  // bytes from a hostile publisher of a camera stream
+Complaint try_raw_picture(Bytes bytes);    // raw pictures of a V4L2 camera
+Complaint try_clock(Bytes bytes);          // messages with another machine's clock to `kaz sim`
+// Requests to the control socket of `kaz sim` with a motor stand.
+Complaint try_control(Bytes bytes);
+Complaint try_control_reply(Bytes bytes);  // hostile replies of the control socket to the host
 
 // Buses and networks (links.cpp, ports.cpp).
 Complaint try_can(Bytes bytes);         // ISO-TP messages and error frames
-Complaint try_telnet(Bytes bytes);      // RFC 2217, both ends
-Complaint try_boards(Bytes bytes);      // files of boards
-Complaint try_serve_port(Bytes bytes);  // a hostile client of kaz serve-port
-Complaint try_rfc2217(Bytes bytes);     // a hostile server of RFC 2217 for the host
+Complaint try_telnet(Bytes bytes);      // RFC 2217 bytes to both ends
+Complaint try_boards(Bytes bytes);      // files for `--robot boards:FILE`
+Complaint try_serve_port(Bytes bytes);  // bytes from a hostile client to `kaz serve-port`
+Complaint try_rfc2217(Bytes bytes);     // bytes from a hostile RFC 2217 server to the host
 
 // Servo buses (servo_bus.cpp).
-Complaint try_servo_bus(Bytes bytes);    // a hostile host for a virtual servo
+Complaint try_servo_bus(Bytes bytes);    // bytes from a hostile host to a virtual servo
 Complaint try_bus_file(Bytes bytes);     // bus.json
-Complaint try_bus_answers(Bytes bytes);  // hostile servos for the host
+Complaint try_bus_answers(Bytes bytes);  // bytes from hostile servos to the host
 Complaint try_poses(Bytes bytes);        // files of poses
 
 // Viewers of a run (viewers.cpp).
 Complaint try_entry(Bytes bytes);   // HTTP requests for a file or a WebSocket
-Complaint try_viewer(Bytes bytes);  // requests of viewers; messages of a played recording
+Complaint try_viewer(Bytes bytes);  // requests of viewers, and messages of a played recording
 
 inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"world", try_world},

@@ -1,5 +1,6 @@
-// Generates frames from a string of bytes: valid and invalid pictures, camera models, postures and clocks.
+// Generates frames from the bytes of a fuzz input.
 // SPDX-License-Identifier: Apache-2.0
+// Pictures, camera models, postures and clocks may be valid or invalid.
 #pragma once
 
 #include <memory>
@@ -14,7 +15,7 @@ struct HostileFrame {
   std::shared_ptr<const vision::StereoImages> images;
 };
 
-// Returns a valid frame: a red ball before a textured background, in both eyes, 96 x 72 px.
+// Returns a valid frame of 96 x 72 px that shows a red ball in front of a textured background in both eyes.
 HostileFrame valid_frame(std::uint64_t sequence, Time exposure);
 
 class HostileFrames {
