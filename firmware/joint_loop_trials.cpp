@@ -125,8 +125,9 @@ class RoutineCoverage final : public h8s::Observer {
       std::printf("  %06x  %-28s %s\n", line.address, line.text.c_str(), fault);
       ++missing;
     }
-    std::printf("coverage: %zu instructions executed, %d conditional branches both ways%s\n",
-                lines_.size(), branches, missing ? ", except those above" : "");
+    std::printf(
+        "coverage: all %zu instructions ran, and all %d conditional branches went both ways%s\n",
+        lines_.size(), branches, missing ? ", except those above" : "");
     return missing;
   }
   // The rarest direction of all branches: how much chance the trials leave to it.
@@ -176,7 +177,7 @@ class Bench {
     bench.chip_.set_registers(registers);
     const h8s::Stop stop = bench.chip_.run_until(bench.chip_.now() + 100);
     if (stop.reason != h8s::Stop::Reason::reached || !bench.chip_.asleep()) {
-      error = "the chip does not sleep: " + stop.report;
+      error = "the chip did not reach its SLEEP instruction: " + stop.report;
       return std::nullopt;
     }
     std::array<std::uint8_t, 4> back{0, kSleep >> 16 & 0xff, kSleep >> 8 & 0xff, kSleep & 0xff};
@@ -244,7 +245,7 @@ class Bench {
     for (std::size_t r : {4u, 5u, 6u}) {
       if (left.er[r] != given.er[r]) return differs("ER" + std::to_string(r) + " is not preserved");
     }
-    if (left.er[7] != kStack + 4) return differs("the stack pointer is not where it was");
+    if (left.er[7] != kStack + 4) return differs("the routine changed the stack pointer");
     if (number % kRamEvery == 0) return compare_ram(found, differs);
     return true;
   }
@@ -259,7 +260,7 @@ class Bench {
     const auto where = std::mismatch(now.begin(), now.end(), ram_.begin()).first;
     if (where == now.end()) return true;
     char text[64];
-    std::snprintf(text, sizeof text, "RAM beside the joints was written, at 0x%06x",
+    std::snprintf(text, sizeof text, "the routine wrote outside the joints' RAM, at 0x%06x",
                   kRam + static_cast<unsigned>(where - now.begin()));
     return differs(text);
   }
@@ -281,10 +282,10 @@ constexpr const char* kUsage =
     "usage: joint_loop_trials [--trials N] [--seed N] [--call N] [--image FILE.coff] [--native "
     "FILE.so]\n"
     "                         [--no-coverage]\n"
-    "  --call N         only this call of the seed, to repeat a difference\n"
-    "  --image FILE     the chip's side: a firmware image with symbols\n"
-    "  --native FILE    the C side: kz_joint_loop of that shared object\n"
-    "  --no-coverage    for an image whose loop is compiled and not joint_loop.S\n";
+    "  --call N         run only call N of the seed, to reproduce a difference\n"
+    "  --image FILE     firmware image with symbols, for the loop on the chip\n"
+    "  --native FILE    shared object with kz_joint_loop, for the loop in C\n"
+    "  --no-coverage    do not check coverage: for an image whose loop is not joint_loop.S\n";
 
 std::optional<Options> parse(int argc, char** argv) {
   Options options;
@@ -337,7 +338,7 @@ int observed_calls(const Options& options, Bench& bench, Loop native, std::uint6
   }
   bench.chip().detach(coverage);
   if (coverage.missing() != 0) return 1;
-  std::printf("  the rarest of them %lld times in %llu trials\n",
+  std::printf("  the rarest branch direction occurred %lld times in %llu trials\n",
               static_cast<long long>(coverage.rarest()),
               static_cast<unsigned long long>(calls * KZ_JOINTS));
   return 0;
@@ -373,7 +374,7 @@ int run(const Options& options) {
   for (std::uint64_t call = from; call < calls; ++call) {
     draw_loop_input(options.seed, call, input);
     if (!bench->call(options.seed, call, input, native)) {
-      std::printf("repeat it with --seed %llu --call %llu\n",
+      std::printf("repeat this call with --seed %llu --call %llu\n",
                   static_cast<unsigned long long>(options.seed),
                   static_cast<unsigned long long>(call));
       return 1;
@@ -395,7 +396,9 @@ int run(const Options& options) {
   std::printf("engine: %s, %.2f %% of %lld instructions ran as translated code\n",
               h8s::name_of(chip.engine()), 100 * share, static_cast<long long>(instructions));
   if (h8s::translator_available() && calls - from > kWarmUpCalls && share < kMinTranslated)
-    return fail(1, "the translator hardly ran, so that these trials prove little about it");
+    return fail(
+        1,
+        "the translator executed too few instructions, so these trials hardly test the translator");
   return 0;
 }
 

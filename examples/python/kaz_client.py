@@ -158,7 +158,7 @@ class Board:
             termios.tcsetattr(self.port, termios.TCSANOW, settings)
             termios.tcflush(self.port, termios.TCIOFLUSH)
         except BlockingIOError as error:
-            raise NoBoard(f"'{path}' is in use by another program: end that one first") from error
+            raise NoBoard(f"'{path}' is in use by another program: end that program first") from error
         except (OSError, termios.error) as error:
             why = "it is not a serial port" if error.args[0] == errno.ENOTTY else error.args[-1]
             raise NoBoard(f"cannot open '{path}': {why}") from error

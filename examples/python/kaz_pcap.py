@@ -117,7 +117,7 @@ def main():
         finally:
             target.close()
     except BlockingIOError:
-        print(f"kaz_pcap.py: '{options.source}' is in use by another program: end that one first",
+        print(f"kaz_pcap.py: '{options.source}' is in use by another program: end that program first",
               file=sys.stderr)
         return 3
     except (OSError, termios.error) as error:

@@ -113,7 +113,7 @@ class LinkBench {
               false,
               {},
               "Time from the first byte of a `state` request to the last byte of its reply. The "
-              "wire takes 5 ms of it, the board 1 to 2.2 ms."};
+              "wire takes 5 ms of this time, and the board takes 1 to 2.2 ms."};
     plot.series.push_back(std::move(columns));
     for (const auto& [name, text] :
          {std::pair("link.round_trip_median", "limit of the median"),
@@ -124,12 +124,12 @@ class LinkBench {
     judge_.add(std::move(plot));
     judge_.add({"round_trip_course",
                 kSubject,
-                "Round trips, one after the other",
+                "Round trips over time",
                 "time, s",
                 "round trip, ms",
                 false,
                 {std::move(course)},
-                "A repeated request is longer by its timeout."});
+                "If a request was repeated, its time includes the timeout."});
   }
 
   Result<void> measure_cycles() {
@@ -144,9 +144,10 @@ class LinkBench {
       return {};
     };
     KAZ_TRY(options_.allow_motion ? line_.with_joints_on(run) : run());
-    judge_.enter(
-        kSubject, "link.cycle_rate", rate_hz, 0,
-        options_.allow_motion ? "" : "joints off: targets are refused, which takes as long");
+    judge_.enter(kSubject, "link.cycle_rate", rate_hz, 0,
+                 options_.allow_motion
+                     ? ""
+                     : "joints off, so the board refused the targets, which takes the same time");
     return {};
   }
 

@@ -264,8 +264,9 @@ TEST_F(JudgeOfTimes, WhatFailedBeforeTheBoardWasLostIsUndecided) {
       [] { return std::string("on the line the connection to the board was lost"); }));
   ASSERT_EQ(report_.measurements.size(), 1u);
   EXPECT_EQ(report_.measurements[0].verdict, Verdict::undecided);
-  EXPECT_NE(report_.measurements[0].message.find("the run ended before it was measured again"),
-            std::string::npos);
+  EXPECT_NE(
+      report_.measurements[0].message.find("the run ended before the measurement was repeated"),
+      std::string::npos);
 }
 
 TEST_F(JudgeOfTimes, ARepetitionIsNamed) {
@@ -278,7 +279,8 @@ TEST_F(JudgeOfTimes, ARepetitionIsNamed) {
     return {};
   }));
   EXPECT_EQ(names, (std::vector<std::string>{
-                       "telemetry", "repeated after a late machine or bad line: telemetry"}));
+                       "telemetry",
+                       "repeated because this machine was late or the line was bad: telemetry"}));
   EXPECT_EQ(report_.count(Verdict::passed), 1);
 }
 

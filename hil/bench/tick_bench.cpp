@@ -112,7 +112,7 @@ class TickBench {
     std::string note = options_.allow_motion ? "" : "joints off";
     if (load_hz_ < kLoadReached * kLoadHz) {
       char text[80];
-      std::snprintf(text, sizeof text, "%sthe link took only %.0f control cycles a second",
+      std::snprintf(text, sizeof text, "%sthe link carried only %.0f control cycles per second",
                     note.empty() ? "" : ", ", load_hz_);
       note += text;
     }
@@ -138,9 +138,9 @@ class TickBench {
 
   void enter_missed(const kz_statistics_reply& before, const kz_statistics_reply& after) {
     judge_.enter(kSubject, "tick.missed", after.missed_ticks - before.missed_ticks, 0,
-                 before.missed_ticks == 0
-                     ? ""
-                     : std::to_string(before.missed_ticks) + " more before this measurement");
+                 before.missed_ticks == 0 ? ""
+                                          : std::to_string(before.missed_ticks) +
+                                                " more were missed before this measurement");
   }
 
   double board_seconds(const Arrival& arrival) const {
@@ -197,7 +197,7 @@ class TickBench {
         jitter / std::sqrt(2.0 * static_cast<double>(std::max<std::size_t>(late_ms.size(), 1))));
     if (options_.one_clock) {
       judge_.leave_out(kSubject, "tick.clock_error",
-                       "simulated time: board and bench share one clock");
+                       "time is simulated, so board and bench share one clock");
     } else {
       judge_.enter(kSubject, "tick.clock_error", kPerMillion * (1 / line.slope - 1),
                    kPerMillion * line.slope_error);
@@ -209,7 +209,8 @@ class TickBench {
                 "delay, ms",
                 false,
                 {std::move(plotted)},
-                "Arrival time of each frame, against its tick and the mean delay, without load."});
+                "Delay of each telemetry frame from its tick to its arrival, minus the mean delay, "
+                "without load."});
   }
 
   static constexpr const char* kNoStream =

@@ -5,7 +5,7 @@
 namespace kaz::hil {
 namespace {
 
-constexpr const char* kNotAgain = ", and the run ended before it was measured again";
+constexpr const char* kNotAgain = ", and the run ended before the measurement was repeated";
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int 
 }
 
 std::string run_text(const std::string& what, int run) {
-  return run == 1 ? what : "repeated after a late machine or bad line: " + what;
+  return run == 1 ? what : "repeated because this machine was late or the line was bad: " + what;
 }
 
 }  // namespace kaz::hil

@@ -93,10 +93,10 @@ std::string missing_servo_text(unsigned missing) {
   const auto add = [&](unsigned need, const char* what) {
     if ((missing & need) != 0) text += (text.empty() ? "" : " and ") + std::string(what);
   };
-  add(kServoNever, "would make a change that cannot be put back");
+  add(kServoNever, "the case would make a change that cannot be undone");
   add(kServoMotion, "needs --allow-motion");
   add(kServoEeprom, "needs --allow-eeprom");
-  add(kServoAlone, "needs --alone: it reaches every servo at the port");
+  add(kServoAlone, "needs --alone, because the case reaches every servo at the port");
   add(kServoModel, "this model or its firmware does not support it");
   return text;
 }
@@ -117,7 +117,7 @@ Result<std::vector<const ServoCase*>> chosen(ServoFamily family, const std::stri
   if (taken.empty())
     return fail(Fault::usage,
                 "--filter " + filter +
-                    " matches no case; `kaz conformance --bus PROTOCOL --list` lists them");
+                    " matches no case; `kaz conformance --bus PROTOCOL --list` lists the cases");
   return taken;
 }
 

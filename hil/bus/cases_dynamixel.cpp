@@ -29,7 +29,7 @@ int other_id(ExaminedServo& servo) {
   for (int id = 250; id > 200; --id) {
     if (id != servo.id() && !servo.maybe(servo_request(kDynamixel, id, kPing))) return id;
   }
-  throw Failed{"every id from 201 to 250 answers"};
+  throw Failed{"no unused id was found: every id from 201 to 250 answers"};
 }
 
 void ping(ExaminedServo& servo) {
@@ -57,7 +57,8 @@ void append(Bytes& to, const Bytes& bytes) {
 }
 
 void add_packet_cases(ServoCases cases) {
-  cases.add("packet.ping", "A ping is answered with model and firmware.", "packet", ping);
+  cases.add("packet.ping", "The answer to a ping contains model and firmware version.", "packet",
+            ping);
   cases.add("packet.crc", "A request with a wrong CRC is not executed.", "packet",
             [](ExaminedServo& servo) {
               servo.keep(led(servo));
@@ -159,7 +160,7 @@ void add_group_cases(ServoCases cases) {
                   1);
               equal("id", all[0].id, servo.id());
               check(all[0].data == servo.read(row.address, row.size),
-                    "its data differ from those of a read");
+                    "the data differ from the data of a read");
             });
   cases.add("groups.sync-read-of-others", "A sync read without the servo's id is not answered.",
             "packet", [](ExaminedServo& servo) {
@@ -174,7 +175,7 @@ void add_group_cases(ServoCases cases) {
               const auto all =
                   servo.answers(servo_request(kDynamixel, kAllServos, kBulkRead, parameters), 1);
               equal("id", all[0].id, servo.id());
-              check(all[0].data == servo.read(0, 7), "its data differ from those of a read");
+              check(all[0].data == servo.read(0, 7), "the data differ from the data of a read");
             });
   for (const bool bulk : {false, true}) {
     cases.add(
@@ -194,7 +195,7 @@ void add_group_cases(ServoCases cases) {
           equal("error", error_of(all[0]), 0);
           Bytes wanted{static_cast<std::uint8_t>(servo.id())};
           append(wanted, servo.read(0, 7));
-          check(all[0].data == wanted, "its id or data differ from those of a read");
+          check(all[0].data == wanted, "id or data differ from the answer to a read");
         },
         kServoNothing, has_fast_reads);
   }
@@ -226,7 +227,8 @@ void add_group_cases(ServoCases cases) {
 }
 
 void add_instruction_cases(ServoCases cases) {
-  cases.add("instructions.reg-write", "A reg write waits for an action to its id.", "packet",
+  cases.add("instructions.reg-write",
+            "A reg write is executed only after an action to the servo's id.", "packet",
             [](ExaminedServo& servo) {
               const ServoRow& row = profile(servo);
               const ServoRow& waits = servo.table().row("Registered Instruction");
@@ -242,32 +244,33 @@ void add_instruction_cases(ServoCases cases) {
               equal(row.what + " after the action", servo.value(row), other);
               equal(waits.what + " after the action", servo.value(waits), 0);
             });
-  cases.add("instructions.status-return-level",
-            "At level 1 only pings and reads are answered, at level 0 only pings.", "packet",
+  cases.add(
+      "instructions.status-return-level",
+      "At status return level 1 only pings and reads are answered, and at level 0 only pings.",
+      "packet", [](ExaminedServo& servo) {
+        const ServoRow& level = servo.table().row("Status Return Level");
+        const auto level_to = [&](int value) {
+          (void)servo.maybe(servo.request(
+              kWrite, servo.write_of(level.address, {static_cast<std::uint8_t>(value)})));
+        };
+        servo.keep(level);
+        servo.keep(led(servo));
+        level_to(1);
+        const long lit = servo.value(led(servo));
+        servo.silent(servo.request(kWrite, servo.write_of(led(servo).address,
+                                                          {static_cast<std::uint8_t>(1 - lit)})),
+                     "a write at level 1");
+        equal("LED", servo.value(led(servo)), 1 - lit);
+        level_to(0);
+        servo.silent(servo.request(kRead, servo.read_of(0, 2)), "a read at level 0");
+        equal("bytes in the answer to a ping at level 0",
+              static_cast<long>(servo.answer(kPing).data.size()), 3);
+        level_to(2);
+        equal("Status Return Level", servo.value(level), 2);
+      });
+  cases.add("instructions.indirect",
+            "The registers Indirect Data access the bytes at the indirect addresses.", "registers",
             [](ExaminedServo& servo) {
-              const ServoRow& level = servo.table().row("Status Return Level");
-              const auto level_to = [&](int value) {
-                (void)servo.maybe(servo.request(
-                    kWrite, servo.write_of(level.address, {static_cast<std::uint8_t>(value)})));
-              };
-              servo.keep(level);
-              servo.keep(led(servo));
-              level_to(1);
-              const long lit = servo.value(led(servo));
-              servo.silent(
-                  servo.request(kWrite, servo.write_of(led(servo).address,
-                                                       {static_cast<std::uint8_t>(1 - lit)})),
-                  "a write at level 1");
-              equal("LED", servo.value(led(servo)), 1 - lit);
-              level_to(0);
-              servo.silent(servo.request(kRead, servo.read_of(0, 2)), "a read at level 0");
-              equal("bytes in the answer to a ping at level 0",
-                    static_cast<long>(servo.answer(kPing).data.size()), 3);
-              level_to(2);
-              equal("Status Return Level", servo.value(level), 2);
-            });
-  cases.add("instructions.indirect", "Indirect data are the bytes at the indirect addresses.",
-            "registers", [](ExaminedServo& servo) {
               const ServoTable& table = servo.table();
               servo.keep(led(servo));
               equal("error", servo.write(table.row("Indirect Address 1"), led(servo).address), 0);
@@ -276,7 +279,7 @@ void add_instruction_cases(ServoCases cases) {
                 equal("Indirect Data 1", servo.value(table.row("Indirect Data 1")), lit);
               }
               const ServoRow& data = table.row("Indirect Data 1");
-              equal("error of a write through it",
+              equal("error of a write through the indirect address",
                     error_of(servo.answer(kWrite, servo.write_of(data.address, {1}))), 0);
               equal("LED", servo.value(led(servo)), 1);
             });

@@ -33,7 +33,7 @@ void ping(ExaminedServo& servo) {
 }
 
 void add_packet_cases(ServoCases cases) {
-  cases.add("packet.ping", "A ping is answered without data.", "packet", ping);
+  cases.add("packet.ping", "The answer to a ping contains no data.", "packet", ping);
   cases.add("packet.checksum", "A request with a wrong checksum is not executed.", "packet",
             [](ExaminedServo& servo) {
               const ServoRow& row = probe(servo);
@@ -72,21 +72,21 @@ void add_packet_cases(ServoCases cases) {
 }
 
 void add_instruction_cases(ServoCases cases) {
-  cases.add("instructions.reg-write", "A reg write waits for an action to its id.", "packet",
-            [](ExaminedServo& servo) {
-              const ServoRow& row = probe(servo);
-              const ServoRow& waits =
-                  *servo.table().find({"asynchronous write flag", "asynchronous flag"});
-              servo.keep(row);
-              const long before = servo.value(row), other = before == 7 ? 8 : 7;
-              servo.answer(kRegWrite,
-                           servo.write_of(row.address, encode(servo.table(), row, other)));
-              equal(row.what + " before the action", servo.value(row), before);
-              equal(waits.what + " before the action", servo.value(waits), 1);
-              servo.answer(kAction);
-              equal(row.what + " after the action", servo.value(row), other);
-              equal(waits.what + " after the action", servo.value(waits), 0);
-            });
+  cases.add(
+      "instructions.reg-write", "A reg write is executed only after an action to the servo's id.",
+      "packet", [](ExaminedServo& servo) {
+        const ServoRow& row = probe(servo);
+        const ServoRow& waits =
+            *servo.table().find({"asynchronous write flag", "asynchronous flag"});
+        servo.keep(row);
+        const long before = servo.value(row), other = before == 7 ? 8 : 7;
+        servo.answer(kRegWrite, servo.write_of(row.address, encode(servo.table(), row, other)));
+        equal(row.what + " before the action", servo.value(row), before);
+        equal(waits.what + " before the action", servo.value(waits), 1);
+        servo.answer(kAction);
+        equal(row.what + " after the action", servo.value(row), other);
+        equal(waits.what + " after the action", servo.value(waits), 0);
+      });
   cases.add("instructions.sync-write", "A sync write is executed and not answered.", "packet",
             [](ExaminedServo& servo) {
               const ServoRow& row = probe(servo);
@@ -120,7 +120,7 @@ void add_instruction_cases(ServoCases cases) {
             servo.answers(servo_request(kFeetech, kAllServos, kSyncRead, parameters), 1);
         equal("id", all[0].id, servo.id());
         check(all[0].data == servo.read(row.address, row.size),
-              "its data differ from those of a read");
+              "the data differ from the data of a read");
       },
       kServoNothing, is_sts);
   cases.add(

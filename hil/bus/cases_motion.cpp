@@ -46,7 +46,9 @@ void add_motion_cases(ServoCases cases, ServoFamily family) {
         if (start + way > high) way = -way;
         check(start + way >= low && start + way <= high,
               "position " + std::to_string(start) + ": the limits " + std::to_string(low) + " to " +
-                  std::to_string(high) + " leave no room for 11 degrees; turn the servo by hand");
+                  std::to_string(high) +
+                  " leave no room for a motion of 11 degrees; turn the shaft by hand toward the "
+                  "middle");
         // Slowly: 30 degrees/s.
         if (feetech) {
           servo.write(*table.find({"operation speed", "goal speed"}), turn / 12);

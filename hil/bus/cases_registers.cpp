@@ -12,33 +12,33 @@ constexpr int kServoWrite = 3;  // of both families
 
 // Rows that no case writes, with the reason. Others of the same beginning, as "Goal PWM", alike.
 constexpr std::pair<const char*, const char*> kNeverWritten[] = {
-    {"ID", "the servo would be lost"},
-    {"baud rate", "the servo would be lost"},
-    {"Baud Rate", "the servo would be lost"},
-    {"Protocol Type", "the servo would be lost"},
-    {"Secondary ID", "it would obey another servo's requests"},
-    {"return delay", "changes the times of answers"},
-    {"Return Delay Time", "changes the times of answers"},
+    {"ID", "the servo would become unreachable"},
+    {"baud rate", "the servo would become unreachable"},
+    {"Baud Rate", "the servo would become unreachable"},
+    {"Protocol Type", "the servo would become unreachable"},
+    {"Secondary ID", "the servo would execute another servo's requests"},
+    {"return delay", "answers would come at other times"},
+    {"Return Delay Time", "answers would come at other times"},
     {"response", "answers would stop"},
-    {"Status Return Level", "has cases of its own"},
+    {"Status Return Level", "other cases write this register"},
     {"lock", "EEPROM would change"},
-    {"phase", "bits of unknown effect"},
+    {"phase", "the effect of some bits is unknown"},
     {"operation mode", "switching the torque on would turn the shaft"},
     {"Operating Mode", "switching the torque on would turn the shaft"},
     {"Drive Mode", "switching the torque on would turn the shaft"},
     {"Startup Configuration", "the next power-on would turn the shaft"},
-    {"position correction", "the next goal would be at another place"},
-    {"Homing Offset", "the next goal would be at another place"},
-    {"torque switch", "would hold the shaft"},
-    {"Torque Enable", "would hold the shaft"},
-    {"Bus Watchdog", "stops later requests"},
-    {"target location", "switches the torque on"},
-    {"goal position", "switches the torque on"},
-    {"Goal", "can switch the torque on"},
-    {"operation time or PWM", "a duty in one of its modes"},
-    {"operation speed", "a speed in one of its modes"},
-    {"goal time", "a duty in one of its modes"},
-    {"Indirect Data", "writes the register that it is mapped to"},
+    {"position correction", "the next goal would refer to another position"},
+    {"Homing Offset", "the next goal would refer to another position"},
+    {"torque switch", "the servo would hold the shaft"},
+    {"Torque Enable", "the servo would hold the shaft"},
+    {"Bus Watchdog", "the servo would reject later goals"},
+    {"target location", "a write would switch the torque on"},
+    {"goal position", "a write would switch the torque on"},
+    {"Goal", "a write can switch the torque on"},
+    {"operation time or PWM", "in one mode, the value is a duty"},
+    {"operation speed", "in one mode, the value is a speed"},
+    {"goal time", "in one mode, the value is a duty"},
+    {"Indirect Data", "a write would change the mapped register"},
 };
 
 bool never_written(const ServoRow& row) {
@@ -114,7 +114,7 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
                 within("value", servo.value(row), row.min, row.max);
               });
             });
-  cases.add("registers.block", "A read of several registers returns the bytes of each of them.",
+  cases.add("registers.block", "A read of several registers returns the bytes of each register.",
             "registers", [](ExaminedServo& servo) {
               // EEPROM does not change by itself: rows that follow one another without a gap.
               std::vector<const ServoRow*> run;

@@ -69,19 +69,21 @@ void add_address_cases(Cases& all) {
   for (int other = 0; other < 256; ++other) {
     const bool named = other == 0 || other == 2 || other == 14 || other == 16 || other == 255;
     if (!named) continue;
-    to.add(("other-" + std::to_string(other)).c_str(),
-           "A request to this address is not executed, answered or counted.", "ADDR-4",
-           [other](Board& b) {
-             const long before = b.statistics()["frames"];
-             b.write(frame_of(b.other_than_home(other), KZ_TYPE_stop, b.new_sequence(), {}));
-             b.silence(15);
-             equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
-             equal("valid frames", b.statistics()["frames"] - before, 2);
-           });
+    to.add(
+        ("other-" + std::to_string(other)).c_str(),
+        "A request to address " + std::to_string(other) + " is not executed, answered or counted.",
+        "ADDR-4", [other](Board& b) {
+          const long before = b.statistics()["frames"];
+          b.write(frame_of(b.other_than_home(other), KZ_TYPE_stop, b.new_sequence(), {}));
+          b.silence(15);
+          equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
+          equal("valid frames", b.statistics()["frames"] - before, 2);
+        });
   }
   for (const int type : {0x81, 0x87, 0xC0, 0xFF, 0x80}) {
     to.add(("reply-type-" + std::to_string(type)).c_str(),
-           "A frame of this type, with bit 7 set, is ignored.", "ADDR-5", [type](Board& b) {
+           "A frame of type " + std::to_string(type) + ", with bit 7 set, is ignored.", "ADDR-5",
+           [type](Board& b) {
              b.write(frame_of(b.address, static_cast<std::uint8_t>(type), b.new_sequence(), {}));
              b.silence(15);
              b.expect_alive();
@@ -108,7 +110,9 @@ void add_address_cases(Cases& all) {
       "set-last", "Address 14 can be set.", "ADDR-6",
       [](Board& b) { while_at(b, KZ_ADDRESS_LAST, 0, [&] { b.expect_alive(); }); }, kFlash);
   to.add(
-      "shared-line", "On a shared line, telemetry is refused and is not a capability.", "ADDR-7",
+      "shared-line",
+      "On a shared line, telemetry is refused, and the board does not report the capability.",
+      "ADDR-7",
       [](Board& b) {
         check((b.done("identify")["capabilities"] & KZ_CAPABILITY_TELEMETRY) != 0,
               "the board does not report telemetry on an unshared line");

@@ -32,7 +32,7 @@ void drive_is(Board& b, int joint, double wanted) {
 
 void add_lock(Chapter& to) {
   to.add(
-      "unlock", "`unlock` sets UNLOCKED, and 0 seconds clear it.", "BENCH-1",
+      "unlock", "`unlock` sets UNLOCKED, and `unlock` with 0 seconds clears UNLOCKED.", "BENCH-1",
       [](Board& b) {
         unlock(b);
         check(b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is not set");
@@ -51,7 +51,7 @@ void add_lock(Chapter& to) {
       },
       kNothing);
   to.add(
-      "unlock-again", "Another `unlock` restarts the time.", "BENCH-1",
+      "unlock-again", "Another `unlock` restarts the time until the board locks again.", "BENCH-1",
       [](Board& b) {
         unlock(b, 1);
         b.wait(600);
@@ -111,7 +111,9 @@ void add_raw(Chapter& to) {
     for (const int duty : {60, -60}) {
       to.add(
           "raw-pins-" + std::to_string(joint) + (duty > 0 ? "-forth" : "-back"),
-          "Only this motor is driven, with the requested duty and direction.", "BENCH-3",
+          "`raw_drive` drives only motor " + std::to_string(joint) +
+              ", with the requested duty and direction.",
+          "BENCH-3",
           [joint, duty](Board& b) {
             unlock(b);
             b.done("raw_drive", drive(joint, duty, 50));
@@ -147,7 +149,7 @@ void add_raw(Chapter& to) {
            b.expect_off();
          });
   to.add(
-      "raw-replaced", "Another `raw_drive` replaces the current one.", "BENCH-4",
+      "raw-replaced", "Another `raw_drive` replaces the current raw drive.", "BENCH-4",
       [](Board& b) {
         unlock(b);
         b.done("raw_drive", drive(0, 40, 500));
@@ -210,7 +212,9 @@ void add_safe(Chapter& to) {
   for (const int sign : {1, -1}) {
     to.add(
         std::string("raw-limit-") + (sign > 0 ? "upper" : "lower"),
-        "`raw_drive` does not drive a joint beyond this soft limit.", "BENCH-5",
+        std::string("`raw_drive` does not drive a joint beyond its ") +
+            (sign > 0 ? "upper" : "lower") + " soft limit.",
+        "BENCH-5",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
           unlock(b);
@@ -219,7 +223,8 @@ void add_safe(Chapter& to) {
           b.done("raw_drive", drive(0, sign * 100, 200));
           for (int n = 0; n < 20; ++n) {
             b.wait(3);
-            check(sign * b.bench().drive(0) <= 0, "the motor drives the joint further out");
+            check(sign * b.bench().drive(0) <= 0,
+                  "the motor drives the joint farther beyond its limit");
           }
           b.done("raw_drive", drive(0, -sign * 60, 200));
           b.wait(5);
@@ -228,7 +233,8 @@ void add_safe(Chapter& to) {
         kMotion | kBench);
     to.add(
         std::string("raw-overshoot-") + (sign > 0 ? "upper" : "lower"),
-        "A `raw_drive` at full duty moves a joint at most 0.03 rad past this soft limit.",
+        std::string("A `raw_drive` at full duty moves a joint at most 0.03 rad past its ") +
+            (sign > 0 ? "upper" : "lower") + " soft limit.",
         "BENCH-5",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));

@@ -75,8 +75,9 @@ void with_stored(Board& b, Then then) {
 }
 
 void add_use(Chapter& to) {
-  to.add("reported", "`calibration` reports values, source, copy number and wear.", "CAL-1",
-         [](Board& b) {
+  to.add("reported",
+         "`calibration` reports the values, their source, the copy number and the flash wear.",
+         "CAL-1", [](Board& b) {
            const Reply now = b.done("calibration");
            within("erasures of A", now["erases_a"], 0, 100);
            within("erasures of B", now["erases_b"], 0, 100);
@@ -88,8 +89,9 @@ void add_use(Chapter& to) {
            }
          });
   to.add("nominal",
-         "A stored copy is used. Without one, values are nominal and UNCALIBRATED is set.", "CAL-5",
-         [](Board& b) { expect_valid(b); });
+         "A stored copy is used. Without a stored copy, the values are nominal and UNCALIBRATED is "
+         "set.",
+         "CAL-5", [](Board& b) { expect_valid(b); });
   to.add("set", "`calibrate` sets only the joints of its mask.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     b.done("calibrate", calibrate_one(3, before.centre[3] + 200, before.scale[3] - 100));
@@ -97,7 +99,7 @@ void add_use(Chapter& to) {
     Values wanted = before;
     wanted.centre[3] += 200;
     wanted.scale[3] -= 100;
-    check(after == wanted, "the values differ from those that were set");
+    check(after == wanted, "the values differ from the values that were set");
   });
   to.add("set-all", "`calibrate` sets all 18 joints at once.", "CAL-2", [](Board& b) {
     Values wanted = nominal();
@@ -106,17 +108,19 @@ void add_use(Chapter& to) {
       wanted.scale[j] += 7 * static_cast<long>(j);
     }
     b.done("calibrate", calibrate_all(wanted));
-    check(values_of(b.done("calibration")) == wanted, "the values differ from those that were set");
+    check(values_of(b.done("calibration")) == wanted,
+          "the values differ from the values that were set");
   });
-  to.add("angle-follows", "A new center applies to angles at once.", "CAL-2", [](Board& b) {
-    const Values before = values_of(b.done("calibration"));
-    const long angle = b.angle(0);
-    b.done("calibrate", calibrate_one(0, before.centre[0] + 1000, before.scale[0]));
-    b.wait(5);
-    within("angle", b.angle(0), angle + 960, angle + 1040);
-  });
+  to.add("angle-follows", "A new center changes the reported angles immediately.", "CAL-2",
+         [](Board& b) {
+           const Values before = values_of(b.done("calibration"));
+           const long angle = b.angle(0);
+           b.done("calibrate", calibrate_one(0, before.centre[0] + 1000, before.scale[0]));
+           b.wait(5);
+           within("angle", b.angle(0), angle + 960, angle + 1040);
+         });
   to.add(
-      "angle-follows-scale", "A new scale applies to angles at once.", "CAL-2",
+      "angle-follows-scale", "A new scale changes the reported angles immediately.", "CAL-2",
       [](Board& b) {
         b.bench().place_joint(0, 0.8);
         b.done("calibrate", calibrate_one(0, 0, 16581 * 9 / 8));
@@ -147,8 +151,9 @@ void add_use(Chapter& to) {
     const long centre = usual.centre[i], scale = usual.scale[i];
     const long quarter = (scale > 0 ? scale : -scale) / 4;
     to.add("range-" + std::to_string(joint),
-           "For this joint, a center or scale too far from nominal is refused with RANGE.", "CAL-2",
-           [=](Board& b) {
+           "For joint " + std::to_string(joint) +
+               ", a center or scale too far from nominal is refused with RANGE.",
+           "CAL-2", [=](Board& b) {
              const Values before = values_of(b.done("calibration"));
              for (const long wrong :
                   {centre - KZ_CENTRE_TOLERANCE - 1, centre + KZ_CENTRE_TOLERANCE + 1}) {
@@ -177,7 +182,7 @@ void add_store(Chapter& to) {
           b.done("calibrate", calibrate_all(wanted));
           const Reply stored = b.done("store_calibration", {}, 3000);
           check(stored["sequence"] != number && stored["sequence"] != 0,
-                "the copy has the number of the previous one");
+                "the copy has the number of the previous copy");
           b.reset_by_command();
           const Reply after = b.done("calibration");
           check(values_of(after) == wanted, "the stored values are not used after the reset");
@@ -195,14 +200,16 @@ void add_store(Chapter& to) {
         for (int n = 0; n < 3; ++n) {
           const Time start = b.now();
           const Reply stored = b.done("store_calibration", {}, 3000);
-          check(seconds(b.now() - start) < 3.0 + seconds(b.slack()), "it took more than 3 s");
+          check(seconds(b.now() - start) < 3.0 + seconds(b.slack()), "storing took more than 3 s");
           equal("number of the copy", stored["sequence"], number + 1);
           ++number;
         }
       },
       kFlash);
   to.add(
-      "store-many", "Storing continues when a block is full, and wear is reported.", "CAL-1",
+      "store-many",
+      "When a flash block is full, storing continues in the other block, and the wear is reported.",
+      "CAL-1",
       [](Board& b) {
         const Reply before = b.done("calibration");
         Reply stored = b.done("store_calibration", {}, 3000);

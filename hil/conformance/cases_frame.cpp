@@ -84,14 +84,14 @@ void damaged_then_whole(Board& board, Damage damage) {
 }
 
 void add_before(Chapter& to) {
-  to.add("zeros-around", "Replies begin and end with a zero of their own.", "FRAME-1",
+  to.add("zeros-around", "Each reply begins and ends with its own zero byte.", "FRAME-1",
          [](Board& b) {
            for (const char* name : {"identify", "state", "statistics", "health"}) b.done(name);
            b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE);
            equal("bytes outside of frames", b.wild_bytes(), 0);
          });
-  to.add("zeros-around-back-to-back", "Two replies in a row do not share a zero.", "FRAME-1",
-         [](Board& b) {
+  to.add("zeros-around-back-to-back", "Two consecutive replies do not share a zero byte.",
+         "FRAME-1", [](Board& b) {
            const std::uint8_t first = b.new_sequence(), second = b.new_sequence();
            Bytes wire = b.request_bytes("state", {}, first);
            append(wire, b.request_bytes("health", {}, second));
@@ -100,7 +100,7 @@ void add_before(Chapter& to) {
            b.take("health", second);
            equal("bytes outside of frames", b.wild_bytes(), 0);
          });
-  to.add("noise-before", "Noise before the first zero is ignored.", "FRAME-2", [](Board& b) {
+  to.add("noise-before", "Noise before the first zero byte is ignored.", "FRAME-2", [](Board& b) {
     for (int n = 0; n < 10; ++n) answered_after(b, random_bytes(b, 1 + n * 5, 1));
   });
   to.add("half-frame-before", "A preceding incomplete frame is ignored.", "FRAME-2", [](Board& b) {
@@ -117,7 +117,7 @@ void add_before(Chapter& to) {
       answered_after(b, {whole.begin() + static_cast<std::ptrdiff_t>(cut), whole.end()});
     }
   });
-  to.add("zeros-between", "Any number of zeros before a frame is ignored.", "FRAME-3",
+  to.add("zeros-between", "Any number of zero bytes before a frame is ignored.", "FRAME-3",
          [](Board& b) {
            const Reply before = b.statistics();
            answered_after(b, Bytes(1, 0));
@@ -127,15 +127,16 @@ void add_before(Chapter& to) {
            equal("frames that were too short", after["too_short"] - before["too_short"], 0);
            equal("frames with a wrong check", after["bad_check"] - before["bad_check"], 0);
          });
-  to.add("shared-zero", "One zero may end a frame and begin the next.", "FRAME-3", [](Board& b) {
-    std::uint8_t first, second;
-    Bytes wire = valid_frame(b, first);
-    const Bytes other = valid_frame(b, second);
-    wire.insert(wire.end(), other.begin() + 1, other.end());
-    b.write(wire);
-    b.take("heartbeat", first);
-    b.take("heartbeat", second);
-  });
+  to.add("shared-zero", "One zero byte may end a frame and begin the next frame.", "FRAME-3",
+         [](Board& b) {
+           std::uint8_t first, second;
+           Bytes wire = valid_frame(b, first);
+           const Bytes other = valid_frame(b, second);
+           wire.insert(wire.end(), other.begin() + 1, other.end());
+           b.write(wire);
+           b.take("heartbeat", first);
+           b.take("heartbeat", second);
+         });
 }
 
 void add_damage(Chapter& to) {
@@ -173,8 +174,8 @@ void add_damage(Chapter& to) {
            });
          });
   to.add("lost-zero-then-whole",
-         "If a frame's closing zero is lost, the next frame is still received.", "FRAME-5",
-         [](Board& b) {
+         "If the zero byte at the end of a frame is lost, the next frame is still received.",
+         "FRAME-5", [](Board& b) {
            std::uint8_t first, second;
            Bytes wire = valid_frame(b, first);
            wire.pop_back();
@@ -199,15 +200,15 @@ void add_damage(Chapter& to) {
 }
 
 void add_counts(Chapter& to) {
-  to.add("bad-check", "A frame with a wrong check is dropped and counted.", "FRAME-6",
-         [](Board& b) {
-           for (int place = 2; place <= 4; ++place) {
-             Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
-             wire[wire.size() - static_cast<std::size_t>(place)] ^= 0x01;
-             dropped_as(b, wire, "bad_check");
-           }
-         });
-  to.add("bad-check-high-bits", "A check with wrong upper bits is dropped and counted.", "FRAME-6",
+  to.add("bad-check", "A frame with a wrong CRC is dropped and counted.", "FRAME-6", [](Board& b) {
+    for (int place = 2; place <= 4; ++place) {
+      Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
+      wire[wire.size() - static_cast<std::size_t>(place)] ^= 0x01;
+      dropped_as(b, wire, "bad_check");
+    }
+  });
+  to.add("bad-check-high-bits",
+         "A frame with a CRC whose upper bits are wrong is dropped and counted.", "FRAME-6",
          [](Board& b) {
            Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
            wire[wire.size() - 4] ^= 0x40;
@@ -216,8 +217,8 @@ void add_counts(Chapter& to) {
            wire[wire.size() - 2] ^= 0x80;
            if (wire[wire.size() - 2] != 0) dropped_as(b, wire, "bad_check");
          });
-  to.add("check-of-body", "A check of the body before stuffing is dropped and counted.", "FRAME-6",
-         [](Board& b) {
+  to.add("check-of-body", "A frame whose CRC was computed before stuffing is dropped and counted.",
+         "FRAME-6", [](Board& b) {
            const Bytes body{b.home(), KZ_TYPE_heartbeat, b.new_sequence(), 0, 0};
            Bytes wire{0};
            append(wire, stuff(body));
@@ -225,7 +226,8 @@ void add_counts(Chapter& to) {
            wire.push_back(0);
            dropped_as(b, wire, "bad_check");
          });
-  to.add("bad-stuffing", "A frame with a block that extends beyond its end is dropped and counted.",
+  to.add("bad-stuffing",
+         "A frame with a block that extends beyond the frame's end is dropped and counted.",
          "FRAME-7", [](Board& b) {
            Bytes stuffed = stuff({b.home(), KZ_TYPE_identify, b.new_sequence()});
            stuffed[0] = static_cast<std::uint8_t>(stuffed[0] + 1);
@@ -250,7 +252,7 @@ void add_counts(Chapter& to) {
   }
   for (int bytes = 1; bytes <= 3; ++bytes) {
     to.add(("too-short-raw-" + std::to_string(bytes)).c_str(),
-           "A frame too short for a check is dropped and counted.", "FRAME-8", [bytes](Board& b) {
+           "A frame too short for a CRC is dropped and counted.", "FRAME-8", [bytes](Board& b) {
              Bytes wire(static_cast<std::size_t>(bytes) + 2, 0x85);
              wire.front() = wire.back() = 0;
              dropped_as(b, wire, "too_short");
@@ -260,11 +262,12 @@ void add_counts(Chapter& to) {
     const Bytes fields = random_bytes(b, KZ_PAYLOAD_MAX, 0);
     b.refused_type(KZ_TYPE_identify, fields, KZ_REFUSED_LENGTH);
   });
-  to.add("too-long", "A frame with one byte more is dropped and counted.", "FRAME-9", [](Board& b) {
-    Bytes body{b.home(), KZ_TYPE_identify, b.new_sequence()};
-    append(body, random_bytes(b, KZ_PAYLOAD_MAX + 1, 0));
-    dropped_as(b, frame_of_stuffed(stuff(body)), "too_long");
-  });
+  to.add("too-long", "A frame with a body one byte too long is dropped and counted.", "FRAME-9",
+         [](Board& b) {
+           Bytes body{b.home(), KZ_TYPE_identify, b.new_sequence()};
+           append(body, random_bytes(b, KZ_PAYLOAD_MAX + 1, 0));
+           dropped_as(b, frame_of_stuffed(stuff(body)), "too_long");
+         });
   to.add("much-too-long",
          "A frame of 2,000 bytes is dropped and counted once, and the board still replies.",
          "FRAME-9", [](Board& b) {
@@ -277,7 +280,8 @@ void add_counts(Chapter& to) {
            b.expect_alive();
          });
   to.add(
-      "line-error", "A frame with a framing error in a byte is dropped and counted.", "FRAME-10",
+      "line-error", "A frame that contains a byte with a framing error is dropped and counted.",
+      "FRAME-10",
       [](Board& b) {
         const Reply before = b.statistics();
         std::uint8_t sequence;
@@ -324,8 +328,8 @@ void add_counts(Chapter& to) {
       },
       kPauses);
   to.add(
-      "idle-then-whole", "The frame after one that was dropped for a pause is received.",
-      "FRAME-11",
+      "idle-then-whole",
+      "After a frame was dropped because of a pause, the next frame is received.", "FRAME-11",
       [](Board& b) {
         std::uint8_t sequence;
         const Bytes wire = valid_frame(b, sequence);
@@ -339,7 +343,8 @@ void add_counts(Chapter& to) {
 void add_contents(Chapter& to) {
   for (int place = 0; place < 6; ++place) {
     to.add(("zero-at-" + std::to_string(place)).c_str(),
-           "A zero at this place of the fields is received.", "FRAME-12", [place](Board& b) {
+           "A zero byte at position " + std::to_string(place) + " of the fields is received.",
+           "FRAME-12", [place](Board& b) {
              Bytes fields(6, 0x5A);
              fields[static_cast<std::size_t>(place)] = 0;
              b.refused_type(KZ_TYPE_state, fields, KZ_REFUSED_LENGTH);

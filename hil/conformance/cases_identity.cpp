@@ -17,8 +17,8 @@ void add_identity_cases(Cases& all) {
                                  KZ_CAPABILITY_RAW_DRIVE | KZ_CAPABILITY_LOADER;
            equal("capabilities", who["capabilities"], expected);
          });
-  to.add("version-place", "The protocol version is the fifth byte of the fields.", "ID-1",
-         [](Board& b) {
+  to.add("version-place", "The protocol version is the fifth byte of the fields of `identify`.",
+         "ID-1", [](Board& b) {
            equal("fifth byte", b.done("identify").frame().fields[4], KZ_PROTOCOL_VERSION);
          });
   to.add("watchdog-default",
@@ -29,8 +29,9 @@ void add_identity_cases(Cases& all) {
            equal("reaction", who["reaction"], KZ_REACTION_LIMP);
          });
   to.add("watchdog-set",
-         "`heartbeat` sets limit and reaction, and 0 keeps them. `identify` reports them.", "ID-1",
-         [](Board& b) {
+         "`heartbeat` sets the watchdog's limit and reaction, and 0 keeps the old value. "
+         "`identify` reports both.",
+         "ID-1", [](Board& b) {
            b.watchdog(25, KZ_REACTION_HOLD);
            b.watchdog(0, 0);
            Reply who = b.done("identify");

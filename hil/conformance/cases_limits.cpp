@@ -28,27 +28,30 @@ void commands_inside(Board& b, int ms, long lower, long upper) {
 
 void add_refusals(Chapter& to) {
   for (int j = 0; j < KZ_JOINTS; ++j) {
-    to.add(
-        "joint-" + std::to_string(j),
-        "Targets at this joint's soft limits are accepted. Targets beyond are refused with LIMIT.",
-        "MOVE-6", [j](Board& b) {
-          const auto [lower, upper] = limits_of(b, j);
-          check(lower < upper, "the joint's lower limit is not below the upper one");
-          b.enable(1u << j);
-          b.refused("targets", one_target(j, lower - 1, 5000), KZ_REFUSED_LIMIT, j);
-          b.refused("targets", one_target(j, upper + 1, 5000), KZ_REFUSED_LIMIT, j);
-          b.refused("targets", one_target(j, -32768, 5000), KZ_REFUSED_LIMIT, j);
-          b.refused("targets", one_target(j, 32767, 5000), KZ_REFUSED_LIMIT, j);
-          b.done("targets", one_target(j, lower, 60000));
-          b.done("targets", one_target(j, upper, 60000));
-        });
+    to.add("joint-" + std::to_string(j),
+           "Targets at the soft limits of joint " + std::to_string(j) +
+               " are accepted. Targets beyond the limits are refused with LIMIT.",
+           "MOVE-6", [j](Board& b) {
+             const auto [lower, upper] = limits_of(b, j);
+             check(lower < upper, "the joint's lower limit is not below the upper one");
+             b.enable(1u << j);
+             b.refused("targets", one_target(j, lower - 1, 5000), KZ_REFUSED_LIMIT, j);
+             b.refused("targets", one_target(j, upper + 1, 5000), KZ_REFUSED_LIMIT, j);
+             b.refused("targets", one_target(j, -32768, 5000), KZ_REFUSED_LIMIT, j);
+             b.refused("targets", one_target(j, 32767, 5000), KZ_REFUSED_LIMIT, j);
+             b.done("targets", one_target(j, lower, 60000));
+             b.done("targets", one_target(j, upper, 60000));
+           });
     to.add(
         "off-" + std::to_string(j),
-        "A target for this joint is refused with DISABLED while it is off.", "MOVE-5",
+        "A target for joint " + std::to_string(j) +
+            " is refused with DISABLED while the joint is off.",
+        "MOVE-5",
         [j](Board& b) { b.refused("targets", one_target(j, 0, 100), KZ_REFUSED_DISABLED, j); },
         kNothing);
   }
-  to.add("whole-limit", "A message with one target outside its limits has no effect.", "MOVE-6",
+  to.add("whole-limit",
+         "If one target of a message is outside its limits, the message has no effect.", "MOVE-6",
          [](Board& b) {
            b.enable(0x7);
            const Reply before = b.done("read_targets", Put().u32(7));
@@ -60,7 +63,7 @@ void add_refusals(Chapter& to) {
              equal("target", after.number("angle", j), before.number("angle", j));
            check(!b.state().flag(KZ_STATUS_MOVING), "a refused message started a ramp");
          });
-  to.add("whole-disabled", "A message with one joint that is off has no effect.", "MOVE-5",
+  to.add("whole-disabled", "If one joint of a message is off, the message has no effect.", "MOVE-5",
          [](Board& b) {
            b.enable(0x5);
            const Reply before = b.done("read_targets", Put().u32(5));
@@ -106,8 +109,8 @@ void add_motion(Chapter& to) {
            }
          });
   to.add(
-      "outside-moves-inward", "A joint outside its soft limits starts there and moves inward.",
-      "MOVE-10",
+      "outside-moves-inward",
+      "A joint outside its soft limits starts at its present angle and moves inward.", "MOVE-10",
       [](Board& b) {
         b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
         b.bench().place_joint(0, 0.45);
@@ -130,7 +133,9 @@ void add_motion(Chapter& to) {
     const int sign = upper ? 1 : -1;
     to.add(
         std::string("no-drive-beyond-") + side,
-        "The position loop does not drive a joint further beyond this soft limit.", "MOVE-11",
+        std::string("The position loop does not drive a joint farther beyond its ") + side +
+            " soft limit.",
+        "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
           b.enable(1);
@@ -139,25 +144,29 @@ void add_motion(Chapter& to) {
           for (const double angle : {0.21, 0.25, 0.30}) {  // turned out by hand
             b.bench().place_joint(0, sign * angle);
             b.stay_alive(10);
-            check(sign * b.bench().drive(0) <= 0, "the motor drives the joint further out");
+            check(sign * b.bench().drive(0) <= 0,
+                  "the motor drives the joint farther beyond its limit");
           }
         },
         kMotion | kBench);
     to.add(
         std::string("at-limit-flag-") + side,
-        "AT_LIMIT is reported for a joint beyond this soft limit.", "MOVE-11",
+        std::string("AT_LIMIT is reported for a joint beyond its ") + side + " soft limit.",
+        "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
           b.bench().place_joint(0, sign * 0.22);
           b.wait(20);
           b.enable(1);
           equal("AT_LIMIT", b.joints(1).number("faults", 0) & KZ_JOINT_AT_LIMIT, KZ_JOINT_AT_LIMIT);
-          check(sign * b.bench().drive(0) <= 0, "the motor drives the joint further out");
+          check(sign * b.bench().drive(0) <= 0,
+                "the motor drives the joint farther beyond its limit");
         },
         kMotion | kBench);
     to.add(
         std::string("no-drive-back-out-") + side,
-        "A joint switched on beyond this soft limit is not driven back out to its command.",
+        std::string("A joint that was switched on beyond its ") + side +
+            " soft limit is not driven outward again.",
         "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
@@ -167,13 +176,16 @@ void add_motion(Chapter& to) {
           b.bench().place_joint(0, sign * 0.35);
           for (int n = 0; n < 10; ++n) {
             b.stay_alive(5);
-            check(sign * b.bench().drive(0) <= 0, "the motor drives the joint further out");
+            check(sign * b.bench().drive(0) <= 0,
+                  "the motor drives the joint farther beyond its limit");
           }
         },
         kMotion | kBench);
     to.add(
         std::string("no-overshoot-") + side,
-        "With the highest gains and ramp limit, a joint does not pass this soft limit.", "MOVE-11",
+        std::string("With the highest gains and ramp limit, a joint does not pass its ") + side +
+            " soft limit.",
+        "MOVE-11",
         [sign](Board& b) {
           b.done("gains", Put().u32(1).u16(KZ_KP_MAX).u16(0).u16(0).u8(KZ_FRICTION_MAX));
           b.done("limits", Put().u32(1).u16(KZ_RAMP_MAX).s16(-3000).s16(3000));

@@ -138,7 +138,9 @@ void add_enable(Chapter& to) {
       kNothing);
   for (const int code : {0, 3, 1020, 1023}) {
     to.add(("enable-pot-" + std::to_string(code)).c_str(),
-           "`enable` is refused while a potentiometer of its mask reads this code.", "MOVE-3",
+           "`enable` is refused while a potentiometer in its mask reads code " +
+               std::to_string(code) + ".",
+           "MOVE-3",
            [code](Board& b) {
              b.bench().set_analog(0, code);  // joint 0
              b.wait(20);
@@ -217,7 +219,7 @@ void add_ramps(Chapter& to) {
              near("command", std::labs(command - from), distance, 30);
            }
          });
-  to.add("ramp-from-command", "A new target starts from the current command.", "MOVE-4",
+  to.add("ramp-from-command", "The ramp to a new target starts from the current command.", "MOVE-4",
          [](Board& b) {
            b.enable(1);
            const long from = target_of(b, 0), goal = some_way(b, 0, 4000);
@@ -366,18 +368,20 @@ void add_reading(Chapter& to) {
       },
       kNothing);
   for (int j = 0; j < KZ_JOINTS; ++j) {
-    to.add(("off-no-power-" + std::to_string(j)).c_str(),
-           "The motor of this joint gets no power while only this joint is off.", "MOVE-9",
-           [j](Board& b) {
-             b.enable(KZ_ALL_JOINTS & ~(1u << j));
-             b.bench().place_joint(j, b.bench().angle_rad(j) + 0.05);
-             for (int n = 0; n < 5; ++n) {
-               b.stay_alive(10);
-               check(b.bench().drive(j) == 0, "the motor has power");
-             }
-             equal("ON", b.done("joints", Put().u32(1L << j)).number("faults", j) & KZ_JOINT_ON, 0);
-           },
-           kMotion | kBench);
+    to.add(
+        ("off-no-power-" + std::to_string(j)).c_str(),
+        "The motor of joint " + std::to_string(j) + " gets no power while only this joint is off.",
+        "MOVE-9",
+        [j](Board& b) {
+          b.enable(KZ_ALL_JOINTS & ~(1u << j));
+          b.bench().place_joint(j, b.bench().angle_rad(j) + 0.05);
+          for (int n = 0; n < 5; ++n) {
+            b.stay_alive(10);
+            check(b.bench().drive(j) == 0, "the motor has power");
+          }
+          equal("ON", b.done("joints", Put().u32(1L << j)).number("faults", j) & KZ_JOINT_ON, 0);
+        },
+        kMotion | kBench);
   }
 }
 

@@ -47,13 +47,15 @@ void add_answers(Chapter& to) {
         within("ticks in " + std::to_string(passed) + " ms", second["tick"] - first["tick"],
                passed - slack, passed + slack);
       });
-  to.add("tick-from-reset", "The tick counts from the board's reset.", "REQ-1", [](Board& b) {
-    b.wait(300);
-    const long before = b.state()["tick"];
-    b.reset_by_command();
-    within("tick after a reset", b.state()["tick"], 0, 200 + 3 * b.slack().count() / 1'000'000);
-    check(before > 200, "the tick does not advance");
-  });
+  to.add("tick-from-reset", "The tick in replies counts from the board's reset.", "REQ-1",
+         [](Board& b) {
+           b.wait(300);
+           const long before = b.state()["tick"];
+           b.reset_by_command();
+           within("tick after a reset", b.state()["tick"], 0,
+                  200 + 3 * b.slack().count() / 1'000'000);
+           check(before > 200, "the tick does not advance");
+         });
   to.add("refusal-whole", "A refused request has no effect.", "REQ-2", [](Board& b) {
     const Reply before = b.done("settings", Put().u8(0));
     // The last field is wrong, all before it are right.
@@ -114,8 +116,8 @@ void add_repetitions(Chapter& to) {
          });
   for (int others = 0; others <= 3; ++others) {
     to.add(("repeated-after-" + std::to_string(others)).c_str(),
-           "A repetition is recognized after this many other requests.", "REQ-7",
-           [others](Board& b) {
+           "A repetition is recognized after " + std::to_string(others) + " other requests.",
+           "REQ-7", [others](Board& b) {
              const Repeated first(b, "limits", Put().u32(1).u16(kSettingRamp).s16(-500).s16(500));
              for (int n = 0; n < others; ++n)
                b.done("limits", Put().u32(1).u16(20 + n).s16(-400).s16(400));
@@ -154,8 +156,8 @@ void add_repetitions(Chapter& to) {
            b.take("clear", sequence);
            equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
          });
-  to.add("forgotten", "After five other requests, the same request is new again.", "REQ-8",
-         [](Board& b) {
+  to.add("forgotten", "After five other requests, a repeated request is executed as a new request.",
+         "REQ-8", [](Board& b) {
            const std::uint8_t sequence = b.new_sequence();
            const Bytes wire = b.request_bytes("heartbeat", Put().u8(44).u8(0), sequence);
            b.write(wire);
@@ -216,7 +218,8 @@ void add_queue(Chapter& to) {
     check(busy, "the third request was not refused with BUSY");
     b.silence(20);
   });
-  to.add("last-of-many-busy", "If several requests exceed the queue, only the last is answered.",
+  to.add("last-of-many-busy",
+         "If several requests exceed the queue, only the last of these requests is answered.",
          "REQ-10", [](Board& b) {
            std::uint8_t number[4];
            Bytes wire;
@@ -232,7 +235,7 @@ void add_queue(Chapter& to) {
            while (const auto frame = b.next(30)) {
              ++answers;
              check(frame->sequence != number[2],
-                   "a request that a later one replaced was answered");
+                   "a request was answered although a later request had replaced it");
              last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
            }
            equal("replies after the first", answers, 2);
@@ -281,7 +284,8 @@ void add_queue(Chapter& to) {
 void add_switching_off(Chapter& to) {
   for (int others = 2; others <= 3; ++others) {
     to.add(("stop-repeated-after-" + std::to_string(others)).c_str(),
-           "A repeated `stop` is executed after this many other requests.", "REQ-12",
+           "A repeated `stop` is executed after " + std::to_string(others) + " other requests.",
+           "REQ-12",
            [others](Board& b) {
              const Repeated stop(b, "stop");
              b.done("clear");
@@ -318,7 +322,8 @@ void add_switching_off(Chapter& to) {
       },
       kMotion);
   to.add(
-      "enable-repeated", "A repeated `enable` switches off joints outside its mask, and none on.",
+      "enable-repeated",
+      "A repeated `enable` switches off the joints outside its mask, but switches no joint on.",
       "REQ-12",
       [](Board& b) {
         const Repeated enable(b, "enable", Put().u32(0x5));
@@ -330,8 +335,8 @@ void add_switching_off(Chapter& to) {
       },
       kMotion);
   to.add(
-      "clear-repeated", "A repeated `clear` switches held joints off, and keeps the reason.",
-      "REQ-12",
+      "clear-repeated",
+      "A repeated `clear` switches held joints off, but keeps the shutdown reason.", "REQ-12",
       [](Board& b) {
         b.watchdog(0, KZ_REACTION_HOLD);
         const Repeated clear(b, "clear");
@@ -358,7 +363,8 @@ void add_switching_off(Chapter& to) {
     to.add(
         joint == 0 ? "raw-zero-repeated" : "raw-repeated",
         joint == 0 ? "A repeated `raw_drive` with duty 0 ends a raw drive."
-                   : "A repeated `raw_drive` ends that of another motor, and starts none.",
+                   : "A repeated `raw_drive` ends the raw drive of another motor, but starts no "
+                     "raw drive.",
         "REQ-12",
         [joint](Board& b) {
           b.done("unlock", Put().u16(KZ_KEY).u8(5));

@@ -87,10 +87,10 @@ void add_latch(Chapter& to) {
       },
       kMotion);
   to.add(
-      "clear-nothing", "`clear` with nothing latched is accepted.", "SAFE-2",
+      "clear-nothing", "`clear` is accepted even if no shutdown is latched.", "SAFE-2",
       [](Board& b) { b.done("clear"); }, kNothing);
-  to.add("first-reason-kept", "A second reason does not replace the first.", "SAFE-3",
-         [](Board& b) {
+  to.add("first-reason-kept", "A second shutdown reason does not replace the first reason.",
+         "SAFE-3", [](Board& b) {
            b.enable(0x3);
            b.bench().set_analog(1, 0);  // joint 1
            ms_until_off(b, 60);
@@ -154,12 +154,14 @@ void add_stop(Chapter& to) {
 
 void add_sensors(Chapter& to) {
   for (const int code : {0, KZ_POT_LOWEST - 1, KZ_POT_HIGHEST + 1, 1023}) {
-    to.add("pot-" + std::to_string(code), "A potentiometer at this code causes the shutdown POT.",
+    to.add("pot-" + std::to_string(code),
+           "A potentiometer at code " + std::to_string(code) + " causes the shutdown POT.",
            "SAFE-9",
            [code](Board& b) { shut_down_by(b, 1, code, KZ_SHUTDOWN_POT, 1, KZ_POT_FAULT_MS); });
   }
   for (const int code : {KZ_POT_LOWEST, KZ_POT_HIGHEST}) {
-    to.add("pot-valid-" + std::to_string(code), "A potentiometer at this code is valid.", "SAFE-9",
+    to.add("pot-valid-" + std::to_string(code),
+           "A potentiometer at code " + std::to_string(code) + " is valid.", "SAFE-9",
            [code](Board& b) {
              b.enable(0x1);
              b.bench().set_analog(1, code);  // of a joint whose angle moves nothing
@@ -171,7 +173,7 @@ void add_sensors(Chapter& to) {
   }
   to.add("pot-short", "A potentiometer disconnected for 10 ms causes no shutdown.", "SAFE-9",
          [](Board& b) { no_shut_down(b, 0, 0, 10); });
-  to.add("pot-no-power", "The motor of a disconnected potentiometer gets no power at once.",
+  to.add("pot-no-power", "If a potentiometer is disconnected, its motor loses power immediately.",
          "SAFE-9", [](Board& b) {
            b.bench().block_joint(0, true);
            b.enable(1);
@@ -231,8 +233,10 @@ void add_sensors(Chapter& to) {
            b.wait(60);
            b.done("clear");
          });
-  to.add("temperature-valid", "84 degrees cause no shutdown, and `health` reports them.", "SAFE-11",
-         [](Board& b) {
+  to.add("temperature-valid",
+         "A driver temperature of 84 degrees causes no shutdown, and `health` reports this "
+         "temperature.",
+         "SAFE-11", [](Board& b) {
            no_shut_down(b, KZ_ANALOG_TEMPERATURE, 840, 200);
            b.bench().set_analog(KZ_ANALOG_TEMPERATURE, 840);
            b.stay_alive(60);
@@ -241,15 +245,17 @@ void add_sensors(Chapter& to) {
   for (const int code : {KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE - 2,
                          KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE + 2}) {
     to.add("reference-" + std::to_string(code),
-           "A reference at this code causes the shutdown REFERENCE.", "SAFE-12", [code](Board& b) {
+           "A reference at code " + std::to_string(code) + " causes the shutdown REFERENCE.",
+           "SAFE-12", [code](Board& b) {
              shut_down_by(b, KZ_ANALOG_REFERENCE, code, KZ_SHUTDOWN_REFERENCE, kNoDetail,
                           KZ_REFERENCE_FAULT_MS);
            });
   }
   for (const int code :
        {KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE, KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE}) {
-    to.add("reference-valid-" + std::to_string(code), "A reference at this code is valid.",
-           "SAFE-12", [code](Board& b) { no_shut_down(b, KZ_ANALOG_REFERENCE, code, 100); });
+    to.add("reference-valid-" + std::to_string(code),
+           "A reference at code " + std::to_string(code) + " is valid.", "SAFE-12",
+           [code](Board& b) { no_shut_down(b, KZ_ANALOG_REFERENCE, code, 100); });
   }
 }
 
@@ -284,7 +290,7 @@ void add_motors(Chapter& to) {
            equal("detail", health["detail"], 1);
          });
   to.add(
-      "moving-freely", "A motor that turns freely to and fro causes no shutdown.", "SAFE-13",
+      "moving-freely", "A motor that turns freely back and forth causes no shutdown.", "SAFE-13",
       [](Board& b) {
         b.enable(0x3);
         for (int n = 0; n < 10; ++n) {
@@ -295,7 +301,7 @@ void add_motors(Chapter& to) {
       },
       kMotion);
   to.add(
-      "no-missed-tick", "With requests sent without pause, no tick is missed.", "SAFE-14",
+      "no-missed-tick", "If requests are sent without pause, no tick is missed.", "SAFE-14",
       [](Board& b) {
         b.enable(KZ_ALL_JOINTS);
         for (int n = 0; n < 50; ++n) {

@@ -49,7 +49,7 @@ void add_settings_cases(Cases& all) {
   Chapter to(all, "settings", kNothing);
   for (const int joint : {0, 5, 9, 17}) {
     to.add("defaults-" + std::to_string(joint),
-           "This joint has the default settings after a reset.", "SET-4",
+           "Joint " + std::to_string(joint) + " has the default settings after a reset.", "SET-4",
            [joint](Board& b) { expect_defaults(b, joint); });
   }
   to.add("gains-read-back", "`gains` sets the gains, and `settings` reads them back.", "SET-1",
@@ -118,8 +118,9 @@ void add_settings_cases(Cases& all) {
          });
   for (int joint = 0; joint < KZ_JOINTS; ++joint) {
     to.add("limits-cut-" + std::to_string(joint),
-           "Limits beyond the mechanics of this joint are clipped to them.", "SET-2",
-           [joint](Board& b) {
+           "Limits beyond the mechanical limits of joint " + std::to_string(joint) +
+               " are clipped to the mechanical limits.",
+           "SET-2", [joint](Board& b) {
              const Reply before = settings(b, joint);
              b.done("limits", Put().u32(1L << joint).u16(60).s16(-32768).s16(32767));
              const Reply after = settings(b, joint);
@@ -166,7 +167,7 @@ void add_settings_cases(Cases& all) {
     equal("upper", set["upper"], 100);
   });
   to.add(
-      "narrower-for-targets", "A narrower limit applies to the next target.", "SET-5",
+      "narrower-for-targets", "A new, narrower limit applies to the next target.", "SET-5",
       [](Board& b) {
         b.enable(1);
         b.done("limits", Put().u32(1).u16(60).s16(-1000).s16(1000));
@@ -175,7 +176,8 @@ void add_settings_cases(Cases& all) {
       },
       kMotion);
   to.add(
-      "narrower-ends-ramp", "A ramp that would leave a narrower limit ends at it.", "SET-5",
+      "narrower-ends-ramp", "A ramp that would pass a new, narrower limit ends at the new limit.",
+      "SET-5",
       [](Board& b) {
         b.enable(1);
         const long from = b.done("read_targets", Put().u32(1)).number("angle", 0);

@@ -42,7 +42,8 @@ void add_lengths(Cases& to, const Message& request) {
                 }});
   if (request.fields.empty()) return;
   to.push_back({"length." + request.name + ".short",
-                "`" + request.name + "` with one byte missing, or all, is refused with LENGTH.",
+                "`" + request.name +
+                    "` without its last byte, or without any fields, is refused with LENGTH.",
                 {"REQ-4"},
                 kNothing,
                 [&request](Board& b) {

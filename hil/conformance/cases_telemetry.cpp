@@ -23,8 +23,8 @@ Reply read(const Frame& frame) {
 void add_telemetry_cases(Cases& all) {
   Chapter to(all, "telemetry", kNothing);
   for (int n = 0; n < 4; ++n) {
-    to.add(std::string("frame-") + kFrames[n], "Only the selected frame is sent, once each period.",
-           "TEL-1", [n](Board& b) {
+    to.add(std::string("frame-") + kFrames[n],
+           "Only the selected frame is sent, once in each period.", "TEL-1", [n](Board& b) {
              const long first_tick = b.done("telemetry", Put().u16(20).u8(1 << n))["tick"];
              long last = first_tick;
              const auto frames = b.telemetry(210, true);
@@ -80,7 +80,8 @@ void add_telemetry_cases(Cases& all) {
     for (int n = 0; n < 4; ++n) within(std::string("frames ") + kFrames[n], seen[n], 3, 5);
   });
   for (const int period : {5, 7, 100}) {
-    to.add("period-" + std::to_string(period), "Telemetry keeps this period in ms.", "TEL-1",
+    to.add("period-" + std::to_string(period),
+           "Telemetry keeps a period of " + std::to_string(period) + " ms.", "TEL-1",
            [period](Board& b) {
              const int selection = KZ_TELEMETRY_HEALTH;  // 24 bytes: 2.1 ms
              b.done("telemetry", Put().u16(period).u8(selection));
@@ -111,15 +112,16 @@ void add_telemetry_cases(Cases& all) {
     equal("frames", static_cast<long>(b.telemetry(60, true).size()), 0);
   });
   for (int period = 1; period < KZ_TELEMETRY_PERIOD_MIN_MS; ++period) {
-    to.add("too-fast-" + std::to_string(period), "This period in ms is refused with RANGE.",
+    to.add("too-fast-" + std::to_string(period),
+           "A telemetry period of " + std::to_string(period) + " ms is refused with RANGE.",
            "TEL-2", [period](Board& b) {
              b.refused("telemetry", Put().u16(period).u8(1), KZ_REFUSED_RANGE, 0);
              equal("frames", static_cast<long>(b.telemetry(30, true).size()), 0);
            });
   }
   to.add("dropped",
-         "Frames beyond the line's capacity are dropped and counted. Replies still come.", "TEL-3",
-         [](Board& b) {
+         "Frames beyond the line's capacity are dropped and counted. Replies are still sent.",
+         "TEL-3", [](Board& b) {
            const long before = b.statistics()["telemetry_dropped"];
            b.done("telemetry", Put().u16(5).u8(15));  // 190 bytes every 5 ms: 57 go
            for (int n = 0; n < 10; ++n) {
@@ -131,19 +133,22 @@ void add_telemetry_cases(Cases& all) {
            const long dropped = b.statistics()["telemetry_dropped"] - before;
            within("frames dropped in 250 ms", dropped, 50, 400);
          });
-  to.add("reply-first", "A reply waits at most for the frame being sent.", "TEL-3", [](Board& b) {
-    b.done("telemetry", Put().u16(5).u8(15));
-    b.wait(30);
-    for (int n = 0; n < 10; ++n) {
-      const Time start = b.now();
-      b.done("heartbeat", Put().u8(0).u8(0), 40);
-      // 11 bytes out, the rest of a frame of 53, two ticks, 15 bytes back.
-      const long took = (b.now() - start).count() / 1'000'000;
-      within("round trip, ms", took, 0, 12 + b.slack().count() / 250'000);
-      b.wait(7);
-    }
-  });
-  to.add("ends-with-link", "Telemetry ends after the link watchdog's time, even with motors off.",
+  to.add("reply-first", "A reply waits at most until the current telemetry frame has been sent.",
+         "TEL-3", [](Board& b) {
+           b.done("telemetry", Put().u16(5).u8(15));
+           b.wait(30);
+           for (int n = 0; n < 10; ++n) {
+             const Time start = b.now();
+             b.done("heartbeat", Put().u8(0).u8(0), 40);
+             // 11 bytes out, the rest of a frame of 53, two ticks, 15 bytes back.
+             const long took = (b.now() - start).count() / 1'000'000;
+             within("round trip, ms", took, 0, 12 + b.slack().count() / 250'000);
+             b.wait(7);
+           }
+         });
+  to.add("ends-with-link",
+         "Telemetry ends when the link watchdog's limit passes without a request, even while the "
+         "motors are off.",
          "TEL-4", [](Board& b) {
            b.done("telemetry", Put().u16(10).u8(1));
            const auto frames = b.telemetry(300, false);

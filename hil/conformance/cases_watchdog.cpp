@@ -55,8 +55,8 @@ void add_limits(Chapter& to) {
          });
   for (const int limit : {2, 10, 50, 100}) {
     to.add(
-        "limit-" + std::to_string(limit * 10), "This limit in ms, set by `heartbeat`, applies.",
-        "SAFE-5",
+        "limit-" + std::to_string(limit * 10),
+        "A limit of " + std::to_string(limit * 10) + " ms, set by `heartbeat`, applies.", "SAFE-5",
         [limit](Board& b) {
           b.watchdog(limit);
           b.enable(1);

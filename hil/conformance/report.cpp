@@ -30,8 +30,10 @@ std::string case_row(const CaseResult& one) {
            xml_text(one.message) + "</span>";
   }
   if (bytes) {
-    row += "<details><summary>bytes exchanged (&gt; to the board, &lt; from it)</summary><pre>" +
-           xml_text(joined(one.transcript, "\n")) + "</pre></details>";
+    row +=
+        "<details><summary>bytes exchanged (&gt; to the board, &lt; from the "
+        "board)</summary><pre>" +
+        xml_text(joined(one.transcript, "\n")) + "</pre></details>";
   }
   row += "</td><td>" + joined(one.of->statements, ", ") + "</td>" + verdict_cell(one.verdict) +
          "<td class=\"number\">" + fixed(1e3 * one.seconds, 0) + " ms</td></tr>\n";
@@ -103,7 +105,7 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
                {},
                {}});
   }
-  if (!end.empty()) suite.add_error("conformance", "runs to its end", end);
+  if (!end.empty()) suite.add_error("conformance", "the run is complete", end);
   return suite.finish();
 }
 

@@ -75,7 +75,7 @@ CaseResult run_once(const Case& one, Board& board, unsigned allowed) {
 
 // Of a board that has lost its power or its cable, every later case would fail.
 Error stopped_answering(const host::Link& link, const Case& one) {
-  return {Fault::environment, "the board on " + link.name() + " stopped answering in case " +
+  return {Fault::environment, "the board on " + link.name() + " stopped answering during case " +
                                   one.id + ", at any address; check its power and cable"};
 }
 
@@ -149,8 +149,8 @@ Result<std::vector<const Case*>> chosen(const std::string& filter) {
                 "--filter " + filter + " is not a regular expression: " + wrong.what());
   }
   if (taken.empty()) {
-    return fail(Fault::usage,
-                "--filter " + filter + " matches no case; `kaz conformance --list` lists them");
+    return fail(Fault::usage, "--filter " + filter +
+                                  " matches no case; `kaz conformance --list` lists the cases");
   }
   return taken;
 }

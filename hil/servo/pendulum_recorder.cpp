@@ -145,7 +145,7 @@ class Recorder {
     if (KAZ_TRY(read("torque_enable")) != 0)
       return wrong(Fault::usage,
                    "has its torque on: end the program that drives it. After a killed run, switch "
-                   "its power off and on, which also restores its gains");
+                   "its power off and on, which also restores the servo's gains");
     if (KAZ_TRY(read(feetech() ? "mode" : "operating_mode")) != driver_->position_mode())
       return wrong(Fault::usage, "is not in position mode: switch it to that mode");
     if (feetech() && KAZ_TRY(read("lock")) == 0)
@@ -201,26 +201,26 @@ class Recorder {
     char text[160];
     if (now.errors != 0) {
       std::snprintf(text, sizeof text,
-                    "reports an error (status %d): the weight is too heavy, it is hot, or its "
-                    "voltage is wrong",
+                    "reports an error (status %d): the weight is too heavy, the servo is too hot, "
+                    "or its voltage is wrong",
                     now.errors);
       return wrong(Fault::environment, text);
     }
     if (record_.celsius > options_.max_celsius) {
-      std::snprintf(text, sizeof text, "is at %.0f degC, and at most %.0f are allowed: let it cool",
+      std::snprintf(text, sizeof text,
+                    "is at %.0f degC: must be at most %.0f degC; let the servo cool",
                     record_.celsius, options_.max_celsius);
       return wrong(Fault::environment, text);
     }
     if (std::abs(now.amps) > options_.max_amps) {
-      std::snprintf(text, sizeof text,
-                    "draws %.2f A, and at most %.2f are allowed: use a lighter weight", now.amps,
-                    options_.max_amps);
+      std::snprintf(text, sizeof text, "draws %.2f A: must be at most %.2f A; use a lighter weight",
+                    now.amps, options_.max_amps);
       return wrong(Fault::environment, text);
     }
     if (std::abs(now.angle) > options_.amplitude_rad + kBeyond) {
       std::snprintf(
           text, sizeof text,
-          "is at %.2f rad, beyond its amplitude of %.2f: the gain or the weight is too large",
+          "is at %.2f rad, beyond the amplitude of %.2f rad: the gain or the weight is too large",
           now.angle, options_.amplitude_rad);
       return wrong(Fault::environment, text);
     }

@@ -261,6 +261,6 @@ Result<Outcome> run(Context& context) {
 }  // namespace
 
 constinit const Behavior kApproachBall{
-    "approach-ball", "find a ball and walk until a hand can take it", true, kOptions, run};
+    "approach-ball", "find a ball and walk until a hand can grasp the ball", true, kOptions, run};
 
 }  // namespace kaz::behavior

@@ -21,7 +21,7 @@ constexpr Option kOptions[] = {
     {"tries", "4", "", 1, 20, "maximum number of tries", true},
     {"hold", "3", "", 0.5, 60, "holding time of the ball, s"},
     {"turns", "3", "", 0, 3, "quarter turns of the body during the search", true},
-    {"seconds", "300", "", 10, 3600, "gives up after this time, s"},
+    {"seconds", "300", "", 10, 3600, "time after which the behavior gives up, s"},
 };
 
 // Threshold of the jaw's position error: a jaw blocked by the ball stays 11 degrees from its target, a
@@ -226,7 +226,7 @@ Result<Outcome> catch_ball(BodyControl& body, const CatchOptions& options) {
   return outcome;
 }
 
-constinit const Behavior kCatchBall{"catch-ball", "find a ball on the floor, pick it up, hold it",
-                                    true, kOptions, run};
+constinit const Behavior kCatchBall{
+    "catch-ball", "find a ball on the floor, pick up the ball and hold it", true, kOptions, run};
 
 }  // namespace kaz::behavior

@@ -18,7 +18,7 @@ class Deadline final : public host::Clock {
     if (auto slept = clock_.sleep_until(std::min(t, end_)); !slept) return slept;
     if (t <= end_) return {};
     over_ = true;
-    return fail(Fault::environment, "the time limit is reached: raise it");
+    return fail(Fault::environment, "the time limit is reached: raise the limit");
   }
   bool over() const { return over_; }
 
@@ -91,7 +91,7 @@ Task within(Time limit, Task task) {
     auto outcome = task(limited);
     if (outcome || !clock.over()) return outcome;
     char text[80];
-    std::snprintf(text, sizeof text, "not finished within %g s", seconds(limit));
+    std::snprintf(text, sizeof text, "the task did not finish within %g s", seconds(limit));
     return Outcome{false, text, {}, "time"};
   };
 }

@@ -216,7 +216,7 @@ Result<Outcome> run(Context& context) {
   Outcome outcome;
   outcome.success = lies == Lying::upright;
   char text[160];
-  std::snprintf(text, sizeof text, "the robot %s after %d attempt%s; at the start it was %s",
+  std::snprintf(text, sizeof text, "the robot %s after %d attempt%s; at the start the robot was %s",
                 outcome.success ? "stands" : "did not get up", attempts, attempts == 1 ? "" : "s",
                 name_of(first));
   outcome.sentence = text;

@@ -19,7 +19,7 @@ bool is_balance(std::string_view text) {
 }
 
 constexpr Option kOptions[] = {
-    {"distance", "0.5", "", -2, 5, "meters ahead, at least 0.05; negative: backward"},
+    {"distance", "0.5", "", -2, 5, "distance in m, at least 0.05; a negative distance is backward"},
     {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had no gyro"},
     {"balance", "none", "none|learned|FILE", 0, 0,
      "learned: a small neural network corrects the gait against pushes (needs --imu)", false,
@@ -66,7 +66,7 @@ Result<Outcome> run(Context& context) {
   char text[160];
   std::snprintf(text, sizeof text, "the robot %s %.2f m, %.1f degrees off its heading%s",
                 walker.fallen() ? "fell after" : "walked", walked, turned,
-                motion.has_gyro() ? "" : " (measured by its strides, no gyro)");
+                motion.has_gyro() ? "" : " (measured by the robot's strides, without a gyro)");
   outcome.sentence = text;
   if (!outcome.success) outcome.cause = walker.fallen() ? "fell" : "not reached";
   outcome.measurements = {{"walked_m", walked},

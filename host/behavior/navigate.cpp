@@ -29,14 +29,15 @@ using Eigen::Vector2d;
 constexpr Option kOptions[] = {
     {"goal", "1.2,0.1", "X,Y or X,Y,HEADING or ball", 0, 0,
      "position in m ahead and to the left of the start, at most 3 m away; heading in degrees, "
-     "positive to the left, at most 360; ball: find it and catch it",
+     "positive to the left, at most 360; ball: find and catch the ball",
      false, is_navigation_goal},
     {"turns", "steered", "steered|paper", 0, 0, "paper: turns are multiples of 45 degrees"},
     {"unknown", "costly", "costly|closed", 0, 0,
-     "floor not seen yet: costly counts twice, closed is never entered"},
+     "floor that is not seen yet: costly doubles its cost, closed forbids it"},
     {"planner", "grid", "grid|ompl", 0, 0,
-     "grid: searches cells and headings; ompl: random poses (OMPL's ABIT*), not with turns=paper"},
-    {"seconds", "600", "", 10, 3600, "gives up after this time, s"},
+     "grid searches cells and headings; ompl samples random poses (OMPL's ABIT*) and does not "
+     "support turns=paper"},
+    {"seconds", "600", "", 10, 3600, "time after which the behavior gives up, s"},
 };
 
 constexpr host::Gaze kAhead{0, 35 * kDegree};
@@ -678,11 +679,12 @@ Result<Outcome> run(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kNavigate{.name = "navigate",
-                                   .text = "map the floor, plan a path to a goal, walk it",
-                                   .needs_camera = true,
-                                   .options = kOptions,
-                                   .run = run,
-                                   .needs_floor = true};
+constinit const Behavior kNavigate{
+    .name = "navigate",
+    .text = "map the floor, plan a path to a goal, and walk along the path",
+    .needs_camera = true,
+    .options = kOptions,
+    .run = run,
+    .needs_floor = true};
 
 }  // namespace kaz::behavior

@@ -18,7 +18,7 @@ bool is_poses(std::string_view text) {
 constexpr Option kOptions[] = {
     {"poses", kNone, "the text of a pose file", 0, 0, "poses to play; give --poses FILE", false,
      is_poses},
-    {"times", "1", "", 1, 1000, "number of times to play them", true},
+    {"times", "1", "", 1, 1000, "number of times to play the poses", true},
 };
 
 // At the end each joint is this near to its place, as `stand` demands it; on the way none is farther than the

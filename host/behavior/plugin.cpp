@@ -33,8 +33,8 @@ tl::unexpected<Error> not_loaded(const std::string& path, const std::string& rea
     const auto begin = at + kUndefined.size();
     const std::string symbol = reason.substr(begin, reason.find_first_of(" \t,", begin) - begin);
     return fail(Fault::usage, path + " needs `" + demangled(symbol) +
-                                  "`, which this program does not have: rebuild it against this "
-                                  "Kaz, or define or link the missing symbol");
+                                  "`, which this program does not have: rebuild the plug-in "
+                                  "against this Kaz, or define or link the missing symbol");
   }
   const auto colon = reason.find(": ");
   return fail(Fault::usage, path + " cannot be loaded as a shared object (" +
@@ -83,10 +83,12 @@ Result<void> check_machine(const std::string& path) {
 // What a program takes for granted of a behaviour.
 Result<void> check_behavior(const Behavior* behavior, const std::string& path) {
   if (behavior == nullptr || behavior->run == nullptr || behavior->name.empty())
-    return fail(Fault::usage, path + " has a behavior without a name or function: add it");
+    return fail(Fault::usage,
+                path + " has a behavior without a name or function: add the missing part");
   if (find_behavior(behavior->name))
-    return fail(Fault::usage, path + " has a behavior named `" + std::string(behavior->name) +
-                                  "`, the name of one of Kaz's own: give it another name");
+    return fail(Fault::usage,
+                path + " has a behavior named `" + std::string(behavior->name) +
+                    "`, which is the name of a built-in behavior: rename the plug-in's behavior");
   if (const auto defaults = OptionValues::parse(behavior->options, {}); !defaults)
     return fail(Fault::usage,
                 path + " has an option with a wrong default: " + defaults.error().message);
@@ -121,7 +123,7 @@ Result<Behavior> load_behavior(const std::string& path) {
   if (factory == nullptr)
     return fail(Fault::usage, path + " does not export `" + std::string(kPluginSymbol) +
                                   "`: end its source with KAZ_BEHAVIOR_PLUGIN(behavior), or "
-                                  "rebuild it if it was built for another Kaz");
+                                  "rebuild the plug-in if it was built for another Kaz");
   const Plugin* const plugin = factory();
   if (plugin == nullptr || plugin->interface == nullptr)
     return fail(Fault::usage, path + " returns no plug-in: use KAZ_BEHAVIOR_PLUGIN(behavior)");

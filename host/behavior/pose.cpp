@@ -15,7 +15,7 @@ namespace kaz::behavior {
 namespace {
 
 constexpr Option kOptions[] = {
-    {"seconds", "3600", "", 0.1, 86400, "ends after this time, s"},
+    {"seconds", "3600", "", 0.1, 86400, "time after which the behavior ends, s"},
 };
 
 constexpr double kSpeed = 1.5;  // rad/s

@@ -30,11 +30,12 @@ Result<void> PosePlayer::check(const motion::PoseMotion& motion) {
     const auto [ramp, lower, upper] = settings.limits;
     char text[200];
     if (extent.lowest_rad < lower - kUnit || extent.highest_rad > upper + kUnit) {
-      std::snprintf(
-          text, sizeof text,
-          "the poses turn %s to %.4g rad, but its range is %.4g to %.4g rad: change that angle",
-          name.c_str(), extent.lowest_rad < lower - kUnit ? extent.lowest_rad : extent.highest_rad,
-          lower, upper);
+      std::snprintf(text, sizeof text,
+                    "the poses turn %s to %.4g rad, but the joint's range is %.4g to %.4g rad: "
+                    "change this angle",
+                    name.c_str(),
+                    extent.lowest_rad < lower - kUnit ? extent.lowest_rad : extent.highest_rad,
+                    lower, upper);
       return fail(Fault::usage, text);
     }
     if (extent.fastest_rad_per_s > ramp) {

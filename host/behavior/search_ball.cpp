@@ -16,7 +16,7 @@ namespace kaz::behavior {
 namespace {
 
 constexpr Option kOptions[] = {
-    {"seconds", "100", "", 0.1, 3600, "gives up after this time, s"},
+    {"seconds", "100", "", 0.1, 3600, "time after which the behavior gives up, s"},
     {"turns", "3", "", 0, 3, "quarter turns of the body, each after a scan without a ball", true}};
 
 // At 90 degrees/s an object stays in a view 80 degrees wide for 0.9 s: 26 images at 30 Hz.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr Option kOptions[] = {
     {"seconds", "20", "", 0.1, 86400, "tracking time after the ball was found, s"},
-    {"search-seconds", "20", "", 0.1, 3600, "gives up if the ball is not found in this time, s"}};
+    {"search-seconds", "20", "", 0.1, 3600, "time after which the search for the ball ends, s"}};
 
 constexpr double kWithin = 3 * kDegree;
 constexpr double kShare = 0.9;

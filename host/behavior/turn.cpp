@@ -39,7 +39,7 @@ Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
   char text[160];
   std::snprintf(text, sizeof text, "the robot %s %.1f degrees%s",
                 walker.fallen() ? "fell after" : "turned by", turned_deg,
-                motion.has_gyro() ? "" : " (measured by its strides, no gyro)");
+                motion.has_gyro() ? "" : " (measured by the robot's strides, without a gyro)");
   outcome.sentence = text;
   if (!outcome.success) outcome.cause = walker.fallen() ? "fell" : "not reached";
   outcome.measurements = {{"turned_deg", turned_deg},

@@ -34,7 +34,7 @@ std::string degrees(double steps, const Model& model) {
 std::string remount(double middle, const Model& model) {
   return "take the horn off, turn the shaft by about " +
          degrees(std::abs(model.steps / 2.0 - middle), model) + " toward " +
-         (middle < model.steps / 2.0 ? "higher" : "lower") + " positions, and put it back";
+         (middle < model.steps / 2.0 ? "higher" : "lower") + " positions, and put the horn back";
 }
 
 bool has_offset(const Model& model) {
@@ -77,18 +77,19 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
     plan.fault = std::move(text);
     return plan;
   };
-  if (sweep.empty()) return fault("it was not read: check its cable");
+  if (sweep.empty()) return fault("the servo was not read: check its cable");
   if (now.counts_turns)
     return fault(
-        "it counts turns (bit 4 of its register phase) and loses the count at power-off: clear the "
-        "bit, so that its position stays within one turn");
+        "the servo counts turns (bit 4 of its register phase) and loses the count at power-off: "
+        "clear this bit, so that the position stays within one turn");
   if (sweep.jumped())
-    return fault("its readings jumped by more than a quarter of a turn: turn it slowly");
+    return fault("the readings jumped by more than a quarter of a turn: turn the joint slowly");
   const double wanted = (upper_rad - lower_rad) * per_rad;
   if (std::abs(sweep.width() - wanted) > std::max(kShare * wanted, kLeast * per_rad))
-    return fault("it was turned through " + degrees(sweep.width(), model) +
-                 ", but its robot file gives " + degrees(wanted, model) +
-                 ": turn it from one stop to the other, or correct its limits in that file");
+    return fault(
+        "the joint was turned through " + degrees(sweep.width(), model) +
+        ", but the robot file gives " + degrees(wanted, model) +
+        ": turn the joint from one stop to the other, or correct its limits in the robot file");
 
   // Positions at the stops afterwards: those read, shifted by `shift`.
   const double middle = (sweep.low() + sweep.high()) / 2;
@@ -98,8 +99,10 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
     const double turns = turn * std::floor(encoder_low / turn);
     plan.wrapped = std::floor(encoder_high / turn) != std::floor(encoder_low / turn);
     if (plan.wrapped)
-      return fault("its positions wrap inside its range, and no register can move the wrap: " +
-                   remount(modulo((encoder_low + encoder_high) / 2, turn), model));
+      return fault(
+          "the servo's positions wrap inside the joint's range, and no register can move the "
+          "wrap: " +
+          remount(modulo((encoder_low + encoder_high) / 2, turn), model));
     shift = -turns;  // forgotten when the torque comes
     if (sweep.low() + shift < 0 || sweep.high() + shift > turn - 1) {
       // Goals of the position mode are within one turn.
@@ -111,8 +114,8 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
     shift = low - sweep.low();
     plan.wrapped = sweep.high() + shift > turn - 1;
     if (sweep.width() > turn - 2 * kRangeMargin)
-      return fault("it was turned through " + degrees(sweep.width(), model) +
-                   ", which leaves no room for the wrap of its positions");
+      return fault("the joint was turned through " + degrees(sweep.width(), model) +
+                   ", which leaves no room for the wrap of the servo's positions");
     if (low < kRangeMargin || sweep.high() + shift > turn - 1 - kRangeMargin) {
       // The middle of the range to the middle of the turn. The register holds half a turn either way.
       const double encoder = modulo(middle + now.offset, turn);
@@ -121,7 +124,8 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
       shift = modulo(encoder - plan.registers.offset, turn) - middle;
     }
   } else if (sweep.low() < 2 || sweep.high() > turn - 3) {
-    return fault("its range exceeds the range of its sensor: " + remount(middle, model));
+    return fault("the joint's range exceeds the range of the servo's sensor: " +
+                 remount(middle, model));
   }
   plan.low = sweep.low() + shift;
   plan.high = sweep.high() + shift;

@@ -177,9 +177,9 @@ StopReading reading_of(const Press& press, const Lines& lines, const Mover::Mean
   const double off = angle - stop_angle(press.joint, press.stop);
   const double ahead = (command_rad - means.angle[j]) * (press.stop == Stop::upper ? 1 : -1);
   if (out.spread > kCalm)
-    out.fault = "it did not come to rest";
+    out.fault = "the joint did not come to rest";
   else if (std::abs(off) > kMaxPotError)
-    out.fault = "it rests at " + degrees_text(angle) + " degrees, but the stop is at " +
+    out.fault = "the joint rests at " + degrees_text(angle) + " degrees, but the stop is at " +
                 degrees_text(stop_angle(press.joint, press.stop)) +
                 ": check for an obstacle and for a misaligned potentiometer";
   else if (ahead < kPressed)

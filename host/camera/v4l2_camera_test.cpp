@@ -59,8 +59,8 @@ TEST(V4l2Camera, ErrorsSayWhatWhereAndWhatToDo) {
   const std::pair<int, const char*> cases[] = {
       {ENOENT, "there is no such device; plug the camera in"},
       {EACCES, "permission denied; become a member of the group video"},
-      {EBUSY, "another program is using it; end that program (`fuser /dev/video7`"},
-      {ENODEV, "it was unplugged; plug it in"},
+      {EBUSY, "another program uses the camera; end that program (`fuser /dev/video7`"},
+      {ENODEV, "the camera was unplugged; plug it in"},
       {ENOSPC, "not have enough bandwidth; plug the cameras into different ports"},
       {EIO, "starting its stream failed (Input/output error); unplug it"}};
   for (const auto& [number, text] : cases) {
@@ -77,8 +77,8 @@ TEST(V4l2Camera, FilesThatAreNoCameraAreReported) {
   std::ofstream(file) << "no camera";
   const std::pair<std::string, const char*> cases[] = {
       {"/dev/kaz-has-no-such-camera", "there is no such device"},
-      {file.string(), "it is not a V4L2 video device"},
-      {"/dev/null", "it is not a V4L2 video device"}};
+      {file.string(), "this file is not a V4L2 video device"},
+      {"/dev/null", "this file is not a V4L2 video device"}};
   for (const auto& [path, why] : cases) {
     const auto camera = V4l2Camera::open({path, "/dev/zero", 30, {}}, calibration());
     ASSERT_FALSE(camera);

@@ -101,10 +101,11 @@ Error v4l2_error(const std::string& path, const std::string& doing, int number) 
         return "permission denied; become a member of the group video (`adduser USER video`) and "
                "log in again";
       case EBUSY:
-        return "another program is using it; end that program (`fuser " + path + "` shows it)";
+        return "another program uses the camera; end that program (`fuser " + path +
+               "` shows its process)";
       case ENODEV:
       case ENXIO:
-        return "it was unplugged; plug it in and start again";
+        return "the camera was unplugged; plug it in and start again";
       case ENOSPC:
         return "the USB bus does not have enough bandwidth; plug the cameras into different ports, "
                "or use format=mjpeg or a lower fps";
@@ -149,7 +150,7 @@ Result<void> V4l2Device::check_kind() const {
   v4l2_capability capability{};
   const int number = control(VIDIOC_QUERYCAP, &capability);
   if (number == ENOTTY || number == EINVAL)
-    return fail(Fault::environment, refused(path_, "it is not a V4L2 video device"));
+    return fail(Fault::environment, refused(path_, "this file is not a V4L2 video device"));
   if (number != 0) return tl::unexpected(error("querying its capabilities", number));
   const std::uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS
                                 ? capability.device_caps
@@ -219,12 +220,13 @@ Result<void> V4l2Device::agree(const V4l2Wanted& wanted) {
                                                         " was requested"
                                                   : "YUYV, RGB24, MJPEG or GREY is needed")));
   if (fitting.empty())
-    return fail(Fault::environment,
-                refused(path_, "it has no " +
-                                   size_text(static_cast<std::uint32_t>(wanted.width),
-                                             static_cast<std::uint32_t>(wanted.height)) +
-                                   ", the calibration's size; it offers " +
-                                   sizes(code_of(known.front())) + ": calibrate at one of these"));
+    return fail(
+        Fault::environment,
+        refused(path_, "the camera has no picture size " +
+                           size_text(static_cast<std::uint32_t>(wanted.width),
+                                     static_cast<std::uint32_t>(wanted.height)) +
+                           ", the calibration's size; the camera offers " +
+                           sizes(code_of(known.front())) + ": calibrate at one of these sizes"));
   // Some cameras reach the rate only with compressed pictures.
   PixelFormat best = fitting.front();
   double best_hz = -1;
@@ -311,7 +313,7 @@ Result<V4l2Device::Taken> V4l2Device::take(RawFrame& frame) {
     const bool gone = why == ENODEV || why == ENXIO;
     return fail(Fault::environment,
                 "camera " + path_ + " stopped: " +
-                    (gone ? "it was unplugged"
+                    (gone ? "the camera was unplugged"
                           : std::string("its driver failed (") + std::strerror(why) + ")") +
                     "; plug it in and start again");
   };

@@ -28,13 +28,14 @@ constexpr int kReceiveBuffer = 1 << 20;  // bytes; the default loses frames of a
 
 tl::unexpected<Error> no_protocol(const char* what, const char* module, int error) {
   if (error == EPERM || error == EACCES)
-    return fail(Fault::environment, std::string("permission denied for a ") + what +
-                                        " socket: this container or sandbox forbids CAN; run kaz "
-                                        "outside of it");
-  return fail(
-      Fault::environment,
-      std::string("this kernel has no ") + what + ": `sudo modprobe " + module +
-          "` loads it; Debian's full kernel (linux-image-amd64) has it, the cloud kernel does not");
+    return fail(
+        Fault::environment,
+        std::string("permission denied for a ") + what +
+            " socket: this container or sandbox forbids CAN; run kaz outside the container");
+  return fail(Fault::environment,
+              std::string("this kernel has no ") + what + ": `sudo modprobe " + module +
+                  "` loads the module; Debian's full kernel (linux-image-amd64) has this module, "
+                  "but the cloud kernel does not");
 }
 
 class KernelCanSockets final : public CanSockets {
@@ -61,12 +62,11 @@ class KernelCanSockets final : public CanSockets {
                       interface_ + " up`)");
     const auto state = can_state(if_nametoindex(interface_.c_str()));
     if (state && state->bus_off())
-      return fail(
-          Fault::environment,
-          "the CAN interface " + interface_ +
-              " is bus-off: check wiring, termination (120 ohm at both ends) and bit rate; it "
-              "restarts by itself if restart-ms is set, otherwise with `sudo ip link set " +
-              interface_ + " type can restart`");
+      return fail(Fault::environment, "the CAN interface " + interface_ +
+                                          " is bus-off: check wiring, termination (120 ohm at both "
+                                          "ends) and bit rate; the interface restarts by itself if "
+                                          "restart-ms is set; otherwise run `sudo ip link set " +
+                                          interface_ + " type can restart`");
     return {};
   }
 
@@ -146,7 +146,7 @@ class KernelCanSockets final : public CanSockets {
       std::snprintf(id, sizeof id, "0x%03x", channel.tx_id);
       return fail(Fault::environment, "can:" + interface_ +
                                           " is in use by another program, which sends on " + id +
-                                          ": end that one first");
+                                          ": end that program first");
     }
     locks_.emplace(channel.tx_id, std::move(fd));
     return {};

@@ -59,7 +59,7 @@ std::string LatenessMeter::excuse(Time at_least) const {
     other_end_gone_ = !lost;
     if (!lost)
       return "the program at the other end of " + name() +
-             " does not reply, as it is stopped or has ended";
+             " does not reply, because that program is stopped or has ended";
     if (!lost_before_) return "the program at the other end was stopped";
     if (*lost > *lost_before_ && *lost - *lost_before_ >= at_least)
       return "the program at the other end fell behind by " + in_ms(*lost - *lost_before_);

@@ -161,7 +161,8 @@ TEST_F(Lateness, AProgramAtTheOtherEndThatDoesNotReply) {
   LatenessMeter meter(line_, line_, [&] { return lost; });
   lost = fail(Fault::environment, "no reply");
   EXPECT_EQ(meter.excuse(),
-            "the program at the other end of fake does not reply, as it is stopped or has ended");
+            "the program at the other end of fake does not reply, because that program is stopped "
+            "or has ended");
   EXPECT_TRUE(meter.other_end_gone());
   meter.begin();
   EXPECT_FALSE(meter.other_end_gone());

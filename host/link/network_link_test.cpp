@@ -135,8 +135,8 @@ TEST(TcpLink, AServerOfRfc2217IsNamedAsSuch) {
   EXPECT_EQ(read.error().fault, Fault::environment);
   const std::string place = (*link)->name().substr(4);
   EXPECT_EQ(read.error().message, "tcp:" + place +
-                                      ": an RFC 2217 server answers there, and its commands are "
-                                      "not bytes of the board; give rfc2217:" +
+                                      ": an RFC 2217 server answers at this address, and its "
+                                      "commands are not bytes of the board; give rfc2217:" +
                                       place);
 }
 
@@ -170,7 +170,7 @@ TEST(Rfc2217Link, CarriesEveryByteBothWaysAndTheRate) {
             (*link)->name() + " cannot set its port to 12345 baud; it stays at 57600");
   const auto lines = (*link)->set_dtr_rts(true, false);
   ASSERT_FALSE(lines) << "a pseudo-terminal has none";
-  EXPECT_NE(lines.error().message.find("has no lines DTR and RTS"), std::string::npos);
+  EXPECT_NE(lines.error().message.find("without the lines DTR and RTS"), std::string::npos);
   ASSERT_TRUE((*link)->write(all_bytes()));
   EXPECT_EQ(board.receive(256), all_bytes());
 }

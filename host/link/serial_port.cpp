@@ -113,7 +113,8 @@ tl::unexpected<Error> open_failure(const std::string& path, int error) {
                   permission_sentence(path, usb_number(path, "idVendor"),
                                       usb_number(path, "idProduct"), group_with_access(path)));
     case EBUSY:
-      return fail(Fault::environment, path + " is in use by another program: end that one first");
+      return fail(Fault::environment,
+                  path + " is in use by another program: end that program first");
     default:
       return fail(Fault::environment, "cannot open " + path + ": " + std::strerror(error));
   }

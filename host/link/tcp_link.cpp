@@ -42,14 +42,14 @@ TcpLink::TcpLink(PortAddress address, const Interrupt* interrupt)
       interrupt_(interrupt),
       stream_(address_.name(),
               address_.name() +
-                  " was closed by the other end: its board was unplugged, its server "
-                  "ended, or another program has it",
+                  " was closed by the other end: the board was unplugged, the server ended, or "
+                  "another program uses the connection",
               interrupt) {}
 
 Result<void> TcpLink::set_dtr_rts(bool, bool) {
   return fail(Fault::environment, name() +
-                                      " carries only bytes and has no lines DTR and RTS: serve the "
-                                      "port with RFC 2217 and give rfc2217:HOST:PORT");
+                                      " carries only bytes, without the lines DTR and RTS: serve "
+                                      "the port with RFC 2217 and give rfc2217:HOST:PORT");
 }
 
 Result<std::size_t> TcpLink::read(std::span<std::uint8_t> bytes, Time deadline) {
@@ -59,8 +59,8 @@ Result<std::size_t> TcpLink::read(std::span<std::uint8_t> bytes, Time deadline) 
   first_.insert(first_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(more));
   if (first_.size() < kTelnetBegin || !is_telnet(first_)) return count;
   return fail(Fault::environment, name() +
-                                      ": an RFC 2217 server answers there, and its commands are "
-                                      "not bytes of the board; give rfc2217:" +
+                                      ": an RFC 2217 server answers at this address, and its "
+                                      "commands are not bytes of the board; give rfc2217:" +
                                       name().substr(name().find(':') + 1));
 }
 

@@ -60,12 +60,12 @@ Result<Addresses> resolve(const std::string& name, const std::string& host, std:
   }).detach();
   const short ready = KAZ_TRY(wait_for(state->done.get(), POLLIN, deadline, interrupt, name));
   if (ready == 0)
-    return fail(Fault::environment, name + ": no name server answers for " + host +
-                                        ": give its IP address, as in 192.168.1.4");
+    return fail(Fault::environment, name + ": no name server answers the query for " + host +
+                                        ": give the host's IP address, such as 192.168.1.4");
   if (state->found) return std::move(state->found);
   return fail(Fault::environment,
               name + ": cannot find the host " + host + " (" + gai_strerror(state->error) +
-                  "): check its name, or give its IP address, as in 192.168.1.4");
+                  "): check the host's name, or give its IP address, such as 192.168.1.4");
 }
 
 Error connect_failure(const std::string& name, int error) {

@@ -44,7 +44,7 @@ Result<LocalMap> LocalMap::make(const LocalMapOptions& o) {
       o.robot_m <= o.obstacle_m)
     return fail(Fault::usage,
                 "lengths and the disparity error of the local map must be above 0, and robot_m "
-                "above obstacle_m");
+                "must be above obstacle_m");
   return LocalMap(o);
 }
 
@@ -82,9 +82,10 @@ Result<void> LocalMap::check(const vision::PlaneSegments& planes, const vision::
   }
   if (counts_.updates > 0 && info.exposure <= last_) {
     ++counts_.out_of_order;
-    return fail(Fault::failed, picture +
-                                   " is not entered into the map: its exposure is not later than "
-                                   "the previous one; clear the map if the clock was set back");
+    return fail(Fault::failed,
+                picture +
+                    " is not entered into the map: its exposure is not later than the exposure of "
+                    "the previous picture; clear the map if the clock was set back");
   }
   const auto pixels =
       static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(std::max(0, depth.height));

@@ -72,19 +72,21 @@ std::string text(const NoPath& none, const PlanOptions& options) {
     case NoPath::Why::goal_outside:
       return "the goal is not on the map";
     case NoPath::Why::start_blocked:
-      return place("the robot is %.2f m from an obstacle at (%.3f, %.3f); it needs %.2f m to turn");
+      return place(
+          "the robot is %.2f m from an obstacle at (%.3f, %.3f); the robot needs %.2f m to turn");
     case NoPath::Why::goal_blocked:
       return place("the goal is %.2f m from an obstacle at (%.3f, %.3f); the robot needs %.2f m");
     case NoPath::Why::not_found:
       return place(
-          "the planner found none within its sample limit; the widest way has %.2f m to each side "
-          "at (%.3f, %.3f)");
+          "the planner found no path within its sample limit; the widest passage has %.2f m to "
+          "each side at (%.3f, %.3f)");
     case NoPath::Why::enclosed:
       // Where all ways are closed, none is the widest.
       if (none.clear_m <= 0) return "obstacles close off the goal on all sides";
       break;
   }
-  return place("the widest way has %.2f m to each side at (%.3f, %.3f); the robot needs %.2f m");
+  return place(
+      "the widest passage has %.2f m to each side at (%.3f, %.3f); the robot needs %.2f m");
 }
 
 }  // namespace kaz::plan

@@ -73,7 +73,7 @@ class BoardGroup::Links final : public Link {
 
  private:
   static Result<void> no_bytes() {
-    return fail(Fault::usage, "several boards do not share one line: give one of their ports");
+    return fail(Fault::usage, "several boards do not share one line: give the port of one board");
   }
   BoardGroup& group_;
 };
@@ -129,7 +129,7 @@ Result<Exchanger::Ticket> BoardGroup::post(const Request& request) {
   if (request.type == KZ_TYPE_telemetry || request.type == KZ_TYPE_set_address)
     return fail(Fault::usage,
                 std::string("`") + message_name(request.type) +
-                    "` is for one board: give the port and address of one of those on " +
+                    "` is only valid for one board: give the port and address of one board on " +
                     links_->name());
   note_enabled(request);
   auto exchange = std::make_unique<Exchange>();
@@ -154,7 +154,7 @@ Result<Exchanger::Ticket> BoardGroup::post(const Request& request) {
 Result<std::optional<Reply>> BoardGroup::collect(Ticket ticket, Time deadline) {
   const auto found = open_.find(ticket);
   if (found == open_.end())
-    return fail(Fault::failed, "the reply was given up when the link to one of the boards on " +
+    return fail(Fault::failed, "the reply was discarded when the link to one of the boards on " +
                                    links_->name() + " failed");
   Exchange& exchange = *found->second;
   for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -312,7 +312,7 @@ Result<void> check_boards(std::span<const RobotBoard> boards) {
     if (board.joints == 0 || (board.joints & ~kAllJoints) != 0)
       return fail(
           Fault::usage,
-          "a board has no joint, or one that Kaz does not have: give each board its joints");
+          "a board has no joint, or a joint that Kaz does not have: give each board its joints");
     if (const std::uint32_t twice = all & board.joints)
       return fail(Fault::usage,
                   "two boards drive " + joint_names_of(twice) + ": assign each joint to one board");

@@ -40,15 +40,16 @@ Error no_board(const Exchanger& requester, const LinkStatistics& before, const s
   }
   if (statistics.ignored > before.ignored) {
     return {Fault::environment,
-            "a Kaz board is on " + port + ", but none has the requested address"};
+            "a Kaz board answers on " + port + ", but no board has the requested address"};
   }
   const auto noise = requester.noise();
-  const std::string came = std::to_string(bytes_in) + " bytes came, none of them a reply";
+  const std::string came = std::to_string(bytes_in) + " bytes came, but no reply";
   const auto zero = [](std::uint8_t byte) { return byte == 0; };
   if (!noise.empty() && std::all_of(noise.begin(), noise.end(), zero)) {
-    return {Fault::environment, "on " + port + " " + came +
-                                    ", all zero: a chip in boot mode answers like this, for "
-                                    "example after an interrupted update; run `kaz flash write`"};
+    return {Fault::environment,
+            "on " + port + " " + came +
+                "; all bytes are zero: a chip in boot mode answers like this, for example after an "
+                "interrupted update; run `kaz flash write`"};
   }
   return {Fault::environment, "the device on " + port +
                                   " is not a Kaz board, or it has another baud rate: " + came +

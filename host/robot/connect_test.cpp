@@ -110,7 +110,7 @@ TEST(Connect, AChipInBootModeAnswersZeros) {
     return TestBoard::Bytes{};
   };
   EXPECT_EQ(connect_error(board),
-            "on test-port 6 bytes came, none of them a reply, all zero: a chip in boot mode "
+            "on test-port 6 bytes came, but no reply; all bytes are zero: a chip in boot mode "
             "answers like this, for example after an interrupted update; run `kaz flash write`");
 }
 
@@ -148,10 +148,9 @@ TEST(Connect, TheVersionBefore) {
   Requester requester(board, board, {});
   const auto identity = identify_board(requester);
   ASSERT_TRUE(identity) << identity.error().message;
-  EXPECT_EQ(
-      firmware_fault(*identity),
-      "its firmware (protocol 2) can acknowledge a repeated stop request and leave the motors "
-      "on; flash the firmware of this release");
+  EXPECT_EQ(firmware_fault(*identity),
+            "its firmware (protocol 2) can acknowledge a repeated stop request and leave the "
+            "motors on; flash the firmware of this release");
   board.to_host = nullptr;
   const auto present = identify_board(requester);
   ASSERT_TRUE(present) << present.error().message;

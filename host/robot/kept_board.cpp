@@ -244,7 +244,8 @@ class Return {
     const auto again = KAZ_TRY(moved.identify());
     if (now != state_.address || is_shared(again) != state_.shared_line)
       return fail(Fault::environment, "the board on " + link_.name() + " stays at address " +
-                                          std::to_string(now) + " although another was stored");
+                                          std::to_string(now) +
+                                          " although another address was stored");
     if (at != state_.address) put(step_);
     if (is_shared(identity) != state_.shared_line)
       put(state_.shared_line ? "its line is shared" : "its line is not shared");
@@ -281,8 +282,9 @@ class Return {
                           kz_pack_store_calibration, kz_unpack_store_calibration_reply));
       now = KAZ_TRY(board.calibration());
       if (differs(now) != 0)
-        return fail(Fault::environment, "the board on " + link_.name() +
-                                            " stored a calibration that differs from the one sent");
+        return fail(Fault::environment,
+                    "the board on " + link_.name() +
+                        " stored a calibration that differs from the calibration that was sent");
       put(of_joints("stored calibration", mask));
     }
     result_.notes.clear();
@@ -374,11 +376,11 @@ class Return {
 std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
                                  std::uint8_t address) {
   if (identity.image_crc == 0)
-    return "; kaz sim --mcu native has no loader to erase them, and loses them when it ends unless "
-           "--memory is given";
+    return "; kaz sim --mcu native has no loader to erase these values, and loses the values at "
+           "its end unless --memory is given";
   return "; `kaz flash erase --blocks 1,2 " + robot_option(port) +
          (address == KZ_ADDRESS_DEFAULT ? "" : " --address " + std::to_string(address)) +
-         "` erases them";
+         "` erases these values";
 }
 
 Result<BoardState> read_board(Link& link, Clock& clock, std::uint8_t address) {

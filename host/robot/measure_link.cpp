@@ -33,12 +33,13 @@ RoundTripCheck judge_round_trip(const std::string& port, double round_trip_s, Ti
   if (!check.slow) return check;
   switch (low_latency) {
     case LowLatency::pseudo_terminal:
-      check.sentence += "; the simulator at its other end runs late: give it a free processor";
+      check.sentence +=
+          "; the simulator at the other end runs late: end other programs on this machine";
       break;
     case LowLatency::set:
       check.sentence +=
-          "; the adapter is slow although its driver accepted ASYNC_LOW_LATENCY: connect it "
-          "without a hub, or use another";
+          "; the adapter is slow although its driver accepted ASYNC_LOW_LATENCY: connect the "
+          "adapter without a hub, or use another adapter";
       break;
     case LowLatency::bus:
       check.sentence += "; the bus or its bridge adds the rest: raise the bit rate of the bus";
@@ -49,7 +50,7 @@ RoundTripCheck judge_round_trip(const std::string& port, double round_trip_s, Ti
     case LowLatency::refused:
       check.sentence +=
           "; the adapter delays received bytes: install 70-kaz.rules (share/kaz/udev) in "
-          "/etc/udev/rules.d and plug it in again";
+          "/etc/udev/rules.d and plug the adapter in again";
       break;
   }
   return check;

@@ -117,7 +117,7 @@ Error Robot::Parts::not_done(std::span<const Request> requests) const {
   return {Fault::environment,
           why + " during " + names +
               ": the board answers again, and enabled joints hold their position; the request may "
-              "not have been executed, so send it again"};
+              "not have been executed, so send the request again"};
 }
 
 }  // namespace kaz::host

@@ -181,8 +181,8 @@ Result<void> Robot::subscribe(Time period, std::uint8_t selection) {
   if (!period_ms || (*period_ms != 0 && *period_ms < KZ_TELEMETRY_PERIOD_MIN_MS) ||
       kz_check_telemetry(&message) != KZ_IN_BOUNDS) {
     return fail(Fault::usage,
-                "the telemetry period must be 5 ms to 65 s (0: none), and the frames those of "
-                "KZ_TELEMETRY_*");
+                "the telemetry period must be 5 ms to 65 s (0: none), and the frames must be "
+                "values of KZ_TELEMETRY_*");
   }
   const auto reply =
       parts_->query(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply);
@@ -307,7 +307,7 @@ Result<StoredCalibration> Robot::store_calibration() {
 
 Result<void> Robot::unlock(int for_seconds) {
   if (for_seconds < 0 || for_seconds > 60) {
-    return fail(Fault::usage, "the bench can be unlocked for 1 to 60 s, or 0 to lock it again");
+    return fail(Fault::usage, "the bench can be unlocked for 1 to 60 s, or locked again with 0 s");
   }
   const auto reply = parts_->query(KZ_TYPE_unlock, kz_unlock{KZ_KEY, static_cast<u8>(for_seconds)},
                                    kz_pack_unlock, kz_unpack_unlock_reply);

@@ -51,7 +51,7 @@ std::string out_of_range(const kz_refused& refusal) {
   }
   const kz_message_info* message = kz_message_find(refusal.request);
   if (!message || refusal.detail >= message->field_count) return "a value is out of range";
-  return std::string("its field `") + message->fields[refusal.detail].name + "` is out of range";
+  return std::string("the field `") + message->fields[refusal.detail].name + "` is out of range";
 }
 
 }  // namespace
@@ -72,23 +72,25 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
     case KZ_REFUSED_DISABLED:
       return {Fault::failed,
               joint_name(refusal.detail) +
-                  " was not moved: its motor is off; enable it first (after a fault, again)"};
+                  " was not moved: its motor is off; enable the motor first, also after a fault"};
     case KZ_REFUSED_FAULT:
       return {shutdown_fault(static_cast<std::uint16_t>(refusal.detail << 8)),
               "the board refused " + request + ": " + kz_shutdown_text(refusal.detail) +
                   "; fix the cause, then clear the shutdown"};
     case KZ_REFUSED_BUSY:
       return {Fault::environment,
-              "the board refused " + request + ": it is still sending the previous reply"};
+              "the board refused " + request + ": the board is still sending the previous reply"};
     case KZ_REFUSED_ARMED:
       return {Fault::failed,
               "the board refused " + request + " while a motor is on: switch all joints off first"};
     case KZ_REFUSED_LOCKED:
-      return {Fault::failed, "the board refused " + request +
-                                 ": it is only valid while the bench is unlocked; unlock it first"};
+      return {
+          Fault::failed,
+          "the board refused " + request +
+              ": the request is only valid while the bench is unlocked; unlock the bench first"};
     case KZ_REFUSED_SHARED_LINE:
-      return {Fault::failed,
-              "the board refused " + request + ": other boards share its line; query it instead"};
+      return {Fault::failed, "the board refused " + request +
+                                 ": other boards share its line; query the board instead"};
     case KZ_REFUSED_STORE:
       return {Fault::environment, "the board refused " + request +
                                       ": its flash could not be written; the previous contents are "
@@ -116,11 +118,11 @@ namespace {
 const char* remedy(std::uint8_t reason) {
   switch (reason) {
     case KZ_SHUTDOWN_STOP:
-      return "find out what stopped it, then enable again";
+      return "find the cause of the stop, then enable the motors again";
     case KZ_SHUTDOWN_LINK_LOST:
-      return "enable again";
+      return "enable the motors again";
     case KZ_SHUTDOWN_POT:
-      return "check its plug and its cable";
+      return "check the potentiometer's plug and cable";
     case KZ_SHUTDOWN_UNDERVOLTAGE:
       return "charge the battery, or check for thin wires";
     case KZ_SHUTDOWN_OVERVOLTAGE:

@@ -10,13 +10,13 @@
         robot.sleep(1)
         print(robot.state().angle[0])
 
-The same `Robot` drives a board at a port: kaz.Robot("serial:/dev/ttyUSB0"). Units: m, rad, s, N. Errors are
-UsageError (a ValueError), EnvironmentFault (an OSError: ports, files) and RobotError.
+The same `Robot` drives a board at a port: kaz.Robot("serial:/dev/ttyUSB0"). Units: m, rad, s, N. Calls raise
+UsageError (a ValueError), EnvironmentFault (an OSError, for ports and files) or RobotError.
 
 Threads: each object accepts one call at a time. A second thread's call raises RuntimeError, "in use by
-another thread". Robot.stop() and Robot.close() are always accepted. They end the running call, which raises
-Stopped (a RobotError), and switch the motors off. A Robot in a Simulation and that Simulation count as one
-object.
+another thread". Robot.stop() and Robot.close() are always accepted. Both switch the motors off and end the
+running call. The ended call raises Stopped (a RobotError). A Robot in a Simulation and the Simulation count
+as one object.
 """
 
 import importlib.machinery as _machinery
@@ -32,7 +32,7 @@ if _share.is_dir():
 
 
 def _what_to_do(error):
-    """Returns the message for a missing compiled module or numpy; None for another error."""
+    """Returns the message if the compiled module or numpy is missing; None for another error."""
     folder = _pathlib.Path(__file__).absolute().parent
     this = f"{_sys.executable} (Python {_sys.version_info[0]}.{_sys.version_info[1]})"
     modules = sorted(module.name for module in folder.glob("_kaz.*.so"))
@@ -47,7 +47,7 @@ def _what_to_do(error):
     if any((folder / f"_kaz{suffix}").exists() for suffix in _machinery.EXTENSION_SUFFIXES):
         return None
     if modules:
-        return f"kaz is built for {built_for}, but this program is {this}: use {built_for}"
+        return f"kaz is built for {built_for}, but this program runs on {this}: use {built_for}"
     tree = _pathlib.Path(__file__).resolve().parents[2]
     if not (tree / "tools/dev").exists():
         return f"kaz's compiled module is missing in {folder}: install kaz again"

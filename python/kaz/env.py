@@ -8,13 +8,13 @@
         actions = numpy.zeros(env.action_space.shape, numpy.float32)
         observations, rewards, terminations, truncations, infos = env.step(actions)
 
-engine: how much of the robot is simulated. "none": targets go directly to the motor model, and angles are
-true. "native": also the firmware's C code, serial line and potentiometers. "h8": the firmware image in the
-emulator.
+engine: the simulated parts of the robot. With "none", targets go directly to the motor model, and observed
+angles are the true angles. "native" also simulates the firmware's C code, the serial line and the
+potentiometers. "h8" runs the firmware image in the emulator instead of the C code.
 
-An action is a number from -1 to 1 for each controlled joint: an offset from the posture HOME, at most `reach`
-rad. A period is 20 ms. Without gymnasium, the spaces are `Box` and `Dict` of this module, with the same
-members.
+An action has a number from -1 to 1 for each controlled joint. The number times `reach` (rad) is the joint's
+offset from the posture HOME. A period is 20 ms. Without gymnasium, the spaces are `Box` and `Dict` from this
+module. Both have the same members as Gymnasium's classes.
 """
 
 import os
@@ -27,7 +27,7 @@ try:
     from gymnasium.spaces import Box, Dict  # type: ignore
 except ImportError:
     class Box:  # type: ignore
-        """Numbers between `low` and `high`."""
+        """Space of arrays whose numbers are between `low` and `high`."""
 
         def __init__(self, low, high, shape=None, dtype=numpy.float32, seed=None):
             self.dtype = numpy.dtype(dtype)
@@ -54,7 +54,7 @@ except ImportError:
             self._random = numpy.random.default_rng(seed)
 
     class Dict:  # type: ignore
-        """Spaces by name."""
+        """Space of dicts: a space for each name."""
 
         def __init__(self, spaces):
             self.spaces = dict(spaces)
@@ -81,7 +81,7 @@ try:
     from gymnasium.vector import VectorEnv as _VectorEnv  # type: ignore
 except ImportError:
     class _Env:  # type: ignore
-        """Members of Gymnasium's class besides spaces, reset and step."""
+        """The members of Gymnasium's class Env, except the spaces, reset and step."""
 
         metadata = {"render_modes": []}
         render_mode = None
@@ -121,7 +121,7 @@ AUTORESET_MODES = ("next_step", "same_step", "disabled")
 
 
 def _up(trunk):
-    """Returns the z component of the trunk's z axis in the world: 1 upright, 0 lying."""
+    """Returns the z component of the trunk's z axis in the world: 1 if upright, 0 if lying."""
     x, y = trunk[:, 3], trunk[:, 4]
     return 1 - 2 * (x * x + y * y)
 
@@ -132,7 +132,7 @@ def _heading(trunk):
 
 
 class _Task:
-    """A task for the robots. Each row of an array is a robot."""
+    """A task for the robots. Each array has a row for each robot."""
 
     world, joints, reach, features, episode_s = "empty", _LEGS, 0.4, 0, 10.0
     lowest = 0.6  # a trunk below this share of its initial height counts as fallen
@@ -141,21 +141,21 @@ class _Task:
         """Called when robot i starts an episode."""
 
     def before(self, env, active):
-        """Called before each period; `active`: robots whose episode runs."""
+        """Called before each period. `active` marks the robots whose episode runs."""
 
     def look(self, env, state):
-        """Returns the task's part of the observation: robots x features."""
+        """Returns the task's part of the observation, an array of robots x features."""
         return numpy.zeros((env.num_envs, 0))
 
     def judge(self, env, state, actions):
-        """Returns the period's rewards, and which robots have reached the goal."""
+        """Returns the period's rewards, and an array that marks the robots that have reached the goal."""
         raise NotImplementedError
 
 
 class Stand(_Task):
     """Stay upright under pushes of 0.2 to 0.8 N s against the trunk, from any side, every 1 to 2 s.
 
-    A robot that only holds the posture HOME withstands 0.5 N s, and falls at 0.8.
+    A robot that only holds the posture HOME withstands pushes of 0.5 N s, and falls at 0.8 N s.
 
     Reward: 1 per period, minus 1/20 of the actions' mean square. A fall ends the episode.
     """
@@ -182,8 +182,8 @@ class Stand(_Task):
 class Walk(_Task):
     """Walk to within 5 cm of a place that is 0.3 to 0.6 m away, up to 17 degrees to either side.
 
-    Features: the place relative to the trunk, m. Reward: 10 per meter of approach, 10 at the place, minus
-    1/100 of the actions' mean square. Arrival or a fall ends the episode.
+    Features: the place relative to the trunk, m. Reward: 10 per meter of approach, plus 10 at the place,
+    minus 1/100 of the actions' mean square. Arrival or a fall ends the episode.
     """
 
     features, episode_s = 2, 20.0
@@ -211,8 +211,8 @@ class Walk(_Task):
 class Turn(_Task):
     """Turn on the spot by 0.5 to 2.6 rad, to either side, and stay within 10 degrees for half a second.
 
-    Features: sine and cosine of the remaining angle. Reward: 5 per radian of progress, 10 at the end, minus
-    1/100 of the actions' mean square. Success or a fall ends the episode.
+    Features: sine and cosine of the remaining angle. Reward: 5 per radian of progress, plus 10 at the end,
+    minus 1/100 of the actions' mean square. Success or a fall ends the episode.
     """
 
     features, episode_s, hold_s = 2, 20.0, 0.5
@@ -273,13 +273,14 @@ class Catch(_Task):
 
     The ball lies out of view, 0.5 m away and 70 degrees to the right. It is pushed at the start.
 
-    Features: the ball in the left eye's frame (right, down, ahead), m, and whether it is seen (1, else 0).
-    With pictures, kaz.vision.BallDetector computes both from the newest left picture. If it finds no ball,
-    the position is the last one seen, initially 0. Without pictures, both are ground truth, in view or not.
+    Features: the ball's position in the left eye's frame (right, down, ahead), m, and 1 if the ball is seen,
+    else 0. With pictures, kaz.vision.BallDetector computes these features from the newest left picture. If
+    the detector finds no ball, the position is the last detected position, initially 0. Without pictures, the
+    position is ground truth, even out of view, and the last feature is 1.
 
-    Reward: 5 per meter by which the middle between the hands approaches the ball, 0.1 per period with the
-    ball off the floor, 10 at the end, minus 1/100 of the actions' mean square. Success or a fall ends the
-    episode.
+    Reward: 5 per meter by which the midpoint between the hands approaches the ball, plus 0.1 per period with
+    the ball off the floor, plus 10 at the end, minus 1/100 of the actions' mean square. Success or a fall
+    ends the episode.
     """
 
     world, joints, reach, features, episode_s = "catch", list(JOINTS), 1.2, 4, 60.0
@@ -330,25 +331,27 @@ TASKS = {"stand": Stand, "walk": Walk, "turn": Turn, "look": Look, "catch": Catc
 class VectorEnv(_VectorEnv):
     """Robots that are reset and stepped together.
 
-    task: a name from TASKS, or an object with the same members. threads: 0 means one per core.
-    autoreset_mode: "next_step" (Gymnasium's default), "same_step" (the last observation is in
-    infos["final_obs"]), or "disabled" (reset(options={"reset_mask": ...})). Other arguments, such as sensors,
-    dynamics and imu, go to the simulation.
+    task: a name from TASKS, or an object with the same members as these tasks. threads: number of threads; 0
+    means one thread per core. autoreset_mode: "next_step" (Gymnasium's default), "same_step" (the last
+    observation is in infos["final_obs"]), or "disabled" (the caller resets ended episodes with
+    reset(options={"reset_mask": ...})). Other arguments, such as sensors, dynamics and imu, go to the
+    simulation.
 
     One call at a time: while step() or reset() runs, another thread's call raises RuntimeError.
 
-    pictures: "ideal" or "real", the kind of eyes; not with engine "none". Each observation is then a dict.
-    "state" is the observation without pictures. "pictures" is the newest pair that has reached the host, of
-    30 per second: robots x 2 (left, right) x height x width x 3 bytes, RGB. infos["picture_age_s"] is the
-    time since its exposure.
+    pictures: the kind of eyes, "ideal" or "real"; not valid with engine "none". With pictures, each
+    observation is a dict. "state" is the observation without pictures. "pictures" is the newest pair of
+    pictures that has reached the host; the eyes take 30 pairs per second. Its shape is robots x 2 (left,
+    right) x height x width x 3 bytes (RGB). infos["picture_age_s"] is the time since the pair's exposure.
     """
 
     def __init__(self, task="stand", num_envs=8, engine="native", threads=0, autoreset_mode="next_step",
                  episode_s=None, pictures=None, **simulation):
         if task is None:
-            raise TypeError(f"task=None: give one of {', '.join(TASKS)}, or an object like them")
+            raise TypeError(f"task=None: give one of {', '.join(TASKS)}, or an object with the same members")
         if isinstance(task, str) and task not in TASKS:
-            raise UsageError(f"no task '{task}': give one of {', '.join(TASKS)}, or an object like them")
+            raise UsageError(
+                f"no task '{task}': give one of {', '.join(TASKS)}, or an object with the same members")
         if autoreset_mode not in AUTORESET_MODES:
             raise UsageError(f"autoreset_mode '{autoreset_mode}': give one of {', '.join(AUTORESET_MODES)}")
         if pictures is not None and pictures not in PICTURES:
@@ -392,9 +395,11 @@ class VectorEnv(_VectorEnv):
             0, 255, shape + (2, camera.height, camera.width, 3), numpy.uint8)})
 
     def reset(self, *, seed=None, options=None):
-        """seed: the first robot's seed, from which the others count up; or one seed per robot; or None, which
-        continues the current random numbers. options["reset_mask"]: the robots to reset. Returns
-        observations, infos."""
+        """Resets the robots and returns observations, infos.
+
+        seed: the first robot's seed, to which the other robots add 1, 2 and so on; or a list with a seed per
+        robot; or None, which continues the current random numbers. options["reset_mask"]: the robots to
+        reset."""
         mask = numpy.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
             mask = numpy.asarray(options["reset_mask"], bool)
@@ -404,9 +409,9 @@ class VectorEnv(_VectorEnv):
         if seed is not None:
             seeds = [seed + i for i in range(self.num_envs)] if numpy.ndim(seed) == 0 else list(seed)
             if len(seeds) != self.num_envs:
-                raise UsageError(f"seed: give one, or {self.num_envs} of them")
+                raise UsageError(f"seed: give one seed, or a list of {self.num_envs} seeds")
         if self.batch is None:
-            raise UsageError("the environment is closed: make another one")
+            raise UsageError("the environment is closed: make a new environment")
         for i in numpy.flatnonzero(mask):
             if seeds[i] is not None or self.randoms[i] is None:
                 self.randoms[i] = numpy.random.default_rng(seeds[i])
@@ -418,7 +423,7 @@ class VectorEnv(_VectorEnv):
     def step(self, actions):
         if not self._begun or self.batch is None:
             raise UsageError("step: call reset() first" if not self._begun else
-                             "the environment is closed: make another one")
+                             "the environment is closed: make a new environment")
         actions = numpy.asarray(actions, float)
         if actions.shape != self._action.shape:
             raise UsageError(f"actions: the shape is {actions.shape}, and must be {self._action.shape}")
@@ -485,7 +490,7 @@ class VectorEnv(_VectorEnv):
 
 
 class Env(_Env):
-    """One robot with Gymnasium's interface of a single environment. Takes the arguments of VectorEnv."""
+    """One robot, with Gymnasium's interface of a single environment. Accepts the arguments of VectorEnv."""
 
     metadata = {"render_modes": []}
     render_mode = None
@@ -500,7 +505,7 @@ class Env(_Env):
         self.observation_space = self._one.single_observation_space
 
     def reset(self, *, seed=None, options=None):
-        """options: ignored. Returns observation, infos."""
+        """Resets the robot and returns observation, infos. `options` is ignored."""
         observation, infos = self._one.reset(seed=seed)
         self._np_random = self._one.randoms[0]
         return _first(observation), {name: row[0].item() for name, row in infos.items()}

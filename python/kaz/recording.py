@@ -17,7 +17,7 @@ _FIELD = re.compile(r"^\s*([A-Za-z0-9_/]+)(\[\d*\])?\s+([A-Za-z0-9_]+)\s*(=.*)?$
 
 
 class _Schema:
-    """A ROS 1 message definition: fields in order, little-endian, without padding."""
+    """A ROS 1 message definition. A message holds the fields in order, little-endian, without padding."""
 
     def __init__(self, text):
         parts = re.split(r"^=+$", text, flags=re.M)
@@ -45,7 +45,7 @@ class _Schema:
         raise UsageError(f"the schema does not define {kind}")
 
     def dtype(self, kind=""):
-        """Returns the numpy type of a message of fixed size; None for a message with texts or lists."""
+        """Returns the numpy type of a fixed-size message; None if the message has strings or lists."""
         columns = []
         for name, of, array in self._type(kind):
             if array == "" or of == "string":
@@ -62,7 +62,7 @@ class _Schema:
     def decode(self, data):
         value, at = self._decode("", memoryview(data), 0)
         if at != len(data):
-            raise UsageError(f"a message has {len(data)} bytes, but its schema {at}")
+            raise UsageError(f"a message has {len(data)} bytes, but its schema describes {at} bytes")
         return value
 
     def _decode(self, kind, data, at):
@@ -102,8 +102,8 @@ class _Schema:
 class Recording:
     """A recording in memory.
 
-    topics: number of messages by topic. facts: version, world, seed and others. duration_s: length.
-    whole: False if the file is incomplete.
+    topics: the number of messages for each topic. facts: the version, world, seed and other facts of the run.
+    duration_s: the duration of the recording. whole: False if the file is incomplete.
     """
 
     def __init__(self, path):
@@ -117,14 +117,14 @@ class Recording:
     def _schema(self, topic):
         if topic not in self.topics:
             known = ", ".join(sorted(self.topics))
-            raise UsageError(f"no topic '{topic}' in this recording: must be one of {known}")
+            raise UsageError(f"this recording has no topic '{topic}': give one of {known}")
         known = re.sub(r"^/wire/\d+/", "/wire/", topic)  # of a second board
         if known not in self._schemas:
             raise UsageError(f"topic '{topic}' is unknown in this version of Kaz")
         return self._schemas[known]
 
     def messages(self, topic):
-        """Returns pairs of time (s) and message (a dict)."""
+        """Returns the messages of a topic, as pairs of time (s) and message (a dict)."""
         encoding, _, text = self._schema(topic)
         if encoding == "json":
             return [(1e-9 * time, json.loads(data)) for time, data in self._file.messages(topic)]
@@ -132,7 +132,8 @@ class Recording:
         return [(1e-9 * time, schema.decode(data)) for time, data in self._file.messages(topic)]
 
     def array(self, topic):
-        """Returns all messages of a topic as a structured array, `time` (s) first. They must have one size.
+        """Returns all messages of a topic as a structured array, whose first column is `time` (s). All
+        messages must have the same size.
 
         array("/truth/joints")["angle"] has a row for each message and a column for each joint."""
         encoding, name, text = self._schema(topic)
@@ -141,7 +142,7 @@ class Recording:
             raise UsageError(f"messages of '{topic}' ({name}) have no fixed size: use messages()")
         times, data = self._file.joined(topic)
         if len(data) != len(times) * dtype.itemsize:
-            raise UsageError(f"messages of '{topic}' have another size than {name} in this version")
+            raise UsageError(f"messages of '{topic}' do not have the size of {name} in this version of Kaz")
         table = numpy.frombuffer(data, dtype)
         made = numpy.empty(len(times), [("time", "<f8")] + [(n, dtype.fields[n][0]) for n in dtype.names])
         made["time"] = 1e-9 * times

@@ -173,7 +173,7 @@ class PythonRobot {
 
   template <class F>
   std::invoke_result_t<F, host::Robot&> with_robot(F work) {
-    if (!robot_) return fail(Fault::usage, "this Robot is closed: make another one");
+    if (!robot_) return fail(Fault::usage, "this Robot is closed: create a new Robot");
     return work(*robot_);
   }
 
@@ -317,7 +317,7 @@ void add_robot(py::module_& module) {
       .def(
           "stop", [](Robot& self) { self.stop(); },
           "Switches the motors off at once. Can be called from any thread: the running call ends "
-          "and raises Stopped. Returns when the board has confirmed.")
+          "and raises Stopped. Returns when the board has confirmed that the motors are off.")
       .def("clear",
            [](Robot& self) { self.alone([&](host::Robot& robot) { return robot.clear(); }); })
       .def(

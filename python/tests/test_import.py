@@ -49,9 +49,9 @@ class Import(unittest.TestCase):
         (self.package / "_kaz.cpython-39-x86_64-linux-gnu.so").touch()
         self.assertEqual(self.sentence(),
                          "ImportError: kaz is built for Python 3.9, "
-                         f"but this program is {THIS}: use Python 3.9")
+                         f"but this program runs on {THIS}: use Python 3.9")
         (self.package / "built_for.txt").write_text("/opt/bin/python3 (Python 3.9)\n")
-        self.assertIn("built for /opt/bin/python3 (Python 3.9), but this program is", self.sentence())
+        self.assertIn("built for /opt/bin/python3 (Python 3.9), but this program runs on", self.sentence())
 
     def test_no_numpy(self):
         without = "import sys; sys.modules['numpy'] = None; import kaz"
@@ -67,7 +67,7 @@ class Import(unittest.TestCase):
                         ignore=shutil.ignore_patterns("share", "_kaz*", "__pycache__"))
         for module in BUILT.glob("_kaz*.so"):
             (self.path / "broken/kaz" / module.name).write_bytes(b"no shared object")
-        self.assertNotIn("but this program is", self.sentence(path=self.path / "broken"))
+        self.assertNotIn("but this program runs on", self.sentence(path=self.path / "broken"))
         self.assertNotIn("not built", self.sentence(path=self.path / "broken"))
 
 

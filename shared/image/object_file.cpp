@@ -30,7 +30,8 @@ Result<void> ObjectFile::add(std::size_t at, const std::string& what, Segment se
   if (!fits(offset, size)) return error(at, "the contents of " + what + " lie outside the file");
   contents_ += size;
   if (contents_ > kMaxContents)
-    return error(at, what + " brings the contents to more than 32 MB; the chip addresses 16");
+    return error(
+        at, what + " increases the contents to more than 32 MB, but the chip addresses only 16 MB");
   const auto contents = bytes_.subspan(offset, size);
   segment.bytes.assign(contents.begin(), contents.end());
   image_.segments.push_back(std::move(segment));

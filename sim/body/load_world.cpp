@@ -25,7 +25,7 @@ std::string SolverDiagnostics::summary() const {
       "velocity errors are up to %.1e m/s or rad/s, and add up to at most %.2g mm or mrad; %s",
       static_cast<long long>(unconverged_steps), unconverged_steps == 1 ? "" : "s", first_s, last_s,
       max_residual, 1e3 * drift,
-      negligible ? "negligible, the result is reliable"
+      negligible ? "this error is negligible, and the result is reliable"
                  : "later results are unreliable: try a shorter --physics-step, or compare with "
                    "--dynamics exact");
   return text;

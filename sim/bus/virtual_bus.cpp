@@ -24,7 +24,8 @@ Result<std::unique_ptr<VirtualBus>> VirtualBus::create(std::unique_ptr<World> wo
   }
   for (const std::string& joint : joints) {
     if (std::ranges::none_of(file.servos, [&](const auto& one) { return one.joint == joint; }))
-      return fail(Fault::usage, "the joint `" + joint + "` has no servo in bus.json; add it there");
+      return fail(Fault::usage,
+                  "the joint `" + joint + "` has no servo in bus.json; add a servo for this joint");
   }
   return std::unique_ptr<VirtualBus>(new VirtualBus(std::move(world), file, std::move(servos)));
 }

@@ -104,9 +104,10 @@ class Comparison {
       if (report_.ticks != before) {
         without_tick_ms = 0;
       } else if (++without_tick_ms > max_without_tick_ms) {
-        return fail(Fault::failed,
-                    options_.image_path + " executes no tick (" + std::to_string(report_.ticks) +
-                        " so far): check that it is the servo firmware\n" + h8_.chip().report());
+        return fail(Fault::failed, options_.image_path + " executes no tick (" +
+                                       std::to_string(report_.ticks) +
+                                       " so far): check that the image is the servo firmware\n" +
+                                       h8_.chip().report());
       }
       if (options_.progress && report_.ticks / 1000 != before / 1000)
         options_.progress(report_.ticks, options_.ticks);
@@ -337,7 +338,7 @@ std::string CompareReport::text() const {
                   static_cast<long long>(difference.native), static_cast<long long>(difference.h8));
     text += line;
   }
-  return text + "\n  input of that tick, as the H8 has it: " + input_hex;
+  return text + "\n  input of this tick, in the H8's memory layout: " + input_hex;
 }
 
 Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path) {
@@ -362,7 +363,7 @@ Result<CompareReport> compare_engines(const CompareOptions& options) {
     return fail(Fault::usage,
                 options.image_path +
                     " has no symbols of the servo's tick; put the .coff of the same " +
-                    "build beside it");
+                    "build beside the image");
   if (options.prepare_h8) options.prepare_h8(*h8);
   KAZ_TRY(check_same_sources(*h8, options.image_path));
   return Comparison(options, *h8).run();

@@ -137,8 +137,9 @@ class Boards {
       KAZ_TRY(h8_.run_until(h8_.now() + tick));
     }
     if (!grid_)
-      return fail(Fault::failed,
-                  options_.image_path + " executes no tick: check that it is the servo firmware");
+      return fail(
+          Fault::failed,
+          options_.image_path + " executes no tick: check that the image is the servo firmware");
     return *grid_ - from;
   }
 
@@ -532,7 +533,8 @@ std::string WireReport::text() const {
     text += "\n  ";
     text += std::to_string(ended_early);
     text +=
-        " ended early: a request waited for room in the transmit ring a tick longer on one board";
+        " ended early: a request waited for room in the transmit ring one tick longer on one of "
+        "the boards";
     if (ended_early > max_ended_early())
       text += ", more than the " + std::to_string(max_ended_early()) + " allowed";
   }
@@ -547,8 +549,9 @@ std::string WireReport::text() const {
     text += "\n    sent before: " + difference.requests;
   }
   std::snprintf(line, sizeof line,
-                "\n  first bytes of a reply at most %lld states apart (a tick has %ld); %s, "
-                "at most %lld apart; pins equal in %lld ms",
+                "\n"
+                "  replies begin at most %lld states apart (a tick has %ld states); %s, at most "
+                "%lld states apart; pins equal in %lld ms",
                 static_cast<long long>(largest_lag), KZ_STATES_PER_TICK,
                 counted(resets, "reset").c_str(), static_cast<long long>(largest_reset_lag),
                 static_cast<long long>(pins_compared));
@@ -592,7 +595,7 @@ Result<WireReport> compare_wire(const WireOptions& options) {
     report.differences.push_back(
         {0, 0,
          "the start-up time differs on the native board; if the image has grown, set "
-         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to that of h8",
+         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to the start-up time of h8",
          std::to_string(start), std::to_string(NativeOptions::default_start_states), ""});
     return report;
   }

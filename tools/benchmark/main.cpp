@@ -90,7 +90,7 @@ Result<void> run_load(const Arguments& arguments) {
   }
   std::string known;
   for (const Load& load : loads()) known += " " + std::string(load.name);
-  return fail(Fault::usage, "--run " + arguments.run + ": use one of" + known);
+  return fail(Fault::usage, "--run " + arguments.run + ": give one of" + known);
 }
 
 int parse_and_run(int argc, char** argv) {
@@ -99,26 +99,28 @@ int parse_and_run(int argc, char** argv) {
       "virtual robot. Times are CPU times of this process, medians of several runs.");
   program.name("kaz_benchmark");
   Arguments arguments;
-  program.add_option("--filter", arguments.filter, "only names that match this regular expression");
+  program.add_option("--filter", arguments.filter,
+                     "measure only the numbers whose names match this regular expression");
   program.add_option("--json", arguments.json,
-                     "also write the numbers to this JSON file, one for each name");
+                     "also write each number, with its name, to this JSON file");
   auto known = engine_names();
   program
-      .add_option(
-          "--engine", arguments.settings.engines,
-          "engines of the emulator to measure; names of numbers end with the engine, except "
-          "for the default engine")
+      .add_option("--engine", arguments.settings.engines,
+                  "engines of the emulator to measure; a number's name ends with the name of the "
+                  "engine, except for the default engine")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
   program.add_option("--repeats", arguments.settings.repeats, "number of runs for each median")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   program.add_flag("--quick", arguments.settings.quick,
-                   "short run that checks the benchmark; its numbers are inaccurate");
-  program.add_flag("--list", arguments.list, "print the names, measure nothing");
+                   "make a short run that only checks the benchmark; the numbers are inaccurate");
+  program.add_flag("--list", arguments.list, "print the names of the numbers, and measure nothing");
   program.add_option("--run", arguments.run,
-                     "run one load of the emulator and print nothing: for profilers");
-  program.add_option("--amount", arguments.amount, "with --run: rounds, or milliseconds")
+                     "run one load of the emulator and print nothing, for use with a profiler");
+  program
+      .add_option("--amount", arguments.amount,
+                  "with --run: number of rounds or milliseconds of the load")
       ->check(CLI::Range(1, 65535))
       ->capture_default_str();
   program.footer(
@@ -130,9 +132,8 @@ int parse_and_run(int argc, char** argv) {
       "\n"
       "  valgrind --tool=callgrind build/release/bin/kaz_benchmark --run mcu.firmware_x --amount "
       "200\n"
-      "docs/results/README.md explains each name and its measurement.\n"
-      "Exit status: 0 measured, 1 a measurement failed, 2 wrong usage, 3 the environment "
-      "failed.");
+      "The page docs/results/README.md explains each number and its measurement.\n"
+      "Exit status: 0 measured, 1 a measurement failed, 2 wrong usage, 3 the environment failed.");
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -115,8 +115,9 @@ Result<nlohmann::json> json_of(const std::string& command) {
 Result<void> measure(const Program& program, const Settings& settings, Results& results) {
   const fs::path path = beside_this(program.name);
   if (!fs::exists(path)) {
-    results.remark(std::string(program.name) +
-                   " is not built: its numbers are left out (needs libbenchmark-dev)");
+    results.remark(
+        std::string(program.name) +
+        " is not built, so its numbers are left out; install libbenchmark-dev and build again");
     return {};
   }
   std::string filter;
@@ -154,7 +155,7 @@ Result<void> measure(const Program& program, const Settings& settings, Results& 
 Result<void> wire(const Settings&, Results& results) {
   const fs::path program = beside_this("wire_benchmark");
   if (!fs::exists(program)) {
-    results.remark("wire_benchmark is not built: wire.* is left out");
+    results.remark("wire_benchmark is not built, so the numbers wire.* are left out");
     return {};
   }
   const auto report = KAZ_TRY(json_of(shell_word(program.string())));
@@ -171,7 +172,7 @@ Result<void> wire(const Settings&, Results& results) {
 Result<void> flashing(const Settings&, Results& results) {
   const fs::path program = beside_this("flash_efficiency");
   if (!fs::exists(program)) {
-    results.remark("flash_efficiency is not built: flash.efficiency is left out");
+    results.remark("flash_efficiency is not built, so the number flash.efficiency is left out");
     return {};
   }
   const auto report = KAZ_TRY(json_of(shell_word(program.string())));
@@ -183,15 +184,15 @@ Result<void> flashing(const Settings&, Results& results) {
 Result<void> planning(const Settings& settings, Results& results) {
   const fs::path program = beside_this("plan_benchmark");
   if (!fs::exists(program)) {
-    results.remark("plan_benchmark is not built: plan.* is left out");
+    results.remark("plan_benchmark is not built, so the numbers plan.* are left out");
     return {};
   }
   const auto report =
       KAZ_TRY(json_of(shell_word(program.string()) + " --json " + (settings.quick ? "10" : "200")));
   for (const std::string planner : {"grid", "ompl"}) {
     if (!report.contains(planner)) {
-      results.remark("plan_benchmark was built without libompl-dev: plan.*." + planner +
-                     " is left out");
+      results.remark("plan_benchmark was built without libompl-dev, so the numbers plan.*." +
+                     planner + " are left out");
       continue;
     }
     const nlohmann::json& of = report.at(planner);
@@ -206,7 +207,7 @@ Result<void> planning(const Settings& settings, Results& results) {
 Result<void> loop(const Settings& settings, Results& results) {
   const fs::path kaz = beside_this("kaz");
   if (!fs::exists(kaz)) {
-    results.remark("kaz is not built: loop.rtf is left out");
+    results.remark("kaz is not built, so the number loop.rtf is left out");
     return {};
   }
   const auto made = KAZ_TRY(make_temporary_folder("kaz-bench-loop-"));
@@ -233,7 +234,7 @@ Result<void> loop(const Settings& settings, Results& results) {
 Result<void> one_catch(const std::string& gives, const std::string& options, Results& results) {
   const fs::path kaz = beside_this("kaz");
   if (!fs::exists(kaz)) {
-    results.remark("kaz is not built: loop.catch_x is left out");
+    results.remark("kaz is not built, so the number loop.catch_x is left out");
     return {};
   }
   const auto made = KAZ_TRY(make_temporary_folder("kaz-bench-catch-"));

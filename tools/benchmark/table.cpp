@@ -78,7 +78,8 @@ std::string table(const Results& results, const std::vector<std::string>& engine
     text += row_text + "\n";
   }
   text += "emulator: engine " + engine_names().front() +
-          " unless a name ends with another; states counted exactly; CPU time of this process\n";
+          " unless a name ends with another engine; states are counted exactly; times are CPU "
+          "times of this process\n";
   for (const auto& remark : results.remarks()) text += remark + "\n";
   return text;
 }

@@ -90,7 +90,7 @@ std::string exit_status(const CLI::App& app, const std::string& differing) {
                                       {1, "failed"},
                                       {2, "wrong usage"},
                                       {3, "the environment failed (port, disk)"},
-                                      {128, "+ signal if a signal ended it"}};
+                                      {128, "+ signal number if a signal ended the program"}};
   std::string line = filled(differing);
   std::ranges::replace(line, '\n', ' ');
   if (line.ends_with('.')) line.pop_back();
@@ -270,9 +270,10 @@ std::string wrapped(const std::string& text, std::size_t indent) {
 std::string HelpFormatter::make_option(const CLI::Option* option, bool positional) const {
   if (positional) return two_columns(option->get_name(true, false), option_text(*option));
   // One that is a positional too is explained there.
-  return two_columns(typed_form(*option), option->get_positional()
-                                              ? option->get_name(true, false) + " as an option"
-                                              : option_text(*option));
+  return two_columns(typed_form(*option),
+                     option->get_positional()
+                         ? "the same as the argument " + option->get_name(true, false)
+                         : option_text(*option));
 }
 
 std::string HelpFormatter::make_help(const CLI::App* app, std::string name,

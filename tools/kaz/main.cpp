@@ -84,8 +84,9 @@ std::string more_than_verb(CLI::App& program, int argc, char** argv) {
 int parse_and_run(int argc, char** argv) {
   kaz::tools::set_command_line(argc, argv);
   CLI::App program(
-      "a desktop humanoid with stereo eyes, real or virtual. Programs for the virtual robot run on "
-      "the real one unchanged: both use the same protocol on the same kind of port");
+      "a desktop humanoid with stereo eyes, real or virtual. Programs for the virtual robot run "
+      "unchanged on the real robot, because both robots use the same protocol on the same kind of "
+      "port");
   program.name("kaz");
   program.set_help_flag("-h,--help", "print this help");  // its verbs inherit it
   program.set_version_flag("--version", std::string("kaz ") + kaz::tools::kVersion,
@@ -99,16 +100,18 @@ int parse_and_run(int argc, char** argv) {
   kaz::tools::check_flags(program);
   // After the verbs, which would inherit it.
   program.footer(
-      "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
-      "open them.\n"
+      "Recordings are MCAP files. Foxglove (foxglove.dev), PlotJuggler and the command mcap can "
+      "open these files.\n"
       "`kaz VERB --help` or `kaz help VERB` describes a verb.\n"
       "Exit status: 1 the task failed, 3 the environment failed (docs/reference/output.md), 128 + "
-      "signal if a signal ended it (130: Ctrl-C; sim, monitor and servers: 0)\n"
+      "signal number if a signal ended the program (Ctrl-C gives 130, but sim, monitor and servers "
+      "then end with 0)\n"
       "Examples:\n"
       "  kaz demo                              # find and track the ball, write pictures\n"
       "  kaz sim --world ball --serial board --cameras board.eyes\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes\n"
-      "  kaz replay kaz-demo/recording.mcap    # run it again and print the first difference");
+      "  kaz replay kaz-demo/recording.mcap    # run the recording again, print the first "
+      "difference");
   const auto refuse = [&program](const std::string& what) {
     const std::string name = kaz::tools::full_name(kaz::tools::chosen_verb(program));
     std::fprintf(stderr, "%s: %s%s `%s --help`\n", name.c_str(), kaz::one_line(what).c_str(),

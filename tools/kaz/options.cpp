@@ -76,29 +76,30 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("NAME|FILE")
       ->capture_default_str();
   verb.add_option("--robot-file", options.robot_file,
-                  "URDF of another robot, with motor.xml and sensors.xml beside it (default: Kaz)")
+                  "URDF of another robot; motor.xml and sensors.xml must be in the same folder "
+                  "(default: Kaz)")
       ->type_name("FILE");
   add_choice(verb, "--mcu", sim::kMcuKinds, options.mcu,
-             "microcontroller of the servo board: h8 executes the firmware image, native runs the "
-             "same C compiled for this machine");
-  verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF")
+             "microcontroller of the servo board: h8 executes the firmware image; native runs the "
+             "firmware's C code, compiled for this machine");
+  verb.add_option("--image", options.image, "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE");
   verb.add_option("--faults", options.faults,
-                  "file with faults to inject and their times (docs/reference/simulator.md)")
+                  "file that lists faults to inject and their times (docs/reference/simulator.md)")
       ->type_name("FILE");
   add_choice(verb, "--sensors", sim::kSensorSets, options.sensors,
-             "nominal: with noise; ideal: without noise; as-built: as nominal, and each "
-             "potentiometer has its own curve and offset, which calibration can measure");
+             "nominal: sensors with noise; ideal: sensors without noise; as-built: like nominal, "
+             "but each potentiometer has its own curve and offset, which calibration can measure");
   add_imu(verb, options.imu);
   verb.add_option("--dynamics", options.dynamics,
-                  "physics engine: reduced (Kaz's own), exact or quickN (Open Dynamics Engine; N "
-                  "iterations, 1 to 1000)")
+                  "physics engine: reduced is Kaz's own; exact and quickN use the Open Dynamics "
+                  "Engine, and quickN makes N iterations (1 to 1000)")
       ->type_name("reduced|exact|quickN")
       ->capture_default_str();
-  verb.add_option(
-          "--physics-step", options.physics_step_ms,
-          "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick stays at "
-          "1 ms. Thrown balls need 1 or less, servos 2 or less (docs/explanation/dynamics.md)")
+  verb.add_option("--physics-step", options.physics_step_ms,
+                  "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick "
+                  "stays at 1 ms. Worlds with thrown balls need at most 1 ms, and servos need at "
+                  "most 2 ms (docs/explanation/dynamics.md)")
       ->check(number())
       ->type_name("MS")
       ->capture_default_str();
@@ -107,15 +108,16 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
-             "ideal: pinhole cameras without noise; real: with lens, exposure and noise, "
-             "rectified; none: no cameras, for behaviors that do not use them");
+             "ideal: pinhole cameras without noise; real: cameras with lens, exposure and noise, "
+             "whose pictures are rectified; none: no cameras, for behaviors that use no pictures");
   verb.add_option("--eye-width", options.eye_width,
-                  "width of the eyes' pictures: 320 or 640 (default: from camera.json)")
+                  "width of the eyes' pictures, px: 320 or 640 (default: the width in camera.json)")
       ->check(CLI::IsMember({320, 640}));
   add_choice(verb, "--renderer", sim::kRendererKinds, options.renderer,
-             "renderer of the pictures: raster (Kaz's own) or opengl (Mesa, the reference; takes "
-             "three times as long)");
-  verb.add_option("--seed", options.seed, "seed of all noise; the same seed gives the same bytes")
+             "renderer of the pictures: raster is Kaz's own; opengl is the reference, uses Mesa "
+             "and takes three times as long");
+  verb.add_option("--seed", options.seed,
+                  "seed of all noise; the same seed gives identical results")
       ->transform(whole_number())
       ->capture_default_str();
 }
@@ -124,7 +126,8 @@ void add_imu(CLI::App& verb, bool& imu) {
   const std::string by_default = " (default)";
   auto* with = verb.add_flag_callback(
       "--imu", [&imu] { imu = true; },
-      "the board has a gyro and an accelerometer, on AN3..AN5" + (imu ? by_default : ""));
+      "the board has a gyro and an accelerometer at its analog inputs AN3 to AN5" +
+          (imu ? by_default : ""));
   verb.add_flag_callback(
           "--no-imu", [&imu] { imu = false; },
           "the board has no gyro or accelerometer" + (imu ? "" : by_default))
@@ -133,7 +136,7 @@ void add_imu(CLI::App& verb, bool& imu) {
 
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text) {
   // One value each: CLI11 would take the words after it, too.
-  verb.add_option("--set", settings, text + ", such as seconds=20; may be repeated")
+  verb.add_option("--set", settings, text + ", such as seconds=20; --set may be repeated")
       ->type_name("NAME=VALUE")
       ->expected(1)
       ->allow_extra_args(false)
@@ -141,13 +144,14 @@ void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std:
 }
 
 void add_motor_options(CLI::App& verb, BackendOptions& options) {
-  verb.add_option("--motor-file", options.motor_file,
-                  "motor parameters of the virtual stand (default: Kaz's motor.xml)")
+  verb.add_option(
+          "--motor-file", options.motor_file,
+          "file with the motor parameters of the virtual motor stand (default: Kaz's motor.xml)")
       ->type_name("FILE");
   verb.add_option("--motor", options.motor,
-                  "motor in that file (default: the file's default motor)")
+                  "name of the motor in the motor file (default: the file's default motor)")
       ->type_name("NAME");
-  verb.add_option("--disc", options.disc_kgm2, "inertia of the disc on the shaft")
+  verb.add_option("--disc", options.disc_kgm2, "inertia of the disc on the motor's shaft")
       ->check(between(1e-6, 2e-3))
       ->capture_default_str()
       ->type_name("KGM2");
@@ -165,8 +169,8 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
   return verb
       .add_option_function<int>(
           "--address", [&address](int number) { address = static_cast<std::uint8_t>(number); },
-          "address of the board on a shared line; if no board answers there, the error lists the "
-          "addresses that answer")
+          "address of the board on a shared line; if no board answers at this address, the error "
+          "lists the addresses that answer")
       ->check(between(1, KZ_ADDRESS_LAST))
       ->type_name("N")
       ->default_str(std::to_string(address));
@@ -174,12 +178,12 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
 
 void add_record_pictures(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
-                "record the eyes' pictures too, not only their SHA-256");
+                "also record the eyes' pictures, not only the pictures' SHA-256");
 }
 
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,
                        std::uint32_t max_address) {
-  verb.add_option("IMAGE", path, "COFF, ELF, S-record, Intel HEX or raw")
+  verb.add_option("IMAGE", path, "image file: COFF, ELF, S-record, Intel HEX or raw")
       ->required()
       ->type_name("");
   const std::map<std::string, h8s::Format> formats{{"coff", h8s::Format::coff},
@@ -188,11 +192,11 @@ void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load
                                                    {"ihex", h8s::Format::intel_hex},
                                                    {"raw", h8s::Format::raw}};
   verb.add_option("--format", load.format,
-                  "format of the image (default: detected from its contents)")
+                  "format of the image (default: detected from the file's contents)")
       ->transform(one_of(formats))
       ->type_name("FORMAT");
   verb.add_option("--at", load.address,
-                  "address of a raw image's first byte; execution starts there")
+                  "address of a raw image's first byte; execution starts at this address")
       ->check(between(std::uint32_t{0}, max_address))
       ->type_name("ADDRESS");
 }

@@ -25,7 +25,7 @@ Result<void> check_duration(const behavior::Behavior& behavior, const std::strin
       std::ranges::find(behavior.options, std::string_view("seconds"), &behavior::Option::name);
   if (option == behavior.options.end())
     return fail(Fault::usage, "--duration is not valid with " + std::string(behavior.name) +
-                                  ", which ends by itself; leave it out");
+                                  ", which ends by itself; leave --duration out");
   if (const auto seconds = set.find("seconds"); seconds != set.end() && seconds->second != text)
     return fail(Fault::usage, "--duration " + text + " and --set seconds=" + seconds->second +
                                   " contradict each other; leave one out");
@@ -67,19 +67,19 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
                   "file with the virtual board's calibration, written by kaz calibrate joints "
                   "--memory or kaz sim --memory")
       ->type_name("FILE");
-  verb.add_option(
-          "--restore-every", arguments.session.backend.restore_every_s,
-          "self-test: at this interval, save the virtual robot's state, run 0.1 s without "
-          "recording, and restore the state; the recording must be the same as without this option")
+  verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
+                  "self-test: at this interval, save the virtual robot's state, run 0.1 s without "
+                  "recording, and restore the state. The recording must be the same with and "
+                  "without this option")
       ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.session.vision.modules,
-                  "vision modules, separated by commas, for behaviors that use the cameras: " +
-                      module_names() + "; color always runs")
+                  "vision modules to run in behaviors that use the cameras, separated by commas: " +
+                      module_names() + "; the module color always runs")
       ->type_name("LIST")
       ->capture_default_str();
   verb.add_option("--color", arguments.color,
-                  "color of the ball: file written by kaz vision learn-color (default: red)")
+                  "file with the ball's color, written by kaz vision learn-color (default: red)")
       ->type_name("FILE");
   verb.add_option("--radius", arguments.session.vision.ball.radius_m, "radius of the ball, m")
       ->check(between(0.005, 0.5))
@@ -87,7 +87,7 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
       ->type_name("M");
   add_watch_options(verb, arguments.watch);
   verb.add_flag("--json", arguments.session.json,
-                "print the result as JSON on standard output, no progress");
+                "print the result as JSON on standard output, without progress messages");
 }
 
 CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::string& text) {

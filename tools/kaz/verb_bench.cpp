@@ -15,18 +15,17 @@ namespace kaz::tools {
 namespace {
 
 void add_common(CLI::App& verb, BenchOptions& arguments) {
-  auto* port =
-      add_port(verb, arguments.target.port,
-               std::string(kPortText) +
-                   "; without it, an emulated board on a virtual motor stand, in simulated time");
+  auto* port = add_port(verb, arguments.target.port,
+                        std::string(kPortText) +
+                            "; without --robot, Kaz measures an emulated board on a virtual motor "
+                            "stand, in simulated time");
   add_address(verb, arguments.target.address)->needs(port);
   add_choice(verb, "--mcu", sim::kMcuKinds, arguments.target.backend.mcu,
-             "microcontroller of the emulated board: h8 executes the firmware image, native runs "
-             "the same C "
-             "compiled for this machine")
+             "microcontroller of the emulated board: h8 executes the firmware image; native runs "
+             "the firmware's C code, compiled for this machine")
       ->excludes(port);
   verb.add_option("--image", arguments.target.backend.image,
-                  "firmware image for h8: S-record or COFF")
+                  "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE")
       ->excludes(port);
   add_choice(verb, "--sensors", sim::kSensorSets, arguments.target.backend.sensors,
@@ -39,18 +38,20 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
       ->excludes(port);
   verb.add_option(
           "--limits", arguments.limits,
-          "JSON file with other limits: edited output of `kaz bench list --json`, or for example " +
+          "JSON file with limits that replace the defaults: edited output of `kaz bench list "
+          "--json`, or for example " +
               std::string(arguments.motor  ? "{\"stall.torque_10v\": {\"low\": 2.0, \"high\": 2.3}}"
                           : arguments.link ? "{\"link.cycle_rate\": {\"low\": 110}}"
                                            : "{\"tick.median\": {\"high\": 55}}"))
       ->type_name("FILE");
   verb.add_option(
           "--out", arguments.out,
-          "folder for report.html, result.json, measurements.csv, curves.csv, junit.xml, plots/")
+          "folder for report.html, result.json, measurements.csv, curves.csv, junit.xml and plots/")
       ->capture_default_str()
       ->type_name("DIR");
   verb.add_flag("--json", arguments.json,
-                "print result.json instead of table and progress; the folder is written too");
+                "print result.json instead of the table and the progress; the files in --out are "
+                "written too");
 }
 
 void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
@@ -59,18 +60,18 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->capture_default_str()
       ->type_name("NAME,NAME");
   verb.add_option("--stand", arguments.target.stand,
-                  "motor stand of the board at the port: ctl:PATH is the control socket of kaz sim "
-                  "--stand; with manual, you clamp, press and read as prompted. Without it, "
-                  "measurements that need a stand are left out")
+                  "motor stand of the board at the port. ctl:PATH is the control socket of kaz sim "
+                  "--stand. With manual, prompts say when to clamp, press and read. Without "
+                  "--stand, measurements that need a stand are left out")
       ->type_name("ctl:PATH|manual");
   verb.add_option("--supply", arguments.supply_volts,
-                  "no-load supply voltage of the stand, V, unless a measurement sets its own")
+                  "no-load supply voltage of the stand, V; some measurements set their own voltage")
       ->check(between(5.0, 12.0))
       ->type_name("VOLTS")
       ->capture_default_str();
   verb.add_option("--filter", arguments.filter,
-                  "make only measurements whose names match this regular expression, and "
-                  "measurements that are always made together with a match")
+                  "make only the measurements whose names match this regular expression. "
+                  "Measurements that always run together all run if one of their names matches")
       ->type_name("REGEX");
   add_motor_options(verb, arguments.target.backend);
   for (const char* name : {"--motor-file", "--motor"})
@@ -95,25 +96,27 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   auto* motion = verb->add_flag(
       "--allow-motion", arguments->allow_motion,
       arguments->motor && arguments->link
-          ? "for link and tick: switch the joints on and hold them, for a realistic load. At a "
-            "port without a stand: let the joint move at full speed through its range"
+          ? "for link and tick: switch the joints on and hold the joints still, for a realistic "
+            "load. For motors at a port without a stand: let each joint move at full speed through "
+            "its range"
       : arguments->motor
           ? "at a port without a stand: let the joint move at full speed through its range"
-          : "switch the joints on and hold them, for a realistic load; without it, the board "
-            "refuses the target frames, which have the same length");
+          : "switch the joints on and hold the joints still, for a realistic load. Without "
+            "--allow-motion, the board refuses the target frames; refused frames are as long as "
+            "accepted frames");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
     motion->needs(verb->get_option("--robot"))->excludes(verb->get_option("--stand"));
   std::string joints;
   for (const host::JointInfo& joint : host::joint_table())
     joints += (joints.empty() ? "" : ", ") + std::string(joint.name);
-  verb->footer((arguments->motor ? "Each motor takes 5.5 minutes at a port, and a few seconds on "
-                                   "the emulated board. Joints: " +
+  verb->footer((arguments->motor ? "Measuring a motor takes 5.5 minutes at a port, and a few "
+                                   "seconds on the emulated board. Joints: " +
                                        joints + ".\n"
                                  : std::string()) +
-               "Exit status: 0 all within limits, 1 a limit failed, 2 wrong usage, 3 port error or "
-               "no verdict "
-               "(this machine was late, or a motor was too warm).\n"
+               "Exit status: 0 all measurements are within the limits, 1 a measurement is outside "
+               "its limits, 2 wrong usage, 3 port error, or no verdict because this machine was "
+               "late or a motor was too warm.\n"
                "Examples:\n" +
                footer);
   verb->callback([&action, arguments, watch, verb] {
@@ -123,7 +126,7 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
           target.stand != "manual")
         return fail(Fault::usage,
                     "--disc is only valid with the virtual stand or --stand manual, because kaz "
-                    "sim --stand has its own --disc; leave it out");
+                    "sim --stand has its own --disc; leave --disc out");
       if (arguments->motor && verb->count("--supply") > 0 && !target.port.empty() &&
           target.stand.empty())
         return fail(Fault::usage,
@@ -142,23 +145,26 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
 
 void add_servo(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
-      "servo", "fit motor and friction of a bus servo to logs of a pendulum on its horn");
+      "servo", "fit a motor and friction model to logs of a pendulum on the horn of a bus servo");
   auto arguments = std::make_shared<ServoFitArguments>();
-  verb->add_option("LOG", arguments->logs, "logs to fit (CSV: docs/howto/bench.md)")->required();
+  verb->add_option("LOG", arguments->logs,
+                   "CSV files of the logs to fit (format: docs/howto/bench.md)")
+      ->required();
   verb->add_option(
           "--held-out", arguments->held_out,
           "logs that are not used in the fit; the model that best predicts these logs is chosen")
       ->type_name("FILE");
   verb->add_option("--model", arguments->model,
-                   "number of the last friction model to fit, beginning with M1 (default: 6)")
+                   "fit the friction models from M1 to the model with this number (default: 6)")
       ->check(between(1, 6))
       ->type_name("1..6");
-  verb->add_option("--out", arguments->out, "folder for report.html, result.json, held-out-*.svg")
+  verb->add_option("--out", arguments->out,
+                   "folder for report.html, result.json and held-out-*.svg")
       ->capture_default_str()
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print the result as JSON on standard output");
   verb->footer(
-      "Takes half a minute for 16 logs of 6 s.\n"
+      "The fit takes half a minute for 16 logs of 6 s.\n"
       "Examples:\n"
       "  kaz bench servo fit-*.csv --held-out held-*.csv --out my-servo\n"
       "  kaz bench servo fit-*.csv --model 1 --json");
@@ -177,12 +183,12 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
             arguments->protocol = protocol == "feetech" ? servo_bus::Protocol::feetech
                                                         : servo_bus::Protocol::dynamixel;
           },
-          "the servo's protocol, if --robot does not name it")
+          "the servo's protocol, if --robot does not name the protocol")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   add_port(*verb, arguments->robot, kBusText)->required();
   verb->add_option("--baud", arguments->baud,
-                   "rate of the bus (default: factory setting of the servos)")
+                   "baud rate of the bus (default: factory setting of the servos)")
       ->check(between(1200L, 10000000L))
       ->type_name("BAUD");
   verb->add_option("--id", recorder.id, "id of the servo")
@@ -198,7 +204,7 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       ->check(between(0.01, 2.0))
       ->type_name("M");
   verb->add_option("--arm", recorder.arm_kg,
-                   "mass of the arm, kg; the arm is a uniform rod as long as --length")
+                   "mass of the arm, kg; the arm must be a uniform rod of length --length")
       ->check(between(0.0, 20.0))
       ->capture_default_str()
       ->type_name("KG");
@@ -226,12 +232,13 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       ->capture_default_str()
       ->type_name("DIR");
   verb->add_flag("--yes", arguments->yes, "start without confirmation");
-  verb->add_flag("--json", arguments->json, "print record.json on standard output, no progress");
+  verb->add_flag("--json", arguments->json,
+                 "print record.json on standard output, without progress messages");
   verb->footer(
-      "Records twelve logs of 6 s in two minutes: four motions with each of three gains. Use the "
-      "logs of the middle gain as held-out logs. D, I and minimum duty are 0 during the recording, "
-      "and are put back afterwards. After Ctrl-C, an exceeded limit or a lost servo, the torque is "
-      "off, the registers are put back, and no file is written.\n"
+      "This verb records twelve logs of 6 s in two minutes: four motions, each with three gains. "
+      "Use the logs of the middle gain as held-out logs. During the recording, the D gain, I gain "
+      "and minimum duty are 0; then Kaz restores their values. After Ctrl-C, an exceeded limit or "
+      "a lost servo, Kaz switches the torque off, restores the registers and writes no file.\n"
       "Examples:\n"
       "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 \\\n"
       "      --out heavy\n"
@@ -243,9 +250,10 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
 
 void add_fit(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
-      "fit", "fit the motor model so that the simulated bench gives the same measurements");
+      "fit", "fit the motor model, so that the simulated bench gives the measurements of a report");
   auto arguments = std::make_shared<BenchFitOptions>();
-  verb->add_option("REPORT", arguments->report, "result.json of `kaz bench motor`, or its folder")
+  verb->add_option("REPORT", arguments->report,
+                   "result.json of `kaz bench motor`, or the folder that contains result.json")
       ->required();
   verb->add_option("--joint", arguments->joint,
                    "joint whose motor is fitted, if the report has several joints")
@@ -254,19 +262,20 @@ void add_fit(CLI::App& bench_verb, Action& action) {
                    "motor file with the initial parameters (default: Kaz's motor.xml)")
       ->type_name("FILE");
   verb->add_option("--motor", arguments->model.motor,
-                   "motor in that file (default: the file's default motor)")
+                   "name of the motor in --motor-file (default: the file's default motor)")
       ->type_name("NAME");
   add_choice(*verb, "--mcu", sim::kMcuKinds, arguments->model.mcu,
-             "microcontroller of the model's board: h8 executes the firmware image, native is five "
-             "times as fast, with an error of 0.1 ms at the start of a motion");
-  verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF")
+             "microcontroller of the simulated board: h8 executes the firmware image; native is "
+             "five times as fast, but motions start with an error of 0.1 ms");
+  verb->add_option("--image", arguments->model.image,
+                   "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE");
   verb->add_option("--seed", arguments->model.seed, "seed of the noise of the simulated bench")
       ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
   verb->add_option("--out", arguments->out,
-                   "folder for motor.xml, report.html, result.json, plots/")
+                   "folder for motor.xml, report.html, result.json and plots/")
       ->capture_default_str()
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print the result as JSON on standard output");
@@ -281,14 +290,14 @@ void add_fit(CLI::App& bench_verb, Action& action) {
 }  // namespace
 
 void add_bench(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand(
-      "bench",
-      "measure motors, link and tick of a board, with limits and plots; fit the motor model");
+  auto* verb = program.add_subcommand("bench",
+                                      "measure a board's motors, serial link and control tick, "
+                                      "with limits and plots; fit the motor model");
   verb->require_subcommand(1);
   add_measuring(
       *verb, action, "motor",
-      "measure torque, speed, friction, backlash, dead band, potentiometer, step and frequency "
-      "response, heat",
+      "measure a motor's torque, speed, friction, backlash, dead band, potentiometer, step "
+      "response, frequency response and heating",
       [](BenchOptions& a) { a.motor = true; },
       "  kaz bench motor --out motor     # an emulated board: no hardware needed\n"
       "  kaz bench motor --joint l_knee,r_knee --filter 'stall|no_load'\n"
@@ -298,7 +307,8 @@ void add_bench(CLI::App& program, Action& action) {
       "board "
       "--stand");
   add_measuring(
-      *verb, action, "link", "measure round trips, cycles per second, errors and lost telemetry",
+      *verb, action, "link",
+      "measure the link's round-trip times, cycles per second, errors and lost telemetry",
       [](BenchOptions& a) { a.link = true; },
       "  kaz bench link --robot serial:/dev/ttyUSB0\n  kaz bench link --json > link.json");
   add_measuring(
@@ -306,17 +316,18 @@ void add_bench(CLI::App& program, Action& action) {
       [](BenchOptions& a) { a.tick = true; },
       "  kaz bench tick --robot serial:/dev/ttyUSB0 --allow-motion\n  kaz bench tick");
   add_measuring(
-      *verb, action, "all", "measure link, tick and motor, in one report",
+      *verb, action, "all", "measure link, tick and motors, and write one report",
       [](BenchOptions& a) { a.motor = a.link = a.tick = true; },
       "  kaz bench all --out board-42\n  kaz bench all --robot serial:/dev/ttyUSB0 --stand manual");
   add_fit(*verb, action);
   add_servo(*verb, action);
   add_pendulum(*verb, action);
-  auto* names =
-      verb->add_subcommand("list", "print the measurements and their limits, without running them");
+  auto* names = verb->add_subcommand(
+      "list", "print the names and limits of the measurements, and measure nothing");
   auto as_json = std::make_shared<bool>(false);
-  names->add_flag("--json", *as_json,
-                  "print them as JSON, the format of --limits; a missing limit is null");
+  names->add_flag(
+      "--json", *as_json,
+      "print the list as JSON, in the format that --limits reads; a missing limit is null");
   names->footer("Examples:\n  kaz bench list\n  kaz bench list --json > limits.json");
   names->callback([&action, as_json] {
     action = [as_json] {

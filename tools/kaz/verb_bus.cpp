@@ -35,7 +35,7 @@ CLI::Validator ids_of(const std::shared_ptr<BusScanOptions>& options) {
 void add_robot(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--robot", options.robot, kBusText)->required()->type_name("KIND:PATH");
   verb.add_option("--robot-file", options.robot_file,
-                  "URDF of the robot; bus.json beside it assigns servos to joints")
+                  "URDF of the robot; bus.json in the same folder assigns servos to joints")
       ->required()
       ->type_name("FILE");
 }
@@ -54,21 +54,25 @@ void add_record(CLI::App& bus, Action& action) {
       bus.add_subcommand("record", "record a motion that you make by hand, for kaz run play");
   auto options = std::make_shared<MotionRecordOptions>();
   add_robot(*verb, options->backend);
-  verb->add_option("--out", options->out, "file of poses (docs/howto/watch.md)")
+  verb->add_option("--out", options->out, "file for the recorded poses (docs/howto/watch.md)")
       ->required()
       ->type_name("FILE");
-  verb->add_option("--seconds", options->seconds, "duration; rest at the start and end is cut off")
+  verb->add_option(
+          "--seconds", options->seconds,
+          "duration; the recording leaves out the time without motion at the start and the end")
       ->check(between(1.0, 120.0))
       ->capture_default_str()
       ->type_name("S");
-  verb->add_flag("--release", options->release,
-                 "first switch off the torque if it is on; hold the robot");
-  verb->add_flag("--json", options->json, "print a summary of the recording as JSON, no progress");
+  verb->add_flag(
+      "--release", options->release,
+      "first switch off the servos' torque, which lets the robot go limp; hold the robot");
+  verb->add_flag("--json", options->json,
+                 "print a summary of the recording as JSON, without progress messages");
   verb->footer(
-      "No servo is driven: move the robot by hand. A motion faster than 4 rad/s is slowed down in "
-      "the file. After Ctrl-C, nothing is written.\n"
-      "Exit status: 0 written, 1 nothing moved, or a joint was outside of its limits, 2 wrong "
-      "usage, 3 port error.\n"
+      "The servos do not drive the joints: move the robot by hand. A motion faster than 4 rad/s is "
+      "slowed down in the file. After Ctrl-C, no file is written.\n"
+      "Exit status: 0 the file is written, 1 no joint moved, or a joint was outside its limits, 2 "
+      "wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz bus record --robot feetech:/dev/ttyACM0 --robot-file so101.urdf --out wave.json\n"
       "  kaz run play --poses wave.json --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
@@ -87,7 +91,7 @@ void add_bus_status(CLI::App& bus, Action& action) {
   add_robot(*verb, options->backend);
   verb->add_flag("--json", options->json, "print the readings as JSON");
   verb->footer(
-      "Only reads: nothing moves.\n"
+      "This verb only reads registers: no servo moves.\n"
       "Exit status: 0 all servos answer without errors, 1 a servo does not answer or reports an "
       "error, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
@@ -114,21 +118,23 @@ void add_bus(CLI::App& program, Action& action) {
   add_record(*verb, action);
   add_bus_status(*verb, action);
   auto* scan = verb->add_subcommand(
-      "scan", "find servos at every id and rate, and diagnose servos and wiring");
+      "scan", "find servos at every id and baud rate, and diagnose the servos and the wiring");
   auto options = std::make_shared<BusScanOptions>();
   auto ids = std::make_shared<std::string>();
-  add_port(*scan, options->robot, std::string(kBusText) + "; PATH alone tries both protocols")
+  add_port(*scan, options->robot,
+           std::string(kBusText) + "; with PATH alone, Kaz tries both protocols")
       ->required();
   scan->add_option("--protocol", options->protocol,
-                   "feetech or dynamixel, if --robot does not name it (default: both)")
+                   "protocol to try, if --robot does not name the protocol (default: both)")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
-  scan->add_option("--baud", options->bauds,
-                   "rates, separated by commas (default: all rates of the servos)")
+  scan->add_option(
+          "--baud", options->bauds,
+          "baud rates to try, separated by commas (default: all rates that the servos support)")
       ->delimiter(',')
       ->check(between(1200L, 10000000L))
       ->type_name("BAUD,BAUD");
-  scan->add_option("--ids", *ids, "an id or a range of ids (default: 0-252)")
+  scan->add_option("--ids", *ids, "id or range of ids to try (default: 0-252)")
       ->check(ids_of(options))
       ->type_name("N-N");
   scan->add_option("--readings", options->readings, "number of readings of each servo found")
@@ -137,10 +143,11 @@ void add_bus(CLI::App& program, Action& action) {
       ->type_name("N");
   scan->add_flag("--json", options->json, "print the servos as JSON");
   scan->footer(
-      "Only reads: nothing moves, and no register is written. Each id takes 8 ms at each rate; a "
-      "scan with both protocols takes a minute. --protocol and --baud shorten the scan.\n"
-      "Exit status: 0 servos found without faults, 1 no servo found, or a fault was found, "
-      "2 wrong usage, 3 port error.\n"
+      "The scan only reads registers: no servo moves, and no register is written. Each id takes 8 "
+      "ms at each baud rate; a scan with both protocols takes a minute. --protocol and --baud "
+      "shorten the scan.\n"
+      "Exit status: 0 servos were found, and servos and wiring have no problem, 1 no servo was "
+      "found, or a servo or the wiring has a problem, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz bus scan --robot serial:/dev/ttyACM0\n"
       "  kaz bus scan --robot feetech:/dev/ttyACM0@1000000 --ids 1-6\n"

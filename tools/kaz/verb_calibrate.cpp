@@ -14,50 +14,58 @@ namespace kaz::tools {
 namespace {
 
 void add_stereo(CLI::App& calibrate, Action& action) {
-  auto* stereo = calibrate.add_subcommand(
-      "stereo",
-      "calibrate lenses and relative position of two cameras from pictures of a chessboard");
+  auto* stereo = calibrate.add_subcommand("stereo",
+                                          "calibrate the lenses and the relative position of two "
+                                          "cameras from pictures of a chessboard");
   auto arguments = std::make_shared<StereoCalibrationOptions>();
-  stereo->add_option("--left", arguments->left, "pictures of the left eye, as a pattern in quotes")
+  stereo
+      ->add_option("--left", arguments->left,
+                   "pictures of the left eye: a file name pattern in quotes")
       ->required()
       ->type_name("PATTERN");
   stereo
-      ->add_option("--right", arguments->right,
-                   "pictures of the right eye, taken at the same times")
+      ->add_option(
+          "--right", arguments->right,
+          "pictures of the right eye, taken at the same times: a file name pattern in quotes")
       ->required()
       ->type_name("PATTERN");
   stereo
       ->add_option("--board", arguments->board,
-                   "inner corners of the board, 3 to 100 along each side: 10 x 7 squares have "
-                   "9x6")
+                   "number of the chessboard's inner corners, 3 to 100 along each side; a board "
+                   "with 10 x 7 squares has 9x6 inner corners")
       ->required()
       ->type_name("COLUMNSxROWS");
   stereo
       ->add_option("--square", arguments->square_m,
-                   "side of a square, 0.001 to 0.5 m: 25 mm are 0.025")
+                   "side length of a square, 0.001 to 0.5 m; give 0.025 for 25 mm")
       ->required()
       ->check(positive())
       ->type_name("M");
-  stereo->add_option("--out", arguments->out, "calibration file in OpenCV's format, .yml or .json")
+  stereo
+      ->add_option("--out", arguments->out,
+                   "calibration file to write, in OpenCV's format (.yml or .json)")
       ->required()
       ->type_name("FILE");
   stereo
       ->add_option("--coverage", arguments->coverage,
-                   "picture that shows where the board was seen (default: FILE.coverage.png)")
+                   "file for a picture that shows where the chessboard was seen (default: "
+                   "FILE.coverage.png)")
       ->type_name("PNG");
   stereo
       ->add_option("--max-rms", arguments->max_rms_px,
-                   "largest valid reprojection error, px; above this limit, nothing is written")
+                   "largest valid reprojection error (RMS), px; if the error is larger, no "
+                   "calibration is written")
       ->check(between(0.01, 5.0))
       ->capture_default_str()
       ->type_name("PX");
-  stereo->add_flag("--json", arguments->json, "print the report as JSON, no progress");
+  stereo->add_flag("--json", arguments->json,
+                   "print the report as JSON, without progress messages");
   stereo->footer(
-      "Two pictures with the same last number in their names (left07.jpg, right07.jpg) are a pair. "
-      "Pictures that do not show the whole board are listed and left out; at least " +
+      "Two pictures are a pair if the last numbers in their names are equal, as in left07.jpg and "
+      "right07.jpg. Pictures that do not show the whole board are listed and left out; at least " +
       std::to_string(vision::kLeastPairs) +
-      " pairs must remain. Move and tilt the board until the coverage picture is full, also in the "
-      "corners.\n"
+      " pairs must remain. Move and tilt the board until the coverage picture is full, including "
+      "its corners.\n"
       "Exit status: 0 done, 1 the pictures give no good calibration, 2 wrong usage.\n"
       "Examples:\n"
       "  kaz calibrate stereo --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
@@ -88,8 +96,9 @@ Result<void> check_joint_options(const CLI::App& verb, const JointCalibrationOpt
   } rows[] = {
       {"--gauge-error", !gauge, "is only valid with --gauge NAME=DEGREES or --only gauge"},
       {"--yes", sim,
-       "is only valid with a robot at a port: the virtual robot moves without confirmation"},
-      {"--yes", gauge, "is not valid with a gauge: nothing moves"},
+       "is only valid with a robot at a port, because the virtual robot moves without "
+       "confirmation"},
+      {"--yes", gauge, "is not valid with a gauge, because no joint moves"},
       {"--json", options.dry_run, "is not valid with --dry-run, which prints its plan as text"},
       {"--out", options.dry_run, "is not valid with --dry-run, which has no results"},
       {"--no-store", options.dry_run, "is not valid with --dry-run, which makes no calibration"}};
@@ -109,13 +118,13 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
       ->capture_default_str();
   add_address(verb, options.backend.address);
   verb.add_option("--only", options.only,
-                  "stops: calibrate only the suspended robot, by pressing all joints against their "
-                  "stops; floor: calibrate only the standing robot, after stops; gauge: nothing "
-                  "moves, and you enter the angles")
+                  "stops: calibrate only with the suspended robot, by mechanical stops; floor: "
+                  "calibrate only with the standing robot, after a calibration by stops; gauge: no "
+                  "joint moves, and you enter the angles")
       ->check(CLI::IsMember({"stops", "floor", "gauge"}));
-  verb.add_option(
-          "--gauge", options.gauge,
-          "present angle of this joint, or of all, measured by a gauge or a jig; may be repeated")
+  verb.add_option("--gauge", options.gauge,
+                  "current angle of the joint NAME, or of all joints if NAME is all, measured by a "
+                  "gauge or a jig; --gauge may be repeated")
       ->type_name("NAME=DEGREES")
       ->expected(1)
       ->allow_extra_args(false)
@@ -128,23 +137,24 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
   verb.add_flag("--yes", options.yes,
                 "at a port: start each group of motions without confirmation");
   verb.add_flag("--dry-run", options.dry_run,
-                "print the planned motions, without connecting to a board");
+                "only print the planned motions, without connecting to a board");
   verb.add_flag_callback(
       "--no-store", [&options] { options.store = false; },
-      "only report, and leave the board unchanged");
+      "only report the result, and leave the board unchanged");
   verb.add_option("--out", options.out,
-                  "folder for result.json and joints.svg; without it, nothing is written")
+                  "folder for result.json and joints.svg; without --out, no file is written")
       ->type_name("DIR");
-  verb.add_flag("--json", options.json, "print result.json on standard output, no progress");
+  verb.add_flag("--json", options.json,
+                "print result.json on standard output, without progress messages");
   verb.add_option("--memory", options.memory,
                   "file that keeps the virtual board's calibration, for kaz run and kaz sim")
       ->type_name("FILE");
   add_sim_options(verb, options.backend);
   for (const char* absent : {"--robot-file", "--eyes", "--eye-width", "--renderer"})
     verb.remove_option(verb.get_option(absent));
-  verb.add_option(
-          "--robot-file", options.backend.robot_file,
-          "URDF of a robot on a servo bus; the zero positions are written to bus.json beside it")
+  verb.add_option("--robot-file", options.backend.robot_file,
+                  "URDF of a robot on a servo bus; the zero positions are written to bus.json in "
+                  "the same folder")
       ->type_name("FILE");
 }
 
@@ -155,17 +165,16 @@ void add_bus_options(CLI::App& verb, BusCalibrationOptions& options) {
       ->capture_default_str()
       ->type_name("S");
   verb.add_flag("--release", options.release,
-                "on a servo bus: first switch off the torque if it is on; hold the robot");
+                "on a servo bus: first switch off the servos' torque, which lets the robot go "
+                "limp; hold the robot");
 }
 
 Result<Outcome> calibrate_on_bus(const CLI::App& verb, const JointCalibrationOptions& arguments,
                                  BusCalibrationOptions options) {
   for (const char* option : kBoardOnly) {
     if (verb.count(option) > 0)
-      return fail(Fault::usage,
-                  std::string(option) +
-                      " is for a robot with a servo board; leave it out with --robot " +
-                      arguments.backend.robot);
+      return fail(Fault::usage, std::string(option) + " is for a robot with a servo board; leave " +
+                                    option + " out with --robot " + arguments.backend.robot);
   }
   options.backend = arguments.backend;
   options.out = arguments.out;
@@ -176,9 +185,9 @@ Result<Outcome> calibrate_on_bus(const CLI::App& verb, const JointCalibrationOpt
 }
 
 void add_joints(CLI::App& calibrate, Action& action) {
-  auto* verb = calibrate.add_subcommand(
-      "joints",
-      "calibrate potentiometers against mechanical stops, gravity and symmetry, or by a gauge");
+  auto* verb = calibrate.add_subcommand("joints",
+                                        "calibrate the joints' potentiometers by mechanical stops, "
+                                        "gravity and symmetry, or by a gauge");
   auto arguments = std::make_shared<JointCalibrationOptions>();
   auto bus = std::make_shared<BusCalibrationOptions>();
   add_joint_options(*verb, *arguments);
@@ -187,14 +196,14 @@ void add_joints(CLI::App& calibrate, Action& action) {
       "First the robot hangs by its trunk, and each joint is pressed gently against both stops: "
       "head and hands, then arms, then legs. Then the robot stands on a level floor, crouches and "
       "leans, with both soles flat on the floor. An accelerometer on the board measures the "
-      "vertical. At a port, each group of motions waits for Enter; the virtual robot is suspended "
-      "and set down automatically. If all joints have good readings, the calibration is stored in "
-      "the board. After Ctrl-C or an error, the board is unchanged.\n"
-      "On a servo bus (--robot feetech:PORT, dynamixel:PORT) no servo is driven: turn each joint "
-      "by hand from one stop to the other. Position offsets are chosen so that no position wraps "
-      "within its range. The EEPROM values are shown before they are written, and read back. The "
-      "zero positions are written to bus.json.\n"
-      "Exit status: 1 a joint has no good reading, nothing is stored.\n"
+      "vertical. At a port, each group of motions starts when you press Enter; the virtual robot "
+      "is suspended and set down automatically. If all joints have good readings, the calibration "
+      "is stored in the board. After Ctrl-C or an error, the board is unchanged.\n"
+      "On a servo bus (--robot feetech:PORT or dynamixel:PORT), the servos do not drive the "
+      "joints: turn each joint by hand from one stop to the other. Kaz chooses position offsets so "
+      "that no servo position wraps around within the joint's range. Kaz shows the EEPROM values, "
+      "writes the values, and reads the values back. The zero positions are written to bus.json.\n"
+      "Exit status: 1 a joint has no good reading, and no calibration is stored.\n"
       "Examples:\n"
       "  kaz calibrate joints --dry-run\n"
       "  kaz calibrate joints --seed 3 --mcu native --memory three.mem\n"
@@ -207,16 +216,15 @@ void add_joints(CLI::App& calibrate, Action& action) {
     action = [arguments, bus, verb]() -> Result<Outcome> {
       for (const char* option : kVirtualOnly) {
         if (arguments->backend.robot != "sim" && verb->count(option) > 0)
-          return fail(Fault::usage, std::string(option) +
-                                        " is for the virtual robot; leave it out with --robot " +
-                                        arguments->backend.robot);
+          return fail(Fault::usage, std::string(option) + " is for the virtual robot; leave " +
+                                        option + " out with --robot " + arguments->backend.robot);
       }
       if (names_servo_bus(arguments->backend.robot))
         return calibrate_on_bus(*verb, *arguments, *bus);
       for (const char* option : {"--robot-file", "--seconds", "--release"}) {
         if (verb->count(option) > 0)
           return fail(Fault::usage, std::string(option) +
-                                        " is for a robot on a servo bus, as --robot "
+                                        " is for a robot on a servo bus, such as --robot "
                                         "feetech:/dev/ttyACM0; leave it out");
       }
       KAZ_TRY(check_joint_options(*verb, *arguments));

@@ -13,10 +13,9 @@ void add_can_bridge(CLI::App& program, Action& action) {
       "can-bridge",
       "connect a board's serial line, real or emulated, to a CAN bus (SocketCAN, ISO-TP)");
   auto arguments = std::make_shared<CanBridgeOptions>();
-  add_required_port(
-      *verb, arguments->port,
-      "the board's line: serial:PATH[@BAUD] of a serial port or pty, tcp:HOST:PORT or "
-      "rfc2217:HOST:PORT[@BAUD]");
+  add_required_port(*verb, arguments->port,
+                    "the board's serial line: serial:PATH[@BAUD] of a serial port or pty, "
+                    "tcp:HOST:PORT or rfc2217:HOST:PORT[@BAUD]");
   verb->add_option("--can", arguments->interface, "CAN interface, which must be up")
       ->type_name("NAME")
       ->required();
@@ -33,8 +32,8 @@ void add_can_bridge(CLI::App& program, Action& action) {
       ->default_str("1");
   verb->footer(
       "While the bridge runs, `--robot can:can0` reaches the board from every machine on the bus. "
-      "docs/reference/links.md lists the identifiers and the messages that cannot cross. A lost "
-      "line or bus is opened again when it is back.\n"
+      "The page docs/reference/links.md lists the CAN identifiers and the messages that the bridge "
+      "cannot transfer. After a lost line or bus, the bridge connects again as soon as possible.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port or interface "
       "error.\n"
       "Examples:\n"

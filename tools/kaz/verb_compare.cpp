@@ -9,25 +9,26 @@
 namespace kaz::tools {
 
 void add_compare(CLI::App& program, Action& action) {
-  auto* verb =
-      program.add_subcommand("compare", "compare two recordings: joints, supply, link, pictures");
+  auto* verb = program.add_subcommand(
+      "compare", "compare the joints, supply, link and pictures of two recordings");
   auto arguments = std::make_shared<CompareOptions>();
-  verb->add_option("A", arguments->a, "recording.mcap of a run, or its folder")
+  verb->add_option("A", arguments->a, "recording.mcap of a run, or the run's folder")
       ->required()
       ->type_name("");
   verb->add_option("B", arguments->b, "the other recording")->required()->type_name("");
-  verb->add_option("--out", arguments->out, "folder for report.html, its plots and result.json")
+  verb->add_option("--out", arguments->out, "folder for report.html, plots and result.json")
       ->type_name("DIR");
-  verb->add_flag("--all", arguments->all, "print also the measures that do not differ");
-  verb->add_flag("--json", arguments->json, "print result.json instead, with all measures")
+  verb->add_flag("--all", arguments->all, "also print the measures that do not differ");
+  verb->add_flag("--json", arguments->json, "print result.json, with all measures, instead of text")
       ->excludes("--all");
   verb->footer(
-      "Compares a real robot with a virtual one, or runs before and after a change. Only data on "
-      "the wire and reports of the behavior are used, which every recording has. Measures are each "
-      "joint's lag, offset and scatter against its command, the supply, round trips, and delays of "
-      "pictures. A measure differs if the difference is larger than the scatter within the runs "
-      "can explain (Welch's test, 0.1 %).\n"
-      "Exit status: 0 nothing differs, 1 a measure differs, 2 wrong usage.\n"
+      "The recordings may come from a real and a virtual robot, or from runs before and after a "
+      "change. "
+      "The comparison uses only the data on the wire and the reports of the behavior, because "
+      "every recording contains both. The measures are each joint's lag, offset and scatter "
+      "relative to the joint's command, the supply, round-trip times, and delays of pictures. A "
+      "measure differs if Welch's test finds a significant difference at the 0.1 % level.\n"
+      "Exit status: 0 no measure differs, 1 a measure differs, 2 wrong usage.\n"
       "Examples:\n"
       "  kaz run go-forward --set distance=0.1 --mcu native --out before\n"
       "  kaz run go-forward --set distance=0.1 --mcu native --supply 8 --out weaker\n"

@@ -24,9 +24,9 @@ Result<void> check_kind(const CLI::App& verb, ConformanceOptions& arguments) {
   } else {
     for (const char* option : {"--id", "--baud", "--allow-eeprom", "--alone", "--release"})
       if (verb.count(option) > 0)
-        return fail(Fault::usage, std::string(option) +
-                                      " is only valid with a servo bus, as --robot "
-                                      "feetech:/dev/ttyACM0");
+        return fail(Fault::usage,
+                    std::string(option) +
+                        " is only valid with a servo bus, such as --robot feetech:/dev/ttyACM0");
   }
   return {};
 }
@@ -35,14 +35,16 @@ Result<void> check_kind(const CLI::App& verb, ConformanceOptions& arguments) {
 
 void add_conformance(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "conformance", "check case by case that a board follows docs/reference/protocol.md");
+      "conformance",
+      "run test cases that check whether a board follows docs/reference/protocol.md");
   auto arguments = std::make_shared<ConformanceOptions>();
-  auto* port = add_port(*verb, arguments->port,
-                        std::string(kPortText) + "; or " + kBusText + "; give this or --virtual");
+  auto* port =
+      add_port(*verb, arguments->port,
+               std::string(kPortText) + "; or " + kBusText + "; give --robot or --virtual");
   add_address(*verb, arguments->address)->needs(port);
   add_choice(*verb, "--virtual", sim::kMcuKinds, arguments->mcu,
-             "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
-             "native runs the same C compiled for this machine")
+             "check a virtual board on a bench, in simulated time: h8 executes the firmware image; "
+             "native runs the firmware's C code, compiled for this machine")
       ->excludes(port);
   auto* bus = verb->add_option_function<std::string>(
       "--bus",
@@ -50,35 +52,36 @@ void add_conformance(CLI::App& program, Action& action) {
         arguments->bus =
             protocol == "feetech" ? servo_bus::Protocol::feetech : servo_bus::Protocol::dynamixel;
       },
-      "check a servo on a bus instead of a board, against its manufacturer's documentation");
+      "check a servo on a bus against the manufacturer's documentation, instead of a board");
   bus->check(CLI::IsMember({"feetech", "dynamixel"}))->type_name("feetech|dynamixel");
   verb->add_option("--id", arguments->id, "id of the servo on the bus")
       ->check(between(0, 253))
       ->capture_default_str()
       ->type_name("N");
-  verb->add_option(
-          "--baud", arguments->baud,
-          "rate of the bus (default: factory setting, 1000000 for Feetech, 57600 for ROBOTIS)")
+  verb->add_option("--baud", arguments->baud,
+                   "baud rate of the bus (default: factory setting, which is 1000000 for Feetech "
+                   "and 57600 for ROBOTIS)")
       ->check(between(1200L, 10000000L))
       ->type_name("BAUD");
-  verb->add_flag(
-      "--allow-eeprom", arguments->allow_eeprom,
-      "on a bus: also run the cases that write EEPROM, which wears it; each value is put back");
+  verb->add_flag("--allow-eeprom", arguments->allow_eeprom,
+                 "on a bus: also run the cases that write the EEPROM. Writing wears the EEPROM; "
+                 "each value is put back");
   verb->add_flag(
       "--alone", arguments->alone,
       "on a bus with only this servo: also run the cases that send requests to all servos");
-  verb->add_flag("--release", arguments->release,
-                 "on a bus: first switch off the torque if it is on; hold the arm");
-  verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")
+  verb->add_flag(
+      "--release", arguments->release,
+      "on a bus: first switch off the servo's torque, which lets the joint go limp; hold the arm");
+  verb->add_option("--image", arguments->image, "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE");
   verb->add_flag("--allow-motion", arguments->allow_motion,
-                 "at a port: also run the cases that move joints or drive motors. Put the robot "
-                 "where it can move, and stay beside it");
-  verb->add_flag(
-      "--allow-flash", arguments->allow_flash,
-      "at a port: also run the cases that write flash (calibration, address), which wears it");
+                 "at a port: also run the cases that move joints or drive motors. Give the robot "
+                 "space to move, and stay beside the robot");
+  verb->add_flag("--allow-flash", arguments->allow_flash,
+                 "at a port: also run the cases that write the calibration and the address to "
+                 "flash. Writing wears the flash");
   verb->add_option("--filter", arguments->run.filter,
-                   "only cases whose id or statement matches this regular expression")
+                   "select only the cases whose id or statement matches this regular expression")
       ->type_name("REGEX");
   verb->add_option("--seed", arguments->run.seed, "seed of the cases' random bytes")
       ->transform(whole_number())
@@ -86,7 +89,7 @@ void add_conformance(CLI::App& program, Action& action) {
       ->capture_default_str();
   auto* list =
       verb->add_flag("--list", arguments->list,
-                     "print the cases, or with --filter the matching cases, without running them");
+                     "only print the cases, or with --filter the matching cases, and run no case");
   for (const char* of_a_run :
        {"--robot", "--virtual", "--image", "--allow-motion", "--allow-flash", "--seed", "--id",
         "--baud", "--allow-eeprom", "--alone", "--release"})
@@ -98,8 +101,8 @@ void add_conformance(CLI::App& program, Action& action) {
   verb->add_option_function<std::string>(
           "--json",
           [arguments](const std::string& file) { arguments->json = file.empty() ? "-" : file; },
-          "write the report, or the list of --list, as JSON to FILE; without FILE or with -, print "
-          "only JSON on standard output")
+          "write the report, or with --list the list of cases, as JSON to FILE; without FILE or "
+          "with -, print only JSON on standard output")
       ->expected(0, 1)
       ->type_name("[FILE]");
   verb->add_option("--html", arguments->html,
@@ -108,15 +111,16 @@ void add_conformance(CLI::App& program, Action& action) {
       ->excludes(list);
   verb->footer(
       "A virtual board passes all cases. At a port, cases that disturb supply, sensors or line are "
-      "left out. The settings of a board at a port are put back at the end, also after Ctrl-C; if "
-      "the run was killed, kaz recover puts them back. A case that fails while this machine is "
-      "late runs up to three times more; if the machine is late each time, the case is undecided. "
-      "All cases take a few seconds on a virtual board, one or two minutes at a port, and about "
-      "four minutes with --allow-flash.\n"
-      "With --bus, the servo's torque must be off. Only RAM is written and put back, and nothing "
-      "moves, unless an option allows more. The cases take half a minute.\n"
-      "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error or "
-      "undecided.\n"
+      "left out. At the end, also after Ctrl-C, the settings of a board at a port are put back. If "
+      "the run was killed, kaz recover puts the settings back. A case that fails while this "
+      "machine is late runs up to three times more. If the machine is late each time, the case is "
+      "undecided. All cases take a few seconds on a virtual board, one or two minutes at a port, "
+      "and about four minutes with --allow-flash.\n"
+      "With --bus, the servo's torque must be off. Unless an option allows more, the cases write "
+      "only to RAM and put each value back, and the servo does not move. The cases take half a "
+      "minute.\n"
+      "Exit status: 0 all cases that ran passed, 1 a case failed, 2 wrong usage, 3 port error, or "
+      "a case is undecided.\n"
       "Examples:\n"
       "  kaz conformance --virtual h8 --html report.html\n"
       "  kaz conformance --robot serial:/dev/ttyUSB0 --junit conformance.xml\n"

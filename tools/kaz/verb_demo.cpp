@@ -20,18 +20,20 @@ void add_demo(CLI::App& program, Action& action) {
   const auto& seconds = *std::ranges::find(behavior::kTrackBall.options,
                                            std::string_view("seconds"), &behavior::Option::name);
   add_duration(*verb, *arguments,
-               "tracking time after the ball was found, " + behavior::valid_values(seconds) + " s")
+               "how long the robot tracks the ball after finding the ball, " +
+                   behavior::valid_values(seconds) + " s")
       ->default_str(std::string(seconds.initial));
   add_settings(*verb, arguments->settings, "an option of track-ball (kaz run track-ball --help)");
   add_run_options(*verb, *arguments);
   verb->footer(
-      "Runs the behavior track-ball of kaz run on the virtual robot. Its 23 s take about 10 s on "
-      "one processor.\n"
+      "The demo runs the behavior track-ball of kaz run on the virtual robot. The 23 s of "
+      "simulated time take about 10 s on one processor.\n"
       "The folder then contains the pictures start.png, end.png, left_eye.png, "
       "color_extraction.png, outside.png and moments.png (and .jpg), the plot pan_tilt.png (and "
-      ".svg), vision.csv, result.json and recording.mcap; a demo that fails leaves fewer. The "
-      "recording has bytes, pins, joints, contacts and more on one clock. `kaz replay` runs it "
-      "again; Foxglove (foxglove.dev), PlotJuggler and `mcap info` open it.\n"
+      ".svg), vision.csv, result.json and recording.mcap. After a failed demo, some of these files "
+      "are missing. The recording contains bytes on the wire, pins, joints, contacts and more, "
+      "with times from one clock. `kaz replay` runs the recording again; Foxglove (foxglove.dev), "
+      "PlotJuggler and `mcap info` open the recording.\n"
       "Examples:\n"
       "  kaz demo\n"
       "  kaz demo --seed 7 --out seven\n"

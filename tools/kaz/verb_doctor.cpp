@@ -20,10 +20,11 @@ void add_doctor(CLI::App& program, Action& action) {
   add_address(*verb, options->address)->needs(port);
   verb->add_flag("--json", options->json, "print the findings as JSON");
   verb->footer(
-      "Each finding is good, a note (it could be better) or wrong, with the command that fixes it. "
-      "Only the serial port of --robot is opened, because some adapters would reset the board. "
-      "Only root can find programs of other users that hold a device.\n"
-      "Exit status: 0 no fault found, 1 a fault was found.\n"
+      "Each finding is good, a note (something could be better) or wrong. A command below the "
+      "finding corrects the problem. kaz doctor opens no serial port except the port in "
+      "--robot, because some adapters reset the board when a program opens the port. Only root can "
+      "find programs of other users that hold a device.\n"
+      "Exit status: 0 no finding is wrong, 1 a finding is wrong.\n"
       "Examples:\n"
       "  kaz doctor\n"
       "  kaz doctor --robot serial:/dev/ttyUSB0\n"

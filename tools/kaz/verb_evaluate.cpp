@@ -32,7 +32,7 @@ struct Arguments {
 
 constexpr const char* kExitStatus =
     "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 "
-    "episodes lost (disk, port, process).\n";
+    "episodes were lost (disk, port, process).\n";
 
 // --NAME FROM TO, both within `bounds`; `by_default`: what `given` stays without it.
 void add_interval(CLI::App& verb, const std::string& name, std::vector<double>& given,
@@ -53,7 +53,7 @@ template <class T>
 Result<void> no_repetition(const std::string& option, std::vector<T> values) {
   std::ranges::sort(values);
   if (std::ranges::adjacent_find(values) == values.end()) return {};
-  return fail(Fault::usage, option + ": a value is in the list twice; give it once");
+  return fail(Fault::usage, option + ": a value is in the list twice; give each value once");
 }
 
 // Values with commas between, or the option repeated. Words after it belong to no option.
@@ -130,7 +130,7 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
       balance != settings.end() && balance->second != "none" && !c.backend.imu)
     return fail(Fault::usage,
                 "--set balance needs the board's gyro and accelerometer: leave --no-imu out, or "
-                "give balance=none");
+                "give --set balance=none");
   if (std::ranges::count(kWithoutSteps, c.task()) > 0) {
     c.variation.pushes.from_first_step = false;
     if (std::ranges::count(options, "--push-from") == 0) c.variation.pushes.from_s = 1;
@@ -212,7 +212,7 @@ void add_evaluate(CLI::App& program, Action& action) {
   // The virtual robot of kaz run, but for what each episode draws or fixes.
   add_sim_options(*verb, c.backend);
   verb->get_option("--eyes")->description(verb->get_option("--eyes")->get_description() +
-                                          " (their default)");
+                                          " (the default for such behaviors)");
   for (const char* fixed : {"--world", "--robot-file", "--image", "--faults", "--dynamics",
                             "--physics-step", "--supply", "--eye-width", "--seed"})
     verb->remove_option(verb->get_option(fixed));
@@ -257,27 +257,28 @@ void add_evaluate(CLI::App& program, Action& action) {
            "colors of balls, separated by commas: red, green, blue");
   add_list(*verb, "--floors", c.variation.floors,
            "patterns of floors, separated by commas: wood, carpet, checker, plain");
-  add_interval(*verb, "--props", arguments->props, v.props, {0, 20},
-               "number of boxes, cans and large balls in the world, drawn from this range; every "
-               "third has the ball's color, and the straight path to the ball is free");
+  add_interval(
+      *verb, "--props", arguments->props, v.props, {0, 20},
+      "number of boxes, cans and large balls in the world, drawn from this range. Every third "
+      "object has the ball's color, and no object is on the straight path to the ball");
   add_interval(*verb, "--lamp", arguments->lamp, v.lamp, {0.01, 100},
-               "factor on the lamp's light, drawn from this range; the lamp is in a random "
-               "direction, at an elevation of 35 to 80 degrees");
+               "factor for the brightness of the lamp, drawn from this range; the lamp is in a "
+               "random direction, at an elevation of 35 to 80 degrees");
   add_interval(*verb, "--shade", arguments->shade, v.shade, {0.01, 100},
-               "factor on the light in shadows, drawn from this range");
+               "factor for the brightness of shadows, drawn from this range");
   std::string kinds;
   for (const WorldKindInfo& info : world_kinds())
     kinds += (kinds.empty() ? "" : ", ") + std::string(info.name);
   add_list(*verb, "--worlds", arguments->worlds,
-           "only with navigate: kinds of worlds, separated by commas, which the episodes use in "
-           "turn: all, or from " +
+           "only with navigate: kinds of worlds, separated by commas; the episodes use the kinds "
+           "in turn. Give all, or names from " +
                kinds);
   add_interval(*verb, "--density", arguments->density, v.density, {0, 1},
-               "only with navigate: difficulty of the worlds, 0 to 1 (more obstacles or narrower "
-               "gaps), drawn from this range");
+               "only with navigate: difficulty of the worlds, drawn from this range; a higher "
+               "difficulty means more obstacles or narrower gaps");
   verb->add_option("--obstacles", c.variation.max_obstacles,
                    "only with navigate: maximum number of boxes and cans in worlds of kind "
-                   "clutter; the minimum is half of it")
+                   "clutter; the minimum is half of the maximum")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();
@@ -295,11 +296,12 @@ void add_evaluate(CLI::App& program, Action& action) {
                    ->check(between(0.01, 5.0, "N s"))
                    ->type_name("NS");
   add_choice(*verb, "--push-to", kPushTo, pushes.to,
-             "direction of the pushes; sides and around are drawn for each push")
+             "direction of the pushes; with sides or around, a direction is drawn for each push")
       ->needs(push);
-  verb->add_option("--push-from", pushes.from_s,
-                   "time of the first push, in s after the robot's first step; for stand, get-up, "
-                   "search-ball and track-ball, in s after the start (default for these: 1)")
+  verb->add_option(
+          "--push-from", pushes.from_s,
+          "time of the first push, in s after the robot's first step. With stand, get-up, "
+          "search-ball and track-ball, the time is in s after the start, and the default is 1")
       ->check(between(0.0, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")
@@ -313,8 +315,8 @@ void add_evaluate(CLI::App& program, Action& action) {
       "--calibrated", c.calibrated,
       "with --sensors as-built: calibrate each robot's joints first, as kaz calibrate joints does");
   verb->add_option("--judge", c.judged_as,
-                   "for a plug-in: the Kaz behavior whose judge decides success. Without it, the "
-                   "plug-in's own result counts, and a fall is a failure")
+                   "for a plug-in: the Kaz behavior whose judge decides success. Without --judge, "
+                   "the plug-in's own result counts, and a fall is a failure")
       ->type_name("NAME");
   verb->add_flag("--realtime", c.realtime,
                  "run in real time, with kaz sim and kaz run as separate processes connected by a "
@@ -327,7 +329,7 @@ void add_evaluate(CLI::App& program, Action& action) {
           ->check(between(1, 100000))
           ->type_name("TASKS");
   verb->add_option("--sbatch", arguments->sbatch,
-                   "options for sbatch, as one argument: \"--partition=day --time=60\"")
+                   "options for sbatch, as one argument, such as \"--partition=day --time=60\"")
       ->needs(slurm)
       ->type_name("OPTIONS");
   auto* hosts =
@@ -338,23 +340,23 @@ void add_evaluate(CLI::App& program, Action& action) {
               "sets the number of processors. DIR and kaz must have the same paths on all machines")
           ->type_name("FILE");
   verb->add_option("--parallel-tasks", arguments->hosts_tasks,
-                   "number of parts (default: 100, or one per episode if there are fewer)")
+                   "number of parts (default: 100, or the number of episodes if that is smaller)")
       ->check(between(1, 100000))
       ->needs(hosts)
       ->type_name("TASKS");
   hosts->excludes(slurm);
   for (const char* other : {"--shard", "--realtime"})
     verb->get_option(other)->excludes(slurm)->excludes(hosts);
-  verb->add_flag("--json", c.json, "print result.json, no progress");
+  verb->add_flag("--json", c.json, "print result.json, without progress messages");
   auto watch = std::make_shared<WatchArguments>();
   add_watch_options(*verb, *watch);
   verb->get_option("--view")->excludes(slurm)->excludes(hosts);
   verb->footer(
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
-      "supply and ball (place, radius, color), which depend only on --seed and the episode's "
-      "number. Only ground truth of the simulator decides success; the behavior's own result is "
-      "compared with it. An episode of catch-ball takes about 15 s on one processor, or 50 s with "
-      "--realtime.\n" +
+      "supply and ball (place, radius, color). These random choices depend only on --seed and the "
+      "episode's number. Only the simulator's ground truth decides success; the behavior's own "
+      "result is compared with the ground truth. An episode of catch-ball takes about 15 s on one "
+      "processor, or 50 s with --realtime.\n" +
       std::string(kExitStatus) +
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
@@ -378,8 +380,9 @@ void add_evaluate(CLI::App& program, Action& action) {
     if (!verb->get_subcommands().empty()) return;
     action = [arguments, watch, verb]() -> Result<Outcome> {
       if (arguments->campaign.behavior.empty())
-        return fail(Fault::usage,
-                    "BEHAVIOR is missing; give one, as in kaz evaluate search-ball --out found");
+        return fail(
+            Fault::usage,
+            "BEHAVIOR is missing; give a behavior, as in kaz evaluate search-ball --out found");
       if (arguments->campaign.out.empty())
         return fail(Fault::usage,
                     "--out is missing; give a folder for the results, as in --out found");

@@ -14,8 +14,8 @@
 namespace kaz::tools {
 
 void add_eyes(CLI::App& program, Action& action) {
-  auto* verb =
-      program.add_subcommand("eyes", "draw the views of an observer and of both eyes at the start");
+  auto* verb = program.add_subcommand(
+      "eyes", "draw what both eyes and an outside observer see at the start of a run");
   auto arguments = std::make_shared<EyesOptions>();
   arguments->backend.mcu = sim::McuKind::native;
   verb->add_option("--out", arguments->out, "folder for the pictures")
@@ -27,7 +27,7 @@ void add_eyes(CLI::App& program, Action& action) {
                               "--no-imu", "--supply", "--dynamics", "--physics-step"})
     verb->remove_option(verb->get_option(useless));
   verb->footer(
-      "Each eye is drawn three times: as a pinhole camera, with its lens and sensor, and "
+      "The view of each eye is drawn three times: from a pinhole camera, with lens and sensor, and "
       "rectified.\n"
       "Examples:\n"
       "  kaz eyes\n"

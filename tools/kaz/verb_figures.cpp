@@ -33,7 +33,7 @@ Result<void> check_drawn(const CLI::App& verb, const std::vector<int>& only) {
                                     (figures.size() == 1   ? " 7"
                                      : figures.size() == 2 ? "s 5 and 6"
                                                            : "s 3, 5, 6 and 8") +
-                                    ", which --only leaves out; leave this option out too");
+                                    ", which --only leaves out; leave " + option + " out too");
   }
   return {};
 }
@@ -58,26 +58,31 @@ void add_figures(CLI::App& program, Action& action) {
       ->allow_extra_args(false)
       ->take_all();
   verb->add_option("--recording", options->recording,
-                   "draw the figures of your own run instead, from its recording.mcap; the run is "
-                   "repeated with the recorded seed")
+                   "draw figures of your own run, given by its recording.mcap; Kaz repeats the run "
+                   "with the recorded seed")
       ->type_name("FILE");
-  verb->add_option("--goal", options->goal, "goal of figures 5 and 6, as in kaz run navigate")
+  verb->add_option("--goal", options->goal,
+                   "goal of the run in figures 5 and 6, in the form of kaz run navigate --goal")
       ->type_name("X,Y[,DEGREES]|ball")
       ->capture_default_str();
-  verb->add_option("--yard", options->yard, "world of figure 7: boxes on a floor")
+  verb->add_option("--yard", options->yard, "world of figure 7, with boxes on a floor")
       ->type_name("NAME|FILE")
       ->capture_default_str();
   add_sim_options(*verb, options->backend);
   for (const char* useless :
        {"--robot-file", "--faults", "--supply", "--dynamics", "--physics-step"})
     verb->remove_option(verb->get_option(useless));
-  verb->get_option("--world")->description("world of figures 5 and 6: a ball behind obstacles");
-  verb->add_flag("--json", options->json, "print result.json on standard output, no progress");
+  verb->get_option("--world")->description(
+      "world of figures 5 and 6, with a ball behind obstacles");
+  verb->add_flag("--json", options->json,
+                 "print result.json on standard output, without progress messages");
   verb->footer(
-      "Figure 3 shows track-ball, 5 and 6 navigate, 7 a sweep of the head, and 8 catch-ball; "
-      "figures 1, 2 and 4 show no run. All figures take a few minutes. Each run is kept in its own "
-      "folder, such as DIR/navigate, with its recording (about 1.3 MB per second).\n"
-      "Exit status: 1 a run failed, or lacks data for a figure; the other figures are drawn.\n"
+      "Figure 3 shows a run of track-ball. Figures 5 and 6 show navigate, figure 7 shows a sweep "
+      "of the head, and figure 8 shows catch-ball. Figures 1, 2 and 4 show no run. Drawing all "
+      "figures takes a few minutes. Each run has its own folder, such as DIR/navigate, which "
+      "contains the recording (about 1.3 MB per second).\n"
+      "Exit status: 1 a run failed, or a run lacks data for a figure; the other figures are "
+      "drawn.\n"
       "Examples:\n"
       "  kaz figures\n"
       "  kaz figures --only 3,6 --seed 7 --out seven\n"

@@ -23,18 +23,18 @@ constexpr const char* kExitStatus =
 // Of the verbs that can do without the loader.
 void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
   auto* reset =
-      verb.add_option(
-              "--reset", arguments.reset,
-              "use boot mode, entered by dtr-rts (DTR at RES, RTS at the mode pins), ctl:PATH "
-              "(control socket of kaz sim) or manual. Boot mode erases the whole flash, with "
-              "stored calibration and address. Without --reset, the resident loader is used")
+      verb.add_option("--reset", arguments.reset,
+                      "use boot mode. HOW says how the board enters boot mode: dtr-rts (DTR is "
+                      "wired to RES, and RTS to the mode pins), ctl:PATH (control socket of kaz "
+                      "sim) or manual. Boot mode erases the whole flash, including the stored "
+                      "calibration and address. Without --reset, the resident loader is used")
           ->type_name("HOW");
   verb.add_option("--boot-baud", arguments.boot_baud, "baud rate in boot mode")
       ->check(CLI::IsMember({4800, 9600, 19200}))
       ->capture_default_str()
       ->needs(reset);
   verb.add_option("--writer", arguments.writer,
-                  "flash writer to load into the board's RAM in boot mode (default: the writer of "
+                  "flash writer to load into the board's RAM in boot mode (default: the writer in "
                   "this program)")
       ->type_name("FILE")
       ->needs(reset);
@@ -42,23 +42,22 @@ void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
 
 void add_reset_to_run(CLI::App& verb, FlashArguments& arguments) {
   verb.add_option("--reset", arguments.reset,
-                  "start the firmware by a reset, for example after boot mode: dtr-rts (DTR at "
-                  "RES, RTS at the mode "
-                  "pins), ctl:PATH (control socket of kaz sim) or manual. Without --reset, the "
-                  "resident loader starts the firmware")
+                  "start the firmware by a reset, for example after boot mode. HOW is dtr-rts (DTR "
+                  "is wired to RES, and RTS to the mode pins), ctl:PATH (control socket of kaz "
+                  "sim) or manual. Without --reset, the resident loader starts the firmware")
       ->type_name("HOW");
 }
 
 void add_common(CLI::App& verb, FlashArguments& arguments, bool dry_run) {
   auto* port =
       add_port(verb, arguments.port,
-               std::string("the board: serial:PATH of a serial port or pty; 115,200 baud") +
+               std::string("the board: serial:PATH of a serial port or pty, at 115,200 baud") +
                    (dry_run ? " (required except with --dry-run)" : ""));
   if (!dry_run) port->required();
   add_address(verb, arguments.address);
   verb.add_flag(
       "--json", arguments.json,
-      "print one JSON object on standard output, also after a failure, with `ok` and `error`");
+      "print one JSON object with `ok` and `error` on standard output, also after a failure");
 }
 
 // The message on a block that the loader keeps says more (flash/arguments.cpp).
@@ -92,13 +91,11 @@ void add_flash(CLI::App& program, Action& action) {
     const bool starts = which == "run", by_boot_mode = which == "write" || which == "erase";
     const auto image = firmware_image("");
     const bool takes_image = which == "write" || which == "verify";
-    verb->footer(
-        std::string(
-            by_boot_mode || starts
-                ? ""
-                : "This uses the resident loader, because boot mode would erase the flash.\n") +
-        (takes_image && image ? "The firmware of this kaz: " + *image + "\n" : "") + "Examples:\n" +
-        examples + kExitStatus);
+    verb->footer(std::string(by_boot_mode || starts ? ""
+                                                    : "This verb uses the resident loader, because "
+                                                      "boot mode would erase the flash.\n") +
+                 (takes_image && image ? "The firmware of this kaz: " + *image + "\n" : "") +
+                 "Examples:\n" + examples + kExitStatus);
     auto arguments = std::make_shared<FlashArguments>();
     arguments->verb = name;
     add_common(*verb, *arguments, which == "write");
@@ -109,7 +106,7 @@ void add_flash(CLI::App& program, Action& action) {
     return std::pair(verb, arguments);
   };
   add("info",
-      "describe the contents of the board's flash; restarts the board, so the motors go off",
+      "describe the contents of the board's flash; the board restarts, so the motors go off",
       "  kaz flash info --robot serial:/dev/ttyUSB0\n"
       "  kaz flash info --robot serial:board --json\n");
   add("run", "start the firmware in the flash, and print its identity",
@@ -118,29 +115,32 @@ void add_flash(CLI::App& program, Action& action) {
   auto [write, to_write] =
       add("write", "erase changed blocks, and write, verify and start an image", kWriteExamples);
   add_image(*write, *to_write);
-  write->add_flag("--dry-run", to_write->dry_run,
-                  "check the image and, if given, the port; send nothing");
+  write->add_flag(
+      "--dry-run", to_write->dry_run,
+      "check the image and, if a port is given, the port, but send nothing to the board");
   write->add_flag("--force", to_write->force,
-                  "write the image even if it is for another board or not a Kaz firmware");
+                  "write the image even if the image is for another board or is not Kaz firmware");
   write->add_flag("!--no-start", to_write->start,
-                  "leave the board in the loader or boot mode, without starting the image");
+                  "do not start the image: leave the board in the loader or in boot mode");
   auto [verify, to_verify] =
-      add("verify", "compare the flash with an image; restarts the board, so the motors go off",
+      add("verify", "compare the flash with an image; the board restarts, so the motors go off",
           "  kaz flash verify kaz.mot --robot serial:/dev/ttyUSB0\n");
   add_image(*verify, *to_verify);
-  auto [erase, to_erase] = add("erase", "erase blocks; with --reset the whole flash",
-                               "  kaz flash erase --robot serial:/dev/ttyUSB0 --blocks 7,8\n"
-                               "  kaz flash erase --robot serial:/dev/ttyUSB0 --reset manual\n");
+  auto [erase, to_erase] =
+      add("erase", "erase blocks of the flash, or with --reset the whole flash",
+          "  kaz flash erase --robot serial:/dev/ttyUSB0 --blocks 7,8\n"
+          "  kaz flash erase --robot serial:/dev/ttyUSB0 --reset manual\n");
   erase
-      ->add_option("--blocks", to_erase->blocks,
-                   "blocks to erase through the resident loader, separated by commas: 1 to 5 and 7 "
-                   "to 9. EB0 (vectors) and EB6 (loader) cannot be erased. EB1 and EB2 hold the "
-                   "calibration, EB3 the board's address, the others the application")
+      ->add_option(
+          "--blocks", to_erase->blocks,
+          "blocks to erase through the resident loader, separated by commas: 1 to 5 and 7 to 9. "
+          "EB0 (vectors) and EB6 (loader) cannot be erased. EB1 and EB2 hold the calibration, EB3 "
+          "holds the board's address, and the other blocks hold the application")
       ->delimiter(',')
       ->check(erasable_block())
       ->type_name("N,N");
   auto [read, to_read] =
-      add("read", "copy flash to a raw file; restarts the board, so the motors go off",
+      add("read", "copy the flash to a raw file; the board restarts, so the motors go off",
           "  kaz flash read --robot serial:/dev/ttyUSB0 --out flash.bin\n"
           "  kaz flash read --robot serial:board --from 0x1000 --length 4096 --out "
           "part.bin\n");

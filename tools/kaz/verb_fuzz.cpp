@@ -11,23 +11,25 @@ namespace kaz::tools {
 
 void add_fuzz(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "fuzz", "send hostile requests to a board and check its motors and replies");
+      "fuzz", "send hostile requests to a board and check the board's motors and replies");
   auto arguments = std::make_shared<FuzzOptions>();
   verb->add_option("--target,--robot,--port", arguments->target,
                    std::string("native or h8, simulated in this process, or ") + kPortText)
       ->capture_default_str()
       ->type_name("native|h8|KIND:PATH");
   add_address(*verb, arguments->address);
-  auto* seconds = verb->add_option("--seconds", arguments->seconds,
-                                   "duration; a case that is running at the end is still completed")
-                      ->check(between(0.001, 1e7))
-                      ->capture_default_str()
-                      ->type_name("SECONDS");
-  auto* cases = verb->add_option("--cases", arguments->cases,
-                                 "number of cases to run instead, for a repeatable result")
-                    ->transform(whole_number_above_zero())
-                    ->excludes(seconds)
-                    ->type_name("N");
+  auto* seconds =
+      verb->add_option("--seconds", arguments->seconds,
+                       "duration of the run; a case that is running at the end is still completed")
+          ->check(between(0.001, 1e7))
+          ->capture_default_str()
+          ->type_name("SECONDS");
+  auto* cases =
+      verb->add_option("--cases", arguments->cases,
+                       "number of cases to run; unlike --seconds, this makes the result repeatable")
+          ->transform(whole_number_above_zero())
+          ->excludes(seconds)
+          ->type_name("N");
   verb->add_option("--seed", arguments->seed,
                    "seed of the cases and, on native and h8, of noise and fault probabilities")
       ->transform(whole_number())
@@ -35,39 +37,42 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->type_name("N");
   auto* corpus = verb->add_option("--corpus", arguments->corpus,
                                   "folder of initial cases, created if it is missing; cases that "
-                                  "show a new feature are added")
+                                  "show a new feature (a new reaction of the board) are added")
                      ->type_name("DIR");
   auto* out = verb->add_option("--out", arguments->out, "file for a failing case")
                   ->capture_default_str()
                   ->type_name("FILE");
   verb->add_option("--replay", arguments->replay,
-                   "run only this case, and list its steps; a case is any file, whose bytes choose "
-                   "the requests")
+                   "run only the case in this file, and list the steps of the case; any file can "
+                   "be a case, because its bytes choose the requests")
       ->type_name("FILE")
       ->excludes(seconds)
       ->excludes(cases)
       ->excludes(corpus)
       ->excludes(out);
-  verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")
+  verb->add_option("--image", arguments->image, "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE");
   verb->add_flag(
       "--body", arguments->body,
-      "simulate the robot's body in its world, without faults, instead of only the motors");
+      "simulate the robot's body in a world, without faults, instead of only the motors");
   verb->add_flag("--allow-motion", arguments->allow_motion,
                  "required at a port, because the joints may move at random. Suspend the robot, or "
-                 "disconnect the motors' supply, and stay beside it");
+                 "disconnect the motors' supply, and stay beside the robot");
   verb->add_flag("--wear-flash", arguments->wear_flash,
                  "at a port: also send requests that write the board's flash");
-  verb->add_flag("--json", arguments->json, "print the result as JSON, no progress");
+  verb->add_flag("--json", arguments->json, "print the result as JSON, without progress messages");
   verb->footer(
-      "On native and h8, each tick is judged; native also computes each tick of h8. At a port, the "
-      "replies are judged. THE JOINTS OF A ROBOT AT A PORT MOVE. A failing case is shortened and "
-      "written to --out. The settings of a board at a port are put back at the end, also after "
-      "Ctrl-C (kaz recover). Each case chooses its own faults of line, power and sensors "
-      "(docs/reference/simulator.md). docs/howto/fuzzing.md lists the criteria.\n"
-      "A feature is a reaction of the board: a kind of reply with its status, a refusal with its "
-      "reason, or, on native and h8, a combination of shutdown, limits and queue. Cases that show "
-      "a new feature are kept, and later cases are made from them.\n"
+      "On native and h8, kaz fuzz checks each tick; on h8, native code also computes each tick for "
+      "comparison. At a port, kaz fuzz checks the replies. THE JOINTS OF A ROBOT AT A PORT MOVE. A "
+      "failing case is shortened and written to --out. At the end, also after Ctrl-C, the settings "
+      "of a board at a port are put back. If the run was killed, kaz recover puts the settings "
+      "back. Each case chooses its own faults of line, power and sensors "
+      "(docs/reference/simulator.md). The page docs/howto/fuzzing.md lists the criteria of the "
+      "checks.\n"
+      "A feature is a reaction of the board: a kind of reply with its status, or a refusal with "
+      "its reason. On native and h8, a combination of shutdown, limits and queue is also a "
+      "feature. Cases that show a new feature are kept; later cases are variations of the kept "
+      "cases.\n"
       "Exit status: 0 no case failed, 1 a case failed.\n"
       "Examples:\n"
       "  kaz fuzz --seconds 60\n"

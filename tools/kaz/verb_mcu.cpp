@@ -46,14 +46,16 @@ void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
 }
 
 void add_mcu_compare(CLI::App& mcu, Action& action) {
-  auto* verb = mcu.add_subcommand(
-      "compare", "compare native with h8: equal inputs of the servo tick must give equal outputs");
+  auto* verb = mcu.add_subcommand("compare",
+                                  "compare the native build with the emulated h8: equal inputs of "
+                                  "the servo tick must give equal outputs");
   auto arguments = std::make_shared<CompareArguments>();
   verb->add_option("--ticks", arguments->options.ticks, "number of ticks of 1 ms")
       ->transform(whole_number_above_zero(kMaxTicks))
       ->capture_default_str()
       ->type_name("N");
-  verb->add_option("--seed", arguments->options.seed, "seed of host traffic and potentiometers")
+  verb->add_option("--seed", arguments->options.seed,
+                   "seed of the host's requests and the potentiometer readings")
       ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
@@ -64,20 +66,21 @@ void add_mcu_compare(CLI::App& mcu, Action& action) {
       ->capture_default_str()
       ->type_name("N");
   verb->add_option("--engine", arguments->options.engine,
-                   "engine of the emulator: reference, interpreter or translator (the default, as "
-                   "in all other verbs)")
+                   "engine of the emulator: reference, interpreter or translator (the default here "
+                   "and in all other verbs)")
       ->transform(one_of(kEngines))
       ->type_name("ENGINE");
-  verb->add_option("--image", arguments->options.image_path,
-                   "firmware image, with its .coff beside it (default: the built image)")
+  verb->add_option(
+          "--image", arguments->options.image_path,
+          "firmware image; the .coff file must be in the same folder (default: the built image)")
       ->type_name("FILE");
-  verb->add_flag("--json", arguments->json, "print the report as JSON, no progress");
+  verb->add_flag("--json", arguments->json, "print the report as JSON, without progress messages");
   verb->footer(
-      "The firmware runs in the emulator with random traffic, valid and invalid. The native build "
-      "gets the same input in each tick, and its outputs and state must be equal. Otherwise the "
-      "first difference is printed side by side. --wire compares complete boards instead, reply by "
-      "reply. The defaults take about five seconds; a million ticks with the translator take a "
-      "minute.\n"
+      "The firmware runs in the emulator and receives random requests, valid and invalid. The "
+      "native build gets the same input in each tick, and must have the same outputs and state. If "
+      "not, Kaz prints the first difference side by side. With --wire, Kaz compares the replies of "
+      "complete boards instead of ticks. The default settings take about five seconds; a million "
+      "ticks with the translator take a minute.\n"
       "Exit status: 0 equal, 1 different.\n"
       "Examples:\n"
       "  kaz mcu compare\n"
@@ -97,7 +100,7 @@ void add_mcu_compare(CLI::App& mcu, Action& action) {
 
 void add_machine_options(CLI::App& verb, McuRunOptions& options) {
   verb.add_flag("--flat", options.flat,
-                "emulate only the CPU, with 16 MiB of RAM, and start at the image's entry");
+                "emulate only the CPU, with 16 MiB of RAM, and start at the image's entry point");
   verb.add_flag("--semihost", options.semihost,
                 "with --flat: serve GDB's host calls, and exit with the program's own status")
       ->needs("--flat");
@@ -106,18 +109,21 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
       "print insns=N (instructions) and states=N (cycles of the chip's clock) at the end, "
       "on standard error");
   verb.add_option("--max-states", options.max_states,
-                  "stop after N states (cycles of the chip's clock; default: one second of the "
-                  "chip, no limit with --flat)")
+                  "stop after N states, which are cycles of the chip's clock (default: one second "
+                  "of simulated time; no limit with --flat)")
       ->transform(whole_number_above_zero())
       ->type_name("N");
   verb.add_option("--max-insns", options.max_insns, "stop after N instructions")
       ->transform(whole_number_above_zero())
       ->type_name("N")
       ->needs("--flat");
-  verb.add_option("--engine", options.engine, "reference, interpreter or translator (the default)")
+  verb.add_option("--engine", options.engine,
+                  "engine of the emulator: reference, interpreter or translator (the default)")
       ->transform(one_of(kEngines))
       ->type_name("ENGINE");
-  verb.add_option("--mode", options.mode, "mode pins: 2 advanced (24-bit), 3 normal (16-bit)")
+  verb.add_option("--mode", options.mode,
+                  "mode pins: 2 selects advanced mode (24-bit addresses), 3 selects normal mode "
+                  "(16-bit addresses)")
       ->check(CLI::IsMember({2, 3}))
       ->capture_default_str()
       ->excludes("--flat");
@@ -135,18 +141,20 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
 
 // All of them are for the chip, not for the flat machine.
 void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
-  verb.add_flag(
-          "--trace{-}", debug.trace,
-          "print each instruction and its effects on standard error, or write them to --trace=FILE")
+  verb.add_flag("--trace{-}", debug.trace,
+                "print each instruction and its effects on standard error; --trace=FILE writes the "
+                "trace to FILE")
       ->excludes("--flat")
       ->type_name("FILE");
-  auto* profile = verb.add_flag("--profile{-}", debug.profile,
-                                "at the end, print states per function on standard error, or write "
-                                "them to --profile=FILE; names need a COFF or ELF image")
-                      ->excludes("--flat")
-                      ->type_name("FILE");
+  auto* profile =
+      verb.add_flag(
+              "--profile{-}", debug.profile,
+              "at the end, print the number of states per function on standard error; "
+              "--profile=FILE writes the numbers to FILE. Function names need a COFF or ELF image")
+          ->excludes("--flat")
+          ->type_name("FILE");
   verb.add_option("--profile-format", debug.profile_format,
-                  "text, json or callgrind (for KCachegrind)")
+                  "format of the profile: text, json or callgrind (for KCachegrind)")
       ->check(CLI::IsMember({"text", "json", "callgrind"}))
       ->capture_default_str()
       ->needs(profile);
@@ -163,7 +171,8 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
   verb.add_flag("--check-uninitialised", debug.check_uninitialised,
                 "report reads of uninitialized RAM")
       ->excludes("--flat");
-  verb.add_flag("--stack", debug.stack, "report the greatest stack depth and its calls")
+  verb.add_flag("--stack", debug.stack,
+                "report the greatest stack depth and the calls that lead to this depth")
       ->excludes("--flat");
   verb.add_option("--gdb", debug.gdb,
                   "wait for GDB at a TCP port of this machine, a Unix socket (a path with /) or "
@@ -178,20 +187,22 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   add_image_options(*verb, options->image, options->load, 0xffffff);
   add_machine_options(*verb, *options);
   verb->add_flag("--entry{image}", options->entry,
-                 "start at the image's entry, or at ADDRESS, instead of by reset")
+                 "start at the image's entry point, or at ADDRESS, instead of at the reset vector")
       ->type_name("ADDRESS");
-  verb->add_option("--input", options->input,
-                   "bytes sent to RxD0 at line rate, from FILE or - (standard input)")
+  verb->add_option(
+          "--input", options->input,
+          "send the bytes of FILE, or of standard input if FILE is -, to the pin RxD0 at line rate")
       ->excludes("--flat")
       ->type_name("FILE");
-  verb->add_option("--netlist", options->netlist,
-                   "file with the parts connected to the chip: docs/howto/h8s-program.md")
+  verb->add_option(
+          "--netlist", options->netlist,
+          "file that describes the parts connected to the chip (docs/howto/h8s-program.md)")
       ->excludes("--flat")
       ->type_name("FILE");
-  auto* vcd =
-      verb->add_option("--vcd", options->vcd, "record signals for GTKWave and similar viewers")
-          ->excludes("--flat")
-          ->type_name("FILE");
+  auto* vcd = verb->add_option("--vcd", options->vcd,
+                               "record signals in this VCD file, for GTKWave and similar viewers")
+                  ->excludes("--flat")
+                  ->type_name("FILE");
   verb->add_option("--signals", options->signals,
                    "pins, registers and memory to record, such as P50,pc,FRC,0xffe100:16 (default: "
                    "pins,pc); names of variables need a COFF or ELF image")
@@ -207,8 +218,8 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   verb->footer(
       "The program starts at the reset vector. Its output on SCI0 goes to standard output. If the "
       "chip stops on an error, a report is printed.\n"
-      "Exit status: 1 the chip stopped on an error; with --semihost the program's own status, or "
-      "125 if it does not end by itself.\n"
+      "Exit status: 1 the chip stopped on an error; with --semihost, the program's own status, or "
+      "125 if the program does not end by itself.\n"
       "Examples:\n"
       "  kaz mcu run kaz.mot\n"
       "  kaz mcu run kaz.coff --max-states 2000 --trace\n"

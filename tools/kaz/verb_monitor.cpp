@@ -11,24 +11,26 @@
 namespace kaz::tools {
 
 void add_monitor(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand(
-      "monitor", "show a board in the terminal: joints, supply, tick, link; keys to move and stop");
+  auto* verb = program.add_subcommand("monitor",
+                                      "show a board's joints, supply, tick and link in the "
+                                      "terminal; keys move and stop the joints");
   auto arguments = std::make_shared<MonitorOptions>();
   auto watch = std::make_shared<WatchArguments>();
   add_required_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
   verb->add_option("--robot-file", arguments->robot_file,
-                   "URDF of a robot other than Kaz; for a servo bus, feetech:PATH[@BAUD] or "
-                   "dynamixel:PATH[@BAUD], with bus.json beside it")
+                   "URDF of a robot other than Kaz; for a servo bus (feetech:PATH[@BAUD] or "
+                   "dynamixel:PATH[@BAUD]), bus.json must be in the same folder")
       ->type_name("FILE");
   add_watch_options(*verb, *watch, false);
   verb->remove_option(verb->get_option("--view-wait"));
   verb->footer(
       "A terminal with 80 columns and 24 lines is enough, also over ssh. The monitor only reads "
-      "until you press a key: e switches the selected joint on or off, E switches all on, left and "
-      "right move the joint by one degree, [ and ] by five. SPACE stops everything, c clears a "
-      "shutdown, and q quits and switches off the motors that were switched on here. The board "
-      "must answer at the start; later, a lost board is connected again when it is back.\n"
+      "until you press a key. The key e switches the selected joint on or off; E switches all "
+      "joints on. The left and right arrow keys move the joint by one degree; [ and ] move the "
+      "joint by five degrees. SPACE stops all motors, c clears a shutdown, and q switches off the "
+      "motors that the monitor switched on, and quits. The board must answer at the start; if the "
+      "board is lost later, the monitor connects again as soon as possible.\n"
       "Exit status: 0 ended by q, Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage or no terminal, 3 port "
       "error.\n"
       "Examples:\n"

@@ -12,7 +12,7 @@ namespace kaz::tools {
 void add_recover(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "recover",
-      "find a board at any address and recover it: set address, clear faults, motors off");
+      "find a board at any address, switch its motors off, clear its faults and set its address");
   auto arguments = std::make_shared<RecoverOptions>();
   add_required_port(*verb, arguments->port);
   const auto add_number = [&](const char* name, std::optional<std::uint8_t>& to, const char* text) {
@@ -24,16 +24,16 @@ void add_recover(CLI::App& program, Action& action) {
   add_number("--address", arguments->address,
              "new address of the board (default: the address in --from, or 1)");
   add_number("--found-at", arguments->found_at,
-             "present address of the board to recover, if several are on the line");
+             "current address of the board to recover, if several boards are on the line");
   verb->add_option_function<std::string>(
           "--shared-line",
           [arguments](const std::string& text) { arguments->shared_line = text == "on"; },
-          "whether the board shares its line with others: on or off (default: unchanged)")
+          "whether the board shares its line with other boards: on or off (default: unchanged)")
       ->check(CLI::IsMember({"on", "off"}))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
-                   "file of notes that an interrupted run named in its message: also put back "
-                   "calibration, gains and limits")
+                   "file of notes that an interrupted run named in its message; Kaz also puts back "
+                   "the calibration, gains and limits in this file")
       ->type_name("FILE");
   verb->add_flag(
           "--port-changed", arguments->port_changed,
@@ -41,9 +41,9 @@ void add_recover(CLI::App& program, Action& action) {
       ->needs("--from");
   verb->add_flag("--json", arguments->json, "print the result as JSON");
   verb->footer(
-      "Searches all 14 addresses, switches the motors off, resets the board, which clears latched "
-      "faults, and sets its address. The calibration in the board's flash is kept, or replaced by "
-      "the calibration in --from.\n"
+      "kaz recover searches all 14 addresses, switches the motors off and resets the board. The "
+      "reset clears latched faults. Then kaz recover sets the board's address. The calibration in "
+      "the board's flash is kept, or replaced by the calibration in --from.\n"
       "Exit status: 0 recovered, 1 a setting was not put back or a fault remains, 2 wrong usage, 3 "
       "port error.\n"
       "Examples:\n"

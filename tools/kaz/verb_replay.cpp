@@ -21,7 +21,7 @@ void add_replay(CLI::App& program, Action& action) {
     FilmOptions film;
   };
   auto arguments = std::make_shared<Arguments>();
-  verb->add_option("FILE", arguments->replay.file, "recording.mcap of a run, or its folder")
+  verb->add_option("FILE", arguments->replay.file, "recording.mcap of a run, or the run's folder")
       ->required()
       ->type_name("");
   auto* host = verb->add_flag("--host", arguments->host,
@@ -34,7 +34,7 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_option("--seed", arguments->replay.seed,
                    "use another seed than the recording's; implies --whole")
       ->transform(whole_number());
-  add_settings(*verb, arguments->settings, "another value of an option of the behavior");
+  add_settings(*verb, arguments->settings, "another value for an option of the behavior");
   verb->add_option("--plugin", arguments->replay.plugin,
                    "plug-in file, if the behavior of the run is a plug-in; a recording does not "
                    "contain the plug-in")
@@ -52,8 +52,7 @@ void add_replay(CLI::App& program, Action& action) {
       ->needs(video);
   auto* pace = verb->get_option("--pace");
   pace->remove_needs(view);
-  pace->description(
-      "with --view or --video: speed, in seconds of the recording per second (default: 1)");
+  pace->description("with --view or --video: speed, as a multiple of real time (default: 1)");
   for (const char* option : {"--host", "--whole", "--seed", "--set", "--plugin"}) {
     view->excludes(verb->get_option(option));
     video->excludes(verb->get_option(option));
@@ -61,13 +60,15 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output")
       ->excludes("--view");  // which has no result
   verb->footer(
-      "With --host (behavior, vision, protocol), the bytes that the host sends are compared with "
-      "the recording. The first difference is reported with its time, its place in the stream and "
-      "its message. Use this to test changed host programs with the recorded data of a virtual "
-      "robot.\n"
-      "With --view or --video, nothing runs again. --view plays the recording until Ctrl-C; the "
-      "page can pause and jump. --video draws the film from the recorded poses.\n"
-      "Exit status: 0 identical, played or filmed; 1 different.\n"
+      "With --host, behavior, vision and protocol run again, and Kaz compares the bytes that the "
+      "host sends with the recording. Kaz reports the first difference with its time, its place in "
+      "the stream and its message. Use --host to test changed host programs with the recorded data "
+      "of a virtual robot.\n"
+      "--view and --video only show the recording, and run nothing again. --view plays the "
+      "recording until Ctrl-C; the page has controls to pause and jump. --video draws the film "
+      "from the recorded poses.\n"
+      "Exit status: 0 the replay is identical, or the recording was played or filmed; 1 the replay "
+      "is different.\n"
       "Examples:\n"
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz replay seen/recording.mcap\n"
@@ -91,7 +92,7 @@ void add_replay(CLI::App& program, Action& action) {
         return Outcome();
       }
       if (arguments->watch.pace > 0)
-        return fail(Fault::usage, "--pace is only valid with --view or --video; leave it out");
+        return fail(Fault::usage, "--pace is only valid with --view or --video; leave --pace out");
       const auto settings = KAZ_TRY(parse_settings(arguments->settings));
       arguments->replay.settings = settings;
       if (arguments->host) arguments->replay.mode = ReplayMode::host;

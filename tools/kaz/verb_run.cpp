@@ -55,7 +55,7 @@ Result<void> check_seed(const CLI::App& verb, const std::string& behavior,
   if (!known || known->needs_camera) return {};
   return fail(Fault::usage, "--seed has no effect: " + behavior +
                                 " uses no random numbers, and a robot at a port has no " +
-                                "simulated noise; leave it out with --robot " + robot);
+                                "simulated noise; leave --seed out with --robot " + robot);
 }
 
 // Errors: an option was given that has no effect on this kind of robot.
@@ -68,9 +68,8 @@ Result<void> check_given(const CLI::App& verb, const std::string& behavior,
   if (robot == "sim") return {};
   for (const char* option : kVirtualOnly) {
     if (verb.count(option) > 0)
-      return fail(Fault::usage, std::string(option) +
-                                    " is for the virtual robot; leave it out with " + "--robot " +
-                                    robot);
+      return fail(Fault::usage, std::string(option) + " is for the virtual robot; leave " + option +
+                                    " out with --robot " + robot);
   }
   return check_seed(verb, behavior, robot);
 }
@@ -79,10 +78,10 @@ Result<void> check_given(const CLI::App& verb, const std::string& behavior,
 Result<void> check_alone(const CLI::App& verb) {
   for (const CLI::Option* option : verb.get_options()) {
     if (option->count() > 0 && option->nonpositional() && option->get_name() != "--options")
-      return fail(
-          Fault::usage,
-          option->get_name() +
-              " is not valid with --options, which only prints the options; leave one of them out");
+      return fail(Fault::usage,
+                  option->get_name() +
+                      " is not valid with --options, which only prints the options; leave " +
+                      option->get_name() + " or --options out");
   }
   return {};
 }
@@ -157,8 +156,8 @@ std::string footer(const behavior::Behavior* behavior) {
   }
   return text +
          "Options of the virtual robot, such as --world or --mcu, are not valid with a robot at a "
-         "port (--robot serial:PATH). There, --faults can contain only faults of the line. "
-         "--robot-file describes the joints of a robot other than Kaz, also at a port.\n"
+         "port (--robot serial:PATH). With a robot at a port, --faults can contain only faults of "
+         "the line. --robot-file describes the joints of a robot other than Kaz, also at a port.\n"
          "Examples:\n" +
          examples_of(behavior);
 }
@@ -178,12 +177,13 @@ void add_run(CLI::App& program, Action& action) {
       ->capture_default_str();
   add_address(*verb, session.backend.address);
   verb->add_option("--camera", session.backend.camera,
-                   "sim, the path of a camera socket, or v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
+                   "source of the pictures: sim, the path of a camera socket, or "
+                   "v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
       ->type_name("CAMERA")
       ->capture_default_str();
   verb->add_option("--calibration", session.backend.calibration,
-                   "for v4l2 cameras: calibration file written by kaz calibrate stereo, which also "
-                   "sets the size of the pictures")
+                   "for v4l2 cameras: calibration file written by kaz calibrate stereo; the file "
+                   "also sets the size of the pictures")
       ->type_name("FILE");
   verb->add_option("--reconnect", session.backend.reconnect_s,
                    "at a port: how long to retry a lost link before the run ends")
@@ -191,13 +191,13 @@ void add_run(CLI::App& program, Action& action) {
       ->capture_default_str()
       ->type_name("SECONDS");
   add_choice(*verb, "--when-lost", host::kReactions, session.backend.reaction,
-             "reaction of the board 90 ms after the last request that it received: hold the "
-             "posture, or switch the motors off");
-  add_out(*verb, *arguments, "; without it, nothing is written");
+             "reaction of the board 90 ms after the last request: hold the posture, or switch the "
+             "motors off (limp)");
+  add_out(*verb, *arguments, "; without --out, no file is written");
   add_duration(*verb, *arguments,
-               "same as --set seconds=SECONDS, for " + timed_behaviors() +
+               "the same as --set seconds=SECONDS, for " + timed_behaviors() +
                    "; the other behaviors end by themselves");
-  verb->add_option("--goal", arguments->goal, "same as --set goal=..., for navigate")
+  verb->add_option("--goal", arguments->goal, "the same as --set goal=..., for navigate")
       ->type_name("X,Y[,DEGREES]|ball");
   verb->add_option(
           "--poses", arguments->poses,
@@ -207,8 +207,8 @@ void add_run(CLI::App& program, Action& action) {
   auto list = std::make_shared<bool>(false);
   verb->add_flag("--options", *list, "print the options of the behavior or plug-in, and exit");
   verb->add_flag("--profile", session.profile,
-                 "measure CPU and waiting time of each part of the program; print a table and add "
-                 "it to result.json");
+                 "measure the CPU time and waiting time of each part of the program; print a table "
+                 "and add the table to result.json");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
   const std::string shown = verb->get_option("--robot")->get_group();

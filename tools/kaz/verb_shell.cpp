@@ -77,7 +77,7 @@ std::string bash_completion(CLI::App& program) {
          cases.known +
          "'\n"
          "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
-         "    # Verbs follow, and nothing else: as after kaz itself.\n"
+         "    # Only verbs follow man and help, as after kaz itself.\n"
          "    case $i,${COMP_WORDS[i]} in 1,man|1,help) continue ;; esac\n"
          "    case $known in *\"|$verb ${COMP_WORDS[i]}|\"*) verb+=\" ${COMP_WORDS[i]}\" ;; esac\n"
          "  done\n"

@@ -59,8 +59,8 @@ std::string not_of_a_calibration(const CLI::App& verb) {
     const std::string name = option->get_name();
     if (option->count() > 0 && !kTaken.contains(name))
       return name +
-             " needs --serial: without it, only the calibration is written; give --serial PATH, or "
-             "leave " +
+             " needs --serial: without --serial, only the calibration is written; give --serial "
+             "PATH, or leave " +
              name + " out";
   }
   return "";
@@ -96,13 +96,13 @@ ServeBusOptions bus_options(const CLI::App& verb, const ServeOptions& arguments,
 }  // namespace
 
 void add_sim(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand(
-      "sim",
-      "serve a virtual robot in real time to other processes: pty, camera and control socket");
+  auto* verb = program.add_subcommand("sim",
+                                      "run a virtual robot in real time for other processes, with "
+                                      "a serial port, a camera socket and a control socket");
   auto arguments = std::make_shared<ServeOptions>();
   verb->add_option("--serial", arguments->real_time.serial_path,
-                   "path of the symbolic link to the board's serial port, a pty (required unless "
-                   "--write-calibration is given)")
+                   "path for a symbolic link to the board's serial port, which is a pty (required "
+                   "unless --write-calibration is given)")
       ->type_name("PATH");
   verb->add_option("--cameras", arguments->real_time.cameras_path,
                    "path of the Unix socket that publishes the stereo pairs")
@@ -110,8 +110,8 @@ void add_sim(CLI::App& program, Action& action) {
   auto* fast = verb->add_flag("--fast", arguments->real_time.fast,
                               "run as fast as possible, not in real time");
   verb->add_option("--clock", arguments->real_time.clock_path,
-                   "follow an external clock, received on a Unix socket that is created at this "
-                   "path; simulated time stands still between the clock's messages")
+                   "follow an external clock, whose messages arrive at a Unix socket that is "
+                   "created at this path; simulated time stands still between the clock's messages")
       ->type_name("PATH")
       ->excludes(fast);
   verb->add_option("--memory", arguments->memory,
@@ -119,7 +119,7 @@ void add_sim(CLI::App& program, Action& action) {
                    "the end (Ctrl-C, SIGTERM, SIGHUP), but not if the simulator is killed")
       ->type_name("FILE");
   verb->add_flag("--erased", arguments->backend.erased,
-                 "start with a blank flash, as in a new chip (for kaz flash)");
+                 "start with an empty flash, as in a new chip (to try kaz flash)");
   verb->add_flag("--boot", arguments->boot, "start with the board's mode switch set to boot mode");
   verb->add_option("--write-calibration", arguments->calibration,
                    "write the eyes' calibration in OpenCV's format (YAML); without --serial, write "
@@ -133,12 +133,12 @@ void add_sim(CLI::App& program, Action& action) {
                      ->type_name("FILE");
   auto* stand = verb->add_flag(
       "--stand", arguments->backend.stand,
-      "simulate a motor stand instead of a robot: each motor has a disc on its shaft; clamp, "
-      "scale, weight and supply are controlled at PATH.ctl (for kaz bench)");
+      "simulate a motor stand instead of a robot, with a disc on the shaft of each motor. Commands "
+      "to the socket PATH.ctl control clamp, scale, weight and supply (for kaz bench)");
   auto bus = std::make_shared<std::string>();
   verb->add_option("--bus", *bus,
-                   "simulate a servo bus instead of a servo board, with the servos in bus.json "
-                   "beside --robot-file (docs/howto/own-arm.md)")
+                   "simulate a servo bus instead of a servo board, with the servos that bus.json "
+                   "lists in the folder of --robot-file (docs/howto/own-arm.md)")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   add_motor_options(*verb, arguments->backend);
@@ -150,10 +150,10 @@ void add_sim(CLI::App& program, Action& action) {
   auto watch = std::make_shared<WatchArguments>();
   add_watch_options(*verb, *watch, false);
   verb->footer(
-      "The link behaves like a port with a board at the other end. The control socket PATH.ctl "
-      "(PATH of --serial) accepts commands, one per line; `help` lists them (reset, mode, power, "
-      "plug, fault, stand, status). Ctrl-C ends the simulator, which removes its link and "
-      "sockets.\n"
+      "The link behaves like a serial port with a board at the other end. The control socket "
+      "PATH.ctl, where PATH is the path in --serial, accepts one command per line, such as reset, "
+      "mode, power, plug, fault, stand and status. The command `help` lists all commands. Ctrl-C "
+      "ends the simulator, which then removes its link and sockets.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP.\n"
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"

@@ -17,13 +17,14 @@ void add_status(CLI::App& program, Action& action) {
   add_address(*verb, arguments->address);
   verb->add_flag("--json", arguments->json, "print the state as JSON");
   verb->footer(
-      "Only reads: nothing moves, and nothing is cleared. After a shutdown, see "
+      "kaz status only reads: no motor moves, and no fault is cleared. After a shutdown, see "
       "docs/explanation/safety.md.\n"
-      "In JSON, since_reset_s is the time since the board's last reset, and last_reset is its "
-      "cause. The field shutdown_at_s is on the same clock. The field build identifies the "
-      "firmware's sources, as in `kaz flash info`. The field firmware_fault is present only for "
-      "firmware that is known to be unsafe.\n"
-      "Exit status: 0 no shutdown, 1 a shutdown is latched, 2 wrong usage, 3 port error.\n"
+      "In JSON, since_reset_s is the time since the board's last reset, and last_reset is the "
+      "cause of this reset. The field shutdown_at_s is the time between this reset and the "
+      "shutdown. The field build identifies the firmware's sources, as in `kaz flash info`. The "
+      "field firmware_fault is present only for firmware that is known to be unsafe.\n"
+      "Exit status: 0 no shutdown is latched, 1 a shutdown is latched, 2 wrong usage, 3 port "
+      "error.\n"
       "Examples:\n"
       "  kaz status --robot serial:/dev/ttyUSB0\n"
       "  kaz status --robot serial:/dev/ttyUSB0 --address 3 --json");

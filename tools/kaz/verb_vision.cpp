@@ -50,8 +50,8 @@ Result<Outcome> learn(const LearnArguments& arguments) {
   if (learned->too_common()) {
     char text[200];
     std::snprintf(text, sizeof text,
-                  "%.0f %% of the rest of the picture has this color too; if that is not the "
-                  "object itself, mark only the object, or take a picture with another background",
+                  "%.0f %% of the rest of the picture also has this color. Unless these pixels "
+                  "show the object, mark only the object or take a picture with another background",
                   100 * learned->outside);
     warning = text;
     json["warning"] = warning;
@@ -83,13 +83,13 @@ void add_learn(CLI::App& vision, Action& action) {
                    "part of the picture that shows only the object, px")
       ->required()
       ->type_name("X,Y,W,H");
-  verb->add_option("--out", arguments->out, "file for the thresholds, JSON")
+  verb->add_option("--out", arguments->out, "JSON file for the thresholds")
       ->required()
       ->type_name("FILE");
-  verb->add_flag("--json", arguments->json, "print the thresholds as JSON too");
+  verb->add_flag("--json", arguments->json, "also print the thresholds as JSON");
   verb->footer(
-      "Prints the share of the rest of the picture that has this color. Only the object itself "
-      "should have this color; if the share is above a quarter, a warning is printed.\n"
+      "Kaz prints which share of the rest of the picture also has this color. Only the object "
+      "should have this color; if the share is above a quarter, Kaz prints a warning.\n"
       "Examples:\n"
       "  kaz eyes --world ball --eye-width 640 --out eyes\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json");
@@ -98,20 +98,23 @@ void add_learn(CLI::App& vision, Action& action) {
 
 void add_run_on_pictures(CLI::App& vision, Action& action) {
   auto* verb = vision.add_subcommand(
-      "run", "find balls, depth, planes, motion in pictures: files, recordings, live cameras");
+      "run",
+      "find balls, depth, planes and motion in pictures from files, recordings or live cameras");
   auto options = std::make_shared<RecordedOptions>();
-  auto* in =
-      verb->add_option("--in", options->in,
-                       "folder with pictures, in the order of their names; or a recording "
-                       "(recording.mcap, made with --record-pictures); or the socket of a camera "
-                       "(kaz sim --cameras); or v4l2:LEFT,RIGHT[,fps=N][,format=NAME], two cameras "
-                       "at this machine, such as v4l2:/dev/video0,/dev/video2")
-          ->type_name("SOURCE");
+  auto* in = verb->add_option("--in", options->in,
+                              "source of the pictures: a folder, a recording (recording.mcap, made "
+                              "with --record-pictures), a camera socket (kaz sim --cameras), or "
+                              "two cameras at this machine: v4l2:LEFT,RIGHT[,fps=N][,format=NAME], "
+                              "such as v4l2:/dev/video0,/dev/video2. The pictures in a folder are "
+                              "used in the order of their names")
+                 ->type_name("SOURCE");
   auto* left = verb->add_option("--left", options->left,
-                                "left pictures of stereo pairs, as a pattern in quotes")
+                                "left pictures of stereo pairs: a file name pattern in quotes")
                    ->excludes(in)
                    ->type_name("PATTERN");
-  auto* right = verb->add_option("--right", options->right, "right pictures, with the same numbers")
+  auto* right = verb->add_option("--right", options->right,
+                                 "right pictures of the stereo pairs, with the same numbers in "
+                                 "their names: a file name pattern in quotes")
                     ->needs(left)
                     ->type_name("PATTERN");
   left->needs(right);
@@ -120,17 +123,18 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->type_name("DIR");
   verb->add_option("--modules", options->modules,
                    "modules to run, separated by commas: " + module_names() +
-                       "; color finds the ball by its color, the others need stereo pairs")
+                       "; the module color finds the ball by its color, and the other modules need "
+                       "stereo pairs")
       ->capture_default_str()
       ->type_name("LIST");
   verb->add_option("--color", options->color,
-                   "color of the ball: file written by kaz vision learn-color (default: red)")
+                   "file with the ball's color, written by kaz vision learn-color (default: red)")
       ->type_name("FILE");
   auto* calibration =
       verb->add_option("--calibration", options->calibration,
-                       "calibration of the cameras, from kaz calibrate stereo; required with "
-                       "--left and --right, v4l2 and folders. A folder needs only --view; the "
-                       "pictures in a folder count as pictures of the left eye")
+                       "calibration file of the cameras, written by kaz calibrate stereo; required "
+                       "with --left and --right, with v4l2 cameras, and with a folder unless "
+                       "--view is given. Pictures in a folder count as pictures of the left eye")
           ->type_name("FILE");
   verb->add_option(
           "--view", options->view_deg,
@@ -143,17 +147,19 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->capture_default_str()
       ->type_name("M");
   verb->add_option("--nearest", options->nearest_m,
-                   "nearest distance for which depth is computed, m. Larger values are faster, in "
-                   "steps of 16 px of disparity. With Kaz's eyes, values above 0.476 (0.953 at 640 "
-                   "px) have no effect")
+                   "smallest distance for which depth is computed, m. Larger values are faster; "
+                   "the speed changes in steps of 16 px of disparity. With Kaz's eyes, values "
+                   "above 0.476 m (0.953 m with pictures 640 px wide) have no effect")
       ->check(between(0.001, 100.0))
       ->default_str("0.14")
       ->type_name("M");
   verb->add_option("--export", options->exported,
-                   "also write depth (FRAME.depth.png, 16 bits, mm, 0 where unknown) or points "
-                   "(FRAME.points.ply, m, left eye's optical frame), or both: depth,points")
+                   "files to write for each frame: depth (FRAME.depth.png, 16 bits, in mm, 0 where "
+                   "unknown), points (FRAME.points.ply, in m, in the left eye's optical frame) or "
+                   "both (depth,points)")
       ->type_name("LIST");
-  verb->add_option("--frames", options->frames, "stop after N pairs (or pictures)")
+  verb->add_option("--frames", options->frames,
+                   "stop after N pairs of pictures, or after N single pictures")
       ->check(between(1, 100000000))
       ->type_name("N");
   verb->add_option("--robot", options->robot,
@@ -161,11 +167,13 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                    "serial:/dev/ttyUSB0); the robot's posture determines which plane is the floor")
       ->type_name("ROBOT");
   add_address(*verb, options->address)->needs("--robot");
-  verb->add_flag("--json", options->json,
-                 "print result.json, no progress; the folder is written too");
+  verb->add_flag(
+      "--json", options->json,
+      "print result.json, without progress messages; the files in --out are written too");
   verb->footer(
-      "Exit status: 0 done, also without a ball; 1 no picture could be read; 2 wrong usage, or no "
-      "picture found; 3 camera or port in error or lost; the results so far are kept.\n"
+      "Exit status: 0 done, even if no ball was found; 1 no picture could be read; 2 wrong usage, "
+      "or no picture was found; 3 a camera or port failed or was lost, and the results so far are "
+      "kept.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"
@@ -193,7 +201,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
 
 void add_vision(CLI::App& program, Action& action) {
   auto* verb =
-      program.add_subcommand("vision", "process pictures: files, recordings, live cameras");
+      program.add_subcommand("vision", "process pictures from files, recordings or live cameras");
   verb->require_subcommand(1);
   verb->footer(
       "Examples:\n"

@@ -34,14 +34,14 @@ Result<watch::ViewOptions> view_of(const WatchArguments& arguments, const std::s
 }
 
 void print_address(const std::string& label, const std::string& url) {
-  std::fprintf(stderr, "%s: watch it at %s\n", label.c_str(), url.c_str());
+  std::fprintf(stderr, "%s: watch the run at %s\n", label.c_str(), url.c_str());
 }
 
 // A run that somebody had a hand in proves nothing by itself.
 void print_acts(const std::string& label, const watch::View& view) {
   if (const int acts = view.done_by_hand(); acts > 0)
-    std::fprintf(stderr, "%s: %d manual action%s, recorded in /hand\n", label.c_str(), acts,
-                 acts == 1 ? "" : "s");
+    std::fprintf(stderr, "%s: %d manual action%s, recorded in the topic /hand\n", label.c_str(),
+                 acts, acts == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -67,12 +67,12 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
                 "wait until the first viewer has subscribed to a channel")
       ->needs(view);
   verb.add_flag("--view-open", arguments.open,
-                "let programs read all data (cameras, wire) without the token. Web pages of other "
-                "servers cannot read the data, and control still needs the token")
+                "let programs read all data (cameras, wire) without the token. Web pages from "
+                "other servers cannot read the data, and controlling the run still needs the token")
       ->needs(view);
   if (!paced) return;
   verb.add_option("--pace", arguments.pace,
-                  "with --view: maximum speed, in simulated seconds per second (default: no limit)")
+                  "with --view: maximum speed, as a multiple of real time (default: no limit)")
       ->check(between(0.01, 100))
       ->type_name("TIMES")
       ->needs(view);
@@ -84,7 +84,7 @@ Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session
   if (real && arguments.pace > 0)
     return fail(
         Fault::usage,
-        "--pace is not valid with a robot at a port, which runs in real time; leave it out");
+        "--pace is not valid with a robot at a port, which runs in real time; leave --pace out");
   auto options = KAZ_TRY(view_of(arguments, session.backend.robot_file));
   options.recorded_pictures = session.backend.record_pictures;
   options.hands = !real;
@@ -137,7 +137,7 @@ Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions benc
   if (real && arguments.pace > 0)
     return fail(
         Fault::usage,
-        "--pace is not valid with a board at a port, which runs in real time; leave it out");
+        "--pace is not valid with a board at a port, which runs in real time; leave --pace out");
   auto options = KAZ_TRY(view_of(arguments, ""));
   options.joints_only = true;
   if (real) options.source = "robot";
@@ -166,16 +166,16 @@ Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions c
   if (!arguments.view) return run_campaign(campaign);
   if (campaign.realtime)
     return fail(Fault::usage,
-                "--view is not valid with --realtime, where each episode runs in two other "
-                "processes; leave one of them out");
+                "--view is not valid with --realtime, because each episode then runs in two other "
+                "processes; leave --view or --realtime out");
   auto options = KAZ_TRY(view_of(arguments, ""));
   options.token = watch::make_token();
   {
     const auto where = KAZ_TRY(watch::parse_where(options.where));
     if (where.port == 0)
       return fail(Fault::usage,
-                  "--view: all episodes use the same port, so port 0 is not valid; give a port, as "
-                  "in --view 8765");
+                  "--view: port 0 is not valid, because all episodes use the same port; give "
+                  "another port, as in --view 8765");
     // Whether it can be served, and the address; the episodes take it over.
     print_address("kaz evaluate", KAZ_TRY(watch::View::open(options))->url());
   }
@@ -202,7 +202,7 @@ Result<void> play_recording(const WatchArguments& arguments, const std::string& 
   }
   play.on_open = [](const std::string& url) {
     print_address("kaz replay", url);
-    std::fprintf(stderr, "kaz replay: Ctrl-C ends it\n");
+    std::fprintf(stderr, "kaz replay: press Ctrl-C to end the replay\n");
   };
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);

@@ -56,7 +56,7 @@ std::string unknown_option(CLI::App& program) {
         for (const std::string& known : option->get_lnames()) names.push_back("--" + known);
       }
       if (std::ranges::count(names, name) > 0)  // `app` is above `verb`
-        return "give " + name + " after " + verb.get_name();
+        return "give " + name + " after the verb " + verb.get_name();
       return "there is no option " + name + suggestion(name, names);
     }
   }
@@ -67,7 +67,7 @@ std::string unexpected_words(CLI::App& program) {
   for (CLI::App* app : given_verbs(program)) {
     const auto words = app->remaining();
     if (words.empty()) continue;
-    const std::string text = "not expected: `" + CLI::detail::join(words, " ") + "`";
+    const std::string text = "unexpected: `" + CLI::detail::join(words, " ") + "`";
     // A verb that was mistyped may have been taken for another argument.
     for (const CLI::Option* positional : positionals(*app)) {
       for (const std::string& word : positional->results()) {
@@ -140,7 +140,8 @@ std::string wrong_count(const CLI::Option& option) {
   const auto given = option.results().size();
   if (min == 1 && given > 1)
     return name_of(option) + " is given " + std::to_string(given) + " times" +
-           (option.get_positional() ? ", with its name or without" : "") + "; give it once";
+           (option.get_positional() ? ", as an option or as an argument" : "") + "; give " +
+           name_of(option) + " once";
   const std::string count =
       min >= 0 && min < 5 ? kNumbers[min] : std::to_string(min);  // verbs have at most two
   return name_of(option) + ": give " + count + " value" + (min == 1 ? "" : "s") + ", as in " +

@@ -239,7 +239,8 @@ void compare_curve(MotorFit& fit, const hil::Plot& measured, const hil::Plot& be
     plot.series[i].style = styles[i];
     std::ranges::stable_sort(plot.series[i].points, {}, &std::pair<double, double>::first);
   }
-  plot.caption = "Measured, and the same bench on the model before and after the fit.";
+  plot.caption =
+      "Measured values, and the results of the same bench with the model before and after the fit.";
   fit.plots.push_back(std::move(plot));
 }
 
@@ -319,7 +320,7 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
   const auto report_progress = [&](int done) {
     if (options.progress)
       options.progress(static_cast<double>(done) / (options.max_rounds + 1),
-                       "the bench on the model, round " + std::to_string(done + 1));
+                       "running the bench on the model, round " + std::to_string(done + 1));
   };
   report_progress(0);
   const auto before = KAZ_TRY(run_model(bench, fit.motor));

@@ -176,8 +176,8 @@ std::string no_pictures_text(const sim::McapRecording& recording) {
           " --eyes " + fact("eyes", "KIND") + (fact("imu", "") == "true" ? " --imu" : "") +
           " --seed " + fact("seed", "N") + " --out DIR";
   return none +
-         ". kaz replay RECORDING --video film.mp4 renders those of the left eye. To see both eyes "
-         "here, record the run again with its options and --record-pictures: " +
+         ". kaz replay RECORDING --video film.mp4 renders the left eye's pictures. To see both "
+         "eyes here, record the run again with the same options and --record-pictures: " +
          how + " --record-pictures";
 }
 

@@ -56,14 +56,14 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     parser_->header_limit(8 << 10);
     parser_->body_limit(0);
     stream_.expires_after(kPatience);
-    http::async_read(stream_, buffer_, *parser_,
-                     [self = shared_from_this()](Error error, std::size_t) {
-                       if (!error) return self->answer();
-                       if (error == http::error::end_of_stream) return self->shut();
-                       // It is no HTTP, or too long.
-                       if (error.category() == Error(http::error::bad_method).category())
-                         self->refuse(http::status::bad_request, "no such request\n");
-                     });
+    http::async_read(
+        stream_, buffer_, *parser_, [self = shared_from_this()](Error error, std::size_t) {
+          if (!error) return self->answer();
+          if (error == http::error::end_of_stream) return self->shut();
+          // It is no HTTP, or too long.
+          if (error.category() == Error(http::error::bad_method).category())
+            self->refuse(http::status::bad_request, "the request is not HTTP, or is too long\n");
+        });
   }
   void refuse(http::status status, std::string_view sentence) {
     reply(status, "text/plain",
@@ -151,7 +151,8 @@ void Server::Impl::accept() {
     if (!error) {
       const bool full = connections >= options.most_connections;
       const auto visitor = std::make_shared<Visitor>(*this, std::move(socket));
-      full ? visitor->refuse(http::status::service_unavailable, "too many viewers\n")
+      full ? visitor->refuse(http::status::service_unavailable,
+                             "too many viewers are connected: close another viewer and try again\n")
            : visitor->read();
       return accept();
     }

@@ -24,8 +24,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = 64 << 20;
 constexpr const char* kWithoutPage =
-    ".\nFoxglove and Lichtblick can open the address that kaz printed, with its token: paste it "
-    "with ws:// instead of http://.\n";
+    ".\n"
+    "Foxglove and Lichtblick can open the address that kaz printed, including the token: paste the "
+    "address with ws:// instead of http://.\n";
 
 const char* type_of(const fs::path& path) {
   const std::string end = path.extension().string();
@@ -275,7 +276,8 @@ Result<void> View::hear(const std::string& line) {
   const bool of_time =
       line == "pause" || line == "go" || line.starts_with("step ") || line.starts_with("pace ");
   if (of_time && options_.own_time)
-    return fail(Fault::usage, "`" + line + "`: this simulator runs in real time");
+    return fail(Fault::usage,
+                "`" + line + "` is not valid, because this simulator runs in real time");
   if (line == "pause" || line == "go") {
     pause_at_.reset();
     paused_ = line == "pause";
@@ -299,11 +301,12 @@ Result<void> View::hear(const std::string& line) {
                                   "`: this program controls the joints; only kaz run pose --view "
                                   "accepts targets and poses");
   if (!request && line.size() > kLongestAct)
-    return fail(Fault::usage,
-                "the line is too long: must be at most " + std::to_string(kLongestAct) + " bytes");
+    return fail(Fault::usage, "the line is too long: a line may have at most " +
+                                  std::to_string(kLongestAct) + " bytes");
   if (!request) KAZ_TRY(sim::parse_hand(line, Time::zero()));
   if (lines_.size() + requests_.size() >= kMostLines)
-    return fail(Fault::usage, "the run is paused, and its queue of requests is full");
+    return fail(Fault::usage,
+                "the run is paused, and its queue of requests is full: continue the run first");
   if (request) {
     requests_.push_back(line);
     return {};

@@ -240,8 +240,8 @@ TEST(View, ARecordingWithoutPicturesSaysHowToRecordSome) {
     return no_pictures_text(recording).find(part) != std::string::npos;
   };
   EXPECT_TRUE(
-      says("contains no pictures. kaz replay RECORDING --video film.mp4 renders those of the left "
-           "eye. "));
+      says("contains no pictures. kaz replay RECORDING --video film.mp4 renders the left eye's "
+           "pictures. "));
   EXPECT_TRUE(
       says("kaz run search-ball --world catch --eyes real --imu --seed 7 --out DIR "
            "--record-pictures"));

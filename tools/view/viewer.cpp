@@ -185,7 +185,7 @@ void Viewer::fetch(const Request& request) {
                       : files.end();
   if (at == files.end()) {
     answers_.push_back(
-        {false, asset_head(request.asset_request, "there is no such file here"), nullptr, {}});
+        {false, asset_head(request.asset_request, "this server has no such file"), nullptr, {}});
   } else {
     answers_.push_back({false, asset_head(request.asset_request, ""), nullptr, at->second.bytes});
   }
@@ -202,7 +202,7 @@ void Viewer::send_parameters(const Request& request) {
 
 void Viewer::playback(const Playback& wanted) {
   if (server_.options.end_ns == 0)
-    return reject("this run is live, not a recording: it cannot be played");
+    return reject("this run is live: only a recording can be played");
   if (!control_) return reject("to control the player, open the address with its token");
   const std::lock_guard lock(server_.handlers);
   if (server_.on_playback) server_.on_playback(wanted);

@@ -96,7 +96,7 @@ Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region
   if (2 * hue.size() < pixels.size())
     return fail(Fault::failed,
                 "the region " + text(region) +
-                    " has several colors: the object must fill more than half of it");
+                    " has several colors: the object must fill more than half of the region");
   LearnedColor learned;
   learned.range.hue_min = middle + percentile(hue, 0.01) - kNoise_rad;
   learned.range.hue_max = middle + percentile(hue, 0.99) + kNoise_rad;

@@ -38,7 +38,7 @@ Result<void> check_picture(const char* name, const GreySource& picture, int bloc
     return fail(Fault::usage, what + "is empty: check that the camera is running");
   if (width > kLargest_px || height > kLargest_px)
     return fail(Fault::usage, what + "has " + size_text(width, height) +
-                                  " pixels, more than 8192 a side: scale it down");
+                                  " pixels, more than 8192 per side: scale the picture down");
   if (width <= 2 * block || height <= 2 * block)
     return fail(Fault::usage, what + "has " + size_text(width, height) +
                                   " pixels, too few for blocks of " + std::to_string(block) +
@@ -48,7 +48,7 @@ Result<void> check_picture(const char* name, const GreySource& picture, int bloc
   if (size != needed)
     return fail(Fault::usage, what + "has " + std::to_string(size) + " bytes, but " +
                                   size_text(width, height) + " pixels need " +
-                                  std::to_string(needed) + ": it is truncated or padded");
+                                  std::to_string(needed) + ": the picture is truncated or padded");
   return {};
 }
 
@@ -100,8 +100,9 @@ struct DepthFinder::State {
   Result<int> disparities(int width, const CameraModel& camera) const {
     const double max_disparity = std::ceil(camera.fx * camera.baseline_m / options.nearest_m);
     if (!(max_disparity < width))
-      return fail(Fault::usage,
-                  "depth: the pictures of the eyes do not overlap at nearest_m: raise it");
+      return fail(
+          Fault::usage,
+          "depth: the pictures of the eyes do not overlap at nearest_m: increase nearest_m");
     return std::max(16, (static_cast<int>(max_disparity) + 15) / 16 * 16);
   }
 

@@ -25,7 +25,8 @@ Result<std::vector<std::uint8_t>> depth_png(const DepthImage& depth) {
   }
   auto bytes = picture::encode_png({depth.width, depth.height, 1, 16, rows});
   if (!bytes)
-    return fail(Fault::failed, "the depth image could not be written as PNG: out of memory?");
+    return fail(Fault::failed,
+                "the depth image could not be written as PNG: check the free memory");
   return bytes;
 }
 

@@ -221,7 +221,7 @@ TEST(Depth, PicturesThatHaveNoneAreErrors) {
   EXPECT_TRUE(says(message(good, good, wrong), "focal length"));
   EXPECT_TRUE(says(message(good, good, camera, {.block_px = 14}), "block_px"));
   EXPECT_TRUE(says(message(good, good, camera, {.nearest_m = 0}), "nearest_m"));
-  EXPECT_TRUE(says(message(good, good, camera, {.nearest_m = 0.01}), "raise it"));
+  EXPECT_TRUE(says(message(good, good, camera, {.nearest_m = 0.01}), "increase nearest_m"));
 }
 
 // An edge at a disparity of 20 px that falls by `slope` rows a column, in the right picture `up` px higher

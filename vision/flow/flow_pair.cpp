@@ -24,16 +24,16 @@ Result<void> check_picture(const char* name, const ImageView& picture, const Cam
     return fail(Fault::usage, what + "is empty: check that the camera is running");
   if (width > kLargest_px || height > kLargest_px)
     return fail(Fault::usage,
-                what + "has " + size + " pixels, more than 8192 a side: scale it down");
+                what + "has " + size + " pixels, more than 8192 per side: scale the picture down");
   if (width < kSmallestFlow_px || height < kSmallestFlow_px)
     return fail(Fault::usage,
-                what + "has " + size + " pixels, fewer than 64 a side: use larger pictures");
+                what + "has " + size + " pixels, fewer than 64 per side: use larger pictures");
   const std::size_t needed = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                              static_cast<std::size_t>(picture.channels);
   if (picture.bytes.size() != needed)
     return fail(Fault::usage, what + "has " + std::to_string(picture.bytes.size()) +
                                   " bytes, but " + size + " pixels need " + std::to_string(needed) +
-                                  ": it is truncated or padded");
+                                  ": the picture is truncated or padded");
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   if (!positive(camera.fx) || !positive(camera.fy) || !std::isfinite(camera.cx) ||
       !std::isfinite(camera.cy))
@@ -66,7 +66,7 @@ Result<void> check_flow_pair(const ImageView& before, const FrameInfo& info_befo
                 "flow: the later picture was exposed " +
                     std::to_string(seconds(between(info_before.exposure, info_after.exposure))) +
                     " s before the earlier one or at the same time: the clock jumped back, so "
-                    "start again with the later one");
+                    "start again with the later picture");
   return {};
 }
 

@@ -131,7 +131,7 @@ TEST_F(Flow, SaysWhatIsWrongWithThePictures) {
   after = {};
   EXPECT_NE(complaint().find("later picture is empty"), std::string::npos);
   after = plain_picture(20, 20, kTestGrey);
-  EXPECT_NE(complaint().find("fewer than 64 a side"), std::string::npos);
+  EXPECT_NE(complaint().find("fewer than 64 per side"), std::string::npos);
   after = plain_picture(640, 480, kTestGrey);
   EXPECT_NE(complaint().find("its camera model has 320 x 240"), std::string::npos);
   second.camera = test_camera(640, 480);

@@ -51,8 +51,8 @@ void measure_backlash(MotorOnBench& motor, BenchJudge& judge) {
              "reported angle, degrees",
              false,
              {shown},
-             "The shaft is pressed with 0.03 Nm backward and forward in turn, motor off. The step "
-             "is the backlash. Means of 0.1 s."});
+             "The motor is off, and the shaft is pressed backward and forward in turn with 0.03 "
+             "Nm. The size of the step is the backlash. Each point is a mean over 0.1 s."});
 }
 
 }  // namespace kaz::hil

@@ -73,7 +73,8 @@ void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_vol
     judge.enter(motor.name(), "friction.breakaway", mean.value * *slope_nm_per_v,
                 mean.error * *slope_nm_per_v);
   } else {
-    judge.leave_out(motor.name(), "friction.breakaway", "needs stall.slope in the same run");
+    judge.leave_out(motor.name(), "friction.breakaway",
+                    "this measurement needs stall.slope in the same run");
   }
   judge.add({"dead_band",
              motor.name(),
@@ -82,8 +83,8 @@ void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_vol
              "motor voltage at the start, V",
              false,
              {forward, backward},
-             "Duty times supply at which the shaft began to turn. It is the same for all supplies, "
-             "within one duty step (1/255)."});
+             "Motor voltage (duty times supply) at which the shaft began to turn. The voltage is "
+             "the same for all supplies, within one duty step (1/255)."});
 }
 
 }  // namespace kaz::hil

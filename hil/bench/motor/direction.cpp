@@ -47,7 +47,7 @@ bool measure_direction(MotorOnBench& motor, BenchJudge& judge, bool enter_good) 
                                                     " duty, up to half of full duty");
   check(change[0] * change[1] < 0,
         "the shaft turned in the same direction at positive and negative duty: something else "
-        "turns it");
+        "turns the shaft, such as a weight; take it off");
   if (change[0] < 0) {
     judge.enter_finding(motor.name(), "direction", -1,
                         motor.name() +

@@ -90,7 +90,7 @@ std::complex<double> component(const Trace& trace, double hertz) {
     mean += sample.angle_rad;
     ++count;
   }
-  check(count > 3, "too few readings of a sine");
+  check(count > 3, "too few readings arrived during a sine");
   mean /= count;
   std::complex<double> sum = 0;
   for (const Sample& sample : trace) {
@@ -151,7 +151,7 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
              "displacement, rad",
              false,
              {up, down, {"target", Series::Style::dashed, {{0, kStepWay}, {600, kStepWay}}}},
-             "A step of 0.3 rad, with " + gains_text(motor.gains()) +
+             "The response to a step of 0.3 rad, with " + gains_text(motor.gains()) +
                  " and the board's ramp limit of 6 rad/s."});
 }
 
@@ -186,7 +186,8 @@ void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
        true,
        {{"response over target", Series::Style::line, gain},
         {"-3 dB", Series::Style::dashed, {{kHertz[0], -3}, {kHertz[std::size(kHertz) - 1], -3}}}},
-       "Sines of 0.05 rad, targets every 10 ms, with " + gains_text(motor.gains()) + "."});
+       "The targets are sines of 0.05 rad, sent every 10 ms, with " + gains_text(motor.gains()) +
+           "."});
   judge.add({"phase",
              motor.name(),
              "Frequency response: phase",
@@ -194,7 +195,7 @@ void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
              "phase, degrees",
              true,
              {{"response against target", Series::Style::line, phase}},
-             "Each target is a ramp of 10 ms, which is included."});
+             "The phase includes the 10 ms ramp to each target."});
 }
 
 }  // namespace kaz::hil

@@ -130,9 +130,9 @@ Result<std::vector<Part>> chosen_parts(const std::vector<Part>& parts, const std
                 "--filter " + filter + " is not a regular expression: " + wrong.what());
   }
   if (taken.empty())
-    return fail(
-        Fault::usage,
-        "--filter " + filter + " matches no measurement of a motor; `kaz bench list` lists them");
+    return fail(Fault::usage,
+                "--filter " + filter +
+                    " matches no measurement of a motor; `kaz bench list` lists the measurements");
   return taken;
 }
 
@@ -159,8 +159,9 @@ void run_part(const Part& part, MotorOnBench& motor, BenchJudge& judge, double s
     return leave_out(part, motor.name(),
                      "not run, because the motor turns against its potentiometer", judge);
   if (part.needs_stand && !motor.has_stand())
-    return leave_out(part, motor.name(), "needs a motor stand: --stand ctl:PATH or --stand manual",
-                     judge);
+    return leave_out(
+        part, motor.name(),
+        "this measurement needs a motor stand: give --stand ctl:PATH or --stand manual", judge);
   const std::size_t before = judge.report().measurements.size();
   try {
     motor.come_to_rest();

@@ -44,7 +44,7 @@ void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
     // The ends of the potentiometer's range are beyond the joint's.
     check(sample.angle_rad > motor.lower_rad() - kMargin &&
               sample.angle_rad < motor.upper_rad() + kMargin,
-          "the potentiometer reads an angle beyond the joint's limits: is it connected?");
+          "the potentiometer reads an angle beyond the joint's limits: check its three wires");
     codes.push_back(sample.angle_rad / kCode);
   }
   motor.check_potentiometer();  // it may have gone meanwhile
@@ -75,8 +75,8 @@ void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge) {
   const Line line = fit_line(read);
   char text[160];
   std::snprintf(text, sizeof text,
-                "the reading follows the shaft by only %.1f %%: the wiper or its gear is loose, or "
-                "the input is another joint's",
+                "the reading changes by only %.1f %% of the shaft's angle: the wiper or its gear "
+                "is loose, or the input belongs to another joint",
                 100 * line.slope);
   check(std::abs(line.slope) > kFollows, text);
   judge.enter(motor.name(), "pot.linearity", 100 * line.worst / kRange);

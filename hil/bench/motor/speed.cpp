@@ -74,8 +74,8 @@ Plot speed_plot(const std::string& joint, const Points& points, const Line& line
           "speed, rad/s",
           false,
           {measured, fitted},
-          "Both directions. Where the line meets zero speed, sliding friction uses all of the "
-          "voltage."};
+          "The plot shows both directions. At the voltage where the line meets zero speed, sliding "
+          "friction takes the whole voltage."};
 }
 
 Plot start_plot(const std::string& joint, const Run& run) {
@@ -94,8 +94,8 @@ Plot start_plot(const std::string& joint, const Run& run) {
           "displacement, rad",
           false,
           {measured, steady},
-          "The dashed line meets zero at the lag: rotor and disc over back-EMF, the gear's "
-          "backlash and the board's tick."};
+          "The dashed line meets zero at the lag. The lag comes from the inertia of rotor and "
+          "disc, the gear's backlash and the board's tick."};
 }
 
 }  // namespace
@@ -128,8 +128,9 @@ void measure_speed(MotorOnBench& motor, BenchJudge& judge, std::optional<double>
   constexpr double kDisc = 4e-4;
   const double disc = motor.has_stand() ? sure(motor.stand().disc_kgm2()) : kDisc;
   if (std::abs(disc / kDisc - 1) > 0.05) {
-    judge.enter_without_default_limits(motor.name(), "start.time_constant", lag.value, lag.error,
-                                       "not judged: the limits are for a disc of 4e-4 kg m2");
+    judge.enter_without_default_limits(
+        motor.name(), "start.time_constant", lag.value, lag.error,
+        "not judged, because the limits are only valid for a disc of 4e-4 kg m2");
   } else {
     judge.enter(motor.name(), "start.time_constant", lag.value, lag.error);
   }
@@ -138,7 +139,8 @@ void measure_speed(MotorOnBench& motor, BenchJudge& judge, std::optional<double>
     judge.enter(motor.name(), "friction.running", -line.at_zero * worth,
                 line.at_zero_error * worth);
   } else {
-    judge.leave_out(motor.name(), "friction.running", "needs stall.slope in the same run");
+    judge.leave_out(motor.name(), "friction.running",
+                    "this measurement needs stall.slope in the same run");
   }
   judge.add(speed_plot(motor.name(), points, line));
   judge.add(start_plot(motor.name(), shown));

@@ -137,8 +137,9 @@ Plot stall_plot(const std::string& joint, const Readings& readings, const ColdLi
            {"negative", Series::Style::points, points_of(readings.negative, cold)},
            fitted,
            {"paper, section 2.1", Series::Style::points, {{4.8, 0.97}, {10, 2.16}}}},
-          "Voltage at the driver's terminals under load. Torque lost to warming is added. The "
-          "line's slope is torque per volt, and its deficit at 0 V is sliding friction."};
+          "The voltage is measured at the driver's terminals under load. The torques are corrected "
+          "for the motor's warming. The line's slope is torque per volt, and the torque below zero "
+          "at 0 V is sliding friction."};
 }
 
 // Presses to both sides, then a rest of kRest. None where somebody has to press.
@@ -162,7 +163,7 @@ double gain_at_rest(const std::vector<Press>& before, double fading,
   fading = std::max(0.0, fading);
   double gain = 0;
   for (const Press& press : before) {
-    check(press.torque > 0, "the motor does not press");
+    check(press.torque > 0, "the motor exerts no torque on the stand");
     gain += torque(press.volts) / (press.torque * (1 + fading * press.warmth)) - 1 +
             0.6 * fading * before.back().warmth;
   }
@@ -173,8 +174,8 @@ double gain_at_rest(const std::vector<Press>& before, double fading,
 std::string was_warm(double gain) {
   char text[200];
   std::snprintf(text, sizeof text,
-                "the motor was warm: its torque grew by %.1f %% in %.0f s of rest; let it cool, 20 "
-                "minutes after hard work, and measure again",
+                "the motor was warm: its torque grew by %.1f %% in %.0f s of rest; let it cool (20 "
+                "minutes after hard work), then measure again",
                 100 * gain, kRest);
   return text;
 }
@@ -229,7 +230,7 @@ void measure_heat(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
     return torque;
   };
   const double cold = read();
-  check(cold > 0.1, "the motor does not press");
+  check(cold > 0.1, "the motor exerts no torque on the stand");
   double warm = cold;
   while (pressed_s < kSeconds - 0.5 * kBetween) {
     for (double left = kBetween; left > 0.5 * kRenewed; left -= kRenewed) {
@@ -264,8 +265,8 @@ void measure_heat(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
              "torque, Nm",
              false,
              {shown},
-             "The copper's resistance grows as it warms. Each point is a separate press after 50 "
-             "ms off."});
+             "The torque drops because the copper's resistance grows as the motor warms. Each "
+             "point is a separate press after 50 ms with the motor off."});
 }
 
 }  // namespace kaz::hil

@@ -30,7 +30,7 @@ std::string bench_junit(const BenchReport& report) {
     }
     suite.add(test);
   }
-  if (broken_off != 0) suite.add_error("bench", "runs to its end", report.interrupted);
+  if (broken_off != 0) suite.add_error("bench", "the run is complete", report.interrupted);
   return suite.finish();
 }
 

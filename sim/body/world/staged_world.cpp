@@ -116,7 +116,8 @@ bool StagedWorld::joint_can_turn(std::size_t joint, double velocity) {
   if (std::abs(velocity) * step_s_ <= kMaxTurn) return true;
   char speed[48];
   std::snprintf(speed, sizeof speed, "` turns at %.3g rad/s", velocity);
-  break_down("joint `" + model_->joint_order[joint] + speed + ", too fast for the physics step");
+  break_down("joint `" + model_->joint_order[joint] + speed +
+             ", which is too fast for the physics step");
   return false;
 }
 
@@ -126,7 +127,8 @@ bool StagedWorld::body_can_move(std::size_t body, const Eigen::Vector3d& velocit
   char speed[96];
   std::snprintf(speed, sizeof speed, "` moves at %.3g m/s and turns at %.3g rad/s", velocity.norm(),
                 angular.norm());
-  break_down("link `" + bodies()[body].rigid.name + speed + ", too fast for the physics step");
+  break_down("link `" + bodies()[body].rigid.name + speed +
+             ", which is too fast for the physics step");
   return false;
 }
 

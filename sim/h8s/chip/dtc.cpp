@@ -96,7 +96,7 @@ void Dtc::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
   if (active) {
     // The vector number stays; SWDTE is cleared by writing 0 after it has been read as 1.
     if ((value & 0x7f) != (dtvecr_ & 0x7f))
-      m.misuse(address, "DTVEC changed while SWDTE is set; it has no effect");
+      m.misuse(address, "DTVEC changed while SWDTE is set; the change has no effect");
     if (!(value & kSwdte) && swdte_seen_) {
       dtvecr_ &= 0x7f;
       swdte_seen_ = ended_ = false;

@@ -61,7 +61,7 @@ void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) 
     return;
   }
   if (busy()) {
-    m.misuse(address, "write to flash memory during setup or a pulse; no effect");
+    m.misuse(address, "write to flash memory during setup or a pulse; the write has no effect");
     return;
   }
   // In verify mode a dummy write selects the word to be read.
@@ -212,7 +212,7 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
       if (!(flmcr2_ & kEsu) || locked) next = static_cast<std::uint8_t>(next & ~kErase);
       // Both at once, or together with verification, is not an operation.
       if (std::popcount(static_cast<unsigned>(next & 0x0f)) > 1) {
-        m.misuse(0xff80, "more than one of EV, PV, E and P set; none has an effect");
+        m.misuse(0xff80, "more than one of EV, PV, E and P set; these bits have no effect");
         next = static_cast<std::uint8_t>(next & 0xf0);
       }
       const auto ended = static_cast<std::uint8_t>(before & ~next);

@@ -390,7 +390,7 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
 
 void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value, States at) {
   if (module_stopped(p)) {
-    misuse(a, "write to a register whose module is stopped (MSTPCR); it has no effect");
+    misuse(a, "write to a register whose module is stopped (MSTPCR); the write has no effect");
     return;
   }
   switch (p.unit) {

@@ -188,8 +188,9 @@ void Machine::reset(ResetCause why, States at) {
   system.mdcr = static_cast<std::uint8_t>(options.mode & 3);
   const bool boots = options.mode == 0 && (ports.pins(*this, 4, at) & 7) == 7;
   if (options.mode == 0 && !boots)
-    misuse(0xffc5,
-           "mode pins 0 without P42, P41 and P40 high select no mode; boot mode needs them high");
+    misuse(
+        0xffc5,
+        "mode pins are 0, but P42, P41 and P40 are not all high: boot mode needs these pins high");
   else if (options.mode != 0 && options.mode != 2 && options.mode != 3)
     misuse(0xffc5, "mode pins select a mode other than 2 and 3: expanded buses are not modeled");
   if (why != ResetCause::watchdog) system.syscr |= 0x08;

@@ -177,8 +177,8 @@ Result<void> Flat::load(const Image& image) {
   if (!image.entry) return fail("the image has no entry address; give one with --entry");
   if (image.normal_mode)
     return fail(
-        "the image is built for 16-bit addresses; this machine has 24: build it with -ms "
-        "(without -mn)");
+        "the image is built for 16-bit addresses; this machine has 24-bit addresses: build the "
+        "image with -ms (without -mn)");
   for (const Segment& s : image.segments) poke(s.run_address, s.bytes);
   body_->symbols = image.symbols;
   Registers r = registers();

@@ -34,7 +34,7 @@ void HostWatch::presence(Time now, bool present, long baud) {
     if (baud != 115200)
       say("host set " + port_ + " to " +
           (baud == 0 ? "an odd speed" : std::to_string(baud) + " baud") +
-          "; the firmware uses 115200 baud and receives damaged bytes, boot mode uses 9600");
+          "; the firmware uses 115200 baud and receives damaged bytes; boot mode uses 9600 baud");
   }
 }
 
@@ -79,8 +79,8 @@ void HostWatch::held(Time now) {
   held_ = true;
   char text[120];
   std::snprintf(text, sizeof text,
-                "joints held at %.3f s: link watchdog, %s after the host's last byte", seconds(now),
-                milliseconds(now - last_byte_).c_str());
+                "joints held at %.3f s by the link watchdog, %s after the host's last byte",
+                seconds(now), milliseconds(now - last_byte_).c_str());
   say(text);
 }
 

@@ -52,7 +52,7 @@ TEST(HostWatch, ReportsHeldJointsOnceForEachSilence) {
   EXPECT_TRUE(heard.watch.may_hold(milliseconds(490)));
   EXPECT_EQ(heard.lines,
             (std::vector<std::string>{
-                "joints held at 0.191 s: link watchdog, 91 ms after the host's last byte"}));
+                "joints held at 0.191 s by the link watchdog, 91 ms after the host's last byte"}));
 }
 
 TEST(HostWatch, ReportsSilenceOnce) {

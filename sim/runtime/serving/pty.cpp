@@ -51,12 +51,12 @@ Result<void> make_link(const std::string& target, const std::string& link, bool 
     if (error || !is_left_over(there, target, maker_is_dead))
       return fail(Fault::usage, link + " is a symbolic link to " + there +
                                     ", which no virtual board created; choose another path for the "
-                                    "serial port, or remove it");
+                                    "serial port, or remove the link");
     fs::remove(link, error);
   } else if (fs::exists(status)) {
     return fail(Fault::usage, link +
                                   " exists and is not a symbolic link; choose another path for " +
-                                  "the serial port, or remove it");
+                                  "the serial port, or remove the file");
   }
   // Fails if the path was created meanwhile.
   fs::create_symlink(target, link, error);

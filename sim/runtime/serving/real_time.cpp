@@ -46,7 +46,7 @@ void sleep_for(Time length) {
 }
 
 std::string shutdown_words(std::uint32_t reason, std::uint32_t joint) {
-  if (reason == KZ_SHUTDOWN_NONE) return "by a host request, or a reset";
+  if (reason == KZ_SHUTDOWN_NONE) return "by a host request or by a reset";
   std::string words = std::string("shutdown, ") + kz_shutdown_text(static_cast<u8>(reason));
   if (joint < KZ_JOINTS) words += " (" + joint_names()[joint] + ")";
   return words;
@@ -145,8 +145,8 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
   if (options.keep_hung) p->keep_hung();
   simulation.board().mcu().on_watchdog_reset([p](States) {
     p->watch.board_restarted(
-        "by its watchdog, on a host request or because its program hung (`identify` reports "
-        "which)");
+        "reset by the watchdog, after a host request or because the firmware hung (`identify` "
+        "reports the cause)");
   });
   return std::unique_ptr<RealTimeServer>(new RealTimeServer(std::move(parts)));
 }

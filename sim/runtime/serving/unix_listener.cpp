@@ -40,7 +40,7 @@ Result<std::unique_ptr<UnixListener>> UnixListener::open(const std::string& path
   if (::lstat(path.c_str(), &status) == 0) {
     if (!S_ISSOCK(status.st_mode))
       return fail(Fault::usage,
-                  path + " exists and is not a socket; choose another path, or remove it");
+                  path + " exists and is not a socket; choose another path, or remove the file");
     if (is_served(address))
       return fail(
           Fault::environment,

@@ -70,12 +70,13 @@ Result<void> check_limits(const std::string& robot_path) {
               " is a robot with bus servos (bus.json): start `kaz sim --bus feetech --robot-file " +
               robot_path +
               " --serial PORT`, or give --robot feetech:PORT (dynamixel for ROBOTIS servos)");
-    return fail(Fault::usage, robot_path + ": joint `" + joint.name + "`: limits " +
-                                  range_text(joint.lower, joint.upper) + " rad: must be within " +
-                                  range_text(min_rad, max_rad) + ", the limits of channel " +
-                                  std::to_string(j) + " of the servo board (Kaz's " + board[j] +
-                                  "); make them narrower, or move the joint in the file: the first "
-                                  "has channel 0, the second channel 1");
+    return fail(Fault::usage,
+                robot_path + ": joint `" + joint.name + "`: limits " +
+                    range_text(joint.lower, joint.upper) + " rad: must be within " +
+                    range_text(min_rad, max_rad) + ", the limits of channel " + std::to_string(j) +
+                    " of the servo board (Kaz's " + board[j] +
+                    "); make the joint's limits narrower, or move the joint in the file: the first "
+                    "joint has channel 0, the second joint has channel 1");
   }
   return {};
 }
@@ -379,7 +380,7 @@ void Simulation::record_map(const RecordedMap& map) {
 Result<void> Simulation::start_recording(const std::string& path) {
   if (recorder_)
     return fail(Fault::usage, "cannot record into " + path +
-                                  ": a recording is in progress; finish that one first");
+                                  ": a recording is in progress; finish that recording first");
   McapWriter::Metadata facts = options_.recording_facts;
   for (auto& fact : facts_of(options_, *world_)) {
     // MCAP readers reject duplicate keys.

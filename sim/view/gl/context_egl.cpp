@@ -91,13 +91,13 @@ Result<std::unique_ptr<GlContext>> make_egl_context() {
   const char* extensions = egl->QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   if (extensions == nullptr ||
       std::strstr(extensions, "EGL_MESA_platform_surfaceless") == nullptr) {
-    return no_egl("it has no EGL_MESA_platform_surfaceless");
+    return no_egl("EGL has no EGL_MESA_platform_surfaceless");
   }
   EGLDisplay display =
       egl->GetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
   if (display == EGL_NO_DISPLAY || egl->Initialize(display, nullptr, nullptr) == EGL_FALSE)
     return no_egl("no driver starts");
-  if (egl->BindAPI(EGL_OPENGL_API) == EGL_FALSE) return no_egl("it has no desktop OpenGL");
+  if (egl->BindAPI(EGL_OPENGL_API) == EGL_FALSE) return no_egl("EGL has no desktop OpenGL");
   constexpr EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
                                    3,
                                    EGL_CONTEXT_MINOR_VERSION,
@@ -106,7 +106,7 @@ Result<std::unique_ptr<GlContext>> make_egl_context() {
                                    EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                    EGL_NONE};
   EGLContext context = egl->CreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-  if (context == EGL_NO_CONTEXT) return no_egl("it provides no OpenGL 3.3 context");
+  if (context == EGL_NO_CONTEXT) return no_egl("EGL provides no OpenGL 3.3 context");
   return std::make_unique<EglGlContext>(*egl, display, context);
 }
 

@@ -113,7 +113,7 @@ Result<std::unique_ptr<GlContext>> make_osmesa_context() {
   const Osmesa osmesa = KAZ_TRY(load_osmesa());
   OSMesaContext context = osmesa.create(attributes.data(), nullptr);
   if (context == nullptr)
-    return no_osmesa("it provides no OpenGL 3.3 context (Mesa 22.3 and newer do)");
+    return no_osmesa("OSMesa provides no OpenGL 3.3 context: install Mesa 22.3 or newer");
   return std::make_unique<OsmesaContext>(osmesa, context);
 }
 

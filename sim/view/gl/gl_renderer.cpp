@@ -34,7 +34,8 @@ class GlRenderer final : public Renderer {
   explicit GlRenderer(ContextMaker make_context) : make_context_(std::move(make_context)) {}
 
   Result<void> set_scene(const Scene& scene) override {
-    if (model_) return fail(Fault::usage, "a renderer takes one scene: make another renderer");
+    if (model_)
+      return fail(Fault::usage, "a renderer accepts only one scene: create another renderer");
     Result<SceneModel> model = build_scene_model(scene);
     if (!model) return tl::unexpected(model.error());
     model_ = std::make_unique<SceneModel>(std::move(*model));

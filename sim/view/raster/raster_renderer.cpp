@@ -57,7 +57,8 @@ class RasterRenderer final : public Renderer {
   explicit RasterRenderer(InstructionSet set) : kernels_(kernels_of(set)) {}
 
   Result<void> set_scene(const Scene& scene) override {
-    if (scene_) return fail(Fault::usage, "a renderer takes one scene: make another renderer");
+    if (scene_)
+      return fail(Fault::usage, "a renderer accepts only one scene: create another renderer");
     Result<SceneModel> model = build_scene_model(scene);
     if (!model) return tl::unexpected(model.error());
     scene_.emplace(std::move(*model));

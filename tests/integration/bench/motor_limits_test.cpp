@@ -357,8 +357,9 @@ TEST(MotorBench, RefusesWhatItCannotMeasure) {
   options.filter = "(";
   EXPECT_NE(error(options).find("is not a regular expression"), std::string::npos);
   options.filter = "wings";
-  EXPECT_EQ(error(options),
-            "--filter wings matches no measurement of a motor; `kaz bench list` lists them");
+  EXPECT_EQ(
+      error(options),
+      "--filter wings matches no measurement of a motor; `kaz bench list` lists the measurements");
   options = {};
   options.joint = 18;
   EXPECT_EQ(error(options), "joint 18: must be 0 to 17");

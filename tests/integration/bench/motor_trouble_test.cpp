@@ -88,7 +88,7 @@ TEST(BrokenPotentiometer, ThatDoesNotFollowHasNoLine) {
       << all_values(benched.report);
   const Measurement* linearity = find(benched.report, "pot.linearity");
   ASSERT_TRUE(linearity);
-  EXPECT_NE(linearity->message.find("follows the shaft by "), std::string::npos);
+  EXPECT_NE(linearity->message.find("the reading changes by only "), std::string::npos);
 }
 
 // Quiet because the sensors are ideal, and healthy.

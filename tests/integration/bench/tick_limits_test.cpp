@@ -82,7 +82,7 @@ TEST(TickLimits, ThoseMissedBeforeAreNotThoseOfNow) {
   const BenchReport report =
       measure_with(change_statistics([](kz_statistics_reply& s) { s.missed_ticks = 7; }));
   EXPECT_EQ(failed(report), Names{}) << all_values(report);
-  EXPECT_NE(all_values(report).find("7 more before"), std::string::npos);
+  EXPECT_NE(all_values(report).find("7 more were missed before"), std::string::npos);
 }
 
 TEST(TickLimits, Jitter) {

@@ -129,7 +129,7 @@ TEST(Suite, ABoardThatDiesEndsTheRunAndFailsNoCase) {
   const auto report = run_suite(board, board, nullptr, std::chrono::milliseconds(20), options);
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().fault, Fault::environment);
-  EXPECT_NE(report.error().message.find("stopped answering in case "), std::string::npos)
+  EXPECT_NE(report.error().message.find("stopped answering during case "), std::string::npos)
       << report.error().message;
   EXPECT_EQ(verdicts.size(), 3u);
   EXPECT_EQ(std::count(verdicts.begin(), verdicts.end(), Verdict::failed), 0);

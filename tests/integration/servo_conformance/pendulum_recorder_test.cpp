@@ -107,10 +107,10 @@ TEST(PendulumRecorder, ALimitAnErrorOrAnInterruptSwitchesTheTorqueOff) {
   const auto nothing = [](BusLink&, sim::VirtualBus&) {};
   auto weak = weight();
   weak.max_amps = 0.1;
-  EXPECT_NE(refused(weak, nothing).find("are allowed: use a lighter weight"), std::string::npos);
+  EXPECT_NE(refused(weak, nothing).find("; use a lighter weight"), std::string::npos);
   auto cool = weight();
   cool.max_celsius = 20;
-  EXPECT_NE(refused(cool, nothing).find("let it cool"), std::string::npos);
+  EXPECT_NE(refused(cool, nothing).find("let the servo cool"), std::string::npos);
   auto wide = weight();
   wide.amplitude_rad = 3;
   EXPECT_NE(refused(wide, nothing).find("put the horn on"), std::string::npos);

@@ -91,7 +91,7 @@ TEST_P(Models, PassesEveryCaseAndIsAsItWas) {
   EXPECT_EQ(memory_of(*bus), before);
   for (const auto& one : report->results) {
     if (one.verdict == Verdict::left_out) {
-      EXPECT_TRUE(one.message.find("cannot be put back") != std::string::npos ||
+      EXPECT_TRUE(one.message.find("cannot be undone") != std::string::npos ||
                   one.message.find("model") != std::string::npos)
           << one.of->id << one.message;
     }

@@ -125,7 +125,8 @@ TEST(BenchVerb, StandBehindAPort) {
   EXPECT_NE(alone.err.find("no measurement was made"), std::string::npos) << alone.err;
   const Json left = measurement(Json::parse(alone.out), "stall.torque_10v");
   EXPECT_EQ(left["verdict"], "left out");
-  EXPECT_EQ(left["message"], "needs a motor stand: --stand ctl:PATH or --stand manual");
+  EXPECT_EQ(left["message"],
+            "this measurement needs a motor stand: give --stand ctl:PATH or --stand manual");
 
   auto manual = at_port;
   manual.insert(manual.end(), {"--stand", "manual"});

@@ -174,7 +174,7 @@ TEST(CalibrateJoints, AtAPortItPromptsAndLeavesTheBoardAsItWas) {
   EXPECT_NE(alone.err.find("--yes"), std::string::npos) << alone.err;
 
   Process prompted(calibrate(port), true);
-  ASSERT_TRUE(prompted.wait_for_output("Enter to go on", seconds(20)));
+  ASSERT_TRUE(prompted.wait_for_output("Press Enter to continue", seconds(20)));
   prompted.type("n\n");
   const Finished stopped = prompted.wait(seconds(20));
   EXPECT_EQ(stopped.exit_code, 1) << stopped.err;

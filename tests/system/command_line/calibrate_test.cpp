@@ -234,7 +234,7 @@ TEST(Calibrate, NamesAndLeavesOutWhatShowsNoBoard) {
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_NE(finished.out.find("left out: left05.jpg: is not a valid JPEG"), std::string::npos)
       << finished.out;
-  EXPECT_NE(finished.out.find("left out: right07.jpg: the whole board is not in sight"),
+  EXPECT_NE(finished.out.find("left out: right07.jpg: the whole board is not visible"),
             std::string::npos)
       << finished.out;
   EXPECT_NE(finished.out.find("5 of 7 pairs"), std::string::npos) << finished.out;
@@ -258,7 +258,7 @@ TEST(Calibrate, RefusesWhatGivesNoCalibration) {
                  {"left03.jpg", "no partner", "2 left, 1 right"});
   // One is of another size.
   fs::copy_file(kPictures + "/aloeR.jpg", folder / "right03.jpg");
-  expect_refusal(calibrate(folder.path(), out), 2, out, {"right03.jpg", "640 x 480", "one size"});
+  expect_refusal(calibrate(folder.path(), out), 2, out, {"right03.jpg", "640 x 480", "equal size"});
 }
 
 TEST(Calibrate, RefusesPairsThatDoNotBelongTogether) {

@@ -298,9 +298,9 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
       {{"figures", "--only", "7", "--imu"},
        {"--imu is only valid with figures 3, 5, 6 and 8", "--only"}},
       {{"run", "stand", "--robot", "serial:none", "--seed", "3"},
-       {"--seed has no effect: stand uses no random numbers", "leave it out"}},
+       {"--seed has no effect: stand uses no random numbers", "leave --seed out"}},
       {{"run", "stand", "--options", "--seed", "3"},
-       {"--seed is not valid with --options", "leave one"}},
+       {"--seed is not valid with --options", "leave --seed or --options out"}},
       {{"sim", "--write-calibration", folder / "lcov", "--record", folder / "r.mcap"},
        {"--record needs --serial"}},
       {{"sim", "--write-calibration", folder / "lcov", "--fast"}, {"--fast needs --serial"}},
@@ -431,16 +431,16 @@ TEST(Cli, WrongNamesGetTheNearest) {
                    "there is no option --durations; did you mean --duration?"));
   EXPECT_TRUE(says({"demo", "--nonsense=3"}, "there is no option --nonsense"));
   EXPECT_TRUE(says({"--jsn"}, "there is no option --jsn"));
-  EXPECT_TRUE(says({"--seed", "3", "demo"}, "give --seed after demo"));
+  EXPECT_TRUE(says({"--seed", "3", "demo"}, "give --seed after the verb demo"));
   EXPECT_TRUE(says({"dmo"}, "there is no verb `dmo`; did you mean demo?"));
   EXPECT_TRUE(says({"mcu", "rnu", "--help"}, "there is no verb `rnu`; did you mean run?"));
   EXPECT_TRUE(says({"help", "walk"}, "there is no verb `walk`"));
   EXPECT_TRUE(says({"help", "status", "board"}, "`help` takes only a verb, not `board`"));
   EXPECT_TRUE(says({"help", "bench", "list", "motor"}, "`help` takes only a verb, not `motor`"));
   EXPECT_TRUE(says({"mcu"}, "the verb is missing: give run or compare"));
-  EXPECT_TRUE(says({"evaluate", "mrge", "a", "b", "--out", "y"},
-                   "not expected: `a b`; did you mean merge?"));
-  EXPECT_TRUE(says({"demo", "sim", "status"}, "not expected: `sim status`"));
+  EXPECT_TRUE(
+      says({"evaluate", "mrge", "a", "b", "--out", "y"}, "unexpected: `a b`; did you mean merge?"));
+  EXPECT_TRUE(says({"demo", "sim", "status"}, "unexpected: `sim status`"));
 }
 
 TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
@@ -471,7 +471,7 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
   EXPECT_TRUE(says({"run", "search-ball", "--duration"},
                    "--duration: give a value, as in --duration SECONDS"));
   EXPECT_TRUE(
-      says({"demo", "--seed", "1", "--seed", "2"}, "--seed is given 2 times; give it once"));
+      says({"demo", "--seed", "1", "--seed", "2"}, "--seed is given 2 times; give --seed once"));
   EXPECT_TRUE(one_sentence(run(kaz({"evaluate", "stand", "--friction", "0.6"})), 2,
                            {"--friction: give two values, as in --friction "}));
   EXPECT_TRUE(
@@ -660,9 +660,10 @@ TEST(Cli, LimitsBeyondTheChannel) {
   std::string arm = read_file("sim/robots/arm/arm.urdf");
   arm.replace(arm.find("upper=\"1.5\""), 11, "upper=\"1.9\"");
   write_file(folder / "arm.urdf", arm);
-  EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--robot-file", folder / "arm.urdf"})), 2,
-                           {folder / "arm.urdf", "`turn`", "-1.500 to 1.900 rad", "-1.571 to 1.571",
-                            "channel 0", "the first has channel 0, the second channel 1\n"}));
+  EXPECT_TRUE(one_sentence(
+      run(kaz({"run", "stand", "--robot-file", folder / "arm.urdf"})), 2,
+      {folder / "arm.urdf", "`turn`", "-1.500 to 1.900 rad", "-1.571 to 1.571", "channel 0",
+       "the first joint has channel 0, the second joint has channel 1\n"}));
 }
 
 TEST(Cli, DurationThatIsNone) {
@@ -708,7 +709,7 @@ TEST(Cli, OptionsOfAnotherKindOfRobot) {
                                              {"--restore-every", "1"}}) {
     std::vector<std::string> words{"run", "stand", "--robot", "serial:none"};
     words.insert(words.end(), option.begin(), option.end());
-    EXPECT_TRUE(one_sentence(run(kaz(words)), 2, {option[0], "virtual robot", "leave it out"}));
+    EXPECT_TRUE(one_sentence(run(kaz(words)), 2, {"virtual robot; leave " + option[0] + " out"}));
   }
   EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--address", "1"})), 2,
                            {"--address", "serial:PATH", "virtual board"}));

@@ -130,7 +130,8 @@ TEST_F(StoppedSimulator, ThatStaysStoppedIsALoss) {
   const Finished end = suite.wait(seconds(60));
   sim_.signal(SIGCONT);
   EXPECT_EQ(end.exit_code, 3) << end.out << end.err;
-  EXPECT_NE(end.err.find("as it is stopped or has ended; case "), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find("because that program is stopped or has ended; case "), std::string::npos)
+      << end.err;
   EXPECT_NE(end.err.find("kaz recover --robot serial:" + port()), std::string::npos) << end.err;
   const json report = parse_json(read_file(folder_ / "report.json"));
   ASSERT_TRUE(report.is_object()) << end.err;

@@ -256,7 +256,8 @@ TEST(FlashUsage, TheNativeBoardHasNoLoader) {
     EXPECT_EQ(refused.exit_code, 2) << refused.err;
     EXPECT_NE(refused.err.find("runs --mcu native, which has no loader"), std::string::npos)
         << refused.err;
-    EXPECT_NE(refused.err.find("start it with --mcu h8"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("start the simulator with --mcu h8"), std::string::npos)
+        << refused.err;
     EXPECT_EQ(refused.err.find("likely causes"), std::string::npos) << refused.err;
   }
 }

@@ -237,7 +237,7 @@ TEST(HostileFiles, AJpegOfTwoSizesIsAPicture) {
            "--board", "9x6", "--square", "0.025", "--out", folder / "stereo.yml", "--json"}),
       kAtMost);
   expect_sentence(seen, 1, "left0.jpg");
-  EXPECT_NE(seen.err.find("the whole board is not in sight"), string::npos) << seen.err;
+  EXPECT_NE(seen.err.find("the whole board is not visible"), string::npos) << seen.err;
 }
 
 TEST(HostileFiles, CalibrationsAndColoursAreRefused) {

@@ -189,7 +189,7 @@ TEST(HostilePlugin, IsRefusedWhileItIsLoaded) {
       {"load_exit", 2, {" called exit(3) while it was loaded in `", "leave(int)"}},
       {"load_crash", 128 + SIGSEGV, {" crashed while it was loaded in `", "write_to_null()"}},
       {"registration", 2, {" threw std::logic_error: not today while it was loaded"}},
-      {"kaz_name", 2, {" has a behavior named `stand`, the name of one of Kaz's own"}},
+      {"kaz_name", 2, {" has a behavior named `stand`, which is the name of a built-in behavior"}},
       {"wrong_default", 2, {" has an option with a wrong default: `11` is no value"}},
   };
   for (const auto& [name, status, words] : cases) {

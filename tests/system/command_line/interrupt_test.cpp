@@ -406,7 +406,7 @@ TEST(Interrupts, ARecordingEndsThereAndReplays) {
   for (const char* mode : {"--host", "--whole"}) {
     const Finished again = run(kaz({"replay", folder / "out/recording.mcap", mode}));
     EXPECT_EQ(again.exit_code, 0) << again.out << again.err;
-    EXPECT_NE(again.out.find("the recording ends early, its run was interrupted by SIGINT"),
+    EXPECT_NE(again.out.find("the recording ends early, because its run was interrupted by SIGINT"),
               std::string::npos)
         << again.out;
     EXPECT_NE(again.out.find("identical"), std::string::npos) << again.out;

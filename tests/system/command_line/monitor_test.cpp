@@ -88,7 +88,7 @@ TEST(Monitor, ShowsJointsMovesAndStopsThemAndFindsABoardAgain) {
 
   // A joint that is off is not moved; switched on it goes where the keys say.
   screen.press({"]"});
-  screen.wait("neck_pan is off: e switches it on");
+  screen.wait("neck_pan is off: press e to switch it on");
   screen.press({"e"});
   screen.wait("motors on[^]*0 neck_pan .* on");
   screen.press({"]", "]", "Right"});
@@ -204,7 +204,7 @@ TEST(Monitor, NamesNotesOfAnEarlierRun) {
   for (const std::string& word : kaz({"monitor", "--port", folder / "board"}))
     command += word + " ";
   Screen screen(command);
-  screen.wait("an interrupted run left notes: q prints what to do");
+  screen.wait("an interrupted run left notes: press q to print what to do");
   screen.press({"q"});
   screen.wait("kaz monitor: the notes of a run[^]*left with 0");
 }

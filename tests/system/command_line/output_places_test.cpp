@@ -330,7 +330,7 @@ TEST(OutputPlaces, EarlierResultsGoAndOthersAreRefused) {
     EXPECT_EQ(other.exit_code, 2) << verb[0];
     EXPECT_NE(other.err.find("', which is not in its list of results"), std::string::npos)
         << other.err;
-    EXPECT_NE(other.err.find("remove it"), std::string::npos) << other.err;
+    EXPECT_NE(other.err.find("remove this file"), std::string::npos) << other.err;
   }
   EXPECT_EQ(read_file(out + "/result.json"), result);
 }
@@ -362,10 +362,9 @@ TEST(OutputPlaces, EpisodesLostToTheMachineAreInNoRate) {
   ASSERT_NE(killed, 0);
   const Finished stopped = first.wait(seconds(60));
   EXPECT_EQ(stopped.exit_code, 3) << stopped.err;
-  EXPECT_NE(
-      stopped.err.find("1 of 2 episodes were lost to machine errors (0; the first: its process "
-                       "was ended by signal 9)"),
-      std::string::npos)
+  EXPECT_NE(stopped.err.find("1 of 2 episodes were lost to machine errors (0; the first: the "
+                             "process of the episode was ended by signal 9)"),
+            std::string::npos)
       << stopped.err;
   const json result = parse_json(read_file(out + "/result.json"));
   EXPECT_EQ(result["episodes"], 1) << result.dump(1);

@@ -37,7 +37,8 @@ TEST(OwnBehavior, RunsAndIsReplayed) {
   const std::string recording = folder / "out/recording.mcap";
   const Finished refused = run(kaz({"replay", recording}));
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_NE(refused.err.find("give it with --plugin FILE"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("give the plug-in with --plugin FILE"), std::string::npos)
+      << refused.err;
   const Finished again = run(kaz({"replay", recording, "--plugin", wave}));
   EXPECT_EQ(again.exit_code, 0) << again.out << again.err;
   EXPECT_NE(again.out.find("identical"), std::string::npos) << again.out;
@@ -100,7 +101,8 @@ TEST(OwnBehavior, RefusesWhatIsNoPlugin) {
         "rebuild it"}},
       {kModules + "/other_options.so", {"Eigen alignment 32", "Eigen alignment 16", "rebuild it"}},
       {kModules + "/missing_symbol.so",
-       {"needs `kaz::host::gone_since(int)`, which this program does not have", "rebuild it"}},
+       {"needs `kaz::host::gone_since(int)`, which this program does not have",
+        "rebuild the plug-in"}},
       {kModules + "/no_function.so", {"has a behavior without a name or function"}},
   };
   for (const auto& [path, words] : cases) {

@@ -91,7 +91,7 @@ TEST(Poses, WrongOnesAreRefusedBeforeAnythingMoves) {
            {poses(R"({"time_s": 1, "angles_rad": {"wing": 0}})"),
             "\"wing\", which this robot does not have"},
            {poses(R"({"time_s": 1, "angles_rad": {"r_sh_pitch": 2}})"),
-            "turn r_sh_pitch to 2 rad, but its range is"},
+            "turn r_sh_pitch to 2 rad, but the joint's range is"},
            {poses(R"({"time_s": 0.05, "angles_rad": {"neck_pan": 1}})"),
             "leave more time between the poses"}}) {
     write_file(folder / "bad.json", text);

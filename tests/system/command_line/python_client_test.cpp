@@ -178,7 +178,7 @@ TEST(PortLock, AForeignClientAndKazExcludeEachOther) {
   ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
   const auto status = kaz({"status", "--port", folder / "board"});
   const std::string sentence =
-      (folder / "board") + " is in use by another program: end that one first";
+      (folder / "board") + " is in use by another program: end that program first";
   {
     Process holder(foreign(folder / "board"));
     ASSERT_TRUE(holder.wait_for_output("locked", seconds(10))) << holder.wait(seconds(0)).err;

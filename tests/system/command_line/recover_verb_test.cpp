@@ -253,7 +253,7 @@ TEST_F(RecoverVerb, NotesThatCannotBeReadAreASentenceAndNoObstacle) {
     EXPECT_NE(without.err.find(path), std::string::npos) << without.err;
     const Finished status = run(kaz({"status", "--port", port()}));
     EXPECT_EQ(status.exit_code, 0) << status.err;
-    EXPECT_NE(status.err.find("then remove them"), std::string::npos) << status.err;
+    EXPECT_NE(status.err.find("then remove the notes"), std::string::npos) << status.err;
   }
   const Finished suite = run(conformance("^identity.identify$"));
   EXPECT_EQ(suite.exit_code, 0) << suite.err;

@@ -148,7 +148,8 @@ TEST(ServoCalibration, NothingIsWrittenWithoutAGoodRangeOrAfterCtrlC) {
   arm.turn_pan();
   const Finished missing = some.wait(seconds(30));
   EXPECT_EQ(missing.exit_code, 1) << missing.out << missing.err;
-  EXPECT_NE(missing.out.find("gripper: it was turned through "), std::string::npos) << missing.out;
+  EXPECT_NE(missing.out.find("gripper: the joint was turned through "), std::string::npos)
+      << missing.out;
   unchanged();
   // Ctrl-C on the way.
   Process broken(arm.calibrate({"--yes"}));

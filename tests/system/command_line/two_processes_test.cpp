@@ -158,7 +158,7 @@ TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
     EXPECT_TRUE(robot->disable_all());
   }
   // Read from the emulated firmware's state.
-  EXPECT_TRUE(sim.wait_for_output("s: by a host request, or a reset", seconds(10)))
+  EXPECT_TRUE(sim.wait_for_output("s: by a host request or by a reset", seconds(10)))
       << sim.wait(seconds(0)).err;
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);

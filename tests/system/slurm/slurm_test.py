@@ -68,7 +68,7 @@ def run(slurm, folder):
 
     waiting = begun(slurm, words)
     first = waiting.stdout.readline()
-    check("is under way" in first, f"the second call says: {first}")
+    check("is still running" in first, f"the second call says: {first}")
     # A node loses its power while it has tasks; they are requeued, to the other, or to it when it is back.
     killed, until = 0, time.monotonic() + (20000 if LONG else HANG_S)
     while killed < KILLS and time.monotonic() < until and waiting.poll() is None:

@@ -72,7 +72,7 @@ def interrupted(folder, out):
     # The same command waits for that job, and a third at the same time is refused.
     second = begun(folder, out)
     said = second.stdout.readline()
-    check(said == "job 42 is under way\n", f"the second call says: {said}")
+    check(said == "job 42 is still running\n", f"the second call says: {said}")
     _, third = begun(folder, out).communicate(timeout=HANG_S)
     check("another run (process" in third, f"a second coordinator: {third}")
     second.send_signal(signal.SIGINT)
@@ -89,7 +89,7 @@ def killed(folder, out):
     wait_for("the job's number", lambda: submissions(folder) == ["begun", "submitted"])
     second = begun(folder, out)
     said = second.stdout.readline()
-    check(said == "job 42 is under way\n", f"after a kill: {said}")
+    check(said == "job 42 is still running\n", f"after a kill: {said}")
     second.kill()
     second.communicate()
 

@@ -229,8 +229,9 @@ TEST_F(Cameras, AnUnpluggedCameraStopsWithASentence) {
       Vivid(path).set("Disconnect", 1);
       const Time pulled = now();
       const auto watched = watch(*camera, 1000, 10s);
-      EXPECT_EQ(watched.error,
-                "camera " + path + " stopped: it was unplugged; plug it in and start again");
+      EXPECT_EQ(
+          watched.error,
+          "camera " + path + " stopped: the camera was unplugged; plug it in and start again");
       EXPECT_LT(now() - pulled, 1s);
       EXPECT_FALSE(camera->poll());  // it stays stopped
     }
@@ -281,14 +282,14 @@ TEST_F(Cameras, ReportsWhyACameraCannotBeOpened) {
   expect_in(refusal({"/dev/video3", kRight, 10, {}}),
             "/dev/video3: this node of vivid delivers no");
   expect_in(refusal({kLeft, kRight, 10, {}}, 333, 222),
-            "it has no 333 x 222, the calibration's size; it offers 320 x 180, 640 x 360, 640 x "
-            "480,");
+            "the camera has no picture size 333 x 222, the calibration's size; the camera offers "
+            "320 x 180, 640 x 360, 640 x 480,");
   expect_in(refusal({kLeft, kRight, 10, PixelFormat::mjpeg}), "; mjpeg was requested");
   {
     Vivid other(kRight);
     other.reserve_buffers();
     expect_in(refusal({kLeft, kRight, 10, {}}),
-              "no camera at /dev/video1: another program is using it; end that program");
+              "no camera at /dev/video1: another program uses the camera; end that program");
   }
   ASSERT_EQ(seteuid(1000), 0);
   const std::string refused = refusal({kLeft, kRight, 10, {}});

@@ -12,7 +12,7 @@ mkdirSync(folder, { recursive: true });
 
 const started = (...words) => {
   const program = start(kaz, words);
-  return Object.assign(program, { url: program.says(/watch it at (\S+)/).then(([, url]) => url) });
+  return Object.assign(program, { url: program.says(/watch the run at (\S+)/).then(([, url]) => url) });
 };
 const run = (port, ...more) => started("run", "track-ball", "--mcu", "native", "--set", "seconds=600", "--pace", "1",
   "--modules", "color,depth",

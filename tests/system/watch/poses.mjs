@@ -23,7 +23,7 @@ try {
   const edited = `${folder}/edited`;
   const run = start(kaz, ["run", "pose", "--mcu", "native", "--out", edited, "--pace", "1", "--view", "127.0.0.1:0",
     "--view-open"]);
-  const [, url] = await run.says(/watch it at (\S+)/);
+  const [, url] = await run.says(/watch the run at (\S+)/);
 
   // Without the token there is nothing to be set.
   const onlooker = (await open(browser, url.replace(/\?.*/, ""), wrong, { viewport: { width: 400, height: 300 } })).page;

@@ -27,7 +27,7 @@ const brightness = (page, place) => page.evaluate((place) => {
 
 async function played(words) {
   const player = start(kaz, ["replay", "--view", "127.0.0.1:0", ...words], folder);
-  const [, url] = await player.says(/watch it at (\S+)/);
+  const [, url] = await player.says(/watch the run at (\S+)/);
   return { player, page: (await open(browser, url, wrong)).page };
 }
 

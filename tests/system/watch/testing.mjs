@@ -42,7 +42,7 @@ export const client = (...words) => start(process.execPath, [examples, ...words]
 
 // The address of the protocol that a program prints: with its token.
 export const viewOf = async (program) =>
-  `ws${(await program.says(/watch it at http(:\/\/[\d.]+:\d+\/\?token=\w+)/))[1]}`;
+  `ws${(await program.says(/watch the run at http(:\/\/[\d.]+:\d+\/\?token=\w+)/))[1]}`;
 
 export function killAll() {
   for (const child of running) child.kill("SIGKILL");

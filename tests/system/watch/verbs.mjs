@@ -81,7 +81,7 @@ try {
   const port = 20000 + process.pid % 20000;
   const evaluation = started(["evaluate", "track-ball", "--mcu", "native", "--set", "seconds=3", "--episodes", "2",
     "--jobs", "1", "--pace", "1", "--out", "evaluated", "--view-wait", "--view", `${port}`]);
-  await evaluation.says(/watch it at/);
+  await evaluation.says(/watch the run at/);
   // The first episode's process takes the port over.
   await until(() => seen(evaluation, "evaluate", "/truth/joints", "/eyes/left", "/scene").catch(() => null),
     "an episode of evaluate is seen");

@@ -107,7 +107,7 @@ Result<void> OutputFile::open_stream(const std::string& option) {
   part_ = path_;
   struct stat about = {};
   if (::stat(path_.c_str(), &about) == 0 && S_ISBLK(about.st_mode))
-    return refused(option, path_, "it is a block device");
+    return refused(option, path_, "the path is a block device");
   fd_ = ::open(path_.c_str(), O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd_ < 0)
     return refused(option, path_,
@@ -140,7 +140,7 @@ Result<bool> OutputFile::lock_part(const std::string& option, const FileKind& ki
     return fail(Fault::environment,
                 option + ": another run" +
                     (process > 0 ? " (process " + std::to_string(process) + ")" : std::string()) +
-                    " is writing '" + path_ + "': wait until it ends, or give another path");
+                    " is writing '" + path_ + "': wait until that run ends, or give another path");
   }
   const bool in_place = ::lstat(part_.c_str(), &there) == 0 && here.st_ino == there.st_ino;
   if (fresh && in_place) return true;
@@ -165,8 +165,9 @@ Result<OutputFile> OutputFile::open(const std::string& path, const std::string& 
   const auto status = fs::status(path, error);
   const bool link = fs::is_symlink(fs::symlink_status(path, error));
   if (path.empty()) return refused(option, path, "the path is empty");
-  if (fs::is_directory(status)) return refused(option, path, "it is a folder");
-  if (link && !fs::exists(status)) return refused(option, path, "it is a link to a missing file");
+  if (fs::is_directory(status)) return refused(option, path, "the path is a folder");
+  if (link && !fs::exists(status))
+    return refused(option, path, "the path is a link to a missing file");
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     KAZ_TRY(file.open_stream(option));
     return file;
@@ -175,12 +176,12 @@ Result<OutputFile> OutputFile::open(const std::string& path, const std::string& 
   file.part_ = file.target_ + ".part";
   if (fs::exists(status)) {
     if (is_standard_output(path))
-      return refused(option, path, "it is the standard output of this program");
+      return refused(option, path, "the path is the standard output of this program");
     if (!may_replace(path, kind)) return refuse_to_replace(option, path, "the file", kind);
   }
   const fs::path folder = fs::absolute(file.target_, error).parent_path();
   if (fs::exists(fs::symlink_status(folder / kOutputListName, error)))
-    return refused(option, path, "its folder contains the results of a run");
+    return refused(option, path, "the folder of this path contains the results of a run");
   for (int attempt = 0;; ++attempt) {
     const auto locked = KAZ_TRY(file.lock_part(option, kind));
     if (locked) break;

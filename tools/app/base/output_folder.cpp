@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kOtherFolder = "; choose another with --out";
+constexpr const char* kOtherFolder = "; choose another folder with --out";
 
 // A temporary file's name without its ending: NAME.part, NAME.part4711-0.
 std::string_view without_part(std::string_view name) {
@@ -169,7 +169,7 @@ Result<bool> OutputFolder::State::lock() {
                 "another run" +
                     (process > 0 ? " (process " + std::to_string(process) + ")" : std::string()) +
                     " is writing results to '" + path +
-                    "': wait until it ends, or choose another with --out");
+                    "': wait until that run ends, or choose another folder with --out");
   }
   // Other failures of flock(): a file system without locks, on which none can be had.
   if (::stat(name.c_str(), &there) == 0 && here.st_ino == there.st_ino) return true;
@@ -195,16 +195,16 @@ Result<void> OutputFolder::State::refuse_others() const {
     const std::string base(without_part(name));
     if (is_result(name)) {
       if (other_kind)
-        return fail(
-            Fault::usage,
-            "'" + path + "' contains results of " + verbs_of(list.kind) + " (" + name + "), and " +
-                verbs_of(kind.name) +
-                " does not mix them with its own: choose another with --out, or remove them");
+        return fail(Fault::usage, "'" + path + "' contains results of " + verbs_of(list.kind) +
+                                      " (" + name + "), and " + verbs_of(kind.name) +
+                                      " does not mix these results with its own: choose another "
+                                      "folder with --out, or remove the results");
     } else if (is_written_by(kind, base)) {
-      return fail(Fault::usage,
-                  "'" + path + "' contains '" + name + "', which is not in its list of results (" +
-                      std::string(kOutputListName) +
-                      ") and would be replaced: choose another with --out, or remove it");
+      return fail(
+          Fault::usage,
+          "'" + path + "' contains '" + name + "', which is not in its list of results (" +
+              std::string(kOutputListName) +
+              ") and would be replaced: choose another folder with --out, or remove this file");
     }
   }
   return {};
@@ -290,7 +290,7 @@ Result<std::string> OutputFolder::add(const std::string& name) const {
   if (fs::exists(fs::symlink_status(path(name))))
     return fail(Fault::usage, "'" + path(name) +
                                   "' is not in the list of results and would be replaced: choose "
-                                  "another with --out, or remove it");
+                                  "another folder with --out, or remove this file");
   KAZ_TRY(state_->add_line("file " + name));
   names.insert(name);
   return path(name);

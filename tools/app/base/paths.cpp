@@ -72,9 +72,9 @@ Result<std::string> view_page() {
   if (!error && fs::exists(dev, error))
     return fail(Fault::environment, "the page of --view is not built; build it with: " +
                                         dev.string() + " build kaz_page");
-  return fail(Fault::environment, "the page of --view is not in " + folder.string() +
-                                      ": Kaz was built without npm; build it with npm, or "
-                                      "install its packages");
+  return fail(Fault::environment,
+              "the page of --view is not in " + folder.string() +
+                  ": Kaz was built without npm; build Kaz with npm, or install Kaz's packages");
 }
 
 Result<std::string> firmware_image(const std::string& given) {

@@ -271,7 +271,7 @@ Result<void> check_motion(const BenchOptions& arguments) {
       arguments.allow_motion)
     return {};
   return fail(Fault::usage,
-              "this drives " + arguments.joints +
+              "the bench drives " + arguments.joints +
                   " at full speed through its range: give --stand if the motor is on a stand, or "
                   "--allow-motion if the joint is free to move and you stand by");
 }
@@ -401,19 +401,19 @@ Result<Outcome> run_bench(const BenchOptions& given) {
     if (report.doubts(Doubt::line))
       std::fprintf(stderr,
                    "%s: the line was too disturbed to judge all measurements: check cable and "
-                   "adapter with `kaz bench link`, then run it again\n",
+                   "adapter with `kaz bench link`, then run the bench again\n",
                    verb.c_str());
     if (report.doubts(Doubt::machine))
       std::fprintf(stderr,
                    "%s: this machine was too late to judge all measurements: end other programs, "
-                   "then run it again\n",
+                   "then run the bench again\n",
                    verb.c_str());
     return Outcome::with_status(static_cast<int>(Fault::environment));
   }
   if (!arguments.json && std::ranges::none_of(report.plots, has_points))
     std::printf("no plots: no completed measurement has a curve\n");
   if (failed == 0 && report.count(hil::Verdict::passed) == 0)
-    std::fprintf(stderr, "%s: no measurement was made, so none passed\n", verb.c_str());
+    std::fprintf(stderr, "%s: no measurement was made, so the bench did not pass\n", verb.c_str());
   return Outcome(failed == 0 && report.count(hil::Verdict::passed) > 0);
 }
 

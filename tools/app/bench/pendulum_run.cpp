@@ -56,11 +56,10 @@ Result<bool> record_pendulum_logs(PendulumArguments arguments) {
   host::WallClock clock(&interrupt);
   if (!arguments.yes) {
     char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "The weight swings %.0f degrees to either side for two minutes: keep clear of it. "
-        "Enter to go on, n to stop",
-        arguments.amplitude_deg);
+    std::snprintf(text, sizeof text,
+                  "The weight swings %.0f degrees to either side for two minutes: keep clear of "
+                  "it. Press Enter to continue, n to stop",
+                  arguments.amplitude_deg);
     const auto reply = KAZ_TRY(prompt_user(
         text, interrupt,
         "a swinging weight needs somebody at the keyboard, or --yes for a script; nothing was "

@@ -162,10 +162,11 @@ std::string html(const Report& report, const ServoFit& best,
       "<th>held out</th></tr>\n";
   for (const auto& row : report.models) text += hil::table_row(row);
   text += "</table>\n<h2>Parameters of M" + std::to_string(best.model) +
-          "</h2>\n<p>Tolerance: the error grows by 3 % if the parameter changes by this amount and "
-          "all others are fitted again. Not determined: half of the value or "
-          "more.</p>\n<table><tr><th>parameter</th>"
-          "<th>unit</th><th>value</th><th>tolerance</th></tr>\n";
+          "</h2>\n"
+          "<p>Tolerance: the error grows by 3 % if the parameter changes by this amount and all "
+          "others are fitted again. A parameter is not determined if its tolerance is half of its "
+          "value or more.</p>\n"
+          "<table><tr><th>parameter</th><th>unit</th><th>value</th><th>tolerance</th></tr>\n";
   for (const auto& row : report.params) text += hil::table_row(row);
   text += "</table>\n";
   for (const plot::PlotPage& page : plots)

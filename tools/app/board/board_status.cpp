@@ -98,7 +98,7 @@ void print(const Json& now, const std::string& fault) {
   print_lines("self-test: %s; calibration: %s\n", failed.empty() ? "passed" : failed.c_str(),
               now["calibrated"].get<bool>()
                   ? "from flash"
-                  : "none stored, nominal unless a host has set other values");
+                  : "not stored, so the values are nominal unless a host has set other values");
   print_lines("link: %d frames, %d refused, %d damaged; watchdog %d ms, then %s\n",
               now["frames"].get<int>(), now["refusals"].get<int>(),
               now["damaged_frames"].get<int>(), now["watchdog_ms"].get<int>(),

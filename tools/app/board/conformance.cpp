@@ -143,7 +143,8 @@ void say(const hil::CaseResult& one) {
                  .c_str(),
              stdout);
   if (one.runs > 1 && one.verdict != hil::Verdict::undecided)
-    std::printf("          run %d times: this machine was late in the runs before\n", one.runs);
+    std::printf("          ran %d times, because this machine was late in the earlier runs\n",
+                one.runs);
   if (one.verdict == hil::Verdict::failed) {
     for (const std::string& id : one.of->statements) {
       for (const hil::Statement& statement : hil::statements()) {
@@ -190,8 +191,8 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
   if (kept->before().shared_line)
     return fail(Fault::environment,
                 "the board on " + port.name() +
-                    " is set to share its line, so it refuses telemetry, which the suite needs: if "
-                    "the board is alone on its line, give `kaz recover " +
+                    " is set to share its line and therefore refuses telemetry, which the suite "
+                    "needs: if the board is alone on its line, give `kaz recover " +
                     host::robot_option(port.name()) + " --address " +
                     std::to_string(arguments.address) + " --shared-line off`");
   auto report = hil::run_suite(meter, meter, nullptr, kPortSlack, arguments.run);
@@ -298,8 +299,8 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   }
   if (arguments.bus && arguments.port.empty())
     return fail(Fault::usage,
-                "--robot is missing: the servo's bus, as feetech:/dev/ttyACM0 (kaz bus scan finds "
-                "servos)");
+                "--robot is missing: give the servo's bus, such as feetech:/dev/ttyACM0 (kaz bus "
+                "scan finds servos)");
   if (arguments.port.empty() != arguments.mcu.has_value()) {
     return fail(Fault::usage,
                 "the board is missing; give either --robot KIND:PATH or --virtual h8|native");

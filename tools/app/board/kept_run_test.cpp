@@ -234,7 +234,8 @@ TEST_F(KeptRuns, WithoutAStoredCalibrationBeforeThatIsANote) {
   kz_identify_reply with_image{};
   with_image.image_crc = 0x1234;
   EXPECT_EQ(host::how_calibration_goes(with_image, "/dev/ttyUSB0", 3),
-            "; `kaz flash erase --blocks 1,2 --robot serial:/dev/ttyUSB0 --address 3` erases them");
+            "; `kaz flash erase --blocks 1,2 --robot serial:/dev/ttyUSB0 --address 3` erases these "
+            "values");
 }
 
 TEST_F(KeptRuns, WithoutAPlaceForNotesNothingIsAltered) {
@@ -394,9 +395,9 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   EXPECT_TRUE(earlier_notes("test-port", folder_ + "/none").empty());
   auto sentences = earlier_notes("test-port", folder_);
   ASSERT_EQ(sentences.size(), 1u);
-  EXPECT_NE(
-      sentences[0].find("`kaz recover --robot serial:test-port --from " + path + "` puts it back"),
-      std::string::npos)
+  EXPECT_NE(sentences[0].find("`kaz recover --robot serial:test-port --from " + path +
+                              "` puts the board back"),
+            std::string::npos)
       << sentences[0];
   // The newest first, whatever its number.
   const std::string older = path.substr(0, path.rfind('-')) + "-1.json";

@@ -45,7 +45,7 @@ Result<std::uint8_t> choose(std::vector<std::uint8_t> found, const std::string& 
                     "program has the port open; after an interrupted update, the board waits in "
                     "its loader (check with `kaz flash info " +
                     host::robot_option(port) +
-                    "`) or in boot mode, where it needs `kaz flash write` with --reset");
+                    "`) or in boot mode, where the board needs `kaz flash write` with --reset");
   if (options.found_at) {
     if (std::ranges::find(found, *options.found_at) != found.end()) return *options.found_at;
     return fail(Fault::usage, "no board answers at address " + std::to_string(*options.found_at) +
@@ -84,8 +84,8 @@ void print(const Recovered& result, const std::string& port) {
                 shutdown(result.status).c_str());
   if (result.left.empty() && result.shared_line)
     std::printf(
-        "the board is set to share its line, so it refuses telemetry; if it is alone on the line, "
-        "give --shared-line off\n");
+        "the board is set to share its line and therefore refuses telemetry; if the board is alone "
+        "on the line, give --shared-line off\n");
 }
 
 nlohmann::ordered_json as_json(const Recovered& result, const std::string& port, bool ok) {
@@ -110,7 +110,7 @@ Result<std::optional<KeptFile>> read_notes(const RecoverOptions& options, const 
     return fail(
         Fault::usage,
         options.from + ": " + kept.verb + " on " + kept.port +
-            " is still running and puts its board back itself: end it, or leave --from out");
+            " is still running and will put its board back: end that program, or leave --from out");
   if (!same_port(kept, port) && !options.port_changed)
     return fail(
         Fault::usage,

@@ -126,12 +126,11 @@ class Recording {
         double& angle = sample.angles[j];
         if (angle < joint.lower_rad - kBeyond || angle > joint.upper_rad + kBeyond) {
           char text[240];
-          std::snprintf(
-              text, sizeof text,
-              "%s was at %.0f degrees, but its limits are %.0f to %.0f: set its zero with "
-              "`kaz calibrate joints`",
-              joint.servo.joint.c_str(), angle / kDegree, joint.lower_rad / kDegree,
-              joint.upper_rad / kDegree);
+          std::snprintf(text, sizeof text,
+                        "%s was at %.0f degrees, but its limits are %.0f to %.0f: set the joint's "
+                        "zero with `kaz calibrate joints`",
+                        joint.servo.joint.c_str(), angle / kDegree, joint.lower_rad / kDegree,
+                        joint.upper_rad / kDegree);
           return text;
         }
         angle = std::clamp(angle, joint.lower_rad, joint.upper_rad);
@@ -204,10 +203,11 @@ class Recording {
                   {"provenance", provenance_json()}});
       return {};
     }
-    std::printf("%s, %.1f s, in %s%s\n", counted(sequence.poses.size(), "pose").c_str(), length,
-                options_.out.c_str(),
-                stretched > 1 ? "; slowed down to the speed limit of the servos" : "");
-    print_lines("play it: kaz run play --poses %s --robot %s --robot-file %s\n",
+    std::printf(
+        "%s, %.1f s, in %s%s\n", counted(sequence.poses.size(), "pose").c_str(), length,
+        options_.out.c_str(),
+        stretched > 1 ? "; the motion was slowed down to the speed limit of the servos" : "");
+    print_lines("play the poses: kaz run play --poses %s --robot %s --robot-file %s\n",
                 options_.out.c_str(), options_.backend.robot.c_str(),
                 options_.backend.robot_file.c_str());
     return {};

@@ -106,23 +106,22 @@ std::vector<host::ScanRemark> of_bus(const std::vector<Found>& all) {
   }
   if (const double median = median_ms(trips); median > 5) {
     std::snprintf(text, sizeof text,
-                  "answers take %.1f ms: the adapter delays them; `kaz doctor` prints the command "
-                  "that sets its latency to 1 ms",
+                  "answers take %.1f ms: the adapter delays the answers; `kaz doctor` prints the "
+                  "command that sets the adapter's latency to 1 ms",
                   median);
     remarks.push_back({false, text});
   }
   if (highest - lowest >= 0.5) {
-    std::snprintf(
-        text, sizeof text,
-        "voltages from %.1f to %.1f V: the voltage drops along the chain; use thicker wires, or "
-        "feed it from both ends",
-        lowest, highest);
+    std::snprintf(text, sizeof text,
+                  "voltages from %.1f to %.1f V: the voltage drops along the chain; use thicker "
+                  "wires, or feed the chain from both ends",
+                  lowest, highest);
     remarks.push_back({false, text});
   }
   if (std::ranges::any_of(all, [&all](const Found& one) { return one.baud != all[0].baud; }))
     remarks.push_back({true,
-                       "servos at different rates: a program uses only one rate; set all servos to "
-                       "the same rate"});
+                       "the servos use different rates, but a program uses only one rate: set all "
+                       "servos to the same rate"});
   return remarks;
 }
 
@@ -151,8 +150,8 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
     return fail(Fault::usage, "--protocol " + options.protocol + ": --robot " + options.robot +
                                   " already gives a protocol; leave out --protocol");
   if (address.baud != 0 && !options.bauds.empty())
-    return fail(Fault::usage, "--baud: --robot " + options.robot +
-                                  " already gives a rate; leave out one of them");
+    return fail(Fault::usage,
+                "--baud: --robot " + options.robot + " already gives a rate; leave out --baud");
   const std::vector<long> bauds =
       address.baud != 0 ? std::vector<long>{address.baud} : options.bauds;
   host::Interrupt interrupt;

@@ -263,7 +263,7 @@ class BusCalibration {
     std::fprintf(to, "to be written to %s: the zeros above\n", path_.c_str());
     std::fflush(to);
     if (options_.yes) return {};
-    const auto reply = KAZ_TRY(prompt_user("Enter to write, n to stop", interrupt_, kNobody));
+    const auto reply = KAZ_TRY(prompt_user("Press Enter to write, n to stop", interrupt_, kNobody));
     if (reply.empty() || reply == "y" || reply == "yes") return {};
     return fail(Fault::failed, "stopped; nothing is written");
   }
@@ -312,10 +312,11 @@ class BusCalibration {
     double off = KAZ_TRY(position(servo)) - wanted;
     off -= servo.model->steps * std::round(off / servo.model->steps);
     if (by != 0 && std::abs(off) > kSags)
-      return fail(Fault::environment, named(servo) + " on " + port_->name() +
-                                          " does not shift its position as documented: it is " +
-                                          std::to_string(std::lround(off)) +
-                                          " steps off (docs/reference/servo-bus.md)");
+      return fail(Fault::environment,
+                  named(servo) + " on " + port_->name() +
+                      " does not shift its position as documented: the position is " +
+                      std::to_string(std::lround(off)) +
+                      " steps off (docs/reference/servo-bus.md)");
     return {};
   }
 

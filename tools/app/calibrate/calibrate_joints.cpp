@@ -105,8 +105,8 @@ void print_plan(bool stops, bool floor) {
   }
   if (floor) {
     std::printf(
-        "The robot stands on both soles on a level floor.\nstanding: it crouches, leans and "
-        "shifts its weight to each side\n");
+        "The robot stands on both soles on a level floor.\n"
+        "standing: the robot crouches, leans and shifts its weight to each side\n");
     for (const auto& stance : calibration::floor_stances())
       std::printf("  hips %.0f mm high, trunk %+.0f degrees forward, %+.0f to the right\n",
                   1e3 * stance.z, stance.pitch / kDegree, stance.roll / kDegree);
@@ -206,7 +206,8 @@ class Calibration {
   Result<void> confirm(const std::string& what) {
     if (!options_.json) std::fprintf(stderr, "%s: %s\n", kVerb, what.c_str());
     if (!port() || options_.yes) return {};
-    const auto reply = KAZ_TRY(prompt_user("Enter to go on, n to stop", interrupt_, kNobody));
+    const auto reply =
+        KAZ_TRY(prompt_user("Press Enter to continue, n to stop", interrupt_, kNobody));
     if (reply.empty() || reply == "y" || reply == "yes") return {};
     return fail(Fault::failed, "stopped; nothing is stored");
   }
@@ -259,8 +260,8 @@ class Calibration {
     const auto lines = report_.stops ? lines_by_stops() : report_.before;
     progress_->done();
     KAZ_TRY(confirm(
-        "set the robot on a level floor, legs straight, and hold it until it stands by itself. "
-        "Next, the standing robot crouches, leans and shifts its weight to each side"));
+        "set the robot on a level floor with straight legs, and hold the robot until it stands by "
+        "itself. Next, the standing robot crouches, leans and shifts its weight to each side"));
     KAZ_TRY(calibration::use_lines(*robot_, lines));
     const auto on = [&](double share, const std::string& what) {
       progress_->update(report_.stops ? (3 + 1.5 * share) / 4.5 : share, what);
@@ -274,11 +275,10 @@ class Calibration {
       for (const Gauge& gauge : gauges_) add_gauge(gauge, here);
       return {};
     }
-    std::fprintf(
-        stderr,
-        "%s: the motors are off; turn each joint by hand, hold it, and type the angle shown "
-        "by the gauge\n",
-        kVerb);
+    std::fprintf(stderr,
+                 "%s: the motors are off; turn each joint by hand, hold the joint, and type the "
+                 "angle that the gauge shows\n",
+                 kVerb);
     for (int j = 0; j < KZ_JOINTS; ++j) {
       while (true) {
         const auto text = KAZ_TRY(

@@ -224,8 +224,8 @@ std::string joint_report_svg(const JointReport& report) {
     svg += line;
   }
   svg +=
-      "<text x=\"12\" y=\"18\">Expected error: at 95 % of a joint's angles (dark), at its worst "
-      "angle (light)</text>\n";
+      "<text x=\"12\" y=\"18\">Expected error of each joint: 95th percentile over its angles "
+      "(dark) and worst angle (light)</text>\n";
   for (int j = 0; j < KZ_JOINTS; ++j) {
     const double y = kTop + kRow * j;
     std::snprintf(line, sizeof line, "<text x=\"12\" y=\"%.0f\">%s</text>\n", y + 14, name_of(j));

@@ -279,8 +279,8 @@ class Measurer {
                          : "a second or more");
     }
     add_of("offset", "deg", "mean of angle minus command", 0.2, 1 / kDegree, &Following::offset);
-    add_of("scatter", "deg", "remaining error without lag and offset, root mean square", 0.1,
-           1 / kDegree, &Following::rest);
+    add_of("scatter", "deg", "root mean square of the error that remains without lag and offset",
+           0.1, 1 / kDegree, &Following::rest);
   }
 
   void supply() {
@@ -294,8 +294,8 @@ class Measurer {
     };
     // 15 mV a code.
     add("supply.mean", "V", "motors' supply at the board", 0.015, volts(Statistic::mean));
-    add("supply.lowest", "V", "lowest value in a reply; motor currents lower it", 0.1,
-        volts(Statistic::least));
+    add("supply.lowest", "V", "lowest supply voltage in a reply; motor currents lower the voltage",
+        0.1, volts(Statistic::least));
   }
 
   void link() {
@@ -307,10 +307,10 @@ class Measurer {
         return statistic(points, trace.duration_s, kind);
       };
     };
-    add("link.round_trip", "ms", "from a request to its reply, median", 0.2,
+    add("link.round_trip", "ms", "median time from a request to its reply", 0.2,
         trips(Statistic::median));
     add("link.round_trip_p95", "ms", "95th percentile", 0.5, trips(Statistic::p95));
-    add("link.rate", "1/s", "requests with replies", 1, [](const RunTrace& trace) {
+    add("link.rate", "1/s", "answered requests per second", 1, [](const RunTrace& trace) {
       std::vector<double> blocks(kBlocks);
       for (const auto& exchange : trace.exchanges) {
         if (exchange.time_s >= 0 && exchange.time_s <= trace.duration_s)
@@ -344,17 +344,17 @@ class Measurer {
       };
     };
     const auto delay_ms = [](const RunTrace::Picture& picture) { return picture.delay_s * 1e3; };
-    add("pictures.delay", "ms", "from exposure to the vision result, median", 1,
+    add("pictures.delay", "ms", "median time from exposure to the vision result", 1,
         of(Statistic::median, delay_ms));
     add("pictures.delay_p95", "ms", "95th percentile", 2, of(Statistic::p95, delay_ms));
-    add("pictures.period", "ms", "between two pictures, mean", 0.5, [](const RunTrace& trace) {
+    add("pictures.period", "ms", "mean time between two pictures", 0.5, [](const RunTrace& trace) {
       std::vector<Point> points;
       for (std::size_t i = 1; i < trace.pictures.size(); ++i)
         points.push_back({trace.pictures[i].exposure_s,
                           1e3 * (trace.pictures[i].exposure_s - trace.pictures[i - 1].exposure_s)});
       return statistic(points, trace.duration_s, Statistic::mean);
     });
-    add("pictures.found", "%", "pictures in which the ball was found", 2,
+    add("pictures.found", "%", "share of the pictures in which the ball was found", 2,
         of(Statistic::mean,
            [](const RunTrace::Picture& picture) { return picture.found ? 100.0 : 0.0; }));
   }

@@ -153,7 +153,7 @@ std::string comparison_text(const Comparison& comparison, const RunTrace& a, con
       comparison.measures, [](const Measure& measure) { return !measure.left_out.empty(); });
   if (left_out > 0 && !all)
     text += counted(left_out, "lag") +
-            " left out, not determined by these motions (--all gives the reason)\n";
+            " left out, because these motions are unsuitable (--all gives the reason)\n";
   if (!all && differing == 0) return text;
   std::snprintf(line, sizeof line, "\n%-22s %-4s %18s %18s %9s\n", "measure", "unit", "A", "B",
                 "B - A");
@@ -161,7 +161,7 @@ std::string comparison_text(const Comparison& comparison, const RunTrace& a, con
   for (const Measure& measure : comparison.measures)
     if (measure.differs()) print_measure(text, measure, width);
   if (!all) return text;
-  text += "\nwithin their noise, or not comparable:\n";
+  text += "\nmeasures that differ by less than their noise, or that are not comparable:\n";
   for (const Measure& measure : comparison.measures)
     if (!measure.differs()) print_measure(text, measure, width);
   return text;
@@ -213,7 +213,7 @@ std::vector<plot::PlotPage> comparison_plots(const RunTrace& a, const RunTrace& 
       }));
   if (!a.pictures.empty() || !b.pictures.empty())
     rest.plots.push_back(
-        both("from exposure to the vision result", "ms", a, b,
+        both("time from exposure to the vision result", "ms", a, b,
              [](const char* label, plot::Color color, const RunTrace& run) {
                return series_of(
                    label, color, run.pictures, [](const auto& one) { return one.exposure_s; },

@@ -62,7 +62,7 @@ bool is_usable(const MachineFiles& files, const std::string& part, const std::st
   if (!files.may_use(device)) {
     const std::string with_access = host::group_with_access(files.root + device);
     findings.push_back(
-        {Level::wrong, part, device, "you have no permission to read and write it",
+        {Level::wrong, part, device, "you have no permission to read and write this device",
          with_access.empty()
              ? "sudo chgrp " + group + " " + device + " && sudo chmod 660 " + device
              : "sudo adduser $USER " + with_access + " && echo 'log out and in again'"});
@@ -92,7 +92,7 @@ void examine_port(const MachineFiles& files, const std::string& name, Findings& 
   if (!is_usable(files, "serial", device, "dialout", findings)) return;
   const std::string usb = usb_device(files, sysfs);
   if (usb.empty()) {
-    findings.push_back({Level::good, "serial", device, "a UART of this machine, free", ""});
+    findings.push_back({Level::good, "serial", device, "a free UART of this machine", ""});
     return;
   }
   const std::string stable = stable_name(files, device);
@@ -112,8 +112,8 @@ void examine_port(const MachineFiles& files, const std::string& name, Findings& 
   if (latency_ms && *latency_ms > 1)
     findings.push_back(
         {Level::note, "serial", device,
-         "it delays received bytes by up to " + std::to_string(*latency_ms) +
-             " ms; kaz sets this to 1 ms while it uses the port, but other programs may not",
+         "the adapter delays received bytes by up to " + std::to_string(*latency_ms) +
+             " ms; kaz sets this delay to 1 ms while kaz uses the port, but other programs may not",
          "echo 1 | sudo tee " + timer});
 }
 
@@ -198,7 +198,7 @@ void examine_can(const MachineFiles& files, Findings& findings) {
                           "terminators of 120 ohm and the bit rate",
                           "sudo ip link set " + name + " type can restart"});
     } else if (is_virtual) {
-      findings.push_back({Level::good, "can", name, "a virtual bus, up", ""});
+      findings.push_back({Level::good, "can", name, "a virtual bus that is up", ""});
     } else {
       findings.push_back(
           {state.empty() || state == "ERROR-ACTIVE" ? Level::good : Level::note, "can", name,
@@ -234,7 +234,7 @@ void examine_cameras(const MachineFiles& files, Findings& findings) {
     }
   }
   if (findings.size() == before)
-    findings.push_back({Level::note, "camera", "", "no camera found: plug one in", ""});
+    findings.push_back({Level::note, "camera", "", "no camera found: plug a camera in", ""});
 }
 
 void examine_toolchain(const MachineFiles& files, Findings& findings) {
@@ -244,8 +244,8 @@ void examine_toolchain(const MachineFiles& files, Findings& findings) {
                         "the compiler for the board's firmware is installed", ""});
   } else {
     findings.push_back({Level::note, "toolchain", kCompiler,
-                        "the compiler for the board's firmware is missing; it is needed only to "
-                        "build the firmware",
+                        "the compiler for the board's firmware is missing; only the firmware build "
+                        "needs this compiler",
                         "sudo apt-get install gcc-h8300-hms binutils-h8300-hms"});
   }
 }

@@ -92,7 +92,7 @@ TEST_F(Doctor, FindsNothingWrongWhereNothingIs) {
   EXPECT_EQ(
       about("/dev/ttyUSB0"),
       "USB adapter 0403:6001, free; its persistent name is /dev/serial/by-id/usb-FTDI_A50285BI\n");
-  EXPECT_EQ(about("/dev/ttyS0"), "a UART of this machine, free\n");
+  EXPECT_EQ(about("/dev/ttyS0"), "a free UART of this machine\n");
   EXPECT_EQ(about("/dev/ttyS9"), "");
   EXPECT_EQ(about("can0"), "up, 500000 bit/s, ERROR-ACTIVE\n");
   EXPECT_EQ(about("/dev/video0"), "Left eye, formats YUYV, MJPG\n");
@@ -101,9 +101,8 @@ TEST_F(Doctor, FindsNothingWrongWhereNothingIs) {
 TEST_F(Doctor, FindsPortsThatCannotBeUsed) {
   device("/dev/ttyUSB0", 0600);
   EXPECT_EQ(about("/dev/ttyUSB0"),
-            "wrong you have no permission to read and write it | sudo chgrp dialout /dev/ttyUSB0 "
-            "&& sudo chmod 660 "
-            "/dev/ttyUSB0\n");
+            "wrong you have no permission to read and write this device | sudo chgrp dialout "
+            "/dev/ttyUSB0 && sudo chmod 660 /dev/ttyUSB0\n");
   files_.user = 0;
   EXPECT_EQ(about("/dev/ttyUSB0").substr(0, 11), "USB adapter");
   put("/proc/77/comm", "minicom");
@@ -125,7 +124,7 @@ TEST_F(Doctor, AGroupsMemberMayUseItsDevices) {
 
 TEST_F(Doctor, FindsSlowAdaptersAndThoseWithoutALastingName) {
   put("/sys/devices/usb1/1-1/1-1:1.0/ttyUSB0/latency_timer", "16");
-  EXPECT_NE(about("/dev/ttyUSB0").find("note it delays received bytes by up to 16 ms"),
+  EXPECT_NE(about("/dev/ttyUSB0").find("note the adapter delays received bytes by up to 16 ms"),
             std::string::npos);
   EXPECT_NE(about("/dev/ttyUSB0")
                 .find("| echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer"),

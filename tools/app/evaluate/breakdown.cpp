@@ -244,7 +244,8 @@ std::string breakdown_text(const Json& breakdown) {
   }
   text +=
       "  off goal: distance to the goal by ground truth; time/least: walking time over the "
-      "shortest possible;\n  both: median, maximum of the episodes that reached the goal\n";
+      "shortest possible time;\n"
+      "  both columns: median and maximum of the episodes that reached the goal\n";
   if (const auto moving = breakdown.find("moving"); moving != breakdown.end()) {
     std::snprintf(line, sizeof line,
                   "  moving box in the way: %s, noticed: %s, obstacles touched: %s\n",
@@ -275,10 +276,11 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
   const Json breakdown = result.value("by", Json::object());
   for (const char* name : kGroups) {
     if (!breakdown.contains(name)) continue;
-    page += "<h2>By " + std::string(name) + "</h2>\n<table>" +
-            hil::table_row({name, "reached", "95 % interval", "off goal, mm: median, max",
-                            "walking time over the shortest possible: median, max", "failures"},
-                           "th");
+    page +=
+        "<h2>By " + std::string(name) + "</h2>\n<table>" +
+        hil::table_row({name, "reached", "95 % interval", "off goal, mm: median, max",
+                        "walking time over the shortest possible time: median, max", "failures"},
+                       "th");
     for (const auto& [its, group] : breakdown[name].items())
       page +=
           hil::table_row({its, reached(group), percent(group), spread(group, "off_goal_m", 1e3, 0),
@@ -288,7 +290,7 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
   if (breakdown.contains("moving")) {
     const Json& moving = breakdown["moving"];
     page += "<p>A box slid into the way in " + moving["in_the_way"].dump() +
-            " episodes. The robot noticed it in " + moving["noticed"].dump() +
+            " episodes. The robot noticed the box in " + moving["noticed"].dump() +
             " and touched an obstacle in " + moving["touched"].dump() + ".</p>\n";
   }
   if (breakdown.contains("map")) {

@@ -109,7 +109,7 @@ int run_job(const CampaignOptions& options, const OutputFolder& folder, std::uin
 std::string machine_signal(int number) {
   for (const int crash : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGTRAP, SIGSYS})
     if (number == crash) return {};
-  return "its process was ended by signal " + std::to_string(number);
+  return "the process of the episode was ended by signal " + std::to_string(number);
 }
 
 // The episode in a process of its own: what breaks there breaks nothing else, and each has its own
@@ -181,7 +181,8 @@ class Runner {
          (next != numbers.end() && lost_in_a_row_ < kMaxLostInARow) || !children_.empty();) {
       if (interrupt.requested())
         return fail(Fault::interrupted, "interrupted; completed episodes are in " +
-                                            folder_.folder() + ", and the same command continues");
+                                            folder_.folder() +
+                                            ", and the same command continues the evaluation");
       if (next != numbers.end() && lost_in_a_row_ < kMaxLostInARow &&
           children_.size() < static_cast<std::size_t>(options_.jobs)) {
         auto child = KAZ_TRY(begin(options_, folder_, work_->path(), *next++));
@@ -238,7 +239,7 @@ class Runner {
     }
     // Above 128: a signal that was not from here.
     if (code > static_cast<int>(Fault::interrupted)) {
-      lose(number, "its process was ended by signal " +
+      lose(number, "the process of the episode was ended by signal " +
                        std::to_string(code - static_cast<int>(Fault::interrupted)));
       return {};
     }
@@ -284,7 +285,7 @@ Error lost_error(const LostEpisodes& lost, std::size_t wanted) {
           std::to_string(lost.size()) + " of " + std::to_string(wanted) +
               " episodes were lost to machine errors (" + numbers_text(numbers) +
               "; the first: " + lost.begin()->second +
-              "); lost episodes count in no rate, and the same command runs lost episodes again"};
+              "); the rates exclude lost episodes, and the same command runs lost episodes again"};
 }
 
 Result<Part> read_part(const std::string& folder, const Episodes& episodes) {
@@ -334,13 +335,13 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   if (there == campaign) return {};
   for (const auto& [key, value] : campaign.items()) {
     if (there.contains(key) && there[key] == value) continue;
-    return fail(Fault::usage, "'" + folder.folder() + "' contains another evaluation (its " + key +
-                                  " is " +
-                                  (there.contains(key) ? json_sample(there[key]) : "missing") +
-                                  ", here " + json_sample(value) + "): choose another --out");
+    return fail(Fault::usage,
+                "'" + folder.folder() + "' contains another evaluation (its " + key + " is " +
+                    (there.contains(key) ? json_sample(there[key]) : "missing") + ", here " +
+                    json_sample(value) + "): choose another folder with --out");
   }
-  return fail(Fault::usage,
-              "'" + folder.folder() + "' contains another evaluation: choose another --out");
+  return fail(Fault::usage, "'" + folder.folder() +
+                                "' contains another evaluation: choose another folder with --out");
 }
 
 // The summary will be a new one.
@@ -363,7 +364,8 @@ Result<void> refuse_more(const CampaignOptions& options, const OutputFolder& fol
                                                      std::to_string(options.shards);
   return fail(Fault::usage, "'" + folder.folder() + "' contains episodes outside --episodes " +
                                 std::to_string(options.episodes) + part + " (numbers " +
-                                numbers_text(others) + "): run these too, or choose another --out");
+                                numbers_text(others) +
+                                "): run these episodes too, or choose another folder with --out");
 }
 
 // The folder of a merge holds what an earlier one has put there: all of it is of the parts.
@@ -374,11 +376,9 @@ Result<void> refuse_others(const OutputFolder& folder, const Episodes& all) {
     if (!all.contains(number)) others.push_back(number);
   }
   if (others.empty()) return {};
-  return fail(
-      Fault::usage,
-      "'" + folder.folder() + "' contains episodes (" + numbers_text(others) +
-          ") that are in none of the parts: give the folder of these episodes too, or choose "
-          "another --out");
+  return fail(Fault::usage, "'" + folder.folder() + "' contains episodes (" + numbers_text(others) +
+                                ") that are not in any of the parts: give the folder of these "
+                                "episodes too, or choose another folder with --out");
 }
 
 // A plug-in that is to be judged as one of Kaz's behaviours, or one of these with a measure of its own.
@@ -503,7 +503,7 @@ Result<Merge> read_parts(const std::vector<std::string>& folders) {
       return fail(Fault::usage, "'" + folder + "' is given twice: give each part once");
     if (!fs::exists(folder + "/campaign.json"))
       return fail(Fault::usage,
-                  "'" + folder + "' is not a folder of kaz evaluate: it has no campaign.json");
+                  "'" + folder + "' is not a folder of kaz evaluate: campaign.json is missing");
     const auto other = KAZ_TRY(read_json(folder + "/campaign.json", parse_campaign));
     if (merge.campaign.is_null()) merge.campaign = other;
     if (merge.campaign != other)
@@ -557,7 +557,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
   for (const std::string& from : folders) {
     if (std::error_code none; fs::equivalent(from, out, none))
       return fail(Fault::usage,
-                  "--out: '" + out + "' is one of the folders to merge; give another one");
+                  "--out: '" + out + "' is one of the folders to merge; give another folder");
   }
   const auto folder = KAZ_TRY(open_campaign(out));
   return write_merge(merge, folders, folder, json);

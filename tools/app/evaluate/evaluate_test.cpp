@@ -160,9 +160,8 @@ TEST(Shortage, NamesAPartThatWasInterrupted) {
   const Shortage found = find_shortage({part(1, {0, 2, 4}), part(2, {1}, interrupted)});
   EXPECT_EQ(found.extent.missing, (Numbers{3, 5}));
   EXPECT_EQ(found.extent.signal, "SIGTERM");
-  EXPECT_TRUE(mentions(found,
-                       "'part2' was interrupted by SIGTERM and lacks episodes 3, 5: run its "
-                       "command"))
+  EXPECT_TRUE(mentions(
+      found, "'part2' was interrupted by SIGTERM and lacks episodes 3, 5: run the command"))
       << found.sentence;
   EXPECT_FALSE(mentions(found, "no folder contains")) << found.sentence;
 }
@@ -194,11 +193,10 @@ TEST(Shortage, PartsOfDifferentEpisodesAreRefused) {
   const auto refused = check_one_plan({longer, part(1, {0, 2, 4})});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().fault, Fault::usage);
-  EXPECT_EQ(
-      refused.error().message,
-      "'part1' was made with --episodes 6 and 'part2' with --episodes 8: parts may only "
-      "differ in --shard; run the command of 'part1' again with --episodes 8, which runs only "
-      "missing episodes");
+  EXPECT_EQ(refused.error().message,
+            "'part1' was made with --episodes 6 and 'part2' with --episodes 8: parts may only "
+            "differ in --shard; run the command of 'part1' again with --episodes 8; this command "
+            "runs only missing episodes");
   // A part that was killed states nothing, and one of an earlier version.
   EXPECT_TRUE(check_one_plan({longer, part_of("old", {{0, episode(0, true, 1)}}, nullptr)}));
 }
@@ -303,7 +301,8 @@ TEST_F(Summary, HasNothingThatWasNotMeasured) {
 // What the machine did not let end is neither a success nor a failure.
 TEST_F(Summary, NamesLostEpisodesBesideTheRate) {
   const Episodes episodes{{0, episode(0, true, 10)}, {2, episode(2, false, 30, "fell")}};
-  const LostEpisodes lost{{1, "its process was ended by signal 9"}, {3, "disk full"}};
+  const LostEpisodes lost{{1, "the process of the episode was ended by signal 9"},
+                          {3, "disk full"}};
   ASSERT_TRUE(summarize({{"behavior", "track-ball"}}, episodes, lost, folder_, true));
   const Json result = Json::parse(read("result.json"));
   EXPECT_EQ(result["episodes"], 2);
@@ -348,7 +347,7 @@ TEST_F(Summary, BreaksWalksDownByWorldDensityAndFloor) {
   EXPECT_EQ(by["moving"], Json({{"in_the_way", 1}, {"noticed", 1}, {"touched", 1}}));
   const std::string page = read("report.html");
   for (const char* words : {"<td>slalom</td><td>1 of 2</td>", "<td>1 no path</td>",
-                            "href=\"failures/000001\"", "noticed it in 1"})
+                            "href=\"failures/000001\"", "noticed the box in 1"})
     EXPECT_NE(page.find(words), std::string::npos) << words;
 
   ASSERT_TRUE(summarize({{"behavior", "stand"}}, {{0, episode(0, true, 10)}}, {}, folder_, true));

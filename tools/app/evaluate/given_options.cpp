@@ -44,19 +44,20 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
                            (!drawn || std::ranges::count(kinds, WorldKind::clutter) == 0);
   if (option == "--obstacles" && !any(kinds, has_clutter))
     return "is only valid in worlds with clutter: add one of " + names(has_clutter) +
-           " to --worlds, or leave it out";
+           " to --worlds, or leave the option out";
   if (option == "--goal-distance" && !drawn && !ball)
-    return "draws the goal, but --set goal=" + goal->second + " fixes it: leave out one of them";
+    return "draws the goal, but --set goal=" + goal->second +
+           " fixes the goal: leave out one of the two options";
   if (option == "--goal-distance" && ball && all_at_ball)
     return "has no effect, because the goal is the ball: use --ball-distance";
   if (option == "--ball-distance" && !(ball && any(kinds, has_ball_at_distance)))
     return "is only valid if the ball is the goal: give --set goal=ball with worlds " +
-           names(has_ball_at_distance) + ", or leave it out";
+           names(has_ball_at_distance) + ", or leave the option out";
   if ((option == "--radii" || option == "--colors") && !ball)
     return "is only valid in worlds with a ball: give --set goal=ball or --worlds two-balls, or "
-           "leave it out";
+           "leave the option out";
   if ((option == "--lamp" || option == "--shade") && !any(kinds, is_lit))
-    return "has no effect in world dark, which has its own light: leave it out";
+    return "has no effect in world dark, which has its own light: leave the option out";
   return "";
 }
 
@@ -69,17 +70,19 @@ Result<void> check_given(const CampaignOptions& options, const std::vector<std::
   for (const std::string& option : given) {
     if (option == "--props" && (options.task() == "navigate" || options.task() == "get-up"))
       return fail(Fault::usage,
-                  "--props is not valid with " + options.task() + ": leave it out" +
+                  "--props is not valid with " + options.task() + ": leave out --props" +
                       std::string(options.task() == "navigate" ? ", or use --obstacles" : ""));
     if (option == "--calibrated" && options.backend.sensors != sim::SensorSet::as_built)
       return fail(Fault::usage,
-                  "--calibrated is only valid with --sensors as-built: give both, or leave it out");
+                  "--calibrated is only valid with --sensors as-built: give both, or leave out "
+                  "--calibrated");
     if (options.task() == "navigate") {
       if (const std::string why = why_unused(option, options); !why.empty())
         return fail(Fault::usage, option + " " + why);
     } else if (std::ranges::count(kOfNavigate, option) > 0) {
-      return fail(Fault::usage,
-                  option + " is only valid with navigate: leave it out, or evaluate navigate");
+      return fail(
+          Fault::usage,
+          option + " is only valid with navigate: leave the option out, or evaluate navigate");
     }
   }
   return {};

@@ -28,19 +28,18 @@ TEST(GivenOptions, OfNavigateAreRefusedWithOtherBehaviours) {
       const auto checked = check_given(options, {"--seed", option});
       ASSERT_FALSE(checked) << behaviour << option;
       EXPECT_EQ(checked.error().fault, Fault::usage);
-      EXPECT_EQ(
-          checked.error().message,
-          std::string(option) + " is only valid with navigate: leave it out, or evaluate navigate");
+      EXPECT_EQ(checked.error().message,
+                std::string(option) +
+                    " is only valid with navigate: leave the option out, or evaluate navigate");
     }
     EXPECT_TRUE(check_given(options, {"--ball-distance", "--radii", "--colors", "--lamp"}));
   }
 }
 
 TEST(GivenOptions, ObstaclesAreOfWorldsWithClutter) {
-  EXPECT_EQ(
-      refused("--obstacles", {corridor, slalom}),
-      "--obstacles is only valid in worlds with clutter: add one of clutter, patterned-floor, "
-      "plain-floor, dark, two-balls to --worlds, or leave it out");
+  EXPECT_EQ(refused("--obstacles", {corridor, slalom}),
+            "--obstacles is only valid in worlds with clutter: add one of clutter, "
+            "patterned-floor, plain-floor, dark, two-balls to --worlds, or leave the option out");
   EXPECT_EQ(refused("--obstacles", {corridor, dark}), "");
   for (const WorldKindInfo& info : world_kinds()) {
     EXPECT_EQ(refused("--density", {info.kind}), "") << info.name;
@@ -56,7 +55,8 @@ TEST(GivenOptions, ObstaclesAreOfWorldsWithClutter) {
 TEST(GivenOptions, DistancesAreOfWhatIsDrawn) {
   EXPECT_EQ(refused("--goal-distance", {clutter}), "");
   EXPECT_EQ(refused("--goal-distance", {clutter}, "1,0.2"),
-            "--goal-distance draws the goal, but --set goal=1,0.2 fixes it: leave out one of them");
+            "--goal-distance draws the goal, but --set goal=1,0.2 fixes the goal: leave out one of "
+            "the two options");
   EXPECT_NE(refused("--goal-distance", {clutter}, "ball"), "");
   EXPECT_NE(refused("--goal-distance", {two_balls}), "");
   EXPECT_EQ(refused("--goal-distance", {two_balls, clutter}), "");
@@ -76,7 +76,7 @@ TEST(GivenOptions, BallsAndLightAreOfWorldsThatHaveThem) {
     EXPECT_EQ(refused(option, {clutter, two_balls}), "") << option;
   }
   EXPECT_EQ(refused("--lamp", {dark}),
-            "--lamp has no effect in world dark, which has its own light: leave it out");
+            "--lamp has no effect in world dark, which has its own light: leave the option out");
   EXPECT_EQ(refused("--shade", {dark, clutter}), "");
   EXPECT_EQ(refused("--bearing", {clutter}), "");
 }

@@ -72,11 +72,11 @@ Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& ho
     KAZ_TRY(write_whole_file(own + "/tasks", hosts_commands(own + "/task.sh", missing)));
     // Of each host's processors a task takes --jobs.
     const std::string share = std::to_string(std::max(1, 100 / options.jobs)) + "%";
-    auto parallel = KAZ_TRY(Child::begin(
-        "parallel",
-        {"--will-cite", "--sshloginfile", file, "--jobs", share, "--retries", "3", "--joblog",
-         own + "/log", "--null", "::::", own + "/tasks"},
-        own + "/out"));
+    auto parallel =
+        KAZ_TRY(Child::begin("parallel",
+                             {"--will-cite", "--sshloginfile", file, "--jobs", share, "--retries",
+                              "3", "--joblog", own + "/log", "--null", "::::", own + "/tasks"},
+                             own + "/out"));
     while (!parallel.ended()) {
       if (!waiting.sleep_until(waiting.now() + kLook)) {
         progress.done();
@@ -96,7 +96,7 @@ Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& ho
   progress.done();
   if (!missing.empty())
     return fail(Fault::environment, task_list(missing) + " ended without a result: see " + own +
-                                        "/out; the same command runs them again");
+                                        "/out; the same command runs these tasks again");
   return merge_tasks(folder, tasks, options.json);
 }
 

@@ -52,19 +52,20 @@ std::string folder_reason(const Part& part, const Numbers& lacks) {
   return "'" + part.folder + why_it_lacks(part) +
          (lacks.empty() ? " and does not state its number of episodes"
                         : " and lacks " + episodes_text(lacks)) +
-         ": run its command again";
+         ": run the command of this folder again";
 }
 
 // Episodes of no folder at all, by the part that would have them.
 std::string absent_reasons(const Numbers& numbers, std::uint64_t shards) {
-  if (shards < 2) return "no folder contains " + episodes_text(numbers) + ": run them";
+  if (shards < 2) return "no folder contains " + episodes_text(numbers) + ": run these episodes";
   std::map<std::uint64_t, Numbers> by_part;
   for (const std::uint64_t number : numbers) by_part[number % shards + 1].push_back(number);
   std::string text;
   for (const auto& [part, its] : by_part) {
     const std::string name = std::to_string(part) + "/" + std::to_string(shards);
     text += (text.empty() ? "" : "; ") + std::string("no folder contains part ") + name + " (" +
-            episodes_text(its) + "): give its folder too, or run it with --shard " + name;
+            episodes_text(its) +
+            "): give the folder of this part too, or run the part with --shard " + name;
   }
   return text;
 }
@@ -116,11 +117,12 @@ Result<void> check_one_plan(const std::vector<Part>& parts) {
   }
   if (few == nullptr || few->planned->episodes == many->planned->episodes) return {};
   const std::string episodes = "--episodes " + std::to_string(many->planned->episodes);
-  return fail(Fault::usage,
-              "'" + few->folder + "' was made with --episodes " +
-                  std::to_string(few->planned->episodes) + " and '" + many->folder + "' with " +
-                  episodes + ": parts may only differ in --shard; run the command of '" +
-                  few->folder + "' again with " + episodes + ", which runs only missing episodes");
+  return fail(Fault::usage, "'" + few->folder + "' was made with --episodes " +
+                                std::to_string(few->planned->episodes) + " and '" + many->folder +
+                                "' with " + episodes +
+                                ": parts may only differ in --shard; run the command of '" +
+                                few->folder + "' again with " + episodes +
+                                "; this command runs only missing episodes");
 }
 
 Shortage find_shortage(const std::vector<Part>& parts) {
@@ -164,7 +166,8 @@ Shortage find_shortage(const std::vector<Part>& parts) {
   if (reasons.empty()) return found;
   const std::size_t count = missing.size() + found.lost.size();
   found.sentence = (count > 0 ? std::to_string(count) + " of " + std::to_string(total) + " " : "") +
-                   "episodes are missing and count in no rate: " + reasons + "; then merge again";
+                   "episodes are missing, and the rates exclude these episodes: " + reasons +
+                   "; then merge again";
   return found;
 }
 

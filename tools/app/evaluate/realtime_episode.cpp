@@ -43,7 +43,7 @@ std::string text_of(const std::string& path) {
 
 std::string last_line(const std::string& text) {
   const auto end = text.find_last_not_of("\n");
-  if (end == std::string::npos) return "it printed nothing";
+  if (end == std::string::npos) return "the program printed nothing";
   const auto begin = text.find_last_of('\n', end);
   return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
 }
@@ -281,8 +281,8 @@ std::string lateness(const Json& last, const Json& result, double worst_gap_s) {
     return "the machine was too slow: kaz run waited " + std::to_string(std::max(worst_s, host_s)) +
            " s";
   if (worst_gap_s > kMax_s)
-    return "the machine was too slow: no state of the robot for " + std::to_string(worst_gap_s) +
-           " s";
+    return "the machine was too slow: no state of the robot arrived for " +
+           std::to_string(worst_gap_s) + " s";
   return {};
 }
 
@@ -296,7 +296,7 @@ std::string machine_trouble(const Ends& ends, const Json& last, const Json& resu
   if (ends.behaviour == static_cast<int>(Fault::usage)) return "kaz run could not start";
   if (ends.behaviour == kLost && result.value("outcome", "") == "environment")
     return result.value("sentence", std::string());
-  if (ends.behaviour == kLost) return "kaz run lost port, camera or files";
+  if (ends.behaviour == kLost) return "kaz run lost its port, its camera or its files";
   for (const int number : {SIGHUP, SIGINT, SIGKILL, SIGTERM, SIGBUS, SIGXCPU, SIGXFSZ})
     if (ends.behaviour == 128 + number)
       return "kaz run was ended by signal " + std::to_string(number);

@@ -27,7 +27,7 @@ constexpr std::chrono::seconds kLook{2};
 constexpr int kLooks = 3;
 
 constexpr std::chrono::seconds kAnswer{1}, kMostWait{600};  // for an answer of Slurm
-constexpr int kNoProgram = 127;  // Child's, as a shell's
+constexpr int kNoProgram = 127;                             // Child's, as a shell's
 
 struct Ran {
   int status = 0;
@@ -38,8 +38,8 @@ struct Ran {
 // `interrupt` ends the waiting; null: a program of Lifetime::own must not be cut off.
 Result<Ran> run(const std::string& program, const std::vector<std::string>& arguments,
                 const std::string& log, const host::Interrupt* interrupt) {
-  auto child = KAZ_TRY(Child::begin(
-      program, arguments, log, interrupt ? Child::Lifetime::of_parent : Child::Lifetime::own));
+  auto child = KAZ_TRY(Child::begin(program, arguments, log,
+                                    interrupt ? Child::Lifetime::of_parent : Child::Lifetime::own));
   std::optional<int> status;
   for (std::chrono::seconds waited{0}; !(status = child.wait(kAnswer)); waited += kAnswer) {
     if (interrupt && interrupt->requested())
@@ -95,9 +95,9 @@ Result<bool> is_under_way(const std::string& out, const std::string& job,
 
 Result<std::string> submit(const std::string& out, const SlurmOptions& slurm,
                            const std::vector<int>& tasks) {
-  std::vector<std::string> arguments{
-      "--parsable", "--requeue", "--array=" + array_text(tasks),
-      "--output=" + slurm_pattern(out + "/slurm/") + "%A_%a.out", "--job-name=kaz"};
+  std::vector<std::string> arguments{"--parsable", "--requeue", "--array=" + array_text(tasks),
+                                     "--output=" + slurm_pattern(out + "/slurm/") + "%A_%a.out",
+                                     "--job-name=kaz"};
   arguments.insert(arguments.end(), slurm.submit.begin(), slurm.submit.end());
   arguments.push_back(out + "/slurm/job.sh");
   const auto ran = KAZ_TRY(run("sbatch", arguments, job_file(out), nullptr));
@@ -152,7 +152,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
     if (!options.json)
       std::printf("job %s: %s of %d\n", job.c_str(), task_list(missing).c_str(), slurm.tasks);
   } else if (!missing.empty() && !options.json) {
-    std::printf("job %s is under way\n", job.c_str());
+    std::printf("job %s is still running\n", job.c_str());
   }
   std::fflush(stdout);
 
@@ -166,9 +166,10 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
                     std::to_string(done) + " of " + std::to_string(slurm.tasks) + " tasks");
     if (!waiting.sleep_until(waiting.now() + kLook)) {
       progress.done();
-      return fail(Fault::interrupted, "interrupted; job " + job +
-                                          " continues: the same command waits for it, `scancel " +
-                                          job + "` cancels it");
+      return fail(Fault::interrupted,
+                  "interrupted; job " + job +
+                      " continues: the same command waits for the job, and `scancel " + job +
+                      "` cancels the job");
     }
     const auto under_way = is_under_way(out, job, interrupt);
     missing = without_part(out, slurm.tasks);
@@ -188,7 +189,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
     return fail(Fault::environment, task_list(missing) + " of job " + job +
                                         " ended without a result: see " + out + "/slurm/" + job +
                                         "_" + std::to_string(missing.front()) +
-                                        ".out; the same command submits them again");
+                                        ".out; the same command submits these tasks again");
   }
   progress.done();
   return merge_tasks(folder, slurm.tasks, options.json);

@@ -144,8 +144,7 @@ Json pushes_json(const Json& campaign, const Episodes& episodes) {
             since + ": give a smaller --push-from";
   if (without_step > 0)
     note += "; in " + std::to_string(without_step) +
-            " the robot took no first step, from which pushes are timed: see the causes in "
-            "episodes.csv";
+            " the robot took no first step, so no push was timed: see the causes in episodes.csv";
   json["note"] = note;
   return json;
 }

@@ -62,8 +62,8 @@ std::string task_script(const TaskScript& by, const std::string& program,
   std::string command = shell_word(program);
   for (const std::string& word : words) command += " " + shell_word(word);
   return "#!/bin/sh\n"
-         "# A task of an evaluation, written by kaz evaluate. It may run twice: the first to end "
-         "counts.\n" +
+         "# A task of an evaluation, written by kaz evaluate. The task may run twice: the run that "
+         "ends first counts.\n" +
          by.head + "task=" + by.number + "\npart=" + shell_word(folder + "/parts") +
          "/$task\n"
          "if [ -e \"$part/result.json\" ]; then exit 0; fi\n"
@@ -71,7 +71,7 @@ std::string task_script(const TaskScript& by, const std::string& program,
          kWork + by.unique + "\n" + command + " --shard \"$task/" + std::to_string(tasks) +
          "\" --out \"$work\"\n"
          "status=$?\n"
-         "# 1: not one episode succeeded, which is a result, too.\n"
+         "# 1: no episode succeeded, which is also a result.\n"
          "if [ $status -gt 1 ]; then exit $status; fi\n"
          "mv -T \"$work\" \"$part\" 2>/dev/null || rm -rf \"$work\"\n";
 }

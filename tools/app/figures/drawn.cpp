@@ -114,7 +114,7 @@ Result<DrawnFigure> draw_setup(const RunCollector& run) {
       {setup.from_side, setup.ball_m
                             ? text("the ball is %.2f m from the robot", setup.ball_m->norm())
                             : std::string("before the robot walks")},
-      {setup.from_above, "the same from above"}};
+      {setup.from_above, "the same scene from above"}};
   Json numbers = Json::object();
   if (setup.ball_m) numbers["ball_m"] = point_json(*setup.ball_m);
   return DrawnFigure{figure::compose(panels, 2, kHeight_px), std::move(numbers)};

@@ -184,10 +184,11 @@ class Figures {
     facts["recording"] = options_.recording;
     const auto identical = KAZ_TRY(replay(replayed));
     if (!identical)
-      return fail(Fault::failed,
-                  options_.recording +
-                      ": the run now differs from the recording, for example because of another "
-                      "version of Kaz (`kaz replay` prints the first difference); record it again");
+      return fail(
+          Fault::failed,
+          options_.recording +
+              ": the run now differs from the recording, for example because of another version of "
+              "Kaz (`kaz replay` prints the first difference); record the run again");
     return facts.value("outcome", std::string()) == "done";
   }
 

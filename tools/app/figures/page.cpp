@@ -29,22 +29,22 @@ constexpr PaperFigure kPaperFigures[] = {
      "The robot, obstacles, and the ball behind them.",
      "The world before the robot moves, from its right and from above."},
     {6, "Visual processing and local map representation of the experiment",
-     "(A) planes (red) in pictures from looking around; (B) the floor of each in foot "
+     "(A) planes (red) in pictures from looking around; (B) the floor of each picture in foot "
      "coordinates; (C) the merged map, brighter where the floor is more certain; (D) the planned "
      "path.",
-     "The same for one walk. In (B) to (D) the robot is at the bottom center and forward is up. "
-     "Floor is white, obstacles are black, unseen cells are gray. The path was planned on this "
+     "The same panels for one walk. In (B) to (D) the robot is at the bottom center and forward is "
+     "up. Floor is white, obstacles are black, unseen cells are gray. The path was planned on this "
      "map."},
     {7, "Frame information messaging in visual processing modules",
      "Each module passes on the posture that the robot had at the exposure, because the head has "
      "moved "
      "by the time the results arrive.",
-     "The effect: results of one sweep, entered into the map from the eyes' pose at the exposure, "
-     "and from their pose when the result arrives. Black: the true edges of the boxes, unknown to "
-     "the robot."},
+     "The results of one sweep are entered into the map twice: with the pose of the eyes at the "
+     "exposure, and with the pose of the eyes when the result arrives. Black lines are the true "
+     "edges of the boxes, which are unknown to the robot."},
     {8, "Vision based behavior program in simulation world and real world",
      "Search-ball, track-ball and catch-ball, in the simulation and by the real robot.",
-     "The simulated catch, and below each view the picture of the left eye. There was no real "
+     "The simulated catch. Below each view is the picture of the left eye. There was no real "
      "robot."},
 };
 

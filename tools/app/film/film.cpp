@@ -200,7 +200,7 @@ Result<Film> Film::of(const FilmOptions& options) {
       seconds(film.poses_.back().time - film.poses_.front().time) / options.pace;
   const double pictures = std::floor(length_s * options.fps + 1e-6) + 1;
   if (pictures > static_cast<double>(kMaxPictures))
-    return fail(Fault::usage, options.recording + ": its film would have more than " +
+    return fail(Fault::usage, options.recording + ": the film would have more than " +
                                   std::to_string(kMaxPictures) +
                                   " pictures; give a larger --pace or a smaller --video-fps");
   film.pictures_ = static_cast<std::size_t>(pictures);

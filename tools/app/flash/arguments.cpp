@@ -22,8 +22,8 @@ Result<void> check_erase(const FlashArguments& arguments) {
     };
     if (std::ranges::any_of(arguments.blocks, kept))
       return fail(Fault::usage,
-                  "the loader keeps EB0 (vectors) and EB6 (itself); --reset HOW without --blocks "
-                  "erases the whole flash through boot mode");
+                  "the loader does not erase EB0 (vectors) and EB6 (the loader); --reset HOW "
+                  "without --blocks erases the whole flash through boot mode");
     std::vector<int> sorted = arguments.blocks;
     std::ranges::sort(sorted);
     if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
@@ -34,7 +34,7 @@ Result<void> check_erase(const FlashArguments& arguments) {
   if (arguments.blocks.empty()) return {};
   return fail(Fault::usage,
               "--blocks is not valid with --reset, because boot mode erases the whole flash; leave "
-              "one of them out");
+              "out one of the two options");
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ Result<void> check(const FlashArguments& arguments) {
   if (arguments.port != port && arguments.port != "serial:" + port)
     return fail(Fault::usage,
                 "--robot " + arguments.port +
-                    ": the loader uses 115,200 baud, and boot mode --boot-baud; give " +
+                    ": the loader uses 115,200 baud, and boot mode uses --boot-baud; give " +
                     host::robot_option(port));
   if (!arguments.writer.empty() && arguments.reset.empty())
     return fail(Fault::usage,

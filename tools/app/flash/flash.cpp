@@ -34,7 +34,8 @@ Result<void> check_running(FlashSession& session, Answer& answer,
   }
   if (!excuse.empty())
     return fail(Fault::environment,
-                "the firmware was written and verified; whether it runs is undecided, because " +
+                "the firmware was written and verified; it is undecided whether the firmware runs, "
+                "because " +
                     excuse + ": end other programs, then `kaz status " +
                     host::robot_option(session.port()) + "`");
   if (board && board->image_crc == identity.crc) {
@@ -44,7 +45,7 @@ Result<void> check_running(FlashSession& session, Answer& answer,
   return fail(Fault::failed,
               host::text_of(
                   {"the firmware was written and verified, but does not run",
-                   "its answer to `identify`, with image CRC " + host::hex_word(identity.crc),
+                   "an answer to `identify` with image CRC " + host::hex_word(identity.crc),
                    board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
                    {"the mode switch is still at boot mode", "reset is not wired as --reset says"},
                    "set the switch, press reset, then `kaz status " +
@@ -70,7 +71,7 @@ Result<void> verify_image(FlashSession& session, Answer& answer, const host::Fla
   answer.put("bytes", report->bytes);
   answer.put("verified", true);
   answer.say("verified: " + std::to_string(report->bytes) +
-             " bytes in the flash are those of the image");
+             " bytes in the flash agree with the image");
   return {};
 }
 
@@ -117,7 +118,7 @@ Result<void> show_info(FlashSession& session, Answer& answer) {
 Result<void> erase(FlashSession& session, const FlashArguments& arguments, Answer& answer) {
   if (session.through_boot()) {
     answer.put("erased", "all");
-    answer.say("erased: the whole flash; the board has no firmware now, give `kaz flash write`");
+    answer.say("erased: the whole flash; the board has no firmware now; give `kaz flash write`");
     return {};
   }
   auto erased = session.flasher().erase(arguments.blocks);
@@ -134,7 +135,7 @@ Result<void> erase(FlashSession& session, const FlashArguments& arguments, Answe
   if (has(3)) line += "; with the board's address, which is now 1";
   answer.say(
       line +
-      "; the loader starts the application after 10 s, or by `kaz flash run`, if it is complete");
+      "; if the application is complete, the loader starts it after 10 s or by `kaz flash run`");
   return {};
 }
 
@@ -151,16 +152,17 @@ Result<void> run(FlashSession& session, Answer& answer) {
     return fail(elsewhere->fault, "the board was started; " + elsewhere->message);
   if (!excuse.empty())
     return fail(Fault::environment,
-                "the board was started; whether it runs is undecided, because " + excuse +
-                    ": end other programs, then `kaz status " + host::robot_option(session.port()) +
-                    "`");
+                "the board was started; it is undecided whether the firmware runs, because " +
+                    excuse + ": end other programs, then `kaz status " +
+                    host::robot_option(session.port()) + "`");
   return fail(Fault::failed,
-              host::text_of({"the board was started, but no Kaz firmware answers",
-                             "its answer to `identify`",
-                             "no valid reply",
-                             {"the application is missing or incomplete: the loader waits for one",
-                              "the flash contains another program"},
-                             "kaz flash info " + host::robot_option(session.port())}));
+              host::text_of(
+                  {"the board was started, but no Kaz firmware answers",
+                   "an answer to `identify`",
+                   "no valid reply",
+                   {"the application is missing or incomplete: the loader waits for an application",
+                    "the flash contains another program"},
+                   "kaz flash info " + host::robot_option(session.port())}));
 }
 
 Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer& answer,

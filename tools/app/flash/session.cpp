@@ -93,7 +93,7 @@ Result<void> FlashSession::open() {
   if (simulated_mcu(port(), interrupt_) == "native")
     return fail(Fault::usage, "the simulator at " + port() +
                                   " runs --mcu native, which has no loader and no boot mode: start "
-                                  "it with --mcu h8");
+                                  "the simulator with --mcu h8");
   meter_ =
       std::make_unique<host::LatenessMeter>(*link_, clock_, time_lost_behind(port(), interrupt_));
   if (auto made = make_reset(); !made) return made;
@@ -179,7 +179,7 @@ Error FlashSession::start_again(const Error& error) {
           error.message +
               "; the board waits in its loader, which starts the application after 10 s; "
               "`kaz flash run " +
-              host::robot_option(port()) + "` starts it at once"};
+              host::robot_option(port()) + "` starts the application immediately"};
 }
 
 Error FlashSession::with_advice(const Error& error) const {

@@ -139,14 +139,15 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
   for (const std::string& path : paths) {
     const auto kept = read_kept(path);
     const std::string then = sentences.empty() ? "" : "after that: ";
-    sentences.push_back(kept ? then + kept->verb + " on " + port +
-                                   " was ended before it could put the board back: `kaz recover " +
-                                   host::robot_option(port) + " --from " + path +
-                                   "` puts it back; to keep the board as it is, remove these notes"
-                             : then + "the notes of a run that did not put the board on " + port +
-                                   " back are not valid: " + kept.error().message +
-                                   ": `kaz recover " + host::robot_option(port) +
-                                   "` recovers the board without them; then remove them");
+    sentences.push_back(
+        kept ? then + kept->verb + " on " + port +
+                   " was ended before it could put the board back: `kaz recover " +
+                   host::robot_option(port) + " --from " + path +
+                   "` puts the board back; to keep the board as it is, remove these notes"
+             : then + "the notes of a run that did not put the board on " + port +
+                   " back are not valid: " + kept.error().message + ": `kaz recover " +
+                   host::robot_option(port) +
+                   "` recovers the board without the notes; then remove the notes");
   }
   for (std::string& sentence : interrupted_writes(port, folder))
     sentences.push_back(std::move(sentence));
@@ -304,7 +305,7 @@ Result<void> KeptRun::put_back() {
       "the board on " + options_.port +
           " may not be as it was before; not put back: " + joined(back.left) +
           (options_.motors_off ? ": its motors may be on, so support the robot, then give `" +
-                                     command() + "`, which switches them off"
+                                     command() + "`, which switches the motors off"
                                : ": give `" + command() + "`"));
 }
 

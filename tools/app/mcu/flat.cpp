@@ -32,7 +32,7 @@ const char* name_of(Reason reason) {
     case Reason::exited:
       return "exited";
     case Reason::asleep:
-      return "asleep with nothing to wake it";
+      return "asleep without a wake-up source";
     case Reason::undefined_instruction:
       return "undefined instruction";
     case Reason::odd_pc:

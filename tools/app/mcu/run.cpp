@@ -42,7 +42,7 @@ const char* name_of(h8s::Stop::Reason reason) {
     case Reason::requested:
       return "stopped by an observer";
     case Reason::asleep_forever:
-      return "asleep with nothing to wake it";
+      return "asleep without a wake-up source";
   }
   return "unknown";
 }
@@ -176,7 +176,7 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
     return fail(Fault::usage,
                 options.image +
                     ": the reset vector (address 0) is empty: give --entry to start at the image's "
-                    "entry address, or --flat to run it without a chip");
+                    "entry address, or --flat to run the image without a chip");
   chip.on_transmit([](int sci, const h8s::TransmittedByte& byte) {
     if (sci == 0) std::fputc(byte.value, stdout);
   });

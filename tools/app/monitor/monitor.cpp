@@ -57,7 +57,7 @@ class Monitor {
         clock_(&interrupt) {
     view_.port = port_.name();
     view_.names = std::move(monitored.names);
-    if (!options.watched_at.empty()) said_ = "watch it at " + options.watched_at;
+    if (!options.watched_at.empty()) said_ = "watch the board at " + options.watched_at;
   }
 
   // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
@@ -67,7 +67,7 @@ class Monitor {
       return tl::unexpected(with_earlier_notes(connected.error(), port_.name()));
     }
     if (!earlier_notes(port_.name()).empty())
-      said_ = "only reads; an interrupted run left notes: q prints what to do";
+      said_ = "an interrupted run left notes: press q to print what to do";
     auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
       const Time begin = clock_.now();
@@ -123,11 +123,11 @@ class Monitor {
     for (const host::BusJoint& joint : servos_) {
       const auto torque = KAZ_TRY(driver->read(joint.servo, "torque_enable"));
       if (torque && *torque != 0)
-        return fail(
-            Fault::environment,
-            "the torque of " + joint.servo.joint + " on " + port_.name() +
-                " is on, and the monitor would switch it off: end the program that drives it; if "
-                "there is no such program, hold the robot and switch its power off and on");
+        return fail(Fault::environment,
+                    "the torque of " + joint.servo.joint + " on " + port_.name() +
+                        " is on, and the monitor would switch the torque off: end the program that "
+                        "drives the servo; if no program drives it, hold the robot and switch its "
+                        "power off and on");
     }
     looked_ = true;
     return {};
@@ -207,7 +207,7 @@ class Monitor {
   Result<void> shift(double by_rad) {
     const Limits limits = limits_[static_cast<std::size_t>(selected_)];
     if ((on() >> selected_ & 1U) == 0)
-      return fail(Fault::usage, selected_name() + " is off: e switches it on");
+      return fail(Fault::usage, selected_name() + " is off: press e to switch it on");
     const double from = view_.targets[static_cast<std::size_t>(selected_)];
     const double to = std::clamp(from + by_rad, limits.lower_rad, limits.upper_rad);
     const host::JointTarget target{selected_, to};
@@ -299,7 +299,8 @@ class Monitor {
   bool watched_ = false, looked_ = false;
   std::optional<std::uint32_t> wanted_;  // joints that are to be on; none: not read yet
   Time since_{}, next_try_{};
-  std::string said_ = "only reads, until e or E switches motors on; q switches them off again";
+  std::string said_ =
+      "the monitor only reads until e or E switches motors on; q switches motors off";
 };
 
 // Errors (usage): the port, the robot's files.

@@ -53,7 +53,7 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   const bool of_plugin = behavior::names_plugin(recorded.behavior);
   if (of_plugin && options.plugin.empty())
     return fail(Fault::usage, options.file + ": the behavior of this run is the plug-in " +
-                                  recorded.behavior + "; give it with --plugin FILE");
+                                  recorded.behavior + "; give the plug-in with --plugin FILE");
   if (!of_plugin && !options.plugin.empty())
     return fail(Fault::usage, options.file + ": the behavior of this run is " + recorded.behavior +
                                   ", not a plug-in: leave out --plugin");
@@ -117,10 +117,11 @@ void print(const ReplayOptions& options, const sim::McapRecording& recorded,
     print_json(result);
     return;
   }
-  std::printf("host and simulation ran again from the seed, all messages compared\n");
+  std::printf("host and simulation ran again from the seed, and all messages were compared\n");
   if (const auto by = recorded.interrupted_by(); !by.empty())
-    print_lines("the recording ends early, its run was interrupted by %s: compared up to %.6f s\n",
-                by.c_str(), end_s);
+    print_lines(
+        "the recording ends early, because its run was interrupted by %s: compared up to %.6f s\n",
+        by.c_str(), end_s);
   else if (!recorded.whole)
     print_lines("the recording was cut off: compared up to its end at %.6f s\n", end_s);
   if (!changed.empty()) print_lines("files changed since the recording: %s\n", changed.c_str());
@@ -236,8 +237,9 @@ Result<bool> replay(const ReplayOptions& options) {
                 options.file + ": contains no message of a run; record the run again");
   auto session = KAZ_TRY(session_of(recorded, options));
   if (options.mode == ReplayMode::host && options.seed)
-    return fail(Fault::usage,
-                "--seed is not valid with --host; leave it out, or give --whole instead of --host");
+    return fail(
+        Fault::usage,
+        "--seed is not valid with --host; leave out --seed, or give --whole instead of --host");
   bool whole = options.mode == ReplayMode::whole || options.seed.has_value();
   if (!whole && options.mode == ReplayMode::by_itself) {
     const auto alone = KAZ_TRY(host_can_run_alone(recorded, session.behavior));

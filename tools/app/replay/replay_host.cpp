@@ -87,7 +87,7 @@ class ReplayBackend final : public SessionBackend {
 std::string early_end(const RecordedRun& run) {
   return run.interrupted_by.empty()
              ? "the recording was cut off"
-             : "the recording ends early, its run was interrupted by " + run.interrupted_by;
+             : "the recording ends early, because its run was interrupted by " + run.interrupted_by;
 }
 
 nlohmann::ordered_json json_of(const HostDifference& difference) {
@@ -127,7 +127,7 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
                 seconds(sim::time_of(run.end)));
   if (identical) {
     print_lines(
-        "identical: %s sent at the same times and %s of the behavior, for %s received and %s of "
+        "identical: %s sent at the same times and %s of the behavior, with %s received and %s of "
         "pictures\n",
         counted(run.to_board.size(), "byte").c_str(),
         counted(run.thoughts.size(), "record").c_str(), counted(run.to_host.size(), "byte").c_str(),
@@ -150,10 +150,10 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
                          SessionOptions session) {
   const auto possible = KAZ_TRY(host_can_run_alone(recording, session.behavior));
   if (!possible)
-    return fail(Fault::usage,
-                options.file + ": it has no pictures, but " + session.behavior +
-                    " needs them; record with --record-pictures, or give --whole to run the "
-                    "simulation again too");
+    return fail(Fault::usage, options.file + ": the recording has no pictures, but " +
+                                  session.behavior +
+                                  " needs pictures; record with --record-pictures, or give --whole "
+                                  "to run the simulation again too");
   auto run = KAZ_TRY(RecordedRun::of(recording, options.file));
   const bool cut_off = run.cut_off;
   if (run.to_board.empty() && run.thoughts.empty())

@@ -196,24 +196,24 @@ Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
                                     "beside it");
     const auto bus = KAZ_TRY(parse_bus(text));
     if (options.address != KZ_ADDRESS_DEFAULT)
-      return fail(
-          Fault::usage,
-          "--address is only valid with a board: the ids of servos are in bus.json; leave it out");
+      return fail(Fault::usage,
+                  "--address is only valid with a board: the ids of servos are in bus.json; leave "
+                  "out --address");
     if (options.reaction == host::Reaction::limp)
       return fail(Fault::usage,
                   "--when-lost limp is not valid with a servo bus: servos have no link watchdog "
-                  "and hold when the host is lost; leave it out");
+                  "and hold their position when the host is lost; leave out --when-lost");
     return std::vector{BoardOfFile{bus.port, KZ_ADDRESS_DEFAULT, host::kAllJoints, bus.protocol}};
   }
   if (!text.starts_with(kBoards))
-    return fail(Fault::usage, "--robot " + text +
-                                  ": no such kind of robot; give sim, serial:PATH[@BAUD] as in "
-                                  "serial:/dev/ttyUSB0, can:INTERFACE, tcp:HOST:PORT, "
-                                  "rfc2217:HOST:PORT, boards:FILE, feetech:PATH[@BAUD] or "
-                                  "dynamixel:PATH[@BAUD]");
+    return fail(Fault::usage,
+                "--robot " + text +
+                    ": no such kind of robot; give sim, serial:PATH[@BAUD] such as "
+                    "serial:/dev/ttyUSB0, can:INTERFACE, tcp:HOST:PORT, rfc2217:HOST:PORT, "
+                    "boards:FILE, feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]");
   if (options.address != KZ_ADDRESS_DEFAULT)
     return fail(Fault::usage, "--address: each board of --robot " + text +
-                                  " has its address in the file; leave it out");
+                                  " has its address in the file; leave out --address");
   return read_boards(text.substr(kBoards.size()));
 }
 
@@ -227,10 +227,11 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
   const auto robot = KAZ_TRY(sim::load_robot(robot_file));
   const auto file = KAZ_TRY(servo_bus::load_bus_file(robot_file));
   if (file.protocol != protocol)
-    return fail(Fault::usage,
-                "bus.json beside " + robot_file + " describes a " +
-                    std::string(servo_bus::name_of(file.protocol)) + " bus; give --robot " +
-                    std::string(servo_bus::name_of(file.protocol)) + ":PATH, or another file");
+    return fail(Fault::usage, "bus.json beside " + robot_file + " describes a " +
+                                  std::string(servo_bus::name_of(file.protocol)) +
+                                  " bus; give --robot " +
+                                  std::string(servo_bus::name_of(file.protocol)) +
+                                  ":PATH, or another robot file");
   BusOfFile bus;
   bus.baud = static_cast<int>(file.baud);
   for (const sim::RobotJoint& joint : robot.joints) {
@@ -310,10 +311,9 @@ Result<void> require_limp(host::BusDriver& driver, std::span<const host::BusJoin
   }
   if (held.empty()) return {};
   if (!release)
-    return fail(
-        Fault::environment,
-        names + " on " + port +
-            ": the torque is on. Hold the robot, and give --release, which switches it off");
+    return fail(Fault::environment, names + " on " + port +
+                                        ": the torque is on. Hold the robot, and give --release, "
+                                        "which switches the torque off");
   const auto torque = KAZ_TRY(driver.release(held));
   const std::string on = host::still_on(held, torque);
   return on.empty() ? Result<void>() : fail(Fault::environment, port + ": " + on);
@@ -340,8 +340,9 @@ Result<void> check(const BackendOptions& options) {
     return {};
   }
   if (!options.calibration.empty())
-    return fail(Fault::usage,
-                "--calibration is only valid with real cameras (v4l2:...); leave it out");
+    return fail(
+        Fault::usage,
+        "--calibration is only valid with real cameras (v4l2:...); leave out --calibration");
   return {};
 }
 

@@ -33,7 +33,7 @@ Result<void> check_live_camera(const std::string& where, const std::string& cali
     if (!calibration.empty())
       return fail(Fault::usage,
                   "--calibration is only valid with real cameras (v4l2:...); pictures from " +
-                      where + " are already rectified: leave it out");
+                      where + " are already rectified: leave out --calibration");
     return {};
   }
   KAZ_TRY(host::parse_v4l2_source(where));

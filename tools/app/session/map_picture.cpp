@@ -146,7 +146,7 @@ figure::Image map_picture(const behavior::MapReport& report) {
   figure::draw_crosshair(image, u, v, 12, figure::kYellow, 3);
   const char* const legend[] = {"green: floor, red: obstacle, gray: not seen; paler: less certain",
                                 "blue: walked, white: path, yellow: goal, black: robot",
-                                "lines every 0.5 m; the thicker ones meet at the start"};
+                                "lines every 0.5 m; the thicker lines meet at the start"};
   for (int line = 0; line < 3; ++line)
     figure::draw_text(image, 6, image.height - 36 + 14 * line, legend[line], 11, figure::kWhite);
   return image;

@@ -206,7 +206,7 @@ PluginEnd PluginGuard::Parts::exit_call() const {
   const std::string call =
       std::string(g_guarded.call) + "(" + std::to_string(g_guarded.number) + ")";
   return {{options.fault, options.path + " called " + call + while_loaded() + place() +
-                              ": a behavior must return, not end the program"},
+                              ": a behavior must return, and must not end the program"},
           call};
 }
 
@@ -244,8 +244,8 @@ void PluginGuard::Parts::announce() {
   if (options.doing == "loaded") {
     say(options.label, "waiting for " + options.path + ", which is being loaded");
   } else {
-    say(options.label,
-        "waiting for " + options.path + ", which has not called Kaz for 1 s; Ctrl-C ends it");
+    say(options.label, "waiting for " + options.path +
+                           ", which has not called Kaz for 1 s; press Ctrl-C to end the program");
   }
   if (options.gate != nullptr) options.gate->open();
 }

@@ -323,7 +323,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
       // The run had ended: its outcome stands.
       if (snapshots.stopped()) {
         mark_interrupted(result);
-        result["not_drawn"] = {{"other pictures", "interrupted while they were drawn"}};
+        result["not_drawn"] = {{"other pictures", "interrupted while the pictures were drawn"}};
       } else if (report.looks && std::ranges::find(names, "pan_tilt.png") == names.end())
         result["not_drawn"] = {{"pan_tilt.png", "head and ball were not measured"}};
     }

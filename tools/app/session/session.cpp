@@ -571,7 +571,7 @@ void Session::excuse_failure() {
   if (!lateness_ || lateness_->excuse.empty()) return;
   machine_failed_ = true;
   outcome_->sentence = "undecided whether the robot failed (" + outcome_->sentence +
-                       "): " + lateness_->excuse + "; end other programs and run it again";
+                       "): " + lateness_->excuse + "; end other programs and try again";
 }
 
 // A plug-in has ended the process, or does not return: what settle() and report() would have done. On the
@@ -616,7 +616,7 @@ std::string Session::leave_boards() {
   if (off || left_)
     rest = "; the motors are off";
   else if (!answered && backend_->still_on().empty())
-    rest = "; the board does not answer, and its link watchdog holds the posture: switch it off";
+    rest = "; the board does not answer, and its watchdog holds the posture: switch the robot off";
   if (!left_) rest += "; " + left_.error().message;
   return rest;
 }
@@ -781,7 +781,7 @@ Result<bool> Session::report() {
   if (undrawn)
     return fail(Fault::interrupted, "interrupted while pictures were drawn; the run had ended (" +
                                         outcome_->sentence +
-                                        "), and its results so far are kept in " + options_.out);
+                                        "), and the results so far are kept in " + options_.out);
   if (!interrupted()) return outcome_->success;
   char until[48];
   std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s_);

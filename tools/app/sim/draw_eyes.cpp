@@ -88,7 +88,7 @@ Result<bool> draw_eyes(EyesOptions arguments) {
   }
   KAZ_TRY(folder.explained(
       figure::write_png(folder.path("eyes.png"), figure::compose(panels, 3, 300))));
-  std::printf("pictures in %s: eyes.png shows them together\n", folder.folder().c_str());
+  std::printf("pictures in %s: eyes.png shows all of these pictures\n", folder.folder().c_str());
   return true;
 }
 

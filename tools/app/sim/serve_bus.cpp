@@ -25,7 +25,7 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
     return fail(Fault::usage, "--bus " + options.protocol + ": bus.json beside " +
                                   options.robot_file + " has servos of the protocol " +
                                   std::string(servo_bus::name_of(file.protocol)) +
-                                  "; give that, or another file");
+                                  "; give that protocol, or another robot file");
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto world = KAZ_TRY(world_file(options.world));

@@ -68,7 +68,7 @@ Result<Look> look(const std::string& path, const Board& board, Sightings& all, s
                                   std::to_string(all.width) + " x " + std::to_string(all.height) +
                                   ": use pictures of equal size");
   vision::Corners corners = vision::find_board(*image, board);
-  if (corners.empty()) error = "the whole board is not in sight";
+  if (corners.empty()) error = "the whole board is not visible";
   return Look{std::move(*image), std::move(corners)};
 }
 
@@ -265,8 +265,8 @@ tl::unexpected<Error> too_far_off(const Sightings& seen, const StereoResult& res
                 "error of the fit %.2f px rms: must be at most %.2f (--max-rms)", result.rms_px,
                 arguments.max_rms_px);
   return fail(Fault::failed,
-              std::string(numbers) + "; it is largest in '" + seen.pairs[worst].files.left +
-                  "': its pictures must be sharp, simultaneous, and show this board");
+              std::string(numbers) + "; the error is largest in '" + seen.pairs[worst].files.left +
+                  "': both pictures must be sharp and simultaneous, and must show this board");
 }
 
 // A fit that settles can still be of no two eyes.

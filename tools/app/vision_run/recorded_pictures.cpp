@@ -201,7 +201,7 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
         std::printf("left out: %s: %s\n", one.picture.c_str(), one.error.c_str());
     }
     std::printf(
-        "%s in %zu of %s, %.2f ms a picture (median); overlays, ball.csv and result.json in %s\n",
+        "%s in %zu of %s, %.2f ms per picture (median); overlays, ball.csv and result.json in %s\n",
         counted(found, "ball").c_str(), ms.size(), counted(all.size(), "picture").c_str(),
         ms[ms.size() / 2], options.out.c_str());
   }
@@ -232,18 +232,17 @@ Result<vision::BallOptions> ball_options(const RecordedOptions& options) {
 Result<bool> run_on_pictures(const RecordedOptions& options) {
   if (options.modules != "color")
     return fail(Fault::usage, "--modules '" + options.modules +
-                                  "': single pictures only have color. Pairs (--left, --right), "
-                                  "recordings and cameras have more: " +
+                                  "': only color is possible with single pictures. Pairs (--left, "
+                                  "--right), recordings and cameras have more modules: " +
                                   module_names());
   if (!options.exported.empty())
     return fail(Fault::usage, "--export " + options.exported +
-                                  ": single pictures have no depth; pairs (--left, "
-                                  "--right), recordings and cameras have it");
+                                  ": single pictures have no depth; give pairs (--left, --right), "
+                                  "a recording or a camera");
   if (options.nearest_m)
     return fail(Fault::usage,
-                "--nearest is only valid with depth, which single pictures do not have: leave it "
-                "out, or give "
-                "pairs (--left, --right)");
+                "--nearest is only valid with depth, which single pictures do not have: leave out "
+                "--nearest, or give pairs (--left, --right)");
   if (options.calibration.empty() == (options.view_deg == 0))
     return fail(Fault::usage,
                 "distances need a camera model: give either --calibration FILE or --view DEGREES");

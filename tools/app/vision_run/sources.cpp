@@ -55,7 +55,8 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
   if (of_a_ball && std::ranges::find(modules, "color") == modules.end())
     return fail(Fault::usage, std::string(options.color.empty() ? "--radius" : "--color") +
                                   " is only valid with module color, which --modules " +
-                                  vision.modules + " does not contain: add color, or leave it out");
+                                  vision.modules +
+                                  " does not contain: add color, or leave the option out");
   return vision;
 }
 
@@ -384,7 +385,9 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
         options.in + ": a recording contains its camera model: leave out --calibration and --view");
   const auto recorded = KAZ_TRY(sim::McapRecording::load(options.in));
   if (!recorded.has_messages("/eyes/left"))
-    return fail(Fault::usage, options.in + ": it has no pictures; record with --record-pictures");
+    return fail(
+        Fault::usage,
+        options.in + ": the recording has no pictures; record the run with --record-pictures");
   const auto folder = KAZ_TRY(OutputFolder::open(options.out, vision_output()));
   RecordingWatcher watcher(vision, folder, options.frames);
   ReplayOptions replayed;
@@ -407,7 +410,7 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
   if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
-    return fail(Fault::usage, options.in + ": no module processed its pictures");
+    return fail(Fault::usage, options.in + ": no module processed the recording's pictures");
   const std::size_t pairs = recorded.count("/eyes/left");
   if (ran && !*ran && !watcher.full() && watcher.report()->frames().size() < pairs)
     std::fprintf(stderr,
@@ -424,8 +427,8 @@ Result<bool> run_on_source(const RecordedOptions& options) {
   std::error_code error;
   const auto status = std::filesystem::status(options.in, error);
   if (!options.robot.empty() && status.type() != std::filesystem::file_type::socket)
-    return fail(Fault::usage,
-                "--robot is only valid with a live camera; '" + options.in + "' is not one");
+    return fail(Fault::usage, "--robot is only valid with a live camera, but '" + options.in +
+                                  "' is not a live camera");
   switch (status.type()) {
     case std::filesystem::file_type::directory:
       // Of a folder that kaz run made its recording is meant.
