@@ -368,7 +368,7 @@ TEST_F(Driver, ABoardNamesWhatIsNotRight) {
   EXPECT_EQ(refusal({{pan, -1, 1}, {lift, -1, 1}}), "opened");
   servos.set(2, 11, 4, 1);
   EXPECT_NE(refusal({{pan, -1, 1}, {lift, -1, 1}})
-                .find("servo 2 (lift) on the bus is in mode 4, and only the position mode, 3,"),
+                .find("servo 2 (lift) on the bus is in mode 4: only the position mode, 3,"),
             std::string::npos);
   auto other = lift;
   other.model = servo_bus::find_model("xl430-w250");

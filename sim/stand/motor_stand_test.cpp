@@ -202,9 +202,10 @@ TEST(StandCommands, DoWhatTheySay) {
   EXPECT_EQ(query("disc")["disc_kgm2"], 4e-4);
   const auto help = query("help")["commands"];
   EXPECT_EQ(help.size(), 9u);
-  EXPECT_EQ(help["supply V"], "the supply's knob: volts without load, 0 to 15 V");
-  EXPECT_EQ(help["press JOINT NM"], "a weight on the shaft, -1 to 1 Nm; 0 lifts it off");
-  EXPECT_EQ(help["turn JOINT RAD"], "a hand turns the shaft there, -4 to 4 rad, and keeps it");
+  EXPECT_EQ(help["supply V"], "set the supply's voltage without load, 0 to 15 V");
+  EXPECT_EQ(help["press JOINT NM"], "put a weight on the shaft, -1 to 1 Nm; 0 removes it");
+  EXPECT_EQ(help["turn JOINT RAD"],
+            "turn the shaft by hand to this angle, -4 to 4 rad, and hold it");
   query("supply 6.5");
   EXPECT_NEAR(simulation.board().supply_volts(), 6.5, 1e-9);
   query("turn l_elbow -0.5");

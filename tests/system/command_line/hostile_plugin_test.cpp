@@ -190,7 +190,7 @@ TEST(HostilePlugin, IsRefusedWhileItIsLoaded) {
       {"load_crash", 128 + SIGSEGV, {" crashed while it was loaded in `", "write_to_null()"}},
       {"registration", 2, {" threw std::logic_error: not today while it was loaded"}},
       {"kaz_name", 2, {" has a behavior named `stand`, which is the name of a built-in behavior"}},
-      {"wrong_default", 2, {" has an option with a wrong default: `11` is no value"}},
+      {"wrong_default", 2, {" has an option with a wrong default: `11` is not a value"}},
   };
   for (const auto& [name, status, words] : cases) {
     const std::string path = kModules + "/" + name + ".so";
