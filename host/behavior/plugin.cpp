@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <new>
+#include <typeinfo>
 
 namespace kaz::behavior {
 
@@ -124,7 +126,12 @@ Result<Behavior> load_behavior(const std::string& path) {
     return fail(Fault::usage, path + " does not export `" + std::string(kPluginSymbol) +
                                   "`: end its source with KAZ_BEHAVIOR_PLUGIN(behavior), or "
                                   "rebuild the plug-in if it was built for another Kaz");
-  const Plugin* const plugin = factory();
+  const Plugin* plugin = nullptr;
+  try {
+    plugin = factory();
+  } catch (...) {
+    return fail(Fault::usage, thrown_error(path).message + " while it was loaded");
+  }
   if (plugin == nullptr || plugin->interface == nullptr)
     return fail(Fault::usage, path + " returns no plug-in: use KAZ_BEHAVIOR_PLUGIN(behavior)");
   if (plugin->interface != std::string_view(KAZ_PLUGIN_INTERFACE))
@@ -134,6 +141,21 @@ Result<Behavior> load_behavior(const std::string& path) {
                     "): rebuild it");
   KAZ_TRY(check_behavior(plugin->behavior, path));
   return *plugin->behavior;
+}
+
+Error thrown_error(const std::string& who) {
+  const std::type_info* const type = abi::__cxa_current_exception_type();
+  const std::string what =
+      who + " threw " + (type == nullptr ? "an exception" : demangled(type->name()));
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    return {Fault::environment, what + ": out of memory"};
+  } catch (const std::exception& error) {
+    return {Fault::failed, what + ": " + error.what()};
+  } catch (...) {
+    return {Fault::failed, what};
+  }
 }
 
 Result<Behavior> named_behavior(const std::string& name) {

@@ -66,10 +66,14 @@ bool names_plugin(std::string_view name);
 //   version of Kaz.
 // - The behavior is not valid, or a behavior of Kaz has the same name.
 //
-// Exceptions from the file's static initializers and from its exported function are passed on.
+// - The file's exported function throws an exception. An exception in a static initializer ends the program.
 Result<Behavior> load_behavior(const std::string& path);
 
 // Returns the result of load_behavior(name) if `name` is a path, else the result of find_behavior(name).
 Result<Behavior> named_behavior(const std::string& name);
+
+// Call thrown_error() in a handler that catches all exceptions. Returns the error for the current exception,
+// with `who` as its source. The fault is Fault::failed, or Fault::environment if memory ran out.
+Error thrown_error(const std::string& who);
 
 }  // namespace kaz::behavior

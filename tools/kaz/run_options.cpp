@@ -7,11 +7,11 @@
 #include <string_view>
 
 #include "host/behavior/behavior.h"
+#include "host/behavior/plugin.h"
 #include "host/motion/pose_sequence.h"
 #include "shared/base/files.hpp"
 #include "tools/app/base/arguments.h"
 #include "tools/app/session/balance_setting.h"
-#include "tools/app/session/plugin_guard.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/kaz/options.h"
 
@@ -107,7 +107,7 @@ Result<bool> run_behavior(RunArguments arguments) {
   arguments.session.settings = settings;
   auto& session = arguments.session;
   if (!arguments.duration.empty() || !arguments.goal.empty() || !arguments.poses.empty()) {
-    const auto behavior = KAZ_TRY(guarded_behavior(session.behavior, session.label));
+    const auto behavior = KAZ_TRY(behavior::named_behavior(session.behavior));
     if (!arguments.goal.empty()) KAZ_TRY(check_has(behavior, "goal"));
     if (!arguments.poses.empty()) KAZ_TRY(check_has(behavior, "poses"));
     if (!arguments.duration.empty()) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "host/behavior/plugin.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/evaluate/campaign.h"
@@ -11,7 +12,6 @@
 #include "tools/app/evaluate/hosts.h"
 #include "tools/app/evaluate/slurm.h"
 #include "tools/app/session/balance_setting.h"
-#include "tools/app/session/plugin_guard.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 #include "tools/kaz/watch_options.h"
@@ -137,7 +137,7 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
   }
   // Drawing pictures is most of an episode's time: none for who does not look.
   if (std::ranges::count(options, "--eyes") == 0 &&
-      !KAZ_TRY(guarded_behavior(c.behavior, "kaz evaluate")).needs_camera)
+      !KAZ_TRY(behavior::named_behavior(c.behavior)).needs_camera)
     c.backend.eyes = sim::EyeKind::none;
   KAZ_TRY(check_tasks("--slurm", a.slurm_tasks, c.episodes));
   KAZ_TRY(check_tasks("--parallel-tasks", a.hosts_tasks, c.episodes));

@@ -10,7 +10,6 @@
 #include "host/behavior/behavior.h"
 #include "host/behavior/plugin.h"
 #include "tools/app/base/output.h"
-#include "tools/app/session/plugin_guard.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/run_options.h"
 #include "tools/kaz/verbs.h"
@@ -227,8 +226,7 @@ void add_run(CLI::App& program, Action& action) {
     action = [arguments, verb, list]() -> Result<Outcome> {
       if (*list) {
         KAZ_TRY(check_alone(*verb));
-        const auto behavior =
-            KAZ_TRY(guarded_behavior(arguments->session.behavior, arguments->session.label));
+        const auto behavior = KAZ_TRY(behavior::named_behavior(arguments->session.behavior));
         print_lines("%s", behavior_text(behavior).c_str());
         return Outcome();
       }

@@ -28,7 +28,6 @@
 #include "tools/app/evaluate/parts.h"
 #include "tools/app/evaluate/summary.h"
 #include "tools/app/evaluate/work_folder.h"
-#include "tools/app/session/plugin_guard.h"
 
 namespace kaz::tools {
 namespace {
@@ -93,8 +92,7 @@ int run_job(const CampaignOptions& options, const OutputFolder& folder, std::uin
   try {
     const std::string path = folder.path(episode_file(number));
     const auto episode = (options.realtime ? run_realtime_episode : run_episode)(
-        options, number, folder.path("failures"),
-        [&path](const Json& ended) { (void)write_json(path, ended); });
+        options, number, folder.path("failures"));
     done = episode ? write_json(path, *episode) : Result<void>(tl::unexpected(episode.error()));
   } catch (const std::exception& error) {  // std::bad_alloc, say
     done = fail(Fault::environment, error.what());
@@ -140,7 +138,9 @@ Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
 
 // What there is of an episode whose process has crashed.
 Result<Json> broken(const CampaignOptions& options, std::uint64_t number, int status) {
-  const std::string how = "ended by signal " + std::to_string(WTERMSIG(status));
+  const std::string how = WIFSIGNALED(status)
+                              ? "ended by signal " + std::to_string(WTERMSIG(status))
+                              : std::string("ended without a result");
   const auto drawn = KAZ_TRY(draw_episode(options, number));
   return Json{{"episode", number},
               {"scenario", scenario_json(drawn.scenario)},
@@ -243,15 +243,16 @@ class Runner {
                        std::to_string(code - static_cast<int>(Fault::interrupted)));
       return {};
     }
-    // Nothing if its plug-in has ended it and kept what there is. Else it was never begun, and no other
-    // will be.
-    if (code != 0 && !fs::exists(path))
+    // The episode never began, and no other episode would.
+    if (code != 0)
       return fail(static_cast<Fault>(code), "episode " + std::to_string(number) + ": " + why);
-    if (WIFSIGNALED(status) && !fs::exists(path)) {
+    if (WIFSIGNALED(status)) {
       if (const std::string signal = machine_signal(WTERMSIG(status)); !signal.empty()) {
         lose(number, signal);
         return {};
       }
+    }
+    if (!fs::exists(path)) {
       const auto crashed = KAZ_TRY(broken(options_, number, status));
       KAZ_TRY(write_json(path, crashed));
     }
@@ -445,7 +446,7 @@ Json campaign_json(const CampaignOptions& o) {
 }
 
 Result<bool> run_campaign(const CampaignOptions& options) {
-  const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
+  const auto known = KAZ_TRY(behavior::named_behavior(options.behavior));
   const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
   KAZ_TRY(check_judge(options));

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <optional>
 
+#include "host/behavior/plugin.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/learned_color.h"
-#include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/run_report.h"
 #include "tools/lockstep/calibrated_joints.h"
 
@@ -134,8 +134,8 @@ Result<std::string> episode_memory(const CampaignOptions& options, const Scenari
 }
 
 Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
-                         const std::string& failures, const KeepEpisode& keep) {
-  const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
+                         const std::string& failures) {
+  const auto known = KAZ_TRY(behavior::named_behavior(options.behavior));
   const auto drawn = KAZ_TRY(draw_episode(options, number));
   const Scenario& scenario = drawn.scenario;
   const std::map<std::string, std::string>& settings = drawn.settings;
@@ -188,17 +188,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
   const std::string kept = (fs::path(failures) / name).string();
   session.out = kept;
-  session.on_crash = [&](const Error& error, bool ends) {
-    ended.crashed = true;
-    if (!ends) return;
-    if (error.fault == Fault::interrupted) {
-      (void)remove_run(kept);
-    } else {
-      keep(episode_json(number, scenario, ended, crashed(), judge));
-    }
-    std::error_code ignored;
-    fs::remove_all(fs::path(files.world()).parent_path(), ignored);
-  };
+  session.on_throw = [&] { ended.crashed = true; };
   const auto watched = options.watch ? options.watch(session) : nullptr;
   const auto ran = run_session(session);
   if (!ran && ran.error().fault == Fault::interrupted) {

@@ -33,22 +33,19 @@ Result<std::string> episode_memory(const CampaignOptions& options, const Scenari
 // the robot's first step.
 void add_pushes(nlohmann::ordered_json& episode, const Scenario& scenario, const Judge& judge);
 
-// Function that receives the JSON of an episode whose plug-in ends the process.
-using KeepEpisode = std::function<void(const nlohmann::ordered_json&)>;
 // Runs an episode in this process and returns its JSON for the campaign. If the robot failed, the recording
 // of the episode is in the folder `failures`/NUMBER. If the robot succeeded, that folder is removed. Fails if
 // the episode could not begin (usage), or if the machine ended the episode: files, disk, display
-// (environment). If a plug-in ends the process, `keep` receives the JSON first.
+// (environment).
 Result<nlohmann::ordered_json> run_episode(const CampaignOptions& options, std::uint64_t number,
-                                           const std::string& failures, const KeepEpisode& keep);
+                                           const std::string& failures);
 
 // Runs an episode in real time, with robot and behavior in separate processes connected by a pty. Results are
 // not reproducible bit by bit. The judge reads the ground truth from the simulator's control socket ten times
-// per second. Does not call `keep`. Fails like run_episode(). Also fails (environment) if a process was
+// per second. Fails like run_episode(). Also fails (environment) if a process was
 // killed, if the simulator ended, or if the simulator lagged so far that the time ran out.
 Result<nlohmann::ordered_json> run_realtime_episode(const CampaignOptions& options,
                                                     std::uint64_t number,
-                                                    const std::string& failures,
-                                                    const KeepEpisode& keep);
+                                                    const std::string& failures);
 
 }  // namespace kaz::tools

@@ -13,6 +13,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "host/behavior/plugin.h"
 #include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
 #include "tools/app/base/child.h"
@@ -20,7 +21,6 @@
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/learned_color.h"
-#include "tools/app/session/plugin_guard.h"
 #include "tools/app/vision/color_file.h"
 
 namespace kaz::tools {
@@ -307,8 +307,8 @@ std::string machine_trouble(const Ends& ends, const Json& last, const Json& resu
 }  // namespace
 
 Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t number,
-                                  const std::string& failures, const KeepEpisode&) {
-  const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
+                                  const std::string& failures) {
+  const auto known = KAZ_TRY(behavior::named_behavior(options.behavior));
   const auto drawn = KAZ_TRY(draw_episode(options, number));
   const Scenario& scenario = drawn.scenario;
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, drawn.settings));

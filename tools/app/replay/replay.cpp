@@ -199,11 +199,6 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   const std::string again = temporary_file("replay.mcap");
   const FileRemover remove_again(again);
   session.backend.recording = again;
-  session.on_crash = [&](const Error&, bool ends) {
-    if (!ends) return;
-    std::remove(again.c_str());
-    std::remove(faults.c_str());
-  };
   session.backend.record_pictures = recorded.has_messages("/eyes/left");
   RecordedHands hands(recorded);
   session.backend.hands = &hands;

@@ -6,13 +6,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/behavior/plugin.h"
 #include "shared/base/counted.hpp"
 #include "sim/runtime/time.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/session/live_camera.h"
-#include "tools/app/session/plugin_guard.h"
 #include "tools/lockstep/replayed_board.h"
 
 namespace kaz::tools {
@@ -142,7 +142,7 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
 }  // namespace
 
 Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::string& behavior) {
-  const auto found = KAZ_TRY(guarded_behavior(behavior, "kaz replay"));
+  const auto found = KAZ_TRY(behavior::named_behavior(behavior));
   return !found.needs_camera || recording.has_messages("/eyes/left");
 }
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/session.h"
 
-#include <cxxabi.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -24,12 +22,10 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/kept/kept_run.h"
-#include "tools/app/session/call_gate.h"
 #include "tools/app/session/leave_board.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/app/session/map_picture.h"
 #include "tools/app/session/moments.h"
-#include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/robot_joints.h"
 #include "tools/app/session/run_lateness.h"
 #include "tools/app/session/run_report.h"
@@ -47,10 +43,9 @@ using Steady = std::chrono::steady_clock;
 // record.
 class Listener final : public behavior::Sink {
  public:
-  Listener(SessionBackend& backend, CallGate* gate, behavior::Sink* other, Snapshots& snapshots,
-           Progress& progress, Time start, double expected_s)
+  Listener(SessionBackend& backend, behavior::Sink* other, Snapshots& snapshots, Progress& progress,
+           Time start, double expected_s)
       : backend_(backend),
-        gate_(gate),
         other_(other),
         snapshots_(snapshots),
         progress_(progress),
@@ -60,7 +55,6 @@ class Listener final : public behavior::Sink {
   }
 
   void phase(Time time, std::string_view behavior, std::string_view phase) override {
-    const CallGate::Call call(gate_);
     recording_.phase(time, behavior, phase);
     if (other_ != nullptr) other_->phase(time, behavior, phase);
     phase_ = phase;
@@ -71,7 +65,6 @@ class Listener final : public behavior::Sink {
   }
 
   void cycle(const behavior::CycleRow& row) override {
-    const CallGate::Call call(gate_);
     recording_.cycle(row);
     if (other_ != nullptr) other_->cycle(row);
     if (probe_) probe_->sample();
@@ -83,14 +76,12 @@ class Listener final : public behavior::Sink {
   }
 
   void picture(const behavior::PictureRow& row) override {
-    const CallGate::Call call(gate_);
     recording_.picture(row);
     if (other_ != nullptr) other_->picture(row);
     record({{"exposure_ns", row.exposure.count()}, {"found", row.found}, {"error", row.error_rad}});
   }
 
   void map(const behavior::MapReport& report) override {
-    const CallGate::Call call(gate_);
     map_ = map_picture(report);
     if (other_ != nullptr) other_->map(report);
     backend_.record_map(recorded_map(report));
@@ -111,7 +102,6 @@ class Listener final : public behavior::Sink {
   }
 
   SessionBackend& backend_;
-  CallGate* gate_;
   behavior::Sink* other_;
   Snapshots& snapshots_;
   Progress& progress_;
@@ -127,16 +117,14 @@ class Listener final : public behavior::Sink {
 // line busy does nothing else.
 class WatchedClock final : public host::Clock {
  public:
-  WatchedClock(host::Clock& clock, CallGate* gate, sim::Simulation* simulation, Onlooker* onlooker,
+  WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker,
                std::optional<Time> until, host::Interrupt& interrupt)
       : clock_(clock),
-        gate_(gate),
         simulation_(simulation),
         onlooker_(onlooker),
         until_(simulation == nullptr ? std::nullopt : until),
         interrupt_(interrupt) {}
   Time now() const override {
-    const CallGate::Call call(gate_);
     const Time now = clock_.now();
     if (onlooker_ != nullptr && simulation_ != nullptr && now > looked_) {
       onlooker_->look(*simulation_);
@@ -147,7 +135,6 @@ class WatchedClock final : public host::Clock {
     return now;
   }
   Result<void> sleep_until(Time t) override {
-    const CallGate::Call call(gate_);
     auto slept = clock_.sleep_until(until_ ? std::min(t, *until_) : t);
     if (slept) now();
     if (!slept || !ended()) return slept;
@@ -159,7 +146,6 @@ class WatchedClock final : public host::Clock {
  private:
   mutable Time looked_{-1};
   host::Clock& clock_;
-  CallGate* gate_;
   sim::Simulation* simulation_;
   Onlooker* onlooker_;
   std::optional<Time> until_;
@@ -169,11 +155,9 @@ class WatchedClock final : public host::Clock {
 // What is asked of the behaviour, recorded so that a replay asks it again.
 class RecordedRequests final : public behavior::Requests {
  public:
-  RecordedRequests(const std::function<std::vector<std::string>(Time)>& source, CallGate* gate,
-                   Listener& listener)
-      : source_(source), gate_(gate), listener_(listener) {}
+  RecordedRequests(const std::function<std::vector<std::string>(Time)>& source, Listener& listener)
+      : source_(source), listener_(listener) {}
   std::vector<std::string> take(Time now) override {
-    const CallGate::Call call(gate_);
     std::vector<std::string> lines = source_(now);
     for (const std::string& line : lines) listener_.request(line);
     return lines;
@@ -181,7 +165,6 @@ class RecordedRequests final : public behavior::Requests {
 
  private:
   const std::function<std::vector<std::string>(Time)>& source_;
-  CallGate* gate_;
   Listener& listener_;
 };
 
@@ -285,8 +268,6 @@ class Session {
   void run_behavior(behavior::Context& context);
   void take_times();
   void check_outcome();
-  std::string abandon(const PluginEnd& end);
-  std::string leave_boards();
   void end_kept();
 
   // For what puts a bus of servos back; null for boards.
@@ -294,8 +275,6 @@ class Session {
     if (!names_servo_bus(options_.backend.robot)) return nullptr;
     return [this] { return backend_->still_on(); };
   }
-  bool plugin() const { return behavior::names_plugin(options_.behavior); }
-  CallGate* gate() { return plugin() ? &gate_ : nullptr; }
   bool real() const { return backend_->port() != nullptr; }
   const OutputFolder* folder() const { return results_ ? &*results_ : nullptr; }
   bool interrupted() const { return !outcome_ && outcome_.error().fault == Fault::interrupted; }
@@ -310,18 +289,14 @@ class Session {
   std::optional<InterruptSignals> signals_;
   std::unique_ptr<SessionBackend> backend_;
   std::vector<std::unique_ptr<KeptRun>> kept_;  // of each board at a port
-  CallGate gate_;
   std::optional<WatchedClock> clock_;
-  std::deque<GatedLink> links_;
   std::optional<host::Robot> robot_;
   std::optional<RememberingCamera> camera_;
   std::optional<host::Capture> capture_;
   std::optional<vision::Pipeline> pipeline_;
   std::optional<DeliveryTable> deliveries_;
   std::optional<behavior::PipelineBallDetector> detector_;
-  std::optional<GatedDetector> gated_detector_;
   std::optional<behavior::PipelineFloorDetector> floor_;
-  std::optional<GatedFloor> gated_floor_;
   std::optional<Snapshots> snapshots_;
   std::optional<Progress> progress_;
   Time start_{};
@@ -346,7 +321,7 @@ class Session {
 
 // Checks and locks what can be without opening anything.
 Result<void> Session::prepare() {
-  behavior_ = KAZ_TRY(guarded_behavior(options_.behavior, options_.label));
+  behavior_ = KAZ_TRY(behavior::named_behavior(options_.behavior));
   values_ = KAZ_TRY(behavior::OptionValues::parse(behavior_.options, options_.settings));
   KAZ_TRY(parse_modules(options_.vision.modules));
   // As the behaviour itself says, but before a folder has anything of it.
@@ -415,11 +390,9 @@ Result<void> Session::connect() {
                                               .still_on = still_on(),
                                               .notes = false})));
   }
-  clock_.emplace(backend_->clock(), gate(), backend_->simulation(), options_.onlooker,
-                 options_.until, interrupt_);
-  std::vector<host::RobotBoard> boards = backend_->boards();
-  for (host::RobotBoard& board : boards) board.link = &links_.emplace_back(*board.link, gate());
-  auto robot = host::Robot::connect(boards, *clock_,
+  clock_.emplace(backend_->clock(), backend_->simulation(), options_.onlooker, options_.until,
+                 interrupt_);
+  auto robot = host::Robot::connect(backend_->boards(), *clock_,
                                     {.reaction = options_.backend.reaction,
                                      .reconnect = from_seconds(options_.backend.reconnect_s),
                                      .on_lost = report_loss,
@@ -464,11 +437,7 @@ Result<void> Session::begin_vision() {
   deliveries_.emplace(*pipeline_);
   if (options_.watcher != nullptr) options_.watcher->begin(*pipeline_);
   detector_.emplace(*capture_, *pipeline_);
-  gated_detector_.emplace(*detector_, gate());
-  if (behavior_.needs_floor) {
-    floor_.emplace(*pipeline_);
-    gated_floor_.emplace(*floor_, gate());
-  }
+  if (behavior_.needs_floor) floor_.emplace(*pipeline_);
   // Not by interrupt_, which also ends a run that has had its time.
   snapshots_.emplace(*camera_, backend_->simulation(), options_.vision.ball,
                      [] { return received_signal() != 0; });
@@ -487,20 +456,19 @@ Result<void> Session::begin() {
   progress_.emplace(options_.label, options_.json);
   start_ = backend_->clock().now();
   if (const auto* simulation = backend_->simulation()) start_pose_ = simulation->world().pose();
-  listener_.emplace(*backend_, gate(), options_.listener, *snapshots_, *progress_, start_,
+  listener_.emplace(*backend_, options_.listener, *snapshots_, *progress_, start_,
                     expected_seconds(values_, behavior_.options));
   return {};
 }
 
 void Session::perform() {
   wall_start_ = Steady::now();
-  behavior::Context context{
-      *robot_,    robot_->clock(), backend_->sees() ? &*gated_detector_ : nullptr,
-      *listener_, values_,         options_.backend.seed};
+  behavior::Context context{*robot_,    robot_->clock(), backend_->sees() ? &*detector_ : nullptr,
+                            *listener_, values_,         options_.backend.seed};
   context.ball_radius_m = options_.vision.ball.radius_m;
-  if (gated_floor_ && backend_->sees()) context.floor = &*gated_floor_;
+  if (floor_ && backend_->sees()) context.floor = &*floor_;
   if (options_.requests && behavior_.takes_requests)
-    context.requests = &requests_.emplace(options_.requests, gate(), *listener_);
+    context.requests = &requests_.emplace(options_.requests, *listener_);
   if (real()) context.camera = "camera " + options_.backend.camera;
   context.other_joints = options_.backend.joints;
   if (is_real_camera(options_.backend.camera)) context.camera_patience = kCameraPatience;
@@ -511,20 +479,11 @@ void Session::perform() {
   if (real()) lateness_meter_.emplace(backend_->link(), interrupt_);
   {
     const ProfileScope host("behavior and link");
-    std::optional<PluginGuard> guard;
-    if (plugin())
-      guard.emplace(
-          PluginGuardOptions{.label = options_.label,
-                             .path = options_.behavior,
-                             .gate = &gate_,
-                             .interrupt = &interrupt_,
-                             .finish = [this](const PluginEnd& end) { return abandon(end); },
-                             .before_message = [this] { progress_->done(); }});
     run_behavior(context);
   }
   take_times();
   if (profiler) profile_ = profiler->end(run_s_);
-  if (threw_ && options_.on_crash) options_.on_crash(outcome_.error(), false);
+  if (threw_ && options_.on_throw) options_.on_throw();
   check_outcome();
 }
 
@@ -538,12 +497,9 @@ void Session::take_times() {
 void Session::run_behavior(behavior::Context& context) {
   try {
     outcome_ = behavior_.run(context);
-  } catch (const abi::__forced_unwind&) {  // pthread_exit()
-    before_exit("pthread_exit", 0);
-    throw;
   } catch (...) {
     threw_ = true;
-    outcome_ = tl::unexpected(thrown_error(options_.behavior));
+    outcome_ = tl::unexpected(behavior::thrown_error(options_.behavior));
   }
 }
 
@@ -572,53 +528,6 @@ void Session::excuse_failure() {
   machine_failed_ = true;
   outcome_->sentence = "undecided whether the robot failed (" + outcome_->sentence +
                        "): " + lateness_->excuse + "; end other programs and try again";
-}
-
-// A plug-in has ended the process, or does not return: what settle() and report() would have done. On the
-// guard's thread; the plug-in's is shut out. Returns the rest of the sentence.
-std::string Session::abandon(const PluginEnd& end) {
-  const bool interrupt = end.error.fault == Fault::interrupted;
-  progress_->done();
-  outcome_ = tl::unexpected(end.error);
-  take_times();
-  if (options_.on_end) options_.on_end(outcome_, run_s_, run_s_ / wall_s_);
-  std::string rest;
-  if (interrupt) sha256_ = backend_->finish_recording(end.by);
-  if (real() || interrupt) rest = leave_boards();
-  if (interrupt && options_.keep_interrupted) {
-    rest += "; " + (sha256_ ? report().error() : lost(sha256_.error())).message;
-  } else if (interrupt) {
-    rest += "; interrupted";
-  } else {
-    Error error = with_recording(end.error, *backend_, folder(), recorded_, end.by);
-    rest += error.message.substr(end.error.message.size());
-    write_end("failed", "crashed", error.message);
-  }
-  results_.reset();  // on_crash may remove them
-  if (options_.on_crash) options_.on_crash(end.error, true);
-  remove_temporary_folder();
-  return rest;
-}
-
-// Of a run that a plug-in broke off: the rest of the sentence.
-std::string Session::leave_boards() {
-  const host::CleanUp clean_up(interrupt_);
-  bool answered = true, off = true;
-  for (const host::RobotBoard& board : backend_->boards()) {
-    const auto confirmed = leave_board(board, backend_->clock(), health_);
-    answered = answered && confirmed;
-    off = off && confirmed.value_or(false);
-  }
-  if (!real()) return {};
-  end_kept();
-  std::string rest;
-  // What puts boards back makes them confirm it, too.
-  if (off || left_)
-    rest = "; the motors are off";
-  else if (!answered && backend_->still_on().empty())
-    rest = "; the board does not answer, and its watchdog holds the posture: switch the robot off";
-  if (!left_) rest += "; " + left_.error().message;
-  return rest;
 }
 
 void Session::end_kept() {

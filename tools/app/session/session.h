@@ -62,11 +62,8 @@ struct SessionOptions {
   // Called if the machine, not the robot, ended the session: files, disk, display or port. May be called
   // before or after on_end.
   std::function<void(const Error&)> on_loss;
-  // Called if the behavior's code is faulty. Second argument false: the behavior threw an exception. Second
-  // argument true: a plug-in crashed, ended the process, or did not return after an interrupt (then the error
-  // is Fault::interrupted). If true, another thread calls on_crash, after on_end and just before the process
-  // ends.
-  std::function<void(const Error&, bool)> on_crash;
+  // Called before on_end if the behavior threw an exception.
+  std::function<void()> on_throw;
   // Called instead of SessionBackend::open(). Objects to which this function refers must outlive the session.
   std::function<Result<std::unique_ptr<SessionBackend>>(host::Interrupt&)> open_backend;
 };
@@ -84,7 +81,7 @@ struct SessionOptions {
 // - Other errors: the run broke off. The recording of the run is kept. If the machine was the cause,
 //   result.json has the outcome `environment`. If the behavior threw an exception, result.json has the
 //   outcome `failed` and the cause `crashed`.
-// If a plug-in ends the process, run_session() does not return (plugin_guard.h).
+// If a plug-in crashes, the process ends at once, and the board's link watchdog stops the robot.
 Result<bool> run_session(SessionOptions options);
 
 }  // namespace kaz::tools

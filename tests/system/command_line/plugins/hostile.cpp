@@ -1,10 +1,5 @@
-// A plug-in that does what a behaviour must not do: its option `does` says what. AT_LOAD: while it is loaded.
+// A plug-in that does what a behavior must not do. Its option `does` selects the misdeed.
 // SPDX-License-Identifier: Apache-2.0
-#include <pthread.h>
-#include <unistd.h>
-
-#include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <limits>
 #include <stdexcept>
@@ -34,38 +29,26 @@ volatile int g_depth = 0;
   return overflow_stack(depth + 1) + page[0];
 }
 
-[[gnu::noinline]] void leave(int status) {
-  std::exit(status);
-}
-
 // What ends the function or the process.
 [[gnu::noinline]] void end_somehow(std::string_view what) {
   if (what == "throw") throw std::runtime_error("no more");
   if (what == "throw-int") throw 7;
-  if (what == "exit") leave(3);
-  if (what == "_exit") ::_exit(0);
-  if (what == "_Exit") std::_Exit(0);
-  if (what == "pthread-exit") ::pthread_exit(nullptr);
+  if (what == "exit") std::exit(0);
   if (what == "abort") std::abort();
   if (what == "crash") write_to_null();
   if (what == "thread-throw") std::thread([] { throw std::runtime_error("no more"); }).join();
-  if (what == "thread") std::thread(write_to_null).join();
   if (what == "overflow") overflow_stack(0);
   if (what == "loop") {
     while (g_depth == 0) {
     }
   }
-  if (what == "sleep") {
-    while (g_depth == 0) std::this_thread::sleep_for(std::chrono::seconds(100));
-  }
 }
 
 constexpr behavior::Option kOptions[] = {
     {"does", "nothing",
-     "nothing|throw|throw-int|exit|_exit|_Exit|pthread-exit|abort|crash|thread|thread-throw|"
-     "overflow|loop|sleep|"
-     "deaf|empty|no-sentence|no-text|interrupted|nan|no-option|wrong-kind",
-     0, 0, "what it does after 0.2 s"}};
+     "nothing|throw|throw-int|exit|abort|crash|thread-throw|overflow|loop|"
+     "empty|no-sentence|no-text|interrupted|nan|no-option|wrong-kind",
+     0, 0, "what the behavior does after 0.2 s"}};
 
 Result<Outcome> run(Context& context) {
   KAZ_TRY(behavior::hold_still(context.robot));
@@ -74,7 +57,6 @@ Result<Outcome> run(Context& context) {
   const std::string_view what = context.options.choice("does");
   context.sink.phase(context.clock.now(), "hostile", "now");
   end_somehow(what);
-  while (what == "deaf") (void)context.robot.state();
   if (what == "empty") return Outcome{};
   if (what == "no-sentence") return fail(Fault::failed, "");
   if (what == "no-text") return Outcome{false, "\xff\xfe", {{"\xff", 1}}, "\xff"};
@@ -89,9 +71,6 @@ Result<Outcome> run(Context& context) {
   return Outcome{true, "nothing was done", {}, {}};
 }
 
-#ifdef AT_LOAD
-const int g_loaded = (end_somehow(AT_LOAD), 1);
-#endif
 #ifndef NAME
 #define NAME "hostile"
 #endif
