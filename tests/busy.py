@@ -91,7 +91,8 @@ def run_round(options, tests, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="./tools/dev busy", description="Runs all tests on a busy machine.")
+    parser = argparse.ArgumentParser(prog="./tools/dev study busy",
+                                     description="Runs all tests on a busy machine.")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--loops", type=int, default=8, help="endless loops beside the tests")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")

@@ -81,7 +81,7 @@ TEST(Pendulum, StopsWhereFrictionHoldsIt) {
   EXPECT_NEAR(made.current_a.back(), 12 * 4 * (1 - end) / p.resistance, 1e-3);
 }
 
-// ./tools/dev servo-table does this for twenty, with every model.
+// ./tools/dev study servo-table does this for twenty, with every model.
 TEST(ServoFits, PredictWhatTheyHaveNotSeenBetterWithLoad) {
   std::vector<ServoLog> logs, held_out;
   for (const Motion motion : {Motion::two_sines, Motion::lift_and_drop}) {

@@ -29,7 +29,7 @@ using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr const char* kNoInterface =
-    "KAZ_TEST_CAN names no CAN interface, as KAZ_TEST_CAN=vcan0 does; ./tools/dev guest has some";
+    "KAZ_TEST_CAN names no CAN interface, as KAZ_TEST_CAN=vcan0 does; ./tools/dev study guest has some";
 
 void set_up(const std::string& interface, bool up) {
   const Descriptor any(socket(AF_INET, SOCK_DGRAM, 0));

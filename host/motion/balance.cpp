@@ -77,7 +77,7 @@ Result<BalancePolicy> BalancePolicy::parse(const std::string& text, const std::s
   if (weights.size() != kWeights)
     return fail(Fault::usage, name + " holds " + std::to_string(weights.size()) +
                                   " numbers, and a balance policy has " + std::to_string(kWeights) +
-                                  " weights; ./tools/dev train-balance writes such files");
+                                  " weights; ./tools/dev study train-balance writes such files");
   return BalancePolicy(std::span<const double, kWeights>(weights));
 }
 

@@ -11,8 +11,8 @@
 //
 // The robot is symmetric, so the network is made symmetric, too. With the mirror matrices M of the inputs and
 // N of the outputs, the correction is (u(x) + N u(M x)) / 2. The weights are in learned_balance.inc, written
-// by ./tools/dev train-balance (docs/explanation/motion.md#balance). Units: m, s, rad. Frames and signs are
-// the same as in gait.h.
+// by ./tools/dev study train-balance (docs/explanation/motion.md#balance). Units: m, s, rad. Frames and signs
+// are the same as in gait.h.
 #pragma once
 
 #include <optional>

@@ -1,7 +1,7 @@
 // Batch without Python: the same numbers for any number of threads, and errors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// `./tools/dev sanitize` runs this under the thread sanitizer.
+// `./tools/dev study sanitize` runs this under the thread sanitizer.
 #include "python/src/batch.h"
 
 #include <gtest/gtest.h>

@@ -51,7 +51,7 @@ endif()
 # KAZ_SANITIZED_COPIES: some libraries are compiled a second time, under sanitizers, and their tests linked with both
 # (SANITIZED below). Not where everything is compiled so already, nor for coverage or clang's fuzzer.
 set(KAZ_SANITIZED_COPIES OFF)
-# Without what the address sanitizer sees itself (null) and what takes long to compile (vptr); `./tools/dev sanitize`
+# Without what the address sanitizer sees itself (null) and what takes long to compile (vptr); `./tools/dev study sanitize`
 # has both.
 set(KAZ_SANITIZERS -fsanitize=address,undefined,float-cast-overflow -fno-sanitize=null,vptr)
 set(KAZ_SANITIZED_OPTIONS -O1 -g1 -UNDEBUG ${KAZ_SANITIZERS} -fno-omit-frame-pointer -fno-sanitize-recover=all)

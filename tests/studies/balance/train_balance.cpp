@@ -254,7 +254,7 @@ int main(int argc, char** argv) {
   return studies::run_program(app, "train_balance", argc, argv, [&]() -> Result<void> {
     if (a.population % 2 != 0) return fail(Fault::usage, "--population: give an even number");
     a.mcu = parse_enum(sim::kMcuKinds, a.mcu_name).value();
-    return a.test.empty() ? train(a, "./tools/dev train-balance --seed " + std::to_string(a.seed))
+    return a.test.empty() ? train(a, "./tools/dev study train-balance --seed " + std::to_string(a.seed))
                           : test(a);
   });
 }

@@ -1,4 +1,4 @@
-// The short form of the campaign: ./tools/dev flash-campaign has the whole one.
+// The short form of the campaign: ./tools/dev study flash-campaign has the whole one.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

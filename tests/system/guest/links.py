@@ -166,7 +166,7 @@ def main():
         options.kernel = machine.kernel(options.kernels)
     except machine.Missing as missing:
         print(f"SKIPPED: not tested over real drivers (UART, USB, CAN, TCP, V4L2): {missing}; "
-              "`./tools/dev guest` gets it")
+              "`./tools/dev study guest` gets it")
         return 77
     options.bin = options.bin.resolve()
     options.kaz = options.bin / "kaz"

@@ -30,7 +30,7 @@ def main():
         kernel = machine.kernel(options.kernels)
     except machine.Missing as missing:
         print(f"SKIPPED: the V4L2 camera was not tested on the kernel's driver: {missing}; "
-              "`./tools/dev camera-test` gets it")
+              "`./tools/dev study camera-test` gets it")
         return 77
     binaries = options.bin.resolve()
     print(f"kernel: {kernel.name}", flush=True)
