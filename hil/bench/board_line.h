@@ -72,8 +72,8 @@ class BoardLine {
   Result<void> enable(bool on);
   // Switches the joints on, held in place, runs `load`, and switches the joints off. Repeats these steps if
   // the board's link watchdog switched the joints off, for example because this program was stopped for a
-  // while. If the watchdog switched the joints off, the load was not the intended load. Error (environment):
-  // the watchdog switched the joints off in each run.
+  // while. During part of such a run the joints were off, so the run does not count. Error (environment): the
+  // watchdog switched the joints off in each run.
   Result<void> with_joints_on(const std::function<Result<void>()>& load);
 
   host::Requester& requester() { return requester_; }
@@ -117,7 +117,7 @@ class CycleLoad {
   Result<void> run_fast(Time end);
   Result<void> run_paced(Time period, Time end);
   Result<void> send();
-  // Receives the replies of the oldest cycle. Returns false at the deadline.
+  // Receives the replies of the oldest cycle. Returns false if the replies have not arrived by `deadline`.
   Result<bool> receive(Time deadline);
   void report_progress();
 

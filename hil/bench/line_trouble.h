@@ -8,9 +8,9 @@
 
 namespace kaz::hil {
 
-// Appends `what` to the list `trouble`, which begins with "on the line".
+// Appends `what` to the list in `trouble`. A list that is not empty begins with "on the line".
 void add_trouble(std::string& trouble, const std::string& what);
-// Returns text like "on the line 3 replies did not come, 1 frame came damaged" for the difference between two
+// Returns text like "on the line 3 replies were lost, 1 frame arrived damaged" for the difference between two
 // counts. The text is empty if there were no line errors. A frame that is damaged on the way to the board
 // appears as a missing reply.
 std::string line_trouble(const host::LinkStatistics& before, const host::LinkStatistics& after);

@@ -57,7 +57,7 @@ struct Series {
 struct Plot {
   std::string id;                       // name such as "stall"; unique per subject in a report
   std::string subject;                  // name of a joint, "link" or "board"
-  std::string title, x_label, y_label;  // labels have units, such as "motor voltage, V"
+  std::string title, x_label, y_label;  // axis labels with units, such as "motor voltage, V"
   bool x_logarithmic = false;
   std::vector<Series> series;
   std::string caption;  // description of the plot, one sentence
@@ -92,15 +92,15 @@ struct BenchReport {
   bool doubts(Measurement::Doubt doubt) const;
 };
 
-// Collects and judges measurements: a value inside its limits passes, NaN fails. References must outlive this
-// object.
+// Collects and judges measurements: a value inside its limits passes, NaN fails. The objects that are passed
+// by reference must outlive this object.
 class BenchJudge {
  public:
   // Called for each measurement that is entered. For measurements within timed(), the calls are made at the
   // end of timed().
   using Listener = std::function<void(const Measurement&)>;
-  // `lateness` observes link and clock of the measurements if link and clock are real. `lateness` may be
-  // null.
+  // `lateness` measures delays of this process at the link and clock of the measurements. In simulated time,
+  // `lateness` is null.
   BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr,
              host::LatenessMeter* lateness = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)), lateness_(lateness) {}
@@ -113,27 +113,28 @@ class BenchJudge {
   void enter_finding(const std::string& subject, const std::string& name, double value,
                      const std::string& finding);
   // Enters a value that was measured under a condition, named by `note`, to which the default limits do not
-  // apply. Only explicit limits apply; without explicit limits the measurement is left out, but the value is
-  // reported.
+  // apply. Only explicit limits apply. Without explicit limits, the value is reported with the verdict
+  // left_out.
   void enter_without_default_limits(const std::string& subject, const std::string& name,
                                     double value, double error, const std::string& note);
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
-  // Returns the line errors since the last call: "3 replies did not come"; empty: no errors.
+  // Returns the line errors since the last call: "on the line 3 replies were lost"; empty: no errors.
   using LineTrouble = std::function<std::string()>;
   // Runs a part that measures times with this machine's clock. If a measurement of the part fails while the
   // machine was late, all results of the part are dropped and the part is repeated. If the machine was late
-  // in each run, the failed measurements are undecided. With `at_least` above 0, only lateness of at least
-  // `at_least` counts, for every measurement of the part. With 0, any lateness counts, but only for
-  // measurements that depend on this machine's clock. A disturbed line has the same effect as a late machine,
-  // except for measurements of the line itself. Errors: the errors of `part`; the program at the other end no
-  // longer replies (environment).
+  // in each run, the failed measurements are undecided. If `at_least` is above 0, shorter delays are ignored,
+  // and longer delays excuse a failure of any measurement of the part. If `at_least` is 0, any lateness
+  // counts, but only for measurements that depend on this machine's clock. A disturbed line has the same
+  // effect as a late machine, except for measurements of the line itself. Errors: the errors of `part`; the
+  // program at the other end no longer replies (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
   // Makes all failed measurements with index `first` or higher undecided, and appends "; but " and `why` to
   // their messages.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
-  // States that the true values of the measurements from the index `first` on may be up to `factor` >= 1
-  // times the entered values. A measurement becomes undecided if this factor could change the verdict.
+  // States that true values may exceed the entered values by a factor of up to `factor`, which is at least 1.
+  // This applies to all measurements with index `first` or higher. A measurement becomes undecided if this
+  // factor could change the verdict.
   void doubt(std::size_t first, double factor, const std::string& why);
   // Returns the limits that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;

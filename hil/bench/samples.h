@@ -9,8 +9,8 @@
 
 namespace kaz::hil {
 
-// Returns the sample that the fraction `share` (0 to 1) of all samples does not exceed. Returns NaN if there
-// are no samples.
+// Returns a quantile: the smallest sample for which at least the fraction `share` (0 to 1) of all samples is
+// not larger. Returns NaN if there are no samples.
 double quantile(std::vector<double> samples, double share);
 // Returns NaN for fewer than two samples.
 double standard_deviation(const std::vector<double>& samples);
@@ -19,8 +19,8 @@ double median_error(const std::vector<double>& samples);
 
 using Points = std::vector<std::pair<double, double>>;
 
-// A line y = at_zero + slope x, fitted by least squares. The standard errors follow from the scatter of the
-// points.
+// A line y = at_zero + slope x, fitted by least squares. The standard errors are computed from the scatter of
+// the points about the line.
 struct Line {
   double at_zero = 0, slope = 0;
   double at_zero_error = 0, slope_error = 0;

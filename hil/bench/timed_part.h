@@ -9,9 +9,9 @@
 
 namespace kaz::hil {
 
-// Calls BenchJudge::timed() and passes the number of the run, beginning with 1, to `part`. If an error, for
-// example a signal, ends the part, and the machine was late or the line was disturbed, the failed
-// measurements of the part become undecided. Without the error, the part would have been repeated.
+// Calls BenchJudge::timed() and passes the number of the run, beginning with 1, to `part`. A run that ends
+// with an error, for example because of a signal, is not repeated. If the machine was late or the line was
+// disturbed in this run, the failed measurements of the run become undecided.
 Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int run)>& part,
                         Time at_least = Time::zero(),
                         const BenchJudge::LineTrouble& line_trouble = nullptr);

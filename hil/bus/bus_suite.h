@@ -26,7 +26,7 @@ enum ServoNeed : unsigned {
 };
 
 struct ServoCase {
-  Case of;  // id, sentence and sections of the page; the member `run` of this Case is not used
+  Case of;  // id, sentence and tested sections of the page; `of.run` is always null
   unsigned needs = kServoNothing;
   std::function<void(ExaminedServo&)> run;
   // Returns whether servos with this table and firmware have the tested feature. Null: all servos have the
@@ -47,9 +47,9 @@ struct BusRunOptions {
   int id = 1;
   std::string filter;
   unsigned allowed = 0;  // bits of ServoNeed that are allowed
-  bool release = false;  // whether to switch off a torque that is on at the start
-  // An interrupt ends the run, after the registers that the running case changed are restored. `interrupt`
-  // may be null.
+  bool release = false;  // if the torque is on at the start: whether to switch the torque off
+  // After an interrupt, the registers that the running case changed are restored, and then the run ends.
+  // `interrupt` may be null.
   host::Interrupt* interrupt = nullptr;
   host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
@@ -63,7 +63,7 @@ Result<RunReport> run_bus_suite(host::Link& link, host::Clock& clock, const BusR
 void add_feetech_cases(std::vector<ServoCase>& all);
 void add_dynamixel_cases(std::vector<ServoCase>& all);
 
-// List to which cases are added that both families have in common.
+// List of the cases of one servo family. The functions below add cases that both families have in common.
 struct ServoCases {
   std::vector<ServoCase>& all;
   std::string page;
@@ -78,8 +78,8 @@ struct ServoCases {
 };
 void add_register_cases(ServoCases cases, ServoFamily family);
 void add_motion_cases(ServoCases cases, ServoFamily family);
-// Adds writes to all servos at once. `row` selects a RAM register; writing this register must not move the
-// shaft while the torque is off.
+// Adds a case that writes a RAM register of all servos with one request. `row` selects this register. Writing
+// the register must not move the shaft while the torque is off.
 void add_write_to_all(ServoCases cases, ServoFamily family,
                       const ServoRow& (*row)(const ExaminedServo&));
 

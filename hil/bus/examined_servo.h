@@ -67,7 +67,8 @@ class ExaminedServo {
   // Writes a register and returns the error code of the answer without alerts; 0: success. end_case()
   // restores the old value.
   int write(const ServoRow& row, long value);
-  // Stores the register's value for end_case() to restore. For registers that are written without write().
+  // Stores the register's value for end_case() to restore. Call this function before a register is written by
+  // other means than write().
   void keep(const ServoRow& row);
 
   // Waiting times: kSilence to check that no answer comes, kPatience for an expected answer.
@@ -76,7 +77,8 @@ class ExaminedServo {
 
  private:
   struct Torque {
-    // `off`: the servo has confirmed that the torque is off. `was_on`: the torque was on before.
+    // `off`: the servo has confirmed that the torque is off. `was_on`: the torque was on when release() was
+    // called.
     bool off = false, was_on = false;
   };
   Torque release();

@@ -52,8 +52,8 @@ class Board {
 
   // ---- Bytes
   void write(const Bytes& bytes);
-  std::optional<Frame> next(int at_most_ms);  // next frame, including telemetry
-  void silence(int ms);                       // fails if a frame comes, except telemetry
+  std::optional<Frame> next(int at_most_ms);  // next frame of any type, also telemetry
+  void silence(int ms);                       // fails if any frame other than telemetry comes
   void wait(int ms);                          // frames that arrive meanwhile can be read afterwards
   void forget_frames() { frames_.clear(); }   // drops frames that were not read
   // Returns the number of bytes outside frames plus the number of damaged frames.
@@ -70,8 +70,8 @@ class Board {
   // Sends a request with a new sequence number and returns the reply or refusal.
   Frame raw_request(std::uint8_t type, const Bytes& fields);
   bool answers();  // true if identify is answered within 50 ms
-  // Returns whether no board answers at any address. Waits for a board that is still starting. With a bench
-  // the function returns false, because the bench resets the board for the next case.
+  // Returns whether no board answers at any address. Waits for a board that is still starting. If there is a
+  // bench, returns false without this check, because the bench resets the board before the next case.
   bool gone();
 
   // ---- Requests by name

@@ -48,7 +48,7 @@ struct CaseResult {
   std::string message;                  // reason of a failure, skip or undecided verdict
   double seconds = 0;                   // duration on the board's clock
   std::vector<std::string> transcript;  // bytes of a failed or undecided case
-  // Number of runs. All runs but the last failed while this machine was late.
+  // Number of runs. Every run before the last one failed while this machine was late.
   int runs = 1;
 };
 

@@ -38,8 +38,8 @@ class Conversation {
   // Returns the number of replies to the request with this type and sequence number since that request was
   // last sent.
   int replies_to(std::uint8_t type, std::uint8_t sequence) const;
-  // Returns and clears a flag. The flag is set by a request after which the board may not receive for a while
-  // or may have a new address.
+  // Returns and clears a flag. The flag is set by a request after which the board is possibly deaf for a
+  // while, or has a new address.
   bool take_deafening();
 
   // Returns the first violation; nullopt if there was no violation.

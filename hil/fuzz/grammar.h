@@ -3,7 +3,7 @@
 //
 // A string of bytes, called the genome, determines a case. Each decision (next action, message, value)
 // consumes some bytes, and the case ends when no bytes are left. Every string gives a case, and a small
-// change of the string is a small change of the case. Therefore a coverage-guided fuzzer can mutate the
+// change of the string changes the case only a little. Therefore a coverage-guided fuzzer can mutate the
 // string. Messages, fields and bounds come from the protocol's table (shared/protocol/message_info.h).
 #pragma once
 

@@ -53,7 +53,7 @@ class TickJudge {
 
   bool started_ = false;
   kz_receiver receiver_{};  // decodes the bytes received in the ticks
-  unsigned refusals_ = 0;   // number of refusals of the servo before the tick
+  unsigned refusals_ = 0;   // kz_servo::refusals before the tick
   std::array<Before, KZ_JOINTS> before_{};
   long long ticks_ = 0;
   std::set<std::uint32_t> features_;

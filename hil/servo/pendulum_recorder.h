@@ -20,7 +20,7 @@ struct PendulumOptions {
   servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
   int id = 1;
   double mass_kg = 0, length_m = 0, arm_kg = 0;
-  double amplitude_rad = 1.4;  // maximum angle of the goal from hanging down, to either side
+  double amplitude_rad = 1.4;  // maximum angle of the goal, to either side of hanging down
   double seconds = 6;          // duration of each log
   // If a reading exceeds one of these limits, the torque is switched off, and the recording ends with an
   // error.
@@ -48,8 +48,8 @@ struct PendulumRecord {
 
 // Records all logs. Errors:
 // - environment: the servo does not answer or reports an error, or a limit is exceeded.
-// - usage: the control law of the servo's model is unknown, the torque is on, or the servo has no room to
-//   move.
+// - usage: the control law of the servo's model is unknown, the torque is on, or the swing exceeds the
+//   servo's range.
 // When this function returns, also after an error or an interrupt, the torque is off and the registers are
 // restored. If switching off or restoring fails, the error message states this failure.
 Result<PendulumRecord> record_pendulum(host::Link& link, host::Clock& clock,

@@ -29,11 +29,11 @@ LogErrors errors_of(int model, const ServoParams& params, const std::vector<Serv
 struct FittedServoParam {
   const ServoParamInfo* of = nullptr;
   double value = 0;
-  // Change of the parameter that increases the squared error by 6 % (the mean error by 3 %), if all other
-  // parameters are refitted. Infinite if the logs do not determine the parameter.
+  // If the parameter changes by this value and all other parameters are refitted, the squared error grows by
+  // 6 % and the mean error by 3 %. Infinite if the logs do not determine the parameter.
   double determined_within = 0;
-  // True if determined_within is less than half of the value, or less than half of the range if the value
-  // may be negative.
+  // True if determined_within is less than half of `value`. For a parameter whose range includes negative
+  // values, the limit is half of the range.
   bool determined = false;
 };
 
@@ -51,8 +51,8 @@ struct ServoFitOptions {
   std::function<bool()> stopped = [] { return false; };
 };
 
-// Fits each model. Errors: there is no log (usage); the fit finds no motor that follows the logs, from any
-// start value (failed); `stopped` returned true (interrupted).
+// Fits each model. Errors: there is no log (usage); no motor model fits the logs (failed); `stopped` returned
+// true (interrupted).
 Result<std::vector<ServoFit>> fit_servo(const std::vector<ServoLog>& logs,
                                         const std::vector<ServoLog>& held_out,
                                         const ServoFitOptions& options = {});

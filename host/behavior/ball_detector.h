@@ -24,8 +24,9 @@ class BallDetector {
 // Submits the camera's image pairs to the pipeline and collects the results of its module "color".
 class PipelineBallDetector final : public BallDetector {
  public:
-  // `camera` must add the robot's posture to its pairs (host/camera/capture.h). The pipeline may contain
-  // other modules. Without the module "color", poll() fails. Camera and pipeline must outlive this object.
+  // `camera` must add the robot's posture to its pairs (host/camera/capture.h). The pipeline must contain the
+  // module "color", or poll() fails; other modules are optional. Camera and pipeline must outlive this
+  // object.
   PipelineBallDetector(vision::Camera& camera, vision::Pipeline& pipeline);
   PipelineBallDetector(const PipelineBallDetector&) = delete;
   PipelineBallDetector& operator=(const PipelineBallDetector&) = delete;

@@ -18,9 +18,11 @@ namespace kaz::behavior {
 
 // A point on the floor. Axes: x ahead, y left.
 struct FloorPoint {
-  Eigen::Vector2d from_middle{0, 0};  // origin: midpoint of the ankles, for feet side by side
-  Eigen::Vector2d from_hips{0, 0};    // origin: below the trunk's origin
-  Eigen::Vector2d along{1, 0};        // unit vector of the ray's projection on the floor
+  // Origin: midpoint of the ankles, if the feet are side by side.
+  Eigen::Vector2d from_middle{0, 0};
+  // Origin: on the floor, below the trunk's origin.
+  Eigen::Vector2d from_hips{0, 0};
+  Eigen::Vector2d along{1, 0};               // unit vector of the ray's projection on the floor
   double sigma_along = 0, sigma_across = 0;  // standard deviations along and across the ray
 };
 // Computes the position of the observed ball. `radius`: radius of the ball, m. Returns nothing if there is no

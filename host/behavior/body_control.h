@@ -1,9 +1,9 @@
 // Whole-body control for behaviors: legs, arms, head and ball tracking in one exchange per control cycle.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The legs follow motion::Motion, or all joints except the neck's follow a pose. The head holds a gaze or
-// tracks the ball. Each cycle reads posture, inertial data and ball observations. Sending 18 targets and
-// receiving the reply takes 14 ms at 115,200 baud, so cycles last 10 to 20 ms.
+// In each cycle, either the legs follow motion::Motion, or all joints except those of the neck follow a pose.
+// The head holds a gaze or tracks the ball. Each cycle reads posture, inertial data and ball observations.
+// Sending 18 targets and receiving the reply takes 14 ms at 115,200 baud, so cycles last 10 to 20 ms.
 #pragma once
 
 #include <optional>
@@ -32,9 +32,9 @@ class BodyControl {
   // fallen() returns true. While the camera is lost (ControlCycle::kLostCamera), the call stops Motion, keeps
   // the robot standing, and does not return.
   Result<void> step();
-  // Runs one control cycle with the angles of `pose` for all joints except the neck's. Motion is suspended in
-  // this cycle. A sequence of poses must start and end at home(). Call restart() before the next step()
-  // without a pose.
+  // Runs one control cycle with the angles of `pose` for all joints except those of the neck. Motion is
+  // suspended in this cycle. A sequence of poses must start and end at home(). Call restart() before the next
+  // step() without a pose.
   Result<void> step(const host::JointAngles& pose);
   // Runs step() for `duration`, or until the robot falls.
   Result<void> stay(Time duration);

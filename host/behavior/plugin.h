@@ -1,4 +1,4 @@
-// Plug-ins: behaviors in shared objects. Declares the symbol that a plug-in exports, and the loader.
+// Plug-ins: behaviors in shared objects. Declares the loader and the exported symbol of a plug-in.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A plug-in is a shared object with one behavior, built outside of Kaz's tree (docs/howto/own-behavior.md).

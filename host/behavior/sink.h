@@ -43,7 +43,7 @@ struct MapReport {
   const map::LocalMap& map;
   Eigen::Vector2d robot{0, 0};
   double heading_rad = 0;
-  // Corners from start to goal; empty if there is no path.
+  // Corners of the path from start to goal; empty if there is no path.
   const std::vector<Eigen::Vector2d>& path;
   const std::vector<Eigen::Vector2d>& trail;  // positions of the robot so far
   Eigen::Vector2d goal{0, 0};

@@ -80,7 +80,7 @@ struct Ahead {
   Eigen::Vector2d where{0, 0};  // position of the obstacle or unknown cell that ends the way
 };
 // Returns how far a robot at `place` may walk straight ahead, at most `until_m`. If `unknown_ends` is true,
-// unknown floor ends the way like an obstacle.
+// the way also ends at unknown floor, not only at obstacles.
 Ahead look_ahead(const map::LocalMap& map, const motion::Place& place, double until_m,
                  bool unknown_ends);
 

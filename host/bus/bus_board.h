@@ -33,10 +33,10 @@ class BusBoard {
   static constexpr double kMaxSpeed = 12;  // largest speed limit that a joint can have, rad/s
 
   // Checks that each servo answers, has the configured model and is in position mode. `clock` must be the
-  // clock of the link; both must outlive the board. Fails (environment) if servos do not answer, reject a
-  // register, or stand far outside their range; the message lists all silent servos. Fails (usage) for a
-  // wrong model or mode, too many joints, a duplicate id, two protocols, or a range whose positions would
-  // wrap.
+  // clock of the link; both must outlive the board. Fails (environment) if a servo does not answer, does not
+  // accept a setting, or is far outside its range. If servos do not answer, the message lists all of them.
+  // Fails (usage) for a wrong model or mode, too many joints, a duplicate id, two protocols, or a range whose
+  // positions would wrap.
   static Result<BusBoard> open(Link& link, Clock& clock, std::vector<BusJoint> joints);
 
   // Parses bytes from the host and queues the frames for serve(). A `stop`, or an `enable` with an empty
@@ -49,7 +49,8 @@ class BusBoard {
   // reply; nullopt if no frame was queued. Returns the errors of the port.
   Result<std::optional<std::vector<std::uint8_t>>> serve();
   const BusDriver::Counts& counts() const { return driver_->counts(); }
-  // Lists servos that have not confirmed torque off; see still_on() in bus_driver.h.
+  // Returns a message about servos that have not confirmed that their torque is off, as still_on() in
+  // bus_driver.h does.
   std::string still_on() const;
   // Discards partial and queued frames after the port was reopened.
   void forget();

@@ -18,11 +18,12 @@ struct ScannedServo {
   int number = -1;                          // model number as reported by the servo; -1: unknown
   const servo_bus::Model* model = nullptr;  // null: `number` is not in the tables of models
   // Counts over all pings and readings: requests sent, requests without an answer, and damaged answers.
-  // `late` counts lost and damaged answers while this machine was late. Such losses are not in `lost` and
+  // `late` counts requests that failed while this machine was late. Such failures are not in `lost` and
   // `damaged`, because their cause is undecided.
   int requests = 0, lost = 0, damaged = 0, late = 0;
   std::vector<double> round_trips_s;  // times from the first byte sent to the last byte received
-  // Values from the last reading (lowest_volts: the minimum over all readings). NAN or -1: not read.
+  // Values from the last reading, except lowest_volts, which is the minimum over all readings. NAN or -1: not
+  // read.
   double volts = NAN, lowest_volts = NAN, celsius = NAN;
   double return_delay_s = NAN;
   int torque = -1;          // 0: off; 1: on
@@ -35,7 +36,7 @@ struct ScanOptions {
   Time within{};      // timeout of an answer, without the transmission time; 0: 8 ms
   // Called before each id of the first pass.
   std::function<void(int id)> progress = nullptr;
-  // Measures this machine's lateness at the scan's link and clock, for real hardware. May be null.
+  // Measures delays of this process at the scan's link and clock, in real time. May be null.
   LatenessMeter* lateness = nullptr;
   // Called for an id without an answer if this machine was late in all repetitions. `excuse` is the text from
   // LatenessMeter::excuse().

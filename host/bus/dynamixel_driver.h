@@ -52,8 +52,8 @@ class DynamixelDriver final : public BusDriver {
 
   Exchange exchange_;
   // may_be_fast_: the servos may support fast sync read. was_fast_: a complete answer has confirmed the
-  // support. An old firmware version, or two missing answers without any complete answer, rule out the
-  // support.
+  // support. The driver rules out fast sync read if the firmware of a servo is too old. It also does so if
+  // two answers are missing before the first complete answer.
   bool may_be_fast_ = true, was_fast_ = false;
   int fast_silences_ = 0;
   Time circuit_due_{};  // time at which voltages and temperatures are read next

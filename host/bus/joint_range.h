@@ -51,7 +51,7 @@ struct RangeRegisters {
 };
 
 struct RangePlan {
-  // Reason why the joint cannot be calibrated, with the remedy; empty if it can.
+  // Reason why the joint cannot be calibrated, and the remedy; empty if calibration is possible.
   std::string fault;
   bool wrapped = false;      // the end of a turn was inside the range
   double low = 0, high = 0;  // positions at the stops with the new registers, steps

@@ -6,8 +6,8 @@
 // An equation
 //   sum w_i angle_{j_i}(code_i) + sum v_n x_n = value + noise,  noise with standard deviation sigma
 // is linear in the unknowns. The estimate is the mean of the posterior (Bayesian linear regression, Bishop
-// 2006, 3.3). So an unknown that no equation determines keeps its prior mean, and the expected errors include
-// the uncertainty of this unknown.
+// 2006, 3.3). So an unknown that no equation determines keeps its prior mean. The uncertainty of this unknown
+// is part of the expected errors.
 //
 // The board stores a line for each joint: the line with the least mean square error over the joint's range.
 // The expected error in `JointEstimate` includes the curve's deviation from this line and the remaining

@@ -33,7 +33,7 @@ struct MotionGroup {
 // stops once.
 std::span<const MotionGroup> stop_groups();
 
-// Returns stances on both soles: crouches, leans, and the weight shifted to each side.
+// Returns stances on both soles: crouches, leans, and stances with the weight shifted to one side.
 std::span<const motion::Stance> floor_stances();
 // Returns all joint angles for a stance, rad, with the arms as in motion::home().
 host::JointAngles posture_of(const motion::Stance& stance);

@@ -77,8 +77,9 @@ inline constexpr double kStoredSigma = 0.2 * kDegree;
 
 // Adds one equation for each reading without a fault.
 void add_stops(JointEstimator& to, const std::vector<StopReading>& readings);
-// Adds an equation for each stop of a joint, with the codes at which the stored calibration `line` has the
-// angles of the stops. A stored calibration passes near the true angles of the stops.
+// Adds an equation for each stop of a joint. The equation pairs the angle of the stop with the code that the
+// stored calibration `line` gives for this angle. A stored calibration passes near the true angles of the
+// stops.
 void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line);
 
 // Returns the prior standard deviations (g) of the additional unknowns of add_floor(), in pairs for each

@@ -23,8 +23,8 @@ inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 // camera. A camera is invalid if its size, intrinsics, baseline or latency is out of range. Messages contain
 // `path`.
 Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& path);
-// Fails (environment) if the header is not a pair header, or if the exposure is before the start of the clock
-// or more than kMaxCameraAhead after `now`.
+// Fails (environment) if the header is not a pair header, or if the time of the exposure is negative or more
+// than kMaxCameraAhead after `now`.
 Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream& stream, Time now,
                                 const std::string& path);
 

@@ -14,8 +14,8 @@ namespace kaz::host {
 
 class Capture final : public vision::Camera {
  public:
-  // Maximum wait of a pair whose exposure is newer than all states from the board. After this wait, poll()
-  // returns the pair with posture_known = false.
+  // If the exposure of a pair is newer than all states from the board, the pair waits at most this long for
+  // newer states. After this wait, poll() returns the pair with posture_known = false.
   static constexpr Time kPatience = std::chrono::milliseconds(50);
 
   // `camera` and `robot` must outlive this object and have the same time scale.

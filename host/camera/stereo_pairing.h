@@ -1,4 +1,4 @@
-// Pairs pictures of the left and right camera that are nearest in time.
+// Combines a left and a right picture that are nearest in time into a pair.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -37,7 +37,7 @@ struct V4l2Options {
   // Maximum time between the two pictures of a pair; 0: half the picture interval of the slower camera.
   Time tolerance{};
   // Timeout: a device that delivers no picture for this long counts as stopped. Both devices count as stopped
-  // if no valid pair came for this long. The timeout is much longer than exposures in the dark.
+  // if no valid pair came for this long. The timeout is much longer than any exposure, also in the dark.
   Time silence = std::chrono::seconds(2);
 };
 
@@ -103,7 +103,7 @@ class V4l2Camera final : public vision::Camera {
   std::deque<vision::StereoPair> waiting_;
   V4l2Statistics statistics_;
   std::optional<Error> stopped_;
-  std::thread reader_;  // last, because it uses all members above
+  std::thread reader_;  // last member, because the thread uses all members above
 };
 
 }  // namespace kaz::host

@@ -61,7 +61,7 @@ class V4l2Device {
   const RawLayout& layout() const { return layout_; }
   // Negotiated rate; 0 if the driver does not report a rate.
   double rate_hz() const { return rate_hz_; }
-  // Pictures that the driver lost, from gaps in its sequence numbers.
+  // Number of pictures that the driver lost, computed from gaps in the driver's sequence numbers.
   std::uint64_t lost() const { return lost_; }
   Stamp stamp() const { return stamp_; }  // meaning of the last picture's time stamp
   // Number of pictures with a time stamp after their arrival.

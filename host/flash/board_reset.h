@@ -21,9 +21,9 @@ class BoardReset {
 };
 
 // Resets a board by modem lines. DTR is wired to RES (active: in reset), RTS to the mode pins (active: boot
-// mode). A reset lasts 25 ms; the chip needs only 20 states if the oscillator runs. Opening a port activates
-// both lines, so the board is held in reset until the first reset(). `port` and `clock` must outlive this
-// object.
+// mode). A reset lasts 25 ms. If the oscillator runs, the chip needs only 20 clock cycles. Opening a port
+// activates both lines, so the board is held in reset until the first reset(). `port` and `clock` must
+// outlive this object.
 class ModemLineReset final : public BoardReset {
  public:
   ModemLineReset(ModemLines& port, Clock& clock) : port_(port), clock_(clock) {}

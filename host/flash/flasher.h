@@ -38,7 +38,7 @@ struct FlasherOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   // If true, accepts an image for another board, or an image that is not a Kaz application.
   bool force = false;
-  // Measures this machine's lateness at the flasher's link and clock, in real time. Steps that failed while
+  // Measures delays of this process at the flasher's link and clock, in real time. Steps that failed while
   // this machine was late are repeated. May be null.
   LatenessMeter* lateness = nullptr;
   std::function<void(const FlashProgress&)> progress;
@@ -49,8 +49,8 @@ struct FlasherOptions {
 // duration of flashing.
 struct FlashTimes {
   static constexpr double erase_pulse_s = 0.0051, erase_setup_s = 0.00024;
-  // Time to program one line, the sum of these times in us: SWE 10, PSU 50, P 150, alpha 10, beta 10, PV 4,
-  // 16 words of 2, 4, and SWE off 100.
+  // Time to program one line, which is the sum of the waits in the programming algorithm. In us: 10 (SWE) +
+  // 50 (PSU) + 150 (P) + 10 (alpha) + 10 (beta) + 4 (PV) + 16 * 2 (words) + 4 (PV off) + 100 (SWE off).
   static constexpr double program_line_s = 0.00037;
 };
 

@@ -46,19 +46,20 @@ std::string status_text(int status);
 
 class WriterLink {
  public:
-  // All arguments must outlive this object. `lateness` measures lateness at the same link and clock, in real
-  // time; `lateness` may be null. In each exchange, up to LatenessMeter::kRepetitions tries during which this
-  // machine was late do not count.
+  // All arguments must outlive this object. `lateness` measures delays of this process at the same link and
+  // clock, in real time; `lateness` may be null. A failed try does not count if this machine was late during
+  // the try. At most LatenessMeter::kRepetitions tries of an exchange are excused in this way.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 
   // Sends a request and repeats it until a reply arrives. `patience` is the timeout of a try, which doubles
   // after three tries. Errors: no reply, or a link error. A reply with an error status is returned.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
-  // Sends requests in order, up to KZ_WRITER_WINDOW of them outstanding, and repeats each request as needed.
-  // The timeout is at least `patience` and grows with the response time, up to four times `patience`. `next`
-  // is called when another request can be sent, and returns nothing after the last request. `answered` is
-  // called with each reply in order; an error from `answered` ends the exchange.
+  // Sends requests in order and repeats a request if its reply is missing. Up to KZ_WRITER_WINDOW requests
+  // may wait for replies at the same time. The timeout is at least `patience` and grows with the response
+  // time, up to four times `patience`. `next` is called when another request can be sent, and returns nothing
+  // after the last request. `answered` is called with each reply in order; an error from `answered` ends the
+  // exchange.
   Result<void> exchange_all(
       const std::function<std::optional<WriterRequest>()>& next, Time patience,
       const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);
@@ -68,7 +69,8 @@ class WriterLink {
   Result<void> set_rate(int baud, std::uint8_t brr);
   Result<WriterSums> sums(std::uint32_t address, std::uint32_t length);
 
-  // Records the present rate of the link, to which set_rate() returns if the writer does not follow.
+  // Stores the present rate of the link. If the writer does not respond at a new rate, set_rate() restores
+  // the stored rate.
   void rate_is(int baud) { rate_ = baud; }
   int repeated() const { return repeated_; }
 

@@ -83,7 +83,8 @@ class CanLink final : public PortLink {
   // Fails if the interface is down, gone or bus-off. After such a failure, every call fails until reopen()
   // succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
-  // Opens all sockets again. Fails with the error of CanSockets::check until the interface carries frames.
+  // Opens all sockets again. As long as the interface carries no frames, fails with the error of
+  // CanSockets::check.
   Result<void> reopen() override;
 
   std::string counts() const override { return statistics_.text(); }

@@ -64,7 +64,7 @@ class Exchanger {
   // Reads until `deadline` or until a telemetry frame arrives. Returns whether a frame arrived.
   virtual Result<bool> listen(Time deadline) = 0;
   // Callback for telemetry frames. The arguments are the type, the fields, and the time at which the frame
-  // was read. Any function that reads from the link may call the callback.
+  // was read. The callback is called from any function that reads from the link.
   using Telemetry = std::function<void(std::uint8_t, std::span<const std::uint8_t>, Time)>;
   virtual void on_telemetry(Telemetry receiver) = 0;
 

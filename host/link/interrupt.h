@@ -25,8 +25,8 @@ class Interrupt {
   // May be called from any thread and from a signal handler (async-signal-safe).
   void request() noexcept;
   bool requested() const noexcept { return requested_.load(std::memory_order_acquire); }
-  // Withdraws a request, for a program that continues. During this call, no other thread may call request()
-  // or wait.
+  // Withdraws a request, for a program that continues. During this call, other threads must not call
+  // request() and must not wait.
   void withdraw() noexcept;
 
   // Whether waits must end: requested() is true, and no clean-up is active.

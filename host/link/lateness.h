@@ -4,8 +4,7 @@
 // On a busy machine, a process may wait for the processor, and then send requests late and read replies late.
 // During such a delay, a board's watchdog may react, or a timeout may expire. LatenessMeter forwards all
 // calls and compares the end of each wait with the deadline of the wait. A long wait for bytes is divided
-// into slices. Without the slices, a late return of this process with bytes would look like a late arrival of
-// the bytes.
+// into slices. Without the slices, a late return of read() would look like a late arrival of the bytes.
 #pragma once
 
 #include <functional>
@@ -21,8 +20,8 @@ class LatenessMeter final : public Link, public Clock {
   static constexpr Time kSlice = std::chrono::milliseconds(2);
   // Smallest delay that is added to total(). Shorter delays are normal (timer slack, context switches).
   static constexpr Time kNoticed = std::chrono::milliseconds(1);
-  // Thresholds of excuse(): one delay of kExcusing, or a total of kExcusing that also exceeds kExcusingShare
-  // of the time since begin().
+  // Thresholds of excuse(). A single delay is an excuse if it is at least kExcusing. The total delay is an
+  // excuse if it is at least kExcusing and also exceeds kExcusingShare of the time since begin().
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
   // Maximum number of repetitions of an operation that failed while this process was late. If all repetitions

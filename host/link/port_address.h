@@ -33,7 +33,8 @@ struct PortAddress {
 // tcp:[::1]:7000. Errors (usage): the text is not valid. The message contains `option`, the text, the reason,
 // and the accepted forms.
 Result<PortAddress> parse_port_address(const std::string& option, std::string_view text);
-// Returns whether the text starts with one of the four prefixes. A text with any other colon may be a path.
+// Returns whether the text starts with one of the four prefixes. A text without such a prefix can be a path,
+// even if the text contains a colon.
 bool names_port_kind(std::string_view text);
 // Returns the command-line option for a port, for commands that a message suggests. For the name
 // "/dev/ttyUSB0", the option is "--robot serial:/dev/ttyUSB0".

@@ -16,10 +16,10 @@ namespace kaz::host {
 
 // A link to the currently connected client. As long as there is no client, written bytes are dropped and no
 // bytes are read. If the first client has used the port, a second client is disconnected at once. If the
-// first client has not used the port, the second client replaces the first one. A raw client counts as having
-// used the port after its first byte, an RFC 2217 client after its agreement to option 44. The link never
-// fails permanently: when a client leaves, the link waits for the next client. If no descriptor is free for a
-// waiting client, the server retries every 100 ms.
+// first client has not used the port, the second client replaces the first one. A raw client has used the
+// port as soon as its first byte has arrived. An RFC 2217 client has used the port as soon as the client has
+// agreed to option 44. The link never fails permanently: when a client leaves, the link waits for the next
+// client. If no descriptor is free for a waiting client, the server retries every 100 ms.
 //
 // A client that starts like a web browser is disconnected (browser_guard.hpp). With RFC 2217, no byte passes
 // in either direction before the client has agreed to telnet option 44. Before this agreement, the client's
@@ -27,9 +27,9 @@ namespace kaz::host {
 //
 // A client's bytes and commands stay in order. read() first returns all bytes that precede a command; the
 // next read() executes the command. So the caller must write the bytes from read() to `board` before it calls
-// read() again, as LineBridge does. Rate and modem lines change once board.drained() returns true. A client
-// whose bytes the port does not send within 5 s is disconnected. All bytes that a client sent before leaving
-// reach `board`, even if the client left without reading.
+// read() again, as LineBridge does. Rate and modem lines change once board.drained() returns true. If the
+// port does not send a client's bytes within 5 s, the server disconnects the client. All bytes that a client
+// sent before leaving reach `board`, even if the client left without reading.
 class PortServer final : public PortLink {
  public:
   enum class Protocol { raw, rfc2217 };

@@ -14,12 +14,12 @@
 // request counts. If the reply to a `stop` or to an `enable` with mask 0 reports that a motor is still on,
 // the request is repeated once. No request reuses one of the last 16 sequence numbers.
 //
-// An old command never overtakes a newer command. A request that changes something leaves only after all
-// earlier requests that change something are answered. So at most one query follows a repeated request. The
+// An old command never overtakes a newer command. A request that changes something waits until all earlier
+// requests that change something have been answered. So at most one query follows a repeated request. The
 // board still recognizes the retry of this request, because the board remembers KZ_REQUESTS_REMEMBERED
-// requests. A query never returns a state from before a command that was posted ahead of the query. If the
-// query was lost, the reply may show a state from after requests that were posted later. The tick in the
-// reply is the time of this state.
+// requests. The reply to a query shows the effect of all commands that were posted before the query. If the
+// query was lost and repeated, the reply can also show the effect of requests that were posted after the
+// query. The tick in the reply is the time of the returned state.
 #pragma once
 
 #include <cstdint>

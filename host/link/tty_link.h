@@ -36,8 +36,8 @@ class TtyLink final : public PortLink {
   // Fails if the port disappears during use (adapter unplugged, or the simulator at the other end has ended).
   // After such a failure, every call fails until reopen() succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
-  // Opens the same USB adapter again, even if its path has changed (serial_identity.h). Opens a port that has
-  // no USB adapter at the old path. While the port is missing, fails with the error of open().
+  // Opens the same USB adapter again, even if its path has changed (serial_identity.h). If the port has no
+  // USB adapter, opens the old path again. While the port is missing, fails with the error of open().
   Result<void> reopen() override;
 
  private:

@@ -1,11 +1,11 @@
 // Floor pattern in a picture, seen from above, and the shift between two such views.
 // SPDX-License-Identifier: Apache-2.0
 //
-// When a robot stands where it saw the floor before, the floor's pattern shows the drift of its odometry. A
-// view is the floor's brightness at the cell centers of the map, minus the local mean, so that light does
-// not matter. Two views are compared by normalized cross-correlation over all shifts and turns within a
-// range (J. P. Lewis, "Fast normalized cross-correlation", 1995). The sums are integers, so the result is
-// the same on every machine. Map frame: x ahead, y left. Units: m, rad.
+// If a robot sees the same part of the floor again, the floor's pattern shows the drift of the robot's
+// odometry. A view is the floor's brightness at the cell centers of the map, minus the local mean, so that
+// the lighting does not matter. Two views are compared by normalized cross-correlation over all shifts and
+// turns within a range (J. P. Lewis, "Fast normalized cross-correlation", 1995). The sums are integers, so
+// the result is the same on every machine. Map frame: x ahead, y left. Units: m, rad.
 #pragma once
 
 #include <cstdint>

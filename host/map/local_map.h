@@ -17,13 +17,15 @@
 // - Obstacle. Each other pixel with a depth is a point. A point votes for an obstacle in its cell if the
 //   point is higher than `obstacle_m` and lower than the robot. The height of the point must also be larger
 //   than three times its standard deviation. A cell's vote is 1 if the cell's points fill a quarter of the
-//   cell's width and height. The vote is less if a neighboring cell has more points. Stereo errors are along
-//   the ray, and the face of an obstacle is not nearer than its foot. So a point whose cell is floor in the
-//   same picture is moved along its ray by up to two sigma, to a cell without floor. A point is moved to the
-//   end of the floor below the point if the distance is at most three sigma. A face without depth between two
-//   edges at the end of the floor is also placed at the end of the floor (contact_line.h).
-// - Hole. If a point is below the floor by more than `drop_m` and three sigma, the point's ray passes the
-//   height of the floor at a place without floor. The cell at this place is an obstacle.
+//   cell's width and height. The vote is less if a neighboring cell has more points. Stereo errors move a
+//   point only along its ray, and the face of an obstacle is never nearer than the obstacle's foot. So a
+//   point whose cell is floor in the same picture is moved along its ray by up to two sigma, to a cell
+//   without floor. A point is moved to the end of the floor below the point if the distance is at most three
+//   sigma. A face without texture has no depth between its two edges. If both edges are at the end of the
+//   floor, the whole face is placed there (contact_line.h).
+// - Hole. A point counts as below the floor if it is lower by more than `drop_m` and three sigma. The point's
+//   ray must have crossed the plane of the floor at a place without floor. The cell at this place is an
+//   obstacle.
 //
 // Some points are strays and do not count. A point is a stray if the points above and below have another
 // depth. A point is also a stray if its cell has fewer points than even a low obstacle would have. If an
@@ -65,15 +67,15 @@ struct LocalMapOptions {
   // Minimum depth below the floor at which a point counts as a hole or an edge.
   double drop_m = 0.03;
   double robot_m = 0.36;  // height of the robot; things above this height are no obstacles
-  // Radius around the foot's origin in which points belong to the robot. Within this radius, floor does not
-  // clear an obstacle that several pictures have shown.
+  // Radius around the foot's origin in which points belong to the robot. Within this radius, an obstacle that
+  // several pictures have shown stays in the map, even if a picture shows floor there.
   double own_m = 0.13;
   double disparity_error_px = 0.2;  // standard deviation of the disparity
 };
 
 struct Cell {
   CellState state = CellState::unknown;
-  double confidence = 0;  // 0..1: |2p - 1|, with the probability p of an obstacle
+  double confidence = 0;  // |2p - 1|, 0..1; p is the probability of an obstacle
 };
 
 // A part of the robot that its eyes may see: a capsule around the line from `from` to `to`. Coordinates are
@@ -99,8 +101,9 @@ class LocalMap {
   static Result<LocalMap> make(const LocalMapOptions& options = {});
 
   // Enters the floor and depth of one image pair. `info` (usually planes.info) contains camera and posture.
-  // `map_from_foot` is the pose of the foot at the exposure, with the sole on z = 0. Pixels that show a part
-  // in `own`, or lie within 10 px of the part's outline (in a picture 320 px wide), are no obstacles.
+  // `map_from_foot` is the pose of the foot at the exposure, with the sole on z = 0. `own` lists parts of the
+  // robot. Pixels on these parts are not entered as obstacles. The same applies to pixels within 10 px of a
+  // part's outline, in a picture 320 px wide.
   //
   // Errors (failed): the posture at the exposure is unknown, or the exposure is not later than the exposure
   // of the last update. Errors (usage): planes and depth have different exposures or sizes, the camera model

@@ -1,4 +1,4 @@
-// Pose of the robot by odometry and by views of the same floor pattern.
+// Estimates the robot's pose from odometry and from repeated views of the same floor pattern.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Extended Kalman filter over the present pose and copies of past poses, from which the floor was seen.

@@ -17,9 +17,9 @@
 //
 // A foot may leave the floor only while p lies inside the other sole, by at least `margin` from its inner
 // edge. A swing is centered on the peak of the sine and lasts for the share `swing` of the cycle. So the sine
-// is cos(pi swing) at both ends of the swing. The inner edges of the soles are hip_y cos(roll) - kHalfSole
-// from the middle of the feet. These conditions determine the amplitude of the trunk's roll, which roll_for()
-// computes.
+// is cos(pi swing) at both ends of the swing. The distance of the inner edges of the soles from the middle of
+// the feet is hip_y cos(roll) - kHalfSole. These conditions determine the amplitude of the trunk's roll,
+// which roll_for() computes.
 #pragma once
 
 #include "host/motion/inverse.h"

@@ -1,4 +1,4 @@
-// Heading of the robot by integration of the yaw gyro, whose zero is measured while the robot stands.
+// Estimates the heading of the robot from the yaw gyro, and measures the gyro's zero while the robot stands.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The gyro is fixed to the trunk, which leans by pitch and roll. So the gyro measures the rate about the
@@ -6,9 +6,9 @@
 // cos(roll).
 //
 // A Kalman filter with two states estimates the heading and the gyro's zero together. The model of the zero
-// is a random walk, and each sample of a standing robot measures the zero. Through the covariance of heading
-// and zero, each such sample also corrects the heading for the drift of the zero since the robot last stood.
-// Units: rad, positive to the left.
+// is a random walk, and each sample of a standing robot measures the zero. The filter also estimates the
+// covariance of heading and zero. So after a movement, the samples of the standing robot also correct the
+// heading for the drift of the zero during the movement. Units: rad, positive to the left.
 #pragma once
 
 #include "host/robot/inertial.h"
@@ -29,7 +29,7 @@ class Heading {
   // the trunk during walking, which the class Motion adds.
   double sigma_rad() const;
   double sigma_zero() const;  // rad/s
-  // Time for which the zero was measured, s.
+  // Total time of the samples that measured the zero, s.
   double zeroed_s() const { return zeroed_s_; }
   double rate() const { return rate_; }  // yaw rate after subtraction of the zero, rad/s
 

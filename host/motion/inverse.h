@@ -26,8 +26,8 @@ struct ArmAngles {
   double sh_pitch = 0, sh_roll = 0, elbow = 0;
 };
 // `grasp`: position of the grasp's center. The elbow bends forward. Returns nothing if the position is out of
-// reach, or if a joint would exceed its limits. Also returns nothing if the position is too far to the side:
-// the bent arm cannot reach the position by any shoulder roll.
+// reach, or if a joint would exceed its limits. Also returns nothing if the position is so far to the side
+// that no angle of the shoulder roll joint brings the hand there.
 std::optional<ArmAngles> arm_to(Side side, const Eigen::Vector3d& grasp);
 ArmAngles arm_of(const JointAngles& angles, Side side);
 void set_arm(JointAngles& angles, Side side, const ArmAngles& arm);

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The caller calls step() in each control cycle (10 to 20 ms) with the newest posture. The caller sends the
-// returned leg targets, ramped over the time to the next cycle. Targets for head and arms come from the
-// caller, so that one exchange() with the board sends all targets. The gait assumes that the arms are near
-// the angles of home(). Commands may come at any time. The stride of a foot changes only at the moment at
-// which the foot passes below the hips. Between walking and turning, the robot first returns to standing,
-// which takes about one cycle.
+// returned leg targets to the board. The ramps to these targets should last until the next cycle. Targets for
+// head and arms come from the caller, so that one exchange() with the board sends all targets. The gait
+// assumes that the arms are near the angles of home(). Commands may come at any time. The stride of a foot
+// changes only at the moment at which the foot passes below the hips. Between walking and turning, the robot
+// first returns to standing, which takes about one cycle.
 //
 // With a gyro (Posture::inertial, after Robot::sense_inertial()), the heading is measured and held. Without a
 // gyro, the heading is estimated from the strides. The estimate is rough, because rotation depends on the
@@ -28,8 +28,8 @@ namespace kaz::motion {
 
 struct Settings {
   Shape walk{};
-  // Both soles slip during a turn. So turning has a long period, at which the robot stays upright on every
-  // floor (docs/explanation/motion.md).
+  // Both soles slip during a turn. So the gait for turning has a long period. With this period, the robot
+  // stays upright on every floor (docs/explanation/motion.md).
   Shape turn{.period = 2.2};
   double stride = 0.040;     // m, largest stride of each foot relative to the hips
   double reach = 0.012;      // m, largest sliding amplitude for turning
@@ -53,11 +53,12 @@ class Motion {
 
   explicit Motion(const Settings& settings = {});
 
-  // Walks `distance` m ahead (negative: back) and holds the present heading plus `turned` rad. Heading errors
-  // are corrected by unequal strides, by at most 2 degrees per cycle.
+  // Walks `distance` m ahead (negative: back). During the walk, the robot holds a heading: the present
+  // heading plus `turned` rad. Heading errors are corrected by unequal strides, by at most 2 degrees per
+  // cycle.
   void walk(double distance, double turned = 0);
-  // Walks until stop() with this stride (m, at most Settings::stride, negative: back) and holds a heading
-  // (rad).
+  // Walks until stop(). `stride`: m, at most Settings::stride; negative: back. `heading`: the heading to
+  // hold, rad.
   void walk_on(double stride, double heading);
   // Turns on the spot by `angle` rad, positive to the left. The soles slip on the floor.
   void turn(double angle);
@@ -69,12 +70,12 @@ class Motion {
   LegTargets step(Time now, const host::Posture& posture);
 
   State state() const { return state_; }
-  // Returns whether the robot stands and no command is left. A turn also ends after too many cycles, so
-  // compare heading() with the commanded heading.
+  // Returns whether the robot stands and no command is left. A turn has a maximum number of cycles and can
+  // end before the commanded heading is reached, so check heading() afterwards.
   bool idle() const { return state_ == State::standing && wish_ == Wish::stand; }
   bool has_gyro() const { return gyro_; }
-  // Time (s) over which the gyro's zero was averaged while the robot stood. An accurate walk of 1 m needs a
-  // zero from 4 s of standing, and a turn of 45 degrees needs a zero from 1 s.
+  // Time (s) over which the gyro's zero was averaged while the robot stood. For an accurate walk of 1 m, the
+  // robot must first stand for 4 s. For a turn of 45 degrees, 1 s is enough.
   double zeroed_s() const { return heading_.zeroed_s(); }
   double heading() const;
   const Place& place() const { return odometry_.place(); }

@@ -36,11 +36,11 @@ class Pickup {
   double closed() const { return closed_; }
   double stopped() const { return stopped_; }
 
-  // Returns the angles of legs, arms and hands (not of the neck). Before time 0 and after the end, returns
-  // the first or the last pose, in which the robot stands.
+  // Returns the angles of legs, arms and hands (not of the neck). Before time 0, returns the first pose.
+  // After the end, returns the last pose. In both poses, the robot stands.
   JointAngles at(double time_s) const;
-  // Motion that aborts the pickup: from at(from_s) back to home() with the hand open. `time_s`: time since
-  // the start of this motion, 0 to kGiveUp_s.
+  // Returns the joint angles of the motion that aborts the pickup. This motion begins at the pose at(from_s),
+  // opens the hand, and ends at home(). `time_s`: time since the start of this motion, 0 to kGiveUp_s.
   JointAngles back(double from_s, double time_s) const;
   static constexpr double kGiveUp_s = 3.4;
 

@@ -6,9 +6,10 @@
 // the next heading on either side. The cost is time.
 //
 // The heuristic is the time without obstacles: turn toward the goal, walk to the goal, turn to the goal's
-// heading. No path takes less time than the heuristic. Every path turns at least to the direction of the
-// goal, or to both sides of this direction. Every path is at least as long as the distance to the goal. So
-// the path found is the fastest path on this graph.
+// heading. No path takes less time than the heuristic. Every path contains a step in the direction of the
+// goal, or steps to both sides of this direction. So every path turns at least as far as the heuristic
+// assumes. Every path is at least as long as the distance to the goal. So the path found is the fastest path
+// on this graph.
 //
 // With PlanOptions::any_heading, straight lines of any heading then replace parts of the path if the lines
 // are free. Dynamic programming over pairs of corners, with time as cost, selects the lines.
@@ -20,7 +21,7 @@
 
 namespace kaz::plan {
 
-// Exhaustive: search without the heuristic, to test the heuristic.
+// The exhaustive search uses no heuristic. Tests compare both searches.
 enum class Search { astar, exhaustive };
 
 // The planner keeps allocated memory between calls. Use a separate planner in each thread.

@@ -6,7 +6,8 @@
 // with advanced graph-search techniques", ICRA 2020. ABIT* here uses the heuristic of the grid planner. An
 // edge between two poses is a turn toward the second pose, a straight line, and a turn to the heading of the
 // second pose. The cost of an edge is time and may differ between both directions. An edge is checked for
-// obstacles every half cell. The path found is straightened like a path of the grid planner.
+// obstacles every half cell. At the end, parts of the path are replaced by straight lines, like in a path of
+// the grid planner.
 //
 // The search ends after a number of batches, or when no faster path can exist. The search reads no clock, so
 // the same seed gives the same path.

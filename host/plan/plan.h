@@ -72,7 +72,8 @@ struct PlanOptions {
   double go_s_per_m = 6.6 / 0.33;
   // Radius of the robot's disc. The disc includes the hands in the posture of the crouch, and 2 cm of sway.
   double radius_m = 0.16;
-  // Factor on the time spent in unknown cells, 1 or more. Infinite: unknown cells are obstacles.
+  // The time spent in unknown cells is multiplied by this factor, 1 or more. If the factor is infinite,
+  // unknown cells are obstacles.
   double unknown_factor = 2;
   // If false, all turns except the last one are multiples of 45 degrees. The last turn ends at the goal's
   // heading, and the path ends in the center of a cell.
@@ -92,8 +93,8 @@ struct Path {
   double seconds = 0;
   // Duration of the path on the planner's graph, before straight lines replace parts of the path, s.
   // PlanOptions::unknown_factor is applied. The grid planner's path leads from cell center to cell center. So
-  // `seconds` exceeds `searched_seconds` by at most the time for the offsets of start and goal from their
-  // cell centers.
+  // `seconds` can be slightly longer than `searched_seconds`. The difference is at most the time to walk from
+  // the start and from the goal to their cell centers.
   double searched_seconds = 0;
   std::size_t expanded = 0;  // number of states that the search expanded
 };
@@ -103,10 +104,12 @@ struct NoPath {
   // not_found: there is a path, but a sampling planner did not find it.
   enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed, not_found };
   Why why = Why::enclosed;
-  // Position of the obstacle in the way. For enclosed and not_found: the obstacle at the narrowest place of
-  // the widest way to the goal. For start_outside and goal_outside: the position of the start or the goal.
+  // Position of the obstacle in the way. For enclosed and not_found: the obstacle where the passage to the
+  // goal is narrowest. If there are several passages, the widest passage counts. For start_outside and
+  // goal_outside: the position of the start or the goal.
   Eigen::Vector2d where{0, 0};
-  double clear_m = 0;  // distance to the obstacle, from the start, the goal or the narrowest place
+  // Distance between the obstacle and the start, the goal or the narrowest place.
+  double clear_m = 0;
 };
 // Returns the reason as text, such as "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs
 // 0.16 m".

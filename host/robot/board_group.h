@@ -8,16 +8,16 @@
 // - A `state_reply` contains the angles of all joints at the reference's tick. Angles of other boards are
 //   interpolated between the last two states, or extrapolated by at most kMaxAhead. The angle error is the
 //   time error of both clock relations (about 0.1 ms to 1 ms) times the joint's speed.
-// - A status flag of the group is set if any board sets this flag, with two exceptions. ENABLED is set only
-//   if every board on which motors were switched on sets ENABLED. UNLOCKED is set only if every board sets
-//   UNLOCKED.
-// - If one board shuts down for another reason than its link watchdog, the motors of all boards are switched
-//   off.
+// - A status flag of the group is set if any board sets this flag, with two exceptions. The group sets
+//   ENABLED only if every board whose motors should be on sets ENABLED. UNLOCKED is set only if every board
+//   sets UNLOCKED.
+// - If one board shuts down, the motors of all boards are switched off, unless the board's link watchdog
+//   caused the shutdown.
 // - If one board refuses a request, the group reports the request as refused, even if other boards have
 //   executed the request. After a refused `enable`, the motors of all boards are switched off.
 //
-// The group rejects (usage) requests for telemetry and `set_address` requests, because they need a single
-// board.
+// Requests for telemetry and `set_address` requests need a single board, so the group rejects these requests
+// with a usage error.
 #pragma once
 
 #include <map>

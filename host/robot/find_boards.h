@@ -12,9 +12,9 @@
 namespace kaz::host {
 
 struct FindOptions {
-  // Wait after each address; a reply takes 3 ms.
+  // Waiting time after the request to each address. A reply takes 3 ms.
   Time each = std::chrono::milliseconds(25);
-  // Additional wait after the last address, because some adapters deliver bytes late.
+  // Additional waiting time after the last address, because some adapters deliver bytes late.
   Time last = std::chrono::milliseconds(120);
   int rounds = 2;  // maximum number of rounds; the search ends after the first round with a reply
 };
@@ -29,8 +29,8 @@ Result<std::vector<std::uint8_t>> find_boards(Link& link, Clock& clock,
 std::string addresses_text(const std::vector<std::uint8_t>& addresses);
 
 // Explains why the board at `address` did not reply. `error`: the error of the failed request. If boards
-// answer at other addresses only, returns a sentence with these addresses and the option to use. Otherwise
-// returns `error`.
+// answer at other addresses only, returns an error message with these addresses and the command-line option
+// that selects such an address. Otherwise returns `error`.
 Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error);
 
 }  // namespace kaz::host

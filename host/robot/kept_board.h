@@ -1,9 +1,9 @@
-// Saves and restores the state of a board, for runs that change boards.
+// Saves and restores the state of a board, for programs that change settings of the board during a run.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The saved state consists of the address, the link watchdog, gains, limits, and the calibrations in RAM and
-// in flash. The saved state does not include which motors are on: after a restore, all motors are off, or
-// unchanged if PutBackOptions::motors_off is false. The saved state includes no counters, no latched shutdown
+// in flash. The saved state does not include which motors are on. The function put_back() switches all motors
+// off, unless PutBackOptions::motors_off is false. The saved state includes no counters, no latched shutdown
 // and no telemetry settings, because a reset clears them.
 #pragma once
 

@@ -41,8 +41,9 @@ struct Gaze {
 };
 Gaze gaze_of(const JointAngles& angle);
 
-// Returns the angles at which `point` (trunk frame, m) lies on the optical axis of the left eye. The angles
-// may exceed the joints' ranges. A point less than 5 cm from the pan axis is treated like a point at 5 cm.
+// Returns the angles at which `point` (trunk frame, m) lies on the optical axis of the left eye. The returned
+// angles can be outside of the joints' ranges. A point less than 5 cm from the pan axis is treated like a
+// point at 5 cm.
 Gaze gaze_at(const Eigen::Vector3d& point);
 
 // Clamps each angle to its joint's limits, reduced by `margin_rad` at both ends.

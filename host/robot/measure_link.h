@@ -13,7 +13,8 @@ struct RoundTripCheck {
   double round_trip_s = 0;  // median of several heartbeats
   double expected_s = 0;    // transmission time of heartbeat and reply, plus 2.2 ms for the board
   bool slow = false;        // true: round_trip_s is more than 2 ms above expected_s
-  // For the user: "round trip on /dev/kaz: 4.1 ms (...)"; with a remedy if `slow`.
+  // Text for the user, such as "round trip on /dev/kaz: 4.1 ms (...)". If `slow` is true, the text includes a
+  // remedy.
   std::string sentence;
 };
 

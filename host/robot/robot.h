@@ -18,11 +18,11 @@
 // - exchange() and receive_cycle() return the present posture. The targets are not sent again.
 // - set_targets, set_calibration, store_calibration, raw_drive, reset, start_loader and set_address fail; the
 //   error message explains that the link was lost. The robot remains usable.
-// - All other calls are repeated once and return the new result, which does not show the reconnection. Use
-//   take_resumption() to detect the reconnection.
+// - All other calls are repeated once and return the new result. This result does not show that there was a
+//   reconnection. Use take_resumption() to detect the reconnection.
 //
-// If the board has shut down for another reason than the link watchdog, reconnection enables no joint, and
-// the call fails.
+// If anything other than the link watchdog has caused a shutdown of the board, reconnection enables no joint,
+// and the call fails.
 #pragma once
 
 #include <memory>
@@ -69,7 +69,7 @@ class Robot {
   // allows). If one target is outside the joint's limits, or if one of the joints is off, the board refuses
   // all targets.
   Result<void> set_targets(std::span<const JointTarget> targets, Time duration);
-  // Returns the target angles (rad) of the joints of the mask, or the present angle of a joint that is off.
+  // For each joint of the mask, returns the target angle (rad), or the present angle if the joint is off.
   // Returns 0 for all other joints.
   Result<JointAngles> read_targets(std::uint32_t mask = kAllJoints);
   // Reads the posture and adds it to the history.
@@ -79,10 +79,10 @@ class Robot {
   // measured one or two ticks after the board accepted the targets. If `targets` is empty, exchange() does
   // the same as state().
   Result<Posture> exchange(std::span<const JointTarget> targets, Time duration);
-  // send_cycle() and receive_cycle() are the two halves of exchange(). With these functions, the next targets
-  // leave while the previous posture arrives, so that a program can control all 18 joints at 100 Hz. Postures
-  // are returned in the order of the calls of send_cycle(). receive_cycle() returns nullopt if the next
-  // posture has not come by `deadline`, and fails if no sent cycle is pending.
+  // send_cycle() and receive_cycle() are the two halves of exchange(). With these functions, the host sends
+  // the next targets while the previous posture arrives. So a program can control all 18 joints at 100 Hz.
+  // Postures are returned in the order of the calls of send_cycle(). receive_cycle() returns nullopt if the
+  // next posture has not come by `deadline`, and fails if no sent cycle is pending.
   Result<void> send_cycle(std::span<const JointTarget> targets, Time duration);
   Result<std::optional<Posture>> receive_cycle(Time deadline);
   // Returns whether the board has the option `imu`. If the board has this option, state() and exchange() from
@@ -167,7 +167,7 @@ class Robot {
   Time clock_error() const;
 
   const LinkStatistics& statistics() const;
-  // The last 64 frames, one line each, to print when the link fails (frame_log.h).
+  // Text with the last 64 frames, one per line. Print the text when the link fails (frame_log.h).
   std::string recent_frames() const;
 
   // Switches all motors off, with retries. Call disable_all() at the end of every program, even if the

@@ -1,4 +1,4 @@
-// Conversion of requests and replies to the structs of messages.def, and errors of refused requests.
+// Packs requests, unpacks replies, and makes the errors of refused requests.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,9 +13,9 @@ namespace kaz::host {
 // in the request, so that the message contains the refused value; empty for a request without targets.
 Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets);
 
-// Returns the error of a target outside `set`, the limits in force on the board, which another program may
-// have set. If `set` is narrower than the joint's own limits, the message contains `set` and `recover`, a
-// command that restores the joint's own limits. `joint` must be in the joint table.
+// Returns the error for a target that is outside `set`. `set`: the present limits of the joint on the board,
+// possibly set by another program. If `set` is narrower than the joint's own limits, the message contains
+// `set` and `recover`, a command that restores the joint's own limits. `joint` must be in the joint table.
 Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set,
                          const std::string& recover);
 

@@ -13,7 +13,8 @@
 // numbers, and kMaxArchivedTime limits times. The number of remaining bytes limits lengths. A class checks
 // all other indices, lengths, shifts and divisors itself, with require() in transfer().
 //
-// After a refusal, members may have any value, and the owner of the object must restore the old values.
+// After a refusal, the members can have arbitrary values, and the owner of the object must restore the old
+// values.
 #ifndef KAZ_SHARED_BASE_ARCHIVE_HPP
 #define KAZ_SHARED_BASE_ARCHIVE_HPP
 
@@ -161,8 +162,8 @@ class StateArchive {
       if constexpr (Derived::reading) {
         if (!self.holds(size)) return;
         value.clear();
-        // Adds the elements one by one. `size` may be wrong, and an element can need more memory than its
-        // bytes in the archive.
+        // Adds the elements one by one instead of allocating memory for all elements first. Reason: `size`
+        // may be wrong, and an element can need more memory than its bytes in the archive.
         for (; size > 0 && good(); --size) {
           value.push_back({});
           one(value.back());

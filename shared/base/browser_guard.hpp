@@ -29,8 +29,9 @@ inline constexpr std::string_view kBrowserRefused =
 class BrowserGuard {
  public:
   enum class Peer {
-    // The first byte may be any except a text character, with which HTTP begins, or 22, with which TLS
-    // begins. Frames to a board begin with 0; Telnet and servo bus packets begin with 255.
+    // The guard refuses a text character as the first byte, because HTTP begins with text. The guard also
+    // refuses 22, because TLS begins with this byte. Frames to a board begin with 0; Telnet and servo bus
+    // packets begin with 255.
     frames,
     // The peer first sends one GDB packet, optionally after '+', and then waits for the reply. A browser
     // would continue with a space and a path. The packet has up to kLongestFirst bytes, without spaces or
@@ -76,7 +77,8 @@ class BrowserGuard {
     if (rest.front() != '$' || rest.size() > kLongestFirst) return false;
     const auto end = std::ranges::find(rest, std::uint8_t{'#'});
     if (std::any_of(rest.begin(), end, [](std::uint8_t byte) { return byte <= ' '; })) return false;
-    const auto behind = rest.end() - end;  // from '#' on: three bytes if complete
+    // Number of bytes from '#' to the end; 3 if the packet is complete.
+    const auto behind = rest.end() - end;
     admitted_ = behind == 3;
     return behind <= 3;
   }

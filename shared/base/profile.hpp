@@ -3,8 +3,8 @@
 //
 // A ProfileScope assigns the time of its thread to a part of the program. Scopes nest, and time counts for
 // the innermost scope. So the times of the parts add up to the time of the outermost scopes. While no Profile
-// exists, a scope costs one load and a branch. While a Profile exists, a scope reads two clocks at the begin
-// and at the end. Both readings take 1.55 us (docs/explanation/time.md).
+// exists, a scope costs one load and a branch. While a Profile exists, a scope reads two clocks at the
+// beginning and at the end. Both readings together take 1.55 us.
 #ifndef KAZ_SHARED_BASE_PROFILE_HPP
 #define KAZ_SHARED_BASE_PROFILE_HPP
 

@@ -28,12 +28,12 @@
 // Temperature of the motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale.
 #define KZ_ANALOG_TEMPERATURE 14
 // Optional inertial sensors on AN3..AN5; half of AVCC means zero. Boards without inertial sensors ground
-// these pins. For the inertial sensors, the indices of unconnected multiplexer inputs are used.
+// these pins. The readings of the inertial sensors have indices that no multiplexer input uses.
 #define KZ_ANALOG_YAW_RATE 15
 #define KZ_ANALOG_FORWARD_FORCE 22
 #define KZ_ANALOG_LEFT_FORCE 23
-#define KZ_SUPPLY_FULL_MV 15360      // 15 mV per code
-#define KZ_TEMPERATURE_FULL_DC 1024  // 0.1 °C per code: 102.4 °C
+#define KZ_SUPPLY_FULL_MV 15360      // 15.36 V, so one code is 15 mV
+#define KZ_TEMPERATURE_FULL_DC 1024  // 102.4 °C, so one code is 0.1 °C
 
 // A/D codes have 10 bits and cover the potentiometer's whole range, 190 degrees (Futaba S9204).
 #define KZ_POT_CODES 1024
@@ -50,8 +50,9 @@
 // Converts 0.1 degrees to 100 microradians: pi/1800 * 1e4 = 17.453293. Integer arithmetic gives the
 // same result on the H8 and on the PC.
 #define KZ_DECIDEG(d) ((s16)((s32)(d)*17453L / 1000L))
-// Joint angle at potentiometer code 512, in 100 urad, from the columns of joints.def. The angle is half a
-// code (16.19 units) beyond the angle at which code 512 begins, because the converter rounds down.
+// Joint angle at potentiometer code 512, in units of 100 urad, computed from the columns of joints.def. The
+// angle is half a code (16.19 units) beyond the angle at which code 512 begins, because the converter rounds
+// down.
 #define KZ_POT_CENTRE(decideg, sign) ((s16)(KZ_DECIDEG(decideg) + ((sign) > 0 ? 16 : -16)))
 
 #endif

@@ -11,13 +11,13 @@
 extern "C" {
 #endif
 
-// Half the range of a potentiometer, 95 degrees, in 100 urad.
+// Half the range of a potentiometer: 95 degrees, in units of 100 urad.
 #define KZ_POT_HALF_SPAN 16581
 
 typedef struct kz_board_joint {
-  s16 pot_centre;  // joint angle at code 512, 100 urad (kz_pot_angle)
+  s16 pot_centre;  // joint angle at code 512, in units of 100 urad (kz_pot_angle)
   s16 pot_scale;   // change of joint angle over 512 codes: KZ_POT_HALF_SPAN or -KZ_POT_HALF_SPAN
-  s16 lower;       // mechanical limits (URDF), 100 urad
+  s16 lower;       // mechanical limits (URDF), in units of 100 urad
   s16 upper;
   u8 analog;    // index into kz_tick_input.analog
   u8 mirrored;  // 1: turning the shaft forward decreases the joint angle
@@ -25,10 +25,11 @@ typedef struct kz_board_joint {
 
 extern const kz_board_joint kz_board_joints[KZ_JOINTS];
 
-// Returns the joint angle in 100 urad at potentiometer code `code`, 0..1023, with the nominal calibration.
-// One code is 190/1024 degrees. The converter rounds down, so the angle of a code is the middle of the code's
-// range. Code 512 begins at the angle in joints.def; pot_centre is half a code beyond that angle. Without the
-// half code, a pair of mirrored servos would err in opposite directions, and the robot would walk in a curve.
+// Returns the joint angle at potentiometer code `code` (0..1023) with the nominal calibration, in units of
+// 100 urad. One code is 190/1024 degrees. The converter rounds down, so the angle of a code is the middle of
+// the code's range. Code 512 begins at the angle in joints.def; pot_centre is half a code beyond that angle.
+// Without the half code, a pair of mirrored servos would err in opposite directions, and the robot would walk
+// in a curve.
 s16 kz_pot_angle(const kz_board_joint* joint, u16 code);
 
 #ifdef __cplusplus

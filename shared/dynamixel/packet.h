@@ -27,7 +27,7 @@ enum class Instruction : std::uint8_t {
   ping = 0x01,
   read = 0x02,
   write = 0x03,
-  reg_write = 0x04,  // a write that the instruction `action` executes
+  reg_write = 0x04,  // prepares a write; a later instruction `action` executes the write
   action = 0x05,
   factory_reset = 0x06,
   reboot = 0x08,

@@ -24,8 +24,9 @@ struct LineBytes {
   Time delay{};  // additional delay
 };
 
-// Returns the 8N1 byte that a receiver samples if the sender is faster by the fraction `error`. The receiver
-// samples in the middle of each bit by its own clock. The line is idle (high) after the byte.
+// Returns the 8N1 byte that a receiver samples if the sender's clock is faster than the receiver's clock by
+// the fraction `error`. The receiver samples each bit in the middle, according to the receiver's clock. The
+// line is idle (high) after the byte.
 LineByte sampled(std::uint8_t value, double error);
 
 // Random link faults. Not thread-safe.

@@ -26,13 +26,13 @@ enum class Instruction : std::uint8_t {
   ping = 0x01,
   read = 0x02,
   write = 0x03,
-  reg_write = 0x04,  // a write that the instruction `action` executes
+  reg_write = 0x04,  // prepares a write; a later instruction `action` executes the write
   action = 0x05,
   restore = 0x06,      // restores the registers of the last backup, except the id
   restart = 0x08,      // servos do not reply
   backup = 0x09,       // stores the registers for `restore`
   reset_turns = 0x0A,  // clears the turn counter
-  set_middle = 0x0B,   // makes the present position the middle, or the 2-byte parameter
+  set_middle = 0x0B,   // the present position becomes 2048, or the value of the 2-byte parameter
   sync_read = 0x82,    // parameters: address, length, ids; SCS servos do not support sync_read
   sync_write = 0x83,   // parameters: address, length, then id and data per servo
 };

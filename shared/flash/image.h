@@ -11,7 +11,8 @@
 #define KZ_APPLICATION 0x1000UL
 #define KZ_APPLICATION_HEADER 0x11E0UL
 #define KZ_APPLICATION_CODE 0x1200UL
-#define KZ_APPLICATION_MAX 0xB000UL  // maximum size, up to the loader's block
+// Maximum size of the application, which ends before the loader's block.
+#define KZ_APPLICATION_MAX 0xB000UL
 
 #define KZ_IMAGE_ID 0x4B415A41UL  // "KAZA"
 #define KZ_BOARD_ID 0x2128
@@ -22,7 +23,7 @@ typedef struct kz_image_header {
   u16 board_id;
   u16 version;
   u32 build_id;
-  u32 length;  // bytes from KZ_APPLICATION on, including the header
+  u32 length;  // size of the application in bytes, from KZ_APPLICATION, including this header
   u8 unused[14];
   u16 crc;  // kz_crc16, start 0xFFFF, over all `length` bytes except this field
 } kz_image_header;

@@ -11,9 +11,9 @@
 //   payload
 //   CRC-16   from the type to the end of the payload (shared/protocol/crc16.h: 0x1021, start 0xFFFF)
 //
-// A reply has the number of the request, and as type the request's type | KZ_WRITER_REPLY. The reply's
-// payload begins with a status and an unused byte. All requests are idempotent, so a host may repeat any
-// request.
+// A reply has the same number as its request. The type of a reply is the type of the request, with the bit
+// KZ_WRITER_REPLY set. The reply's payload begins with a status and an unused byte. All requests are
+// idempotent, so a host may repeat any request.
 #ifndef KAZ_SHARED_FLASH_PROTOCOL_H
 #define KAZ_SHARED_FLASH_PROTOCOL_H
 
@@ -29,8 +29,8 @@
 // Maximum number of outstanding requests: the writer executes one request and receives the next request.
 #define KZ_WRITER_WINDOW 2
 
-// Requests. A comment describes the payload of the request, and the payload of the reply after the status and
-// the unused byte. Numbers in brackets are sizes in bytes.
+// Requests. The comment on each request describes the payload of the request. The comment also describes the
+// payload of the reply, without the status and the unused byte. Numbers in brackets are sizes in bytes.
 //
 // INFO: the request is empty. The reply has the protocol version (1), 1 if the loader started the writer (1),
 // and the board id (2; FFFF: unknown).
@@ -42,15 +42,16 @@
 // ERASE: the request has the number of the block (1), 0..9.
 #define KZ_WRITER_ERASE 3
 // WRITE: the request has an address (4) and data (whole lines of 32 bytes). The reply has the low half (2) of
-// an address: of the first line that failed, or of the end of the data.
+// the address of the first line that failed. If no line failed, the reply has the low half of the address at
+// which the data end.
 //
-// Writes to flash: a request that reaches beyond the end of flash writes nothing.
+// A request that reaches beyond the end of flash writes nothing to flash.
 //
-// Writes to RAM (the upper half of the address is 00FF) are only allowed to load the writer's second stage
-// after boot mode, in order and without gaps. Bytes below the end of the loaded part are compared and not
-// stored. So a repeated request succeeds, and code that may be running never changes. A writer that the
-// loader started refuses every write to RAM. The reply to a write to RAM has the low half of the request's
-// address.
+// In a write to RAM, the upper half of the address is 00FF. Writes to RAM have only one use: to load the
+// writer's second stage after boot mode, in order and without gaps. Bytes below the end of the loaded part
+// are compared and not stored. So a repeated request succeeds, and code that may be running never changes. A
+// writer that the loader started refuses every write to RAM. The reply to a write to RAM has the low half of
+// the request's address.
 #define KZ_WRITER_WRITE 4
 // SUM: the request has address (4) and length (4). The reply has CRC-16 (2), sum (2) and sum of sums (2).
 #define KZ_WRITER_SUM 5

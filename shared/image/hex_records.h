@@ -30,7 +30,7 @@ class HexRecords {
 
   // Returns an error that names the present line.
   tl::unexpected<Error> error(const std::string& what) const;
-  // Converts the hex digits of `line` from index `first` on to bytes.
+  // Converts hex digits to bytes, from the digit at index `first` to the end of `line`.
   Result<std::vector<std::uint8_t>> digits(std::string_view line, std::size_t first) const;
   // Reads a big-endian number of up to four bytes.
   static std::uint32_t big(std::span<const std::uint8_t> bytes);

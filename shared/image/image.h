@@ -82,7 +82,8 @@ Result<Image> parse_elf(std::span<const std::uint8_t> bytes, const std::string& 
 enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
 
 struct LoadOptions {
-  Format format = Format::automatic;  // automatic: detected from the first bytes, never raw
+  // Automatic: the format is detected from the first bytes; raw is never detected.
+  Format format = Format::automatic;
   // Address of the first byte of a raw image, which is also the image's entry. Must be nullopt for other
   // formats.
   std::optional<std::uint32_t> address;

@@ -12,7 +12,8 @@ namespace kaz::picture {
 
 struct JpegSettings {
   int quality = 85;  // 1..100
-  // True: Huffman tables made for the picture; smaller file, but slower.
+  // If true, the encoder computes Huffman tables for each picture. The files are smaller, but encoding is
+  // slower.
   bool optimized_tables = true;
 };
 

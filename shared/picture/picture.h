@@ -39,8 +39,8 @@ struct RgbPicture {
   std::vector<std::uint8_t> rgb;
 };
 
-// Limits of the sizes that a decoder accepts. A small file may claim any size, so decoders check the header
-// before they allocate memory for pixels.
+// Limits of the sizes that a decoder accepts. Even a small file can state any picture size in its header. So
+// decoders check the header before they allocate memory for pixels.
 inline constexpr int kMaxSide = 16384;                               // px
 inline constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 26;  // 200 MB of RGB
 struct SizeLimits {
@@ -59,7 +59,7 @@ inline bool within(const SizeLimits& limits, std::uint64_t width, std::uint64_t 
 struct DecodeError {
   enum class Kind {
     invalid,  // wrong format or truncated; `reason` is the library's message
-    damaged,  // complete, but the library gave a warning, which is `reason`
+    damaged,  // complete, but the library warned; `reason` is the library's warning
     size      // outside the limits; `width` and `height` are from the header
   };
   Kind kind = Kind::invalid;

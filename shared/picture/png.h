@@ -11,9 +11,10 @@
 namespace kaz::picture {
 
 struct PngSettings {
-  int level = 6;        // zlib level: 0 does not compress, 9 compresses most
-  bool filters = true;  // libpng selects a filter for each row; false: faster, larger files
-  bool srgb = false;    // samples are sRGB: writes chunk sRGB, plus gAMA and cHRM for old readers
+  int level = 6;  // zlib level: 0 does not compress, 9 compresses most
+  // If true, libpng selects a filter for each row. Without filters, encoding is faster, but files are larger.
+  bool filters = true;
+  bool srgb = false;               // true: the samples are sRGB, and the file gets the chunk sRGB
   const char* software = nullptr;  // if not null: value of the text chunk "Software"
 };
 

@@ -15,7 +15,8 @@
 // One damaged byte is always detected, with one exception (kz_frame_splits). The damaged byte may be:
 //   - A byte inside the frame that does not become zero. Either the damaged byte belongs to the check, or the
 //     damage is a burst of at most 8 bits, which the CRC detects.
-//   - The first zero. The CRC then includes the damaged byte, and every byte changes the CRC's start value.
+//   - The first zero. The CRC then begins with the damaged byte. No such byte leaves the CRC at its start
+//     value, so the check is wrong.
 //   - The last zero. The frame would be accepted only if the first byte of the check were a stuffing byte,
 //     but stuffing bytes are below 0x80.
 //   - A byte inside the frame that becomes zero. The part before this zero would be accepted only if the
@@ -69,8 +70,8 @@ u16 kz_crc16(u16 crc, u8 byte);
 typedef struct kz_receiver {
   u16 crc;    // CRC of the frame's bytes except the last three, which may be the check
   u8 length;  // number of received bytes; after KZ_RECEIVE_FRAME, size of the body
-  u8 state;   // up to KZ_RECEIVER_BETWEEN: no frame has begun
-  u8 body[KZ_BODY_MAX + 4];  // during reception, the stuffed bytes and the check
+  u8 state;   // values up to KZ_RECEIVER_BETWEEN mean that no frame has begun
+  u8 body[KZ_BODY_MAX + 4];  // body; during reception, the stuffed bytes and the check
   u8 silent_ms;              // ms since the last byte; reset by the caller of kz_receiver_silent
 } kz_receiver;
 

@@ -65,7 +65,7 @@ extern "C" {
 #define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit; outward drive is cut
 
 // Capabilities in `identify_reply`.
-#define KZ_CAPABILITY_TELEMETRY 0x0001    // telemetry is available, which excludes shared lines
+#define KZ_CAPABILITY_TELEMETRY 0x0001    // telemetry is available; never set on shared lines
 #define KZ_CAPABILITY_CALIBRATION 0x0002  // calibration can be stored
 #define KZ_CAPABILITY_RAW_DRIVE 0x0004
 #define KZ_CAPABILITY_LOADER 0x0008
@@ -80,7 +80,7 @@ extern "C" {
 // Tests at start.
 #define KZ_TEST_RAM 0x01
 #define KZ_TEST_FLASH 0x02      // CRC of the application
-#define KZ_TEST_CONVERTER 0x04  // A/D converter, tested by its reference
+#define KZ_TEST_CONVERTER 0x04  // A/D converter, which measures half of its own reference voltage
 #define KZ_TEST_SUPPLY 0x08     // never fails, because the board may run without motor supply
 
 // Source of the calibration.
@@ -98,9 +98,9 @@ extern "C" {
 
 // Gains after a reset. With these gains, no joint oscillates across its gear backlash at any load
 // (docs/howto/bench.md, step.hunting). Behaviors set other gains.
-#define KZ_KP_DEFAULT 4096  // in units of 1/256 /rad: 16 /rad
-#define KZ_KP_HAND 205      // 0.8 /rad: the jaws of the hands stay compliant
-#define KZ_KD_DEFAULT 369   // in units of 1/4096 s/rad: 0.09 s/rad
+#define KZ_KP_DEFAULT 4096  // 16 per rad; the unit is 1/256 per rad
+#define KZ_KP_HAND 205      // 0.8 per rad, so that the jaws of the hands stay compliant
+#define KZ_KD_DEFAULT 369   // 0.09 s/rad; the unit is 1/4096 s/rad
 
 #define KZ_JOINTS_PER_REPLY 9  // maximum number of joints in a `joints_reply`
 

@@ -6,11 +6,11 @@
 #include "shared/servo/servo.h"
 
 #define KZ_DUTY_MAX 255
-#define KZ_DRIVE_SHIFT 11  // drives are in 1/2048 of a count of duty
+#define KZ_DRIVE_SHIFT 11  // the unit of a drive is 1/2048 of a count of duty
 
-// Rates are in units of 1/64 of 100 urad/ms. With T = 64 ms (joint_loop.h), a distance of 100 urad therefore
-// allows a rate of 1.
-#define KZ_NEAR_LIMIT 1000  // 100 urad; closer to a limit, T is halved
+// The unit of rates is 100 urad per 64 ms. T in joint_loop.h is also 64 ms. So a distance of 100 urad allows
+// a rate of 1.
+#define KZ_NEAR_LIMIT 1000  // in units of 100 urad; at smaller distances to a limit, T is 32 ms
 // Rates up to KZ_SLOW, 0.5 rad/s, are not braked. Noise of one A/D code cannot cause a higher rate.
 #define KZ_SLOW 320
 // Braking gain, drive per unit of rate. The brake reaches full drive at 4 rad/s above the allowed speed.

@@ -27,7 +27,7 @@ void kz_joints_hold(kz_servo* servo);
 
 // Returns the motor drive, -255..255 counts. Positive drive increases the joint angle.
 s16 kz_joint_drive(const kz_joint* joint);
-// Returns the torque as a share of the stall torque at 10 V, in 1/255, saturated at 255 (protection.h).
+// Returns the torque in units of 1/255 of the stall torque at 10 V, saturated at 255 (protection.h).
 u8 kz_joint_load(const kz_joint* joint);
 
 // Drives the motor of a joint that is off with `drive`, -255..255. Soft limits apply as in the loop. Call

@@ -16,12 +16,13 @@
 //
 //   heat += load^2 - heat / 8192  every 16 ms: a time constant of 131 s
 //
-// Resistance and torque constant follow from the motor line: 3.4 ohm, 30 W at full stall at 10 V. A winding
-// and rotor of this size have a heat capacity of about 5 J/K and may be 80 K above ambient. A cold motor
-// reaches this temperature after about 13 s of full stall. The time constant from winding to case is assumed
-// to be two minutes. The steady load for 80 K is then 0.35 of full stall, or 0.8 Nm. The servo's rated torque
-// is 0.97 Nm for short times. All of these values are estimates. Replace the constants below once the bench
-// has measured a motor.
+// According to the torque formula above, the winding has a resistance of 3.4 ohm. At full stall at 10 V, the
+// winding thus absorbs 30 W. A winding and rotor of this size have a heat capacity of about 5 J/K. The
+// winding can be 80 K warmer than the ambient air without damage. At full stall, a cold motor becomes 80 K
+// warmer within about 13 s. The time constant from winding to case is assumed to be two minutes. With this
+// time constant, a steady load of 0.35 of full stall (0.8 Nm) makes the winding 80 K warmer. The servo's
+// rated torque is 0.97 Nm for short times. All of these values are estimates. Replace the constants below
+// once the bench has measured a motor.
 //
 // Stall. The motors are switched off if a load of 0.7 of full stall lasts 1 s while the joint moves less than
 // 0.03 rad. No motion of the robot needs a higher load or a longer stall. A longer stall would overheat the
@@ -37,11 +38,11 @@ extern "C" {
 #endif
 
 #define KZ_PROTECTION_MS 16  // period for each joint, ticks
-#define KZ_STALL_LOAD 178    // 1/255 of the stall torque at 10 V
-#define KZ_STALL_ANGLE 300   // 100 urad; a joint that moves less counts as standing still
+#define KZ_STALL_LOAD 178    // in units of 1/255 of the stall torque at 10 V
+#define KZ_STALL_ANGLE 300   // unit 100 urad; a joint that moves less counts as standing still
 #define KZ_STALL_COUNT (1000 / KZ_PROTECTION_MS)
 #define KZ_STALL_REPORTED 6  // value of `stalled` from which KZ_JOINT_STALLED is set
-#define KZ_HEAT_LOAD 89      // 1/255; a motor withstands this load continuously
+#define KZ_HEAT_LOAD 89      // continuous load that a motor withstands, in units of 1/255
 // Upper 16 bits of the heat at which motors are switched off: 89^2 * 8192 / 65536.
 #define KZ_HEAT_FULL ((u16)(KZ_HEAT_LOAD * KZ_HEAT_LOAD / 8))
 

@@ -1,7 +1,7 @@
 // Executes requests and schedules their replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A request is executed in the tick in which the request's frame ends; only the reply may have to wait.
+// A request is executed in the tick in which the request's frame ends. The reply can be sent in a later tick.
 // Replies are sent in the order of the requests. Each reply reports the state at the time when the reply is
 // written.
 #ifndef KAZ_SHARED_SERVO_REQUESTS_H

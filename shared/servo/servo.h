@@ -15,17 +15,17 @@ extern "C" {
 #define KZ_FIRMWARE_VERSION 0x0002  // major * 256 + minor
 
 // Defaults after a reset. protocol/messages.h has the defaults of the gains.
-#define KZ_RAMP_DEFAULT 60  // 100 urad/ms: 6 rad/s
+#define KZ_RAMP_DEFAULT 60  // 6 rad/s; the unit is 100 urad/ms
 #define KZ_WATCHDOG_DEFAULT_MS 90
 
 // Limits of the protection. KZ_*_FAULT_MS is the time for which a value may stay out of range.
-#define KZ_POT_LOWEST 4      // A/D code; lower codes mean a short or open circuit
-#define KZ_POT_HIGHEST 1019  // higher codes mean a short or open circuit
+#define KZ_POT_LOWEST 4      // lower A/D codes mean a short or open circuit
+#define KZ_POT_HIGHEST 1019  // higher A/D codes mean a short or open circuit
 #define KZ_POT_FAULT_MS 20
-#define KZ_SUPPLY_LOWEST_MV 4000    // 4 V; the servos' original supply is 4.8 V
-#define KZ_SUPPLY_HIGHEST_MV 13000  // the motor drivers take 12 V
+#define KZ_SUPPLY_LOWEST_MV 4000    // 4 V; the servos are made for 4.8 V
+#define KZ_SUPPLY_HIGHEST_MV 13000  // 13 V; the motor drivers are made for at most 12 V
 #define KZ_SUPPLY_FAULT_MS 20
-#define KZ_TEMPERATURE_HIGHEST_DC 850  // 0.1 degC; the drivers switch off by themselves at 100 degC
+#define KZ_TEMPERATURE_HIGHEST_DC 850  // 85 degC; the drivers switch off by themselves at 100 degC
 #define KZ_TEMPERATURE_FAULT_MS 20
 #define KZ_REFERENCE_CODE 512
 #define KZ_REFERENCE_TOLERANCE 16  // maximum difference from KZ_REFERENCE_CODE
@@ -196,7 +196,8 @@ extern "C" {
   FIELD(u8, busy_sequence)       \
   FIELD(u8, phase)
 
-// An executed or refused request: the data for the reply, and for recognizing a repetition of the request.
+// Data of an executed or refused request. The board needs these data for the reply, and to recognize a
+// repetition of the request.
 //
 //   parameter         joint, or mask of joints, that the reply reports
 //   crc               CRC of the whole body, which distinguishes a repetition from another request

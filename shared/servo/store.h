@@ -28,7 +28,7 @@
 extern "C" {
 #endif
 
-#define KZ_STORE_LINE 32   // bytes; the flash programs a whole line at once
+#define KZ_STORE_LINE 32   // bytes per line; the flash programs a whole line at once
 #define KZ_STORE_LINES 32  // lines per block
 #define KZ_STORE_BLOCK (KZ_STORE_LINE * KZ_STORE_LINES)
 #define KZ_STORE_DATA 24        // bytes of user data per line

@@ -14,7 +14,7 @@ extern "C" {
 // are dropped and counted.
 void kz_telemetry_update(kz_servo* servo);
 
-// Ends telemetry. Frames that are due are not sent.
+// Ends telemetry. Frames that are due but not yet started are dropped.
 void kz_telemetry_end(kz_servo* servo);
 
 #ifdef __cplusplus

@@ -30,11 +30,12 @@ struct Register {
   int initial = 0;       // factory value
   int min = 0, max = 0;  // range of writable values
   std::string_view unit;
-  std::string_view effect;       // in brackets if the effect is not simulated
-  std::string_view source;       // letters, explained in the .def file
-  int count = 1;                 // number of consecutive registers that this entry describes
-  int initial_step = 0;          // difference between factory values of consecutive registers
-  std::string_view values = {};  // "0 1 3": the only writable values; empty: all from min to max
+  std::string_view effect;  // in brackets if the effect is not simulated
+  std::string_view source;  // letters, explained in the .def file
+  int count = 1;            // number of consecutive registers that this entry describes
+  int initial_step = 0;     // difference between factory values of consecutive registers
+  // The only writable values, such as "0 1 3". If empty, all values from min to max are writable.
+  std::string_view values = {};
 
   // Returns the address after the register.
   int end() const { return address + size * count; }
@@ -57,7 +58,9 @@ struct Model {
   bool big_endian = false;  // byte order of registers
   int steps = 0;            // steps of the position sensor over span_rad
   double span_rad = 0;
-  bool full_turn = false;        // the sensor wraps; Feetech: also has instructions 0A and 0B
+  // True: the position sensor measures a full turn and then starts again at 0. A Feetech model then also has
+  // the instructions reset_turns and set_middle.
+  bool full_turn = false;
   bool sync_read = false;        // supports sync read
   int protection_unit_ms = 0;    // Feetech: unit of the register `protection_time`
   int position_p_unit = 0;       // DYNAMIXEL: divisor of `position_p_gain`

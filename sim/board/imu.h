@@ -7,9 +7,9 @@
 //
 //   x' = e x + sigma sqrt(1 - e^2) n,  e = exp(-1 ms / time)
 //
-// The filter is exact for an input that is constant within a millisecond. The samples of white noise with the
-// one-sided density N, taken at 1 kHz, have a normal distribution with sigma N sqrt(1000 / 2). Reason: the
-// bandwidth of the samples is half the sampling rate.
+// The filter is exact for an input that is constant within a millisecond. White noise has the one-sided
+// density N. The bandwidth of samples at 1 kHz is 500 Hz, half the sampling rate. So the noise of each sample
+// has a normal distribution with sigma N sqrt(1000 / 2).
 #pragma once
 
 #include <array>

@@ -51,7 +51,8 @@ struct PotFault {
   }
 };
 
-// Returns the duty at the pins, -1..1, in the joint's direction. The enable signal of the drivers is ignored.
+// Returns the duty at the pins, -1..1. A positive duty drives the joint toward larger angles. The enable
+// signal of the drivers is ignored.
 double duty_of(const PinLevels& pins, std::size_t joint);
 
 class ServoBoard {
@@ -69,8 +70,8 @@ class ServoBoard {
   // of Mcu::run_until().
   Result<void> run_until(States until);
 
-  // Sets the angles of the output shafts, rad, in the joints' directions, indexed by the joint numbers of
-  // joints.def. The values hold until the next call.
+  // Sets the angles of the output shafts, rad, with the signs of the joint angles. `angles_rad` is indexed by
+  // joint number (joints.def). The values hold until the next call.
   void set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad);
   // Sets the sum of the motors' supply currents. This current makes the supply voltage sag. The value holds
   // until the next call.

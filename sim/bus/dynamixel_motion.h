@@ -5,8 +5,8 @@
 // have the sign of the registers. The register drive_mode can reverse this sign relative to the servo's
 // direction.
 //
-// The maker documents modes, limits, units, the profile, the control laws and the divisors of the gains. The
-// divisor of the XL330's P gain is a measurement by Rhoban.
+// The maker documents modes, limits, units, the profile, the control laws and the divisors of the gains.
+// Rhoban (a robotics team) measured the divisor of the XL330's P gain.
 //
 // We chose the control period of 1 ms, the current loop, the current scale of mode 5, and the thresholds of
 // moving_status. The control period sets the units (per ms) of the D, I and feedforward gains.

@@ -6,7 +6,7 @@
 //
 // - If a packet to this servo has a wrong CRC, the servo answers with the CRC error.
 // - If a write has any error, no register is changed.
-// - In a read, an address without a register reads 0 if another address of the same read has a register.
+// - If a read covers at least one register, all addresses without a register read 0.
 // - In a sync or bulk read, each servo waits until the previous servo has answered. If the previous servo
 //   does not answer, the waiting servo does not answer either.
 // - A broadcast ping is answered in the order of the ids. Each servo answers in a separate time slot.
@@ -36,8 +36,8 @@ class DynamixelServo final : public VirtualServo {
   static constexpr Time kMaxGap = std::chrono::microseconds(1500);
   // Duration of a reboot (chosen by us).
   static constexpr Time kReboot = std::chrono::milliseconds(300);
-  // Part of the time between the slots of two successive ids in answers to a broadcast ping (chosen by us).
-  // The other part is the duration of an answer's bytes.
+  // After a broadcast ping, each id has a time slot for its answer. The time between two successive slots is
+  // kPingSlot (chosen by us) plus the duration of one answer.
   static constexpr Time kPingSlot = std::chrono::milliseconds(1);
 
  private:
@@ -46,7 +46,7 @@ class DynamixelServo final : public VirtualServo {
   struct Block {  // addresses to be read
     std::size_t address = 0, length = 0;
   };
-  struct Item {  // write to one register of a row of registers
+  struct Item {  // value to write; `index` selects one of the registers that `reg` describes
     const servo_bus::Register* reg;
     int index, value;
   };
@@ -84,7 +84,7 @@ class DynamixelServo final : public VirtualServo {
   DynamixelProtection protection_;
   dynamixel::PacketReader reader_;
   Time last_request_{};
-  Time started_{-1};  // time at which realtime_tick is 0; -1: the next step sets started_
+  Time started_{-1};  // time at which realtime_tick was 0; -1: set by the next step
   bool has_backup_ = false;
   struct RegWrite {
     std::size_t address;

@@ -30,8 +30,8 @@ class HalfDuplexLine {
   // whichever is later. Returns the time at which the last stop bit ends. Precondition: `from` is not before
   // Received::at of the last byte that next() returned.
   Time send(std::size_t node, std::span<const std::uint8_t> bytes, Time from);
-  // Returns the time at which the last byte that is on the wire or queued ends. This time is in the past if
-  // the wire is idle.
+  // Returns the time at which the nodes have sent all their bytes, including queued bytes. This time is in
+  // the past if the wire is idle.
   Time busy_until() const;
   // Damages bytes that are sent from now on: with the probability `share`, one random bit of a byte is
   // flipped.
@@ -64,7 +64,7 @@ class HalfDuplexLine {
     Time sent_until{};   // end of the bytes that the node itself sends
     bool known = false;  // true: `next` is up to date
     std::optional<Received> next;
-    Time after{};  // value that `from` receives after `next` was returned
+    Time after{};  // next() sets `from` to this value when it returns `next`
   };
 
   bool level(std::size_t node, Time at) const;

@@ -24,12 +24,12 @@ class RegisterFile {
   int get(std::string_view name, int otherwise = 0) const;
   int get(const servo_bus::Register& reg, int index = 0) const;
   // Writes a register like the servo's firmware, which can also write read-only registers. Clamps the value
-  // to the register's range. Exception: for a writable DYNAMIXEL register, the value is only clamped to the
-  // numbers that fit into the register's bytes. The function has no effect if the model does not have the
+  // to the register's range. Exception: for a writable DYNAMIXEL register, the value is clamped to the
+  // numbers that the register's bytes can contain. The function has no effect if the model does not have the
   // register.
   void set(std::string_view name, int value);
-  // Writes the register with the number `index` of a row of registers, counted from 0. An EEPROM register
-  // keeps the value without power, unless the EEPROM is locked.
+  // Writes one of the consecutive registers that `reg` describes. `index` is the number of this register,
+  // counted from 0. An EEPROM register keeps the value without power, unless the EEPROM is locked.
   void write(const servo_bus::Register& reg, int index, int value);
 
   // Writes bytes that a host has sent to a Feetech servo. Skips read-only registers and addresses without a

@@ -64,7 +64,7 @@ class VirtualBus {
   void set_supply_volts(double volts) { supply_volts_ = volts; }
   // Switches the supply of all servos on or off. Switching the supply off clears the RAM of the servos.
   void set_power(bool on);
-  double volts() const;  // supply voltage at the servos under the current of the last step
+  double volts() const;  // supply voltage at the servos, lowered by the current of the last step
 
   // Turns joint i by hand to an angle (rad) and holds the joint there while the joint's servo has no torque.
   // If the angle is beyond a stop, the hand presses against the stop.

@@ -49,12 +49,12 @@ struct CompareDifference {
 // Coverage of the traffic, counted in the board's replies. A comparison in which the board refuses most
 // requests would cover little of the code.
 struct CompareCoverage {
-  // Number of replies by message type, with telemetry.
+  // Number of frames from the board for each message type (replies and telemetry).
   std::map<std::uint8_t, std::int64_t> replies;
-  std::map<std::uint8_t, std::int64_t> refusals;  // number of refusals by KZ_REFUSED_*
-  // Number of replies during a shutdown, by KZ_SHUTDOWN_*.
+  std::map<std::uint8_t, std::int64_t> refusals;  // number of refusals for each reason KZ_REFUSED_*
+  // Number of replies during a shutdown, for each reason KZ_SHUTDOWN_*.
   std::map<std::uint8_t, std::int64_t> shutdowns;
-  std::map<std::uint8_t, std::int64_t> actions;  // number of requested actions, by KZ_ACTION_*
+  std::map<std::uint8_t, std::int64_t> actions;  // number of requested actions for each KZ_ACTION_*
 };
 
 struct CompareReport {
@@ -89,8 +89,9 @@ struct CompareReport {
 // sources than this program. Returns Fault::failed if the chip stops on an error or runs no ticks.
 Result<CompareReport> compare_engines(const CompareOptions& options);
 
-// Returns Fault::usage if the image header in the chip's flash has another build id than this program. If the
-// build ids differ, every comparison would fail at the build id. An image without a header passes the check.
+// Returns Fault::usage if the image header in the chip's flash has another build id than this program.
+// Without this check, the comparison of two different builds would fail at the first reply that contains the
+// build id. An image without a header passes the check.
 Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path);
 
 }  // namespace kaz::sim

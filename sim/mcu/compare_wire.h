@@ -5,7 +5,7 @@
 // receive the same bytes at the same times and have the same input voltages. The emulated chip's bytes are
 // decoded from the waveform at TxD0. The replies of the boards must be equal byte by byte and begin within
 // one tick of each other. The pin levels must be equal in every millisecond. wire_differences.h lists the
-// differences by design.
+// intended differences between the boards.
 #pragma once
 
 #include <cstdint>

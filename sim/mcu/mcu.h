@@ -130,9 +130,9 @@ class Mcu {
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 
-  // keep() and take() are save() and restore() for many chips of one process that continue from the same
-  // state. The object that keep() returns holds the parts of the state that are slow to read from bytes, and
-  // `to` gets the rest of the state. If keep() returns null, `to` gets the whole state. Several chips may
+  // keep() and take() save and restore the state faster, if many chips of one process continue from the same
+  // state. keep() returns an object with the parts of the state that are slow to restore from bytes. The rest
+  // of the state is written to `to`. If keep() returns null, `to` gets the whole state. Several chips may
   // call take() with the same object concurrently.
   struct Kept {
     virtual ~Kept() = default;

@@ -3,8 +3,8 @@
 //
 // Fields with bounds (message_info.h) get random values inside, at and outside the bounds. Fields without
 // bounds get values with which most requests succeed: angles near the middle of the joint's range, and
-// calibration near the nominal values. Some requests form short sequences: unlock and raw drive; calibrate
-// and store; reset.
+// calibration near the nominal values. Some requests form short sequences, such as a calibration and a
+// request to store the calibration.
 #pragma once
 
 #include <cstdint>

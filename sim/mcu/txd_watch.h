@@ -1,4 +1,4 @@
-// Decodes the bytes that the emulated chip sends at TxD0 from the edges at the pin.
+// Observes the edges at the pin TxD0 of the emulated chip and decodes the bytes that the chip sends.
 // SPDX-License-Identifier: Apache-2.0
 //
 // TxdWatch observes the same edges as a recording of the pin (vcd.h). While the pin is not driven, the

@@ -1,4 +1,4 @@
-// Decodes the level of a serial line like an 8N1 receiver, and measures the edges of the line.
+// Works like an 8N1 receiver: decodes the level of a serial line into bytes. Also measures the edges.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The decoder is independent of the sending channel: the decoder's only inputs are the level changes and the
@@ -19,8 +19,8 @@ struct DecodedByte {
   std::uint8_t value = 0;
   States start = 0;            // falling edge of the start bit
   bool framing_error = false;  // the stop bit is low
-  // Largest deviation of the byte's edges from whole bit times. If the byte starts before the previous frame
-  // should have ended, the value is at least the time by which the byte is too early.
+  // Largest deviation of the byte's edges from whole bit times. If the byte starts before the nominal end of
+  // the previous frame, the value is at least the time between start and nominal end.
   States edge_deviation = 0;
 };
 
@@ -28,7 +28,8 @@ class UartDecoder {
  public:
   explicit UartDecoder(States bit_states = KZ_STATES_PER_BIT) : bit_(bit_states) {}
 
-  // Sets the line's level from `at` on. Times must not decrease. An unchanged level is not an edge.
+  // Sets the line's level. The new level begins at the time `at`. Times must not decrease. An unchanged level
+  // is not an edge.
   void level(bool level, States at);
   // Advances the time to `to` without a change of level.
   void advance(States to);

@@ -1,8 +1,8 @@
-// Puts a load like walking on the servo firmware: closed control loops, targets and queries at 100 Hz.
+// Loads the servo firmware as a walking robot does: closed control loops, with targets and queries at 100 Hz.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Measurements of the tick's duration and of the emulator's speed use this load. The potentiometers follow
-// the motors by the simplest model that closes the control loops, without physics.
+// Measurements of the tick's duration and of the emulator's speed use this load. A simple model without
+// physics turns the potentiometers with the motors and thereby closes the control loops.
 #pragma once
 
 #include <array>
@@ -23,11 +23,11 @@ class WalkingLoad {
   WalkingLoad(const WalkingLoad&) = delete;
   WalkingLoad& operator=(const WalkingLoad&) = delete;
 
-  // Runs from power-on to walking: 100 ms of start-up, then switches the motors on, then 0.5 s of steps.
-  // Returns the errors of Mcu::run_until().
+  // Runs the first 600 ms: start-up, motors on at 100 ms, and walking from 110 ms on. Returns the errors of
+  // Mcu::run_until().
   Result<void> start();
-  // Runs one millisecond. In every tenth millisecond the host sends targets for all joints, and 7 ms later
-  // the host queries the states of the joints. Returns the errors of Mcu::run_until().
+  // Runs one millisecond. Every 10 ms, the host sends targets for all joints; 7 ms later, the host queries
+  // the states of the joints. Returns the errors of Mcu::run_until().
   Result<void> millisecond();
 
   std::int64_t bytes_to_board() const { return bytes_to_board_; }

@@ -1,4 +1,4 @@
-// Lists the differences by design between the native board and the emulated board.
+// Lists the intended differences between the native board and the emulated board.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -25,8 +25,8 @@ std::span<const WireException> wire_differences();
 // Returns the list as a Markdown table. docs/explanation/emulator.md contains this table.
 std::string wire_differences_table();
 
-// Overwrites with 0 the bytes of `body` (address, type, sequence number, fields) that the comparison leaves
-// out. Returns whether there were bytes to overwrite.
+// Writes 0 to each byte of `body` that the comparison leaves out. `body` consists of address, type, sequence
+// number and fields. Returns whether there were bytes to overwrite.
 bool mask_wire_differences(std::span<std::uint8_t> body);
 
 }  // namespace kaz::sim

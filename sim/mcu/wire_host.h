@@ -1,12 +1,12 @@
 // A host for random conversations with a board over the serial line. The seed determines the conversation.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The host covers the protocol's grammar: requests in range, out of range, damaged, in pieces, back to back,
-// for other boards, and with framing errors. Some conversations contain telemetry, stores to flash, resets,
-// the loader, or bytes while the board starts. The board does not serve the line during a store, a reset or
-// the loader. The host sends no other requests together with a request for one of these actions. The reason
-// is that the start of the action depends on how long the CPU was busy. The native engine does not model how
-// long the CPU is busy (wire_differences.h).
+// The host covers the protocol's grammar. Requests have valid or invalid values, are damaged, arrive in
+// pieces or back to back, address other boards, or have framing errors. Some conversations contain telemetry,
+// stores to flash, resets, the loader, or bytes while the board starts. The board does not serve the line
+// during a store, a reset or the loader. The host sends no other requests together with a request for one of
+// these actions. The exact start of a store, a reset or the loader depends on how long the CPU was busy. The
+// native engine does not model how long the CPU is busy (wire_differences.h).
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@
 
 namespace kaz::sim {
 
-// Times at which no byte may end: while a tick reads the receive ring, and while a starting board enables its
-// receiver.
+// Forbidden times for the end of a byte: while a tick reads the receive ring, and while a starting board
+// enables the receiver.
 struct WireWindows {
   bool ticks = false;  // whether the board runs ticks
   States tick_at = 0;  // due time of one tick; the other due times follow from the tick period

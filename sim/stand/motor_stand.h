@@ -31,7 +31,7 @@ struct StandOptions {
   MotorParams motor;
   double disc_kgm2 = 4e-4;  // aluminum, 120 mm in diameter, 7 mm thick
   double step_s = 0.001;
-  std::uint64_t seed = 1;    // seed of the random numbers of the scale's noise
+  std::uint64_t seed = 1;    // seed of the scale's random noise
   double supply_volts = 10;  // open-circuit voltage at the start; make_stand() sets this value
 };
 

@@ -63,9 +63,9 @@ class Renderer {
 };
 
 // Makes a renderer with off-screen Mesa (llvmpipe), which rasterizes in the calling thread. `backend` is
-// "osmesa" or "egl" (without a surface). An empty `backend` selects the first of these two that starts. The
-// function sets Mesa's environment variables for the process, so that pictures do not depend on the user's
-// environment. Call this function before starting threads that read the environment. If OpenGL is not
+// "osmesa" or "egl" (without a surface). If `backend` is empty, osmesa is used if available, otherwise egl.
+// The function sets Mesa's environment variables for the process, so that pictures do not depend on the
+// user's environment. Call this function before starting threads that read the environment. If OpenGL is not
 // available, make_renderer() succeeds, and render() returns the error.
 Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend);
 // Like make_renderer(), but the environment variable KAZ_OPENGL selects the backend.

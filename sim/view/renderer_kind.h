@@ -10,8 +10,8 @@
 namespace kaz::sim {
 
 enum class RendererKind {
-  opengl,  // off-screen Mesa; the reference that tests compare `raster` with
-  // The project's own rasterizer; works without OpenGL and takes a third of the time of Mesa.
+  opengl,  // off-screen Mesa; tests compare the pictures of `raster` with Mesa's pictures
+  // The project's own rasterizer; works without OpenGL and needs a third of Mesa's computing time.
   raster,
 };
 inline constexpr RendererKind kDefaultRenderer = RendererKind::raster;

@@ -14,7 +14,8 @@ namespace kaz::lockstep {
 using JointLines = std::array<host::JointCalibration, KZ_JOINTS>;
 
 struct CalibratedJoints {
-  // Stops: calibration from the stops only; all: calibration from stops and floor.
+  // `stops` is the calibration from the mechanical stops only. `all` is the calibration from the stops and
+  // the floor.
   JointLines stops, all;
   // Standard deviation of the joint angles with calibration `all`: root mean square over the joint's range,
   // and maximum.
@@ -26,11 +27,12 @@ struct CalibratedJoints {
 
 // Calibrates a suspended robot on its stops. Then calibrates a robot with the same seed on the floor of
 // options.world_path. Uses no ground truth. Returns Fault::failed if a stop cannot be read. Also returns
-// errors of robot and board.
+// errors from the robot and the board.
 Result<CalibratedJoints> calibrate_joints(const sim::SimulationOptions& options);
 
-// Calibrates the robot like calibrate_joints(), and stores the calibration `all` on the board of a robot with
-// the same options. Returns the contents of the board's flash in hexadecimal, for SimulationOptions::memory.
+// Calls calibrate_joints(), makes another robot with the same options, and stores the calibration `all` on
+// the board of this robot. Returns the contents of the board's flash in hexadecimal, for
+// SimulationOptions::memory.
 Result<std::string> calibrated_memory(const sim::SimulationOptions& options);
 
 }  // namespace kaz::lockstep

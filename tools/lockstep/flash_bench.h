@@ -23,7 +23,7 @@ class FlashBench final : public host::Link, public host::Clock, public host::Boa
 
   // --- faults; times are on the scale of now()
   void cut_power_at(Time when, Time length) { cut_at_ = when, cut_length_ = length; }
-  // From `when` on, read() and write() return Fault::environment.
+  // At the time `when` and later, read() and write() return Fault::environment.
   void unplug_at(Time when) { unplug_at_ = when; }
   // Sets the faults of the line; null: no faults. `faults` must outlive this object.
   void set_faults(const faults::Schedule* faults) { line_.set_faults(faults); }

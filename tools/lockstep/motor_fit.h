@@ -1,4 +1,5 @@
-// Fits the motor model to a bench report. A bench on the fitted model gives the same measurements.
+// Fits the motor model to a bench report. A simulated bench with the fitted model reproduces the measurements
+// of the report.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Method: indirect inference (C. Gourieroux, A. Monfort, E. Renault 1993, "Indirect Inference", Journal of

@@ -32,7 +32,7 @@ struct RecordedRun {
   std::vector<Pair> pairs;                // in order of exposure
   std::vector<Thought> thoughts;
   sim::States end = 0;   // end of the last completely recorded step
-  bool cut_off = false;  // the run went on after `end`
+  bool cut_off = false;  // true: the file is truncated, or the run was interrupted
   // Signal that interrupted the run, such as "SIGINT"; empty: no signal.
   std::string interrupted_by;
   std::uint64_t seed = 1;  // seed of the line faults

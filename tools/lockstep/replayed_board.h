@@ -23,7 +23,7 @@ namespace kaz::lockstep {
 struct HostDifference {
   Time time{};
   std::string where;          // position, such as "byte 1234 to the board" or "the end"
-  std::string recorded, now;  // descriptions of the recorded byte or entry, and of the new one
+  std::string recorded, now;  // the byte or entry in the recording and in the present run, as text
 };
 
 class ReplayedBoard {
@@ -48,13 +48,13 @@ class ReplayedBoard {
   // Compares an entry of the behavior with the recorded entry.
   void think(const std::string& json);
 
-  // Call this function after the host has ended. Detects recorded bytes and entries that the host did not
+  // Call this function after the host has finished. Detects recorded bytes and entries that the host did not
   // produce.
   void finish();
-  // First difference in the bytes to the board, or between the ends of both runs.
+  // The first byte to the board that differs from the recording, or the end of the run that ends first.
   const std::optional<HostDifference>& difference() const { return difference_; }
-  // First difference in the behavior's entries. If a difference in the entries causes the difference in
-  // bytes, this difference comes first.
+  // First difference in the behavior's entries. If different entries cause different bytes, the entries
+  // differ first and show the cause.
   const std::optional<HostDifference>& other_thought() const { return other_thought_; }
 
  private:

@@ -20,15 +20,15 @@ namespace kaz::vision {
 // - missing, repeated or non-finite values.
 // - lenses with more than five non-zero coefficients.
 // - matrices that are not rotations.
-// - eyes that are above each other or exchanged.
+// - exchanged eyes, or one eye above the other.
 // - R and T that contradict R1, R2 and P2.
 Result<StereoCalibration> read_calibration(const std::string& path);
 // Like read_calibration(), but for the content of a file. Errors contain `name`.
 Result<StereoCalibration> parse_calibration(const std::string& content, const std::string& name);
 
 enum class CalibrationFormat { yaml, json };
-// Returns the format that the ending of a file name stands for: .yml, .yaml or .json. Any other ending is an
-// error.
+// Returns the format that belongs to the extension of a file name: .yml, .yaml or .json. Any other extension
+// is an error.
 Result<CalibrationFormat> calibration_format(const std::string& path);
 
 // Returns the content of a calibration file, with 17 digits per number. `notes` are additional keys and
@@ -39,8 +39,8 @@ std::string calibration_text(const StereoCalibration& calibration, CalibrationFo
                              const std::string& date = "");
 
 // Computes rectified_from_camera and `rectified` from the lenses and from the transform from the left to the
-// right camera, x_right = R x_left + T (m). Errors: the eyes are at the same position, above each other or
-// exchanged; the lenses cannot be rectified.
+// right camera, x_right = R x_left + T (m). Errors: the eyes are at the same position or exchanged; one eye
+// is above the other; the lenses cannot be rectified.
 Result<void> rectify_pair(StereoCalibration& calibration, const Eigen::Matrix3d& right_from_left,
                           const Eigen::Vector3d& left_origin_in_right);
 

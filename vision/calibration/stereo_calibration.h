@@ -47,7 +47,7 @@ struct EyeQuality {
     Eigen::Vector2d at, residual;  // px; residual: measured minus projected
   };
   std::vector<Point> points;
-  double covered = 0;  // share of cells with a corner, of 8 x 6 cells of the picture
+  double covered = 0;  // share of the picture's 8 x 6 cells that contain a corner
 };
 
 struct PairQuality {

@@ -48,9 +48,9 @@ struct EdgeFit {
 };
 
 // Fits the cone, starting at `cone`, which must be accurate to about a pixel. Uses only pixels in the sectors
-// `seen`. Returns nullopt if the contrast is too low, or the number of pixels too small. Also returns nullopt
-// if the fit moves the edge by more than about a third of the radius (or 1.2 px, if this is more). `cone` is
-// then the better estimate.
+// `seen`. Returns nullopt if the contrast is too low or there are too few pixels. Also returns nullopt if the
+// fit moves the edge by more than about a third of the radius (or 1.2 px, if this is more). `cone` is then
+// the better estimate.
 std::optional<EdgeFit> fit_edge(const Image& image, const CameraModel& camera, const Cone& cone,
                                 const EdgeSectors& seen);
 

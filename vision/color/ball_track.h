@@ -8,12 +8,12 @@
 // ball bounces, and a saltation matrix transforms the covariance (N. Kong et al., "Saltation Matrices",
 // 2023). A ball on the floor stays on the floor and slows down.
 //
-// The position errors of an observation at distance D follow from the errors of the outline. Across the ray,
-// the errors s_c of the center (px) and s_p of the posture (rad) cause the position error
-// D sqrt((s_c / f)^2 + s_p^2). Along the ray, the error s_r of the radius (px) causes the position error
-// D^2 s_r / (f r), because radius_px = f r / D. Here f is the focal length (px) and r the ball's radius (m).
-// So the direction is accurate, and the error of the distance grows with the square of the distance. Units:
-// m, s, px, rad.
+// The position errors of an observation at distance D are computed from the errors of the outline. Across the
+// ray, the errors s_c of the center (px) and s_p of the posture (rad) cause
+// the position error D sqrt((s_c / f)^2 + s_p^2). Along the ray, the error s_r of the radius (px) causes the
+// position error D^2 s_r / (f r), because radius_px = f r / D. Here f is the focal length (px) and r the
+// ball's radius (m). So the direction is accurate, and the error of the distance grows with the square of the
+// distance. Units: m, s, px, rad.
 #pragma once
 
 #include <deque>
@@ -32,14 +32,14 @@ struct BallTrackOptions {
   double centre_error_px = 0.3, radius_error_px = 0.2;  // standard deviations
   double posture_error_rad = 0.003;
   // Power density of the unmodeled acceleration (process noise), m^2/s^3. With 0.5, the track follows a ball
-  // that a hand moves back and forth with reversals within 50 ms. For a free ball, a tenth of this value is
-  // enough.
+  // that is moved back and forth by hand and reverses its direction within 50 ms. For a ball that moves
+  // freely, 0.05 would be enough.
   double acceleration_psd = 0.5;
   double initial_speed_m_s = 1;  // standard deviation of the speed before the second observation
   double gate = 8;               // Mahalanobis distance above which an observation is an outlier
   Time lost_after = std::chrono::milliseconds(500);
-  // Maximum difference between the exposures of the newest observation and of a late observation. A larger
-  // difference means that the clock was set back.
+  // Maximum time by which the exposure of a late observation precedes the exposure of the newest observation.
+  // A larger difference means that the clock was set back.
   Time latest_late = std::chrono::seconds(1);
   std::optional<double> floor_m;  // height of the floor; nullopt: gravity is not modeled
   double restitution = 0.6;
@@ -64,7 +64,7 @@ Eigen::Matrix3d ball_covariance(const Eigen::Vector3d& in_eye, double focal_px,
 class BallTrack {
  public:
   enum class Taken {
-    started,    // used as the first observation, or as the first after the ball was lost
+    started,    // used as the first observation of a track, initially or after the ball was lost
     used,       // used as the newest observation of the track
     late,       // used, but not the newest; all newer observations were processed again
     restarted,  // the ball jumped: two consistent outliers started a new track

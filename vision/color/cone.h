@@ -17,8 +17,8 @@ struct Cone {
 // Fits a cone to rays. The initial cone goes through three of the rays. Several initial cones are tried, and
 // the cone with the smallest median distance to all rays is used. Then Gauss-Newton minimizes the angles
 // between rays and cone, with Tukey's weights. A ray has weight 0 if the angle between ray and cone exceeds
-// about five times the spread of these angles. The spread is taken as at least `noise_rad`. Returns nullopt
-// if the rays do not determine a cone with a half angle of 0.05 to 85 degrees.
+// about five times the spread of these angles. If the spread is less than `noise_rad`, `noise_rad` is used
+// instead. Returns nullopt if the rays do not determine a cone with a half angle of 0.05 to 85 degrees.
 std::optional<Cone> fit_cone(std::span<const Eigen::Vector3d> unit_rays, double noise_rad);
 
 // Returns the angle (rad) by which a ray lies outside the cone; negative inside.

@@ -42,8 +42,8 @@ struct DepthOptions {
   double nearest_m = 0.14;
   int block_px = 15;  // side of the compared blocks; odd, 5..21
   // Minimum sum of the absolute codes of the filtered picture over a block of 15 x 15 px. For other block
-  // sizes the value is scaled by the area. Noise with a standard deviation of 1.6 codes alone gives a sum of
-  // 1000, and a match of mere noise is meaningless.
+  // sizes the value is scaled by the area. Noise with a standard deviation of 1.6 codes already gives a sum
+  // of 1000, and two pictures of noise have no meaningful match.
   int min_texture = 1000;
   int uniqueness_percent = 10;  // minimum margin of the costs of other disparities, percent
   int left_right_px = 1;        // tolerance of the left-right check, px; negative: no check

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The cost is the sum of absolute differences (SAD) over the block, computed as a running sum over rows and
-// columns. The sums of all disparities of a pixel are adjacent in memory and fill the SIMD vectors. One pass
-// finds the winners (disparities of lowest cost) of both images. The winners of the right image are found
-// along the diagonals of the cost volume. The pass goes row by row, so that the winners are still in the
-// cache for later steps. All sums are 16-bit integers, so results are bit-identical with and without SIMD.
+// columns. The sums for all disparities of a pixel are adjacent in memory, so that a SIMD vector processes
+// many disparities at once. One pass finds the winners (disparities of lowest cost) of both images. The
+// winners of the right image are found along the diagonals of the cost volume. The pass goes row by row, so
+// that the winners are still in the cache for later steps. All sums are 16-bit integers, so results are
+// bit-identical with and without SIMD.
 #pragma once
 
 #include <cstdint>
@@ -63,8 +64,9 @@ class BlockMatcher {
   void begin(const FilteredPicture& left, const MirroredPicture& right,
              const BlockOptions& options);
   // Matches the pixels of row v where `wanted` is not 0. Pixels within half a block of the ends of the row
-  // are not matched. Up to kVectorMargin bytes of `wanted` beyond the row are read. Successive calls must
-  // have increasing v. Row v must be at least half a block from the upper and lower border.
+  // are not matched. After the end of the row, `wanted` must have kVectorMargin more readable bytes.
+  // Successive calls must have increasing v. Row v must be at least half a block from the upper and lower
+  // border.
   const MatchedRow& row(int v, const std::uint8_t* wanted);
 
  private:

@@ -7,8 +7,8 @@
 namespace kaz::vision {
 
 constexpr int kFilterCap = 31;  // filtered codes are 0 to 2 kFilterCap
-// Number of elements beyond the last row that loads of whole vectors may read. The values of these elements
-// are not used.
+// Vector loads may read this number of elements beyond the last row. The values of these elements are not
+// used.
 constexpr int kVectorMargin = 32;
 
 // Computes one row of the horizontal 3 x 3 Sobel derivative (depth_blocks.h, FilteredPicture). With the

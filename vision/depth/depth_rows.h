@@ -28,9 +28,9 @@ struct BlockRow {
   std::int16_t* windows;  // copy of `window` for each column; only used with 16 disparities
   // If vectors are used, disparity d is at place[d] in `columns` and `window`.
   const std::int16_t* place;
-  // For each column of the mirrored right picture: C(d) << 16 | d of the best left winner whose match is this
-  // column. If costs are equal, the smallest d is best. All bits are 1 if no winner has matched the column
-  // yet.
+  // For each column of the mirrored right picture: the best winner d of the left picture that matches this
+  // column, stored as C(d) << 16 | d. If costs are equal, the smallest d is best. All bits are 1 if no winner
+  // has matched the column yet.
   std::uint32_t* claims;
   int doubt_share;             // uniqueness margin in 65536ths
   bool full;                   // true: the block has all rows, so winners are found
@@ -45,8 +45,8 @@ inline int doubt(int min_cost, int share) {
   return limit < INT16_MAX ? limit : INT16_MAX - 1;
 }
 
-// Records the winner d of the left picture's column u as a claim to the matched pixel of the right picture.
-// The code is branch-free, because a branch would be unpredictable.
+// Stores the winner d of the left picture's column u at the matched pixel of the right picture, unless a
+// better winner is stored there. The code is branch-free, because a branch would be unpredictable.
 [[gnu::always_inline]] inline void claim(const BlockRow& r, int u, int d, int min_cost) {
   std::uint32_t& other = r.claims[r.width - 1 - u + d];
   other =
@@ -91,8 +91,9 @@ constexpr float kOn_px = 1;
 // Maximum distance of a fronto-parallel match from the plane. A match farther away belongs to another object.
 constexpr float kNear_px = 3;
 // Maximum cost of a slanted block relative to the cost of the fronto-parallel block. The slanted cost is the
-// minimum over kAround disparities, the fronto-parallel cost the minimum over all disparities. With noise, a
-// minimum over more values is lower, so the limit is above 100 %.
+// minimum over kAround disparities; the fronto-parallel cost is the minimum over all disparities. Noise makes
+// a minimum over more values smaller. Therefore a correct slanted block may cost more than the
+// fronto-parallel block.
 constexpr int kMaxCost_percent = 125;
 
 // Marks in `wanted` the pixels of row v that may lie on the plane. Returns whether any pixel is marked.

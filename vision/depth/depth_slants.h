@@ -11,7 +11,7 @@ namespace kaz::vision {
 class SlantFinder {
  public:
   // Returns up to `max_planes` planes with at least a tenth of the sampled pixels as inliers, largest first.
-  // Planes with so little slant over `block` px that a second matching has no effect are left out. A
+  // Leaves out planes whose slant over `block` px is too small for a second matching to have an effect. A
   // disparity of 0 means unknown. Pixel coordinates count from the image corner. The same image gives the
   // same planes. The result is valid until the next call.
   const std::vector<DisparityPlane>& find(const std::vector<float>& disparity, int width,

@@ -41,8 +41,9 @@ void find_residuals(const FlowSamples& samples, const CameraModel& camera,
                     const Eigen::Isometry3d& later, FlowResiduals& residuals, bool vectors = true);
 
 // Normal equations, summed over the samples: H = sum w J^T J (lower triangle) and b = sum w J^T residual. J
-// is the Jacobian of the flow by rotation and translation of the later camera. With r = |residual|^2 /
-// cutoff2, the weight w is (1 - r)^2 if r < 1, else 0. The terms are added in the order of the samples.
+// is the Jacobian of the flow with respect to rotation and translation of the later camera. With r =
+// |residual|^2 / cutoff2, the weight w is (1 - r)^2 if r < 1, else 0. The terms are added in the order of the
+// samples.
 struct NormalEquations {
   Eigen::Matrix<double, 6, 6> h;
   Eigen::Matrix<double, 6, 1> b;

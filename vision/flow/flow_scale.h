@@ -16,8 +16,8 @@ void quarter(const std::uint8_t* grey, int width, int height, std::uint8_t* to);
 
 // Enlarges the flow of a small picture, stored as (right, down) per pixel. The flow is interpolated
 // bilinearly at the pixel centers of the full picture and multiplied by `factor`. The result is bit-identical
-// to cv::resize with INTER_LINEAR. Interpolation goes first along the rows, then down the columns, both times
-// as a (1 - s) + b s.
+// to cv::resize with INTER_LINEAR. Values are interpolated first along the rows, then down the columns, each
+// time by the formula `a * (1 - s) + b * s`.
 class FlowEnlarger {
  public:
   struct Size {

@@ -12,14 +12,14 @@
 //    predicted flow then depends mainly on the rotation.
 //
 // An interval of inverse depths maps to a line segment of predicted flows. The residual is the vector from
-// the nearest point of this line segment to the measured flow. A cell is a candidate if its residual exceeds
-// the error bounds of flow and pose, and is unlikely for the covariance of the flow. The covariance of the
-// flow is large along an edge. Flow is smooth and bleeds over object borders, so each candidate cell is
-// verified on the images. A candidate cell is static if the predicted flow of a static point matches the two
-// images better than the measured flow does. All other candidate cells are moving. Connected moving cells
-// form a region if, in some of these cells, ego-motion does not match the images at all. The flow of the
-// region is then estimated again as one translation of all pixels of the region. Limitation: where the depth
-// is unknown, motion along the epipolar line is not detected.
+// the nearest point of this line segment to the measured flow. A cell is a candidate if the residual exceeds
+// the error bounds of flow and pose, and if the flow's covariance makes this residual improbable. The
+// covariance of the flow is large along an edge. Flow is smooth and bleeds over object borders, so each
+// candidate cell is verified on the images. A candidate cell is static if the predicted flow of a static
+// point matches the two images better than the measured flow does. All other candidate cells are moving.
+// Connected moving cells form a region if, in some of these cells, ego-motion does not match the images at
+// all. The flow of the region is then estimated again as one translation of all pixels of the region.
+// Limitation: where the depth is unknown, motion along the epipolar line is not detected.
 //
 // Frames: pixels of the earlier image; optical and foot frames as in frame.h. The supporting foot must be the
 // same at both exposures, and must not move between the exposures. Units: px, m, s.
@@ -43,8 +43,9 @@ namespace kaz::vision {
 
 struct IndependentMotionOptions {
   double flow_error_px = 1.0;  // error bound of the flow
-  // Minimum depth of the robot's own shoulders. A region is dropped as a shoulder if it reaches the lowest
-  // tenth of the image and has no stereo depth, and its flow fits a static object at this depth or farther.
+  // Minimum depth of the robot's own shoulders. A region may be a shoulder if the region reaches the lowest
+  // tenth of the image and has no stereo depth. The region is dropped if the region's flow also fits a static
+  // object at a depth of at least nearest_body_m.
   double nearest_body_m = 0.05;
   // Standard deviations of the ego-motion that is computed from the postures, and maximum accepted
   // corrections of this ego-motion. The errors come from noise and quantization of the potentiometers,
@@ -53,9 +54,10 @@ struct IndependentMotionOptions {
   double posture_error_m = 0.002, max_posture_error_m = 0.01;
   double min_surprise = 3;  // minimum Mahalanobis distance of a candidate's residual
   int min_cells = 4;        // minimum size of a region, cells
-  // Minimum number of cells of a region that ego-motion does not match at all.
+  // Minimum number of cells in which ego-motion clearly contradicts the images; regions with fewer of these
+  // cells are dropped.
   int min_proven_cells = 3;
-  // Minimum share of the region's cells that ego-motion does not match at all.
+  // Like min_proven_cells, but as a share of the region's cells.
   double min_proven = 0.2;
   double highest_on_floor_m = 0.10;
   // Minimum depth of points for which neither stereo nor the floor limits the depth.
@@ -73,11 +75,11 @@ struct MovingRegion {
   Eigen::Vector2d velocity_px_s{0, 0};
   // Center (m) of the region at the earlier exposure, and velocity (m/s) of the region, foot frame. Set if at
   // least a third of the region's cells have stereo depth. The flow of one camera does not contain the
-  // velocity component along the ray. The motion is therefore assumed to be horizontal, as of a rolling
-  // object. If the ray descends by less than 10 degrees, the motion is assumed to be perpendicular to the
-  // ray.
+  // velocity component along the ray. The motion is therefore assumed to be horizontal, like the motion of a
+  // rolling object. If the ray descends by less than 10 degrees, the motion is assumed to be perpendicular to
+  // the ray.
   std::optional<Eigen::Vector3d> position_m, velocity_m_s;
-  // 0 to 1: share of the region's cells that ego-motion does not match at all.
+  // 0 to 1: share of the region's cells in which ego-motion clearly contradicts the images.
   double confidence = 0;
 };
 

@@ -6,8 +6,8 @@ namespace kaz::vision {
 
 // Makes OpenCV compute on the calling thread, for the rest of the process. Programs with one thread per
 // module should call keep_opencv_on_callers_threads(), because OpenCV's worker threads wait for work by
-// spinning. Another reason is the inverse search of flow.h. OpenCV splits the search into one stripe per
-// thread and restarts the search in each stripe, so the number of threads changes the flow slightly.
+// spinning. In addition, the number of threads would influence the optical flow (flow.h). OpenCV splits the
+// search for the flow into one stripe per thread and restarts the search in each stripe.
 void keep_opencv_on_callers_threads();
 
 }  // namespace kaz::vision

@@ -38,7 +38,7 @@ std::unique_ptr<Module> make_color_module(const BallOptions& options, Time laten
 std::unique_ptr<Module> make_depth_module(const DepthOptions& options,
                                           Time latency = kDepthLatency);
 // The flow image is empty for the first frame and after the camera's clock stepped back. The flow image is
-// also empty if the previous frame is older than the frame by more than `longest`.
+// also empty if the previous frame was exposed more than `longest` before the present frame.
 std::unique_ptr<Module> make_flow_module(const FlowOptions& options, Time latency = kFlowLatency,
                                          Time longest = std::chrono::milliseconds(200));
 std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,

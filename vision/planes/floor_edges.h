@@ -6,13 +6,14 @@
 // of the border of the floor's segments are therefore undecided. A marker-controlled watershed labels the
 // undecided pixels. Floor and non-floor grow into the undecided band from both sides, first where the color
 // gradient is small. Floor and non-floor meet where the gradient is largest. Sources: F. Meyer, "Color image
-// segmentation", IPA 1992; cv::watershed. Holes in the floor narrower than 2 reach_px are closed, unless
-// depth shows an object there. Pixels of such an object become a marker if they are higher above the floor
-// than the depth error. The pixels must also be farther than 3/4 reach_px from the pixels of the floor.
+// segmentation", IPA 1992; cv::watershed. A hole in the floor that is less than 2 reach_px wide is closed,
+// unless depth shows an object in the hole. The pixels of an object in a hole become a marker if their height
+// above the floor exceeds the depth error. The pixels must also be farther than 3/4 reach_px from the pixels
+// of the floor.
 //
 // Limitations: the border is wrong by up to `reach_px` where floor and object have the same color, or near
-// the edge of a shadow. Objects that are less than 1.5 reach_px wide in the depth image become floor. This
-// limit includes half a block, by which block matching widens objects.
+// the edge of a shadow. Objects that are less than 1.5 reach_px wide in the depth image are labeled as floor.
+// This limit includes half a block, by which block matching widens objects.
 #pragma once
 
 #include <memory>
@@ -40,9 +41,9 @@ class FloorEdges {
 
   // Refines `planes.label`, not the segments. Pixels that become floor get the label of the largest floor
   // segment. `left` is the rectified picture and `depth` the depth image in which the planes were found.
-  // Without `depth`, objects less than 2 reach_px wide become floor. Does nothing if there is no floor
-  // segment. Errors: the picture or depth image is truncated or has another size; options out of range. An
-  // error leaves `planes` unchanged.
+  // Without `depth`, objects less than 2 reach_px wide are labeled as floor. Does nothing if there is no
+  // floor segment. Errors: the picture or depth image is truncated or has another size; options out of range.
+  // An error leaves `planes` unchanged.
   Result<void> sharpen(const Image& left, PlaneSegments& planes, const DepthImage* depth = nullptr);
 
  private:

@@ -3,8 +3,9 @@
 //
 // The paper finds the floor with the Plane Segment Finder (section 4.1; K. Okada, S. Kagami, M. Inaba, H.
 // Inoue, "Plane segment finder: algorithm, implementation and applications", ICRA 2001). The Plane Segment
-// Finder is a randomized three-dimensional Hough transform, followed by a fit to the regions of a plane. We
-// had no access to the text of Okada et al. and follow the description in the paper.
+// Finder finds planes by a randomized three-dimensional Hough transform, and then fits each plane to the
+// regions on this plane. We had no access to the text of Okada et al. and follow the description in the
+// paper.
 // 1. Three neighboring points, drawn at random, define a plane. Each triple gives one vote for the direction
 //    of the plane's normal and the plane's distance from the eye.
 // 2. A peak of votes is taken as a plane. The plane is then fitted to the points near the plane.
@@ -42,7 +43,7 @@ struct PlaneOptions {
   // Maximum differences between a floor segment and the plane under the sole. The differences come from
   // errors of posture and calibration.
   double floor_angle_rad = 0.10;
-  double floor_height_m = 0.02;  // difference in height of the middle of the segment
+  double floor_height_m = 0.02;  // difference in height, at the middle of the segment
 };
 
 struct PlaneSegment {

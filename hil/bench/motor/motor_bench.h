@@ -18,8 +18,8 @@ namespace kaz::hil {
 struct MotorBenchOptions {
   int joint = 2;
   std::string filter;  // regular expression for names of measurements; empty: all measurements
-  // Gains of the control loop, the same for every joint: the board's default gains, not the smaller gains of
-  // the hands.
+  // Gains of the control loop, the same for every joint. The default is the board's default gains, not the
+  // smaller gains of the hands.
   host::Gains gains;
   // Supply voltage of the stand, unless a measurement sets another voltage.
   double supply_volts = 10;
@@ -27,7 +27,7 @@ struct MotorBenchOptions {
   std::function<void(double share, const std::string& what)> progress;
 };
 
-// Returns connection options with a link watchdog that is long enough for the tools of a stand.
+// Returns connection options. The timeout of the link watchdog is long enough for the tools of a stand.
 host::ConnectOptions bench_connection();
 
 // Error (usage): the filter is not a regular expression, or matches no measurement of a motor.
@@ -45,11 +45,11 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
 // the function enters.
 //
 // Enters the measurement `direction`. A correct direction is entered only if `enter_good` is true. Returns
-// false if the motor turns in the opposite direction to its potentiometer. In that case no control loop may
-// be closed on this motor.
+// false if the motor turns in the opposite direction to its potentiometer. In that case, the motor must not
+// be driven by the control loop.
 bool measure_direction(MotorOnBench& motor, BenchJudge& judge, bool enter_good);
 void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge);  // enters pot.noise
-// Enters pot.* except noise.
+// Enters all measurements pot.* except pot.noise.
 void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge);
 void measure_backlash(MotorOnBench& motor, BenchJudge& judge);
 // Enters dead_band, and also friction.breakaway if the torque per volt (`slope_nm_per_v`) is known. Each

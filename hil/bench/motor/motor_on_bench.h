@@ -57,13 +57,13 @@ class MotorOnBench {
   void check_potentiometer();
   // Returns the potentiometer code, 0 to 1023, of an angle. Uses the current calibration.
   double potentiometer_code(double angle_rad);
-  // Returns the line errors since the last call: "on the line 3 replies did not come"; empty: no errors.
+  // Returns the line errors since the last call: "on the line 3 replies were lost"; empty: no errors.
   std::string take_line_trouble();
   // Samples the potentiometer every 5 ms with the motor off.
   Trace watch(double length_s);
-  // Drives with a duty of -1 to 1, rounded to 1/255, for `length_s`. With `within_rad` above 0, the drive
-  // ends when the distance of the shaft from the limit ahead is at most `within_rad`. After the drive, the
-  // motor is off, and sampling continues for `after_s`.
+  // Drives with a duty of -1 to 1, rounded to 1/255, for `length_s`. If `within_rad` is above 0, the drive
+  // also ends when the shaft is closer than `within_rad` to the limit in the direction of the drive. After
+  // the drive, the motor is off, and sampling continues for `after_s`.
   Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
   // Like drive(), but ends as soon as the angle differs from `from_rad` by `enough_rad` in either direction.
   Trace nudge(double duty, double length_s, double from_rad, double enough_rad);
@@ -93,9 +93,9 @@ class MotorOnBench {
   template <class Enough>
   Trace drive_until(double duty, double length_s, double after_s, Enough enough);
   void forget_telemetry();
-  // Collects samples until `until` on the host's clock, or until `enough` returns true. Waits a little longer
-  // for frames with a board time before `until_s` (seconds after begin_tick), because a busy machine reads
-  // these frames late.
+  // Collects samples until `until` on the host's clock, or until `enough` returns true. A busy machine reads
+  // frames late. If frames from before `until_s` (board time, seconds after begin_tick) are missing, waits up
+  // to 100 ms longer.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 

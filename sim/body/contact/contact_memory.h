@@ -56,7 +56,8 @@ class ContactMemory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d shear = Eigen::Vector3d::Zero();
-    double limit = 0;  // maximum shear per N of normal force, divided by kErpStep: m / (N s)
+    // Maximum shear per N of normal force, divided by kErpStep. The unit is m / (N s).
+    double limit = 0;
   };
   std::vector<Point> points_, before_;
 };

@@ -77,7 +77,7 @@ class ContactModel {
   std::vector<std::string> names_;  // name of each geom's link
   std::vector<Plane> planes_;
   std::vector<Part> robot_, objects_, fixed_;
-  std::vector<int> robot_link_;  // number of the link of each element of robot_
+  std::vector<int> robot_link_;  // for each element of robot_, the number of its link
   std::vector<std::pair<std::size_t, std::size_t>> selves_;
   // exempt_[a * robot_links_ + b] is 1 if the links a and b do not collide. Reason: the shapes of links that
   // are close in the tree may overlap at the joints.

@@ -13,9 +13,10 @@ struct LockedLever {
   // Duration of the test. The motor starts cold and at rest. The driving flank of the gear is in contact from
   // the start.
   double seconds = 0.05;
-  // True: the drive is switched off 100 ms before the end of the test, and on again 50 ms later. Reason: if
-  // the torque of a motor that presses on the lever falls, static friction holds the rotor, and the measured
-  // torque is too high. After the restart, the measured torque is the torque that the motor can really apply.
+  // True: the drive is switched off 100 ms before the end of the test, and on again 50 ms later. Reason:
+  // while a motor heats up, its torque falls. If the motor presses on the lever without a pause, static
+  // friction holds the rotor at the earlier, higher torque. After the restart, the measured torque is the
+  // torque that the motor can really apply.
   bool anew = false;
 };
 

@@ -48,7 +48,8 @@ class WindingHeat {
   template <class A>
   void transfer(A& a) {
     a(winding_, case_);
-    // Below this minimum temperature, the resistance of copper would approach zero.
+    // At temperatures far below -150 degrees Celsius, this linear model would give copper a resistance of
+    // zero.
     a.require(std::min(winding_, case_) > -150 && std::max(winding_, case_) < 1e5, "temperature");
   }
 

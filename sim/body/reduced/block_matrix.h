@@ -1,10 +1,11 @@
 // Symmetric positive definite block matrix for a kinematic tree and free bodies, with sparse factors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block is a group of coordinates. A floating base, a chain of joints between two forks of the robot, and a
-// free body each have one block. The inertia matrix couples the block of a chain to the blocks of the chain's
-// ancestors. Contacts couple the blocks of touching bodies. Blocks that are coupled, directly or through
-// other blocks, form an island. Islands are solved independently.
+// A block is a group of coordinates. A floating base has one block, and so has each free body. Each chain of
+// joints between two branch points of the kinematic tree also has one block. The inertia matrix couples the
+// block of a chain to the blocks of the chain's ancestors. Contacts couple the blocks of touching bodies.
+// Blocks that are coupled, directly or through other blocks, form an island. Islands are solved
+// independently.
 //
 // Two matrices have this structure: the inertia matrix M, and the matrix H of a Newton iteration. H is M plus
 // the stiffness of the solver's rows. H is factored as L^T L from the last coordinate to the first. In this
@@ -83,8 +84,10 @@ class BlockMatrix {
   void load(const Island& island, bool keep);
   // Returns row i of H (lower triangle). Entries above the diagonal may be written but are never read.
   double* row_of(int i) { return matrix_.data() + row(i); }
-  void factor_calm(const Island& island);  // factors the calm blocks, for reuse by load()
-  void factor(const Island& island);       // factors the other blocks
+  // Computes the factors of the calm blocks. load() can reuse these factors.
+  void factor_calm(const Island& island);
+  // Computes the factors of the other blocks.
+  void factor(const Island& island);
   // Computes x = H^-1 x. Call after factor().
   void back_solve(const Island& island, double* x) const;
 
@@ -110,7 +113,8 @@ class BlockMatrix {
   std::vector<int> block_of_, order_;
   std::vector<Block> blocks_;
   std::vector<Range> couplings_;  // pairs of blocks from couple()
-  // Nonzero if two blocks are coupled, including by fill-in. The indices are the later and the earlier block.
+  // Nonzero if two blocks are coupled, including by fill-in. The row is the number of the later block; the
+  // column is the number of the earlier block.
   std::vector<char> coupled_;
   std::vector<Range> below_;
   std::vector<Island> islands_;

@@ -1,5 +1,5 @@
-// World in reduced coordinates. Joints do not drift, motors are implicit, friction has cones, and all
-// contacts are solved together.
+// World in reduced coordinates. Joints do not drift, motors are integrated implicitly, cones limit friction,
+// and all contacts are solved together.
 // SPDX-License-Identifier: Apache-2.0
 //
 // docs/explanation/dynamics.md describes the formulation. A step of h seconds begins with coordinates q and
@@ -60,8 +60,8 @@ class ReducedWorld final : public StagedWorld {
     int dof = 0;
     double lower = 0, upper = 0;  // rad, mechanical stops
   };
-  // Impulses of a contact in the last step: friction impulse of a hard contact (velocity_solver.h), and
-  // rolling moment. ContactMemory stores the shear of soft contacts.
+  // Impulse (normal and friction) and moment (rolling and spin) of a contact point in the last step.
+  // ContactMemory stores the shear of soft contacts.
   struct Memory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
@@ -140,7 +140,7 @@ class ReducedWorld final : public StagedWorld {
 
   ArticulatedTree tree_;
   std::shared_ptr<const Layout> layout_;
-  std::vector<FreeBody> objects_;  // indexed by body number - robot_links_
+  std::vector<FreeBody> objects_;  // objects_[i] has the body number robot_links_ + i
   std::vector<Memory> memory_;
   ContactMemory shear_;
   Effort effort_;

@@ -228,8 +228,8 @@ class VelocitySolver {
   std::span<const int> its_pairs_, its_points_, its_bounded_;
   // Contributions of the inertia to the slope along the search direction.
   double start_slope_ = 0, curve_ = 0;
-  // Active bounded rows (1) at the last factorization: of the calm blocks of calm_island_ in calm_yields_, of
-  // all blocks of H in factored_yields_.
+  // Element i is 1 if bounded row i was active at the last factorization. calm_yields_ describes the last
+  // factorization of the calm blocks of calm_island_. factored_yields_ describes the last factorization of H.
   std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};

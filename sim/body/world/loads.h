@@ -27,7 +27,7 @@ struct LinkForce {
   //
   //   f = R^T push, r = R^T (at - o);  force += f, moment += r x f + R^T turn, pressure += normal
   //
-  // Until finish(), `centre` is the sum of (normal r) over the points.
+  // Before finish() is called, `centre` is the sum of normal times r over the points.
   void add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
            const Eigen::Vector3d& turn, double normal);
   // Call once after the last add().

@@ -22,12 +22,12 @@ namespace kaz::sim {
 Eigen::Isometry3d root_at_start(const WorldModel& world, const RobotModel& robot, bool hung);
 
 struct StageModel {
-  // Precondition: WorldModel::feet and WorldModel::pushes name links of the robot, and these pushed links can
-  // move. make_world() checks this precondition.
+  // Precondition: All names in WorldModel::feet and WorldModel::pushes are names of robot links, and all
+  // pushed links can move. make_world() checks this precondition.
   StageModel(const WorldModel& world, const RobotModel& robot, const WorldOptions& options);
 
-  // A body of the world. Body numbers begin with the robot's links in the order of RobotModel::links; the
-  // objects that can move follow.
+  // A body of the world. The robot's links have the first body numbers, in the order of RobotModel::links.
+  // The movable objects have the next numbers.
   struct Body {
     RigidLink rigid;    // without visuals and collision shapes
     bool moves = true;  // false: the body is fixed at the pose `start`
@@ -55,7 +55,7 @@ struct StageModel {
   // `pushes` is empty and all pushes are in `kicks`.
   std::vector<Kick> pushes;
   std::vector<int> feet;    // body numbers of the feet (WorldModel::feet)
-  std::vector<int> frames;  // body numbers, indexed by scene frame - 1
+  std::vector<int> frames;  // frames[k] is the body number of scene frame k + 1
   Scene scene;
   int head_frame = -1;  // scene frame of the link with both eyes; -1: none
 

@@ -97,8 +97,7 @@ class StagedWorld : public World {
     auto count = static_cast<std::uint32_t>(bodies().size());
     auto kicks = static_cast<std::uint32_t>(kicks_left_);
     a(count, kicks);
-    // The saved state may be earlier than the present state. Kicks that were already applied are then due
-    // again.
+    // After a return to an earlier state, kicks that were already applied are due again.
     if (count != bodies().size() || kicks > model_->kicks.size()) {
       return a.refuse("it belongs to another world");
     }

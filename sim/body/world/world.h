@@ -23,7 +23,7 @@
 namespace kaz::sim {
 
 struct JointState {
-  double angle = 0;     // angle of the output shaft, rad, which the potentiometer measures
+  double angle = 0;     // angle of the output shaft, rad; the potentiometer measures this angle
   double velocity = 0;  // rad/s
   // Torque (Nm) of the motor on the joint in the last step. Friction of the gear is included.
   double torque = 0;
@@ -77,7 +77,7 @@ struct WorldOptions {
   bool ideal_motors = false;  // motors without backlash and heat
 };
 
-// A world may be used in one thread at a time. Different worlds may be used in different threads, even if one
+// Only one thread at a time may use a world. Different worlds may be used in different threads, even if one
 // world is a clone of the other.
 class World {
  public:

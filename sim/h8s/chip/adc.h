@@ -1,4 +1,5 @@
-// 10-bit A/D converter with single mode and scan mode. Inputs are sampled at the exact state.
+// 10-bit A/D converter with single mode and scan mode. The emulator samples each input in the same state
+// (clock period) as the chip.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -38,8 +39,9 @@ class Adc {
   void advance(Machine& m, States to) {
     if (next_ <= to) convert(m, to);
   }
-  // Returns whether a conversion may be computed after the time at which the conversion ends. In scan mode,
-  // conversions may be computed when the program reads a result or before an output of the chip changes.
+  // Returns true in scan mode. In this mode, the emulator can compute a conversion after the end of the
+  // conversion. The conversion is computed when the program reads a result, or before an output of the chip
+  // changes.
   bool may_wait() const { return scan(); }
   // Processes all events up to the time `to`, or until `ended` is set. Sets `at` to the time of each event.
   void run_events(Machine& m, States to, States& at, const bool& ended);
@@ -54,7 +56,7 @@ class Adc {
   }
 
  private:
-  // Duration of each conversion after the first in scan mode, states.
+  // Duration (states) of each conversion in scan mode, except the first conversion.
   static constexpr States kScanSlow = 256, kScanFast = 128;
 
   bool scan() const { return (adcsr_ & 0x10) != 0; }

@@ -54,7 +54,7 @@ struct PortOutput {
   bool operator==(const PortOutput&) const = default;
 };
 
-// Notification that the output pins of a unit may change from `at` on.
+// Notification that the output pins of a unit can change at the time `at` or later.
 struct OutputChange {
   enum class Unit { port, pwm, timer, serial };
   Unit unit = Unit::port;
@@ -154,8 +154,8 @@ class Chip {
   // Returns a second chip in the same state. The second chip has no callbacks, hooks, observers or analog
   // source.
   Chip clone() const;
-  // Returns a snapshot of the complete state, for restore() of this or another chip. The snapshot contains no
-  // callbacks and hooks: a chip keeps its own callbacks and hooks in restore().
+  // Returns a snapshot of the complete state, for restore() of this or another chip. The snapshot contains
+  // neither callbacks nor hooks. When restore() is called, the chip keeps its own callbacks and hooks.
   std::shared_ptr<const Chip> save() const;
   void restore(const Chip& saved);
   // Write and read the complete state as bytes, for files. The bytes can only be read by the build that wrote
@@ -168,11 +168,12 @@ class Chip {
   // -------
 
   // Writes the image's segments to flash at their load addresses and fills the rest of the flash with 0xff.
-  // Does not reset the chip. Error: a segment is outside the flash; nothing is then written.
+  // Does not reset the chip. If a segment is outside the flash, returns an error and writes nothing.
   Result<void> load(const Image& image);
   // Loads a program that starts at its entry point, without a reset. Writes every section to its run address
-  // in flash or RAM and sets PC to `entry`. Other memory is unchanged. Must be called after power_on. Error:
-  // a section is outside flash and RAM; the sections before that section have then been written.
+  // in flash or RAM and sets PC to `entry`. Other memory is unchanged. Must be called after power_on. Returns
+  // an error if a section is outside flash and RAM. In this case, the sections before that section have
+  // already been written.
   Result<void> place(const Image& image, std::uint32_t entry);
   // Sets the symbols that reports use. An S-record image has no symbols; the symbols can come from a COFF
   // file.
@@ -268,7 +269,7 @@ class Chip {
   PortOutput output(Port port) const;
   // Lets the board drive a pin, beginning at now(). `bit` is 0..7; other values are ignored.
   void set_input(Port port, int bit, bool level);
-  // Ends the board's drive of a pin. An input pin is then high if its pull-up is on; otherwise the pin has
+  // The board stops driving the pin. An input pin is then high if its pull-up is on; otherwise the pin has
   // the level Options::floating_level.
   void release_input(Port port, int bit);
   void set_nmi(bool level);
@@ -290,13 +291,13 @@ class Chip {
   // (the address of the instruction that causes the call) are valid. All flags are valid between instructions
   // (call_at, code hooks) and while an observer is attached. With the engines `reference` and `interpreter`
   // all flags are valid in every call, because a store instruction has set the flags before the call. With
-  // any engine, instructions() may not yet include the instructions since the last event. These limits also
-  // apply in the callbacks of on_output, on_transmit and set_analog.
+  // any engine, the result of instructions() can lack the instructions since the last event. These limits
+  // also apply in the callbacks of on_output, on_transmit and set_analog.
   int watch(Pin pin, PinListener listener, bool drivers = false);
   void unwatch(int watch);
-  // Calls `call` once between instructions, with the time as its argument. The call is made at `at`. If `at`
-  // is in the past, the call is made at the start of the next run. `call` may do what a listener of watch()
-  // may do. Returns an id for cancel().
+  // Calls the function `call` once, at the time `at` and between two instructions. The argument of the call
+  // is the time. If `at` is in the past, the call is made at the start of the next run. The rules for `call`
+  // are the same as for a listener of watch(). Returns an id for cancel().
   int call_at(States at, std::function<void(States)> call);
   void cancel(int call);
   // Drive or release an I/O pin or a pin of port 7. set_input can also drive NMI. Both functions ignore all
@@ -321,9 +322,9 @@ class Chip {
   //
   // `steady` promises that `source` has no side effects. `steady` also promises that the voltages depend only
   // on channel, time, outputs other than serial outputs, and values that are constant during a run. With
-  // `steady`, the chip may call `source` later than the time of a scan's sample, but not after the next
-  // change of one of these outputs and not after the end of the run. The chip skips samples whose results the
-  // program does not read.
+  // `steady`, the chip may call `source` later than the time of a scan's sample. The latest time of the call
+  // is the next change of one of these outputs or the end of the run, whichever is earlier. The chip skips
+  // samples whose results the program does not read.
   void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 
   // Serial

@@ -27,7 +27,7 @@ inline constexpr int endurance = 100;  // number of erasures that a block endure
 
 class FlashControl {
  public:
-  // Register accesses while STCR.FLSHE = 1, FF80..FF83: FLMCR1, FLMCR2, EBR1, EBR2.
+  // Register accesses while STCR.FLSHE is 1. FLMCR1, FLMCR2, EBR1 and EBR2 are at FF80..FF83.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   // Latches a byte that the program writes to an address inside the flash.

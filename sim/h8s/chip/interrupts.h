@@ -47,8 +47,8 @@ class Interrupts {
   // Returns the requests to the CPU: two words with one bit for each vector.
   const std::uint64_t* pending() const { return pending_.data(); }
 
-  // Returns whether a request to the CPU may pass the mask bits I and UI of `control`. With `two_level` the
-  // result is true for any request, and choose() checks the mask bits.
+  // Returns whether there is a request to the CPU that bit I of `control` does not mask. With `two_level` the
+  // result is true for any request, because choose() checks the mask bits I and UI.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;
     return !(control & 0x80) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
@@ -93,8 +93,8 @@ class Interrupts {
     set(vec::address_break, true, at);
   }
 
-  // Register accesses by the low 16 bits of the address. These functions return nullopt or false if the
-  // address does not belong to a register of this module.
+  // Register accesses. `address` contains only the low 16 bits of the address. These functions return nullopt
+  // or false if the address does not belong to a register of this module.
   std::optional<std::uint8_t> read(std::uint32_t address);
   std::optional<std::uint8_t> peek(std::uint32_t address) const;
   bool write(std::uint32_t address, std::uint8_t value, States at);

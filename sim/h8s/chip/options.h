@@ -18,8 +18,8 @@ struct Options {
   // Levels of MD1 and MD0 at reset. 2 is single-chip advanced mode (24-bit addresses), 3 single-chip normal
   // mode (16-bit addresses). 0 with P42, P41 and P40 high is boot mode.
   int mode = 2;
-  // Decision time of an interrupt. The interrupt is accepted at the first instruction boundary that is later
-  // than the request by more than this time (hardware manual, interrupt response times).
+  // Decision time of an interrupt. The CPU accepts the interrupt at the first instruction boundary that is
+  // more than this time after the request (hardware manual, interrupt response times).
   int interrupt_decision_states = 3;
   // Duration of the exception sequence, without the stacking, the vector read and the first instruction
   // fetch.
@@ -77,7 +77,7 @@ struct Options {
   bool stc_copies = false;
   // Value that MOV Rs,@-ERd stores if Rs is a part of ERd (for example PUSH.W R7 and PUSH.L ER7). True: the
   // register after the decrement. False: the register before the decrement. The option does not affect MOV
-  // @ERs+,Rd. If Rd is a part of ERs, Rd always receives the loaded value after the increment of ERs.
+  // @ERs+,Rd. If Rd is a part of ERs, the CPU first increments ERs and then writes the loaded value to Rd.
   bool predecrement_stores_decremented = true;
   // Boot mode: number of the serial channel, SCI0 (P50, P51) or SCI1 (P25, P26).
   int boot_channel = 0;

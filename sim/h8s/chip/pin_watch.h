@@ -45,7 +45,7 @@ class PinWatch {
     int id;
     Pin pin;
     PinState last;
-    bool drivers;  // whether to report also changes of the driver
+    bool drivers;  // true: changes of driver and pull-up are also reported
     PinListener listener;
   };
   struct Call {

@@ -15,8 +15,8 @@ class Machine;
 
 class Ports {
  public:
-  // Register accesses by the low 16 bits of the address, FFAC..FFBE. These functions return nullopt or false
-  // if the address does not belong to a register of a port.
+  // Register accesses. `address` contains only the low 16 bits of the address: FFAC..FFBE. These functions
+  // return nullopt or false if the address does not belong to a register of a port.
   std::optional<std::uint8_t> read(const Machine& m, std::uint32_t address) const;
   bool write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   // Returns whether `address` is a latch or direction register and a write of `value` would change nothing.

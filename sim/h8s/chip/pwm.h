@@ -26,7 +26,7 @@ class Pwm {
   }
   // Prescaler and counter start at the time `epoch`, at which the chip was reset.
   explicit Pwm(States epoch = 0) : epoch_(epoch), base_(epoch) {}
-  // Clears all registers, including PCSR. Module stop and standby have this effect.
+  // Clears all registers, including PCSR. Module stop and standby also clear these registers.
   void reset() { *this = Pwm(epoch_); }
 
   bool enabled(unsigned channel) const { return (oe_ >> channel & 1) != 0; }

@@ -24,7 +24,7 @@ enum class Bank : std::uint8_t {
   ocrs_1,
   icrs_0,  // TOCR.ICRS
   icrs_1,
-  regs_0,  // STCR.IICE = 1, and REGS in DADRB or DACNT
+  regs_0,  // STCR.IICE is 1; bit REGS of DADRB and DACNT is 0 (regs_0) or 1 (regs_1)
   regs_1,
 };
 

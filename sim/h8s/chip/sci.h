@@ -10,7 +10,7 @@
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
-// Bits of SSR and SCR. Internal to the files of the serial channel.
+// Bits of SSR and SCR. Only the source files of the serial channel use this namespace.
 namespace kaz::h8s::sci_bits {
 
 // Bits of SSR.
@@ -65,13 +65,14 @@ class Sci {
 
   // --- pins --------------------------------------------------------------------------------------
   bool drives_txd() const { return (scr_ & 0x20) != 0; }
-  // Returns the level of TxD while drives_txd(). `at` must not be before the start of the current frame.
+  // Returns the level of TxD. Precondition: drives_txd() is true. `at` must not be before the start of the
+  // current frame.
   bool txd(States at) const;
   // Returns the first state later than `after` at which TxD changes. Returns kNever if that state is not yet
   // known.
   States txd_change(States after) const;
-  // Returns whether SCK is an output: in clocked mode with the internal clock, or with CKE = 01, which
-  // outputs the bit clock.
+  // Returns whether SCK is an output. In clocked mode, SCK is an output if the channel uses its internal
+  // clock. In asynchronous mode, SCK is an output if CKE is 01; the channel then outputs the bit clock.
   bool drives_sck() const { return synchronous() ? !(scr_ & 2) : (scr_ & 3) == 1; }
   bool sck(States at) const;
   States sck_change(States after) const;

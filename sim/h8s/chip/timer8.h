@@ -39,11 +39,12 @@ struct Timer8 {
   void matched(bool a, bool b);
   // Returns the period: the number of counts between two clears or overflows.
   std::int64_t turn() const;
-  // Skips whole periods before the tick `target`, but leaves at least one period, which sets the same flags
-  // as the skipped periods. An output that matches toggle repeats after two periods; any other output repeats
-  // after one period.
+  // Skips whole periods before the tick `target`. At least one period remains; this period sets the same
+  // flags as the skipped periods. If matches toggle the output, the output repeats after two periods,
+  // otherwise after one period.
   void skip_turns(States target);
-  // Returns whether an edge at the clock pin counts: clock selections 5 (rising), 6 (falling) and 7 (both).
+  // Returns whether the timer counts this edge at the clock pin. The clock selection is 5 for rising edges, 6
+  // for falling edges and 7 for both.
   bool counts_edge(bool rising) const {
     return clock_select() == 7 || clock_select() == (rising ? 5u : 6u);
   }

@@ -34,7 +34,7 @@ class Bus {
   // result is also true for masked requests.
   virtual bool interrupt_pending() const = 0;
 
-  // Returns whether the code hook at `pc` must be called before the instruction at `pc` may run.
+  // Returns whether `pc` has a code hook that must be called before the instruction at `pc` runs.
   virtual bool hook_due(std::uint32_t pc) const = 0;
   // Returns whether `pc` has a code hook, even if the hook has already been called for the current execution
   // of the instruction.

@@ -40,7 +40,7 @@ constexpr Fault last_value(Fault) {
 // members of Cpu instead of these constants.
 inline constexpr std::uint32_t kFlashSize = 0x20000;
 inline constexpr std::uint32_t kBlock = 0xffe000;  // address of the 8 KiB block that contains RAM
-inline constexpr std::uint32_t kRam = 0x0080;      // offset in this block, like kShortRam and kIo
+inline constexpr std::uint32_t kRam = 0x0080;  // kRam, kShortRam and kIo are offsets in this block
 inline constexpr std::uint32_t kRamSize = 0x0f80;
 inline constexpr std::uint32_t kShortRam = 0x1f00;
 inline constexpr std::uint32_t kShortRamSize = 0x80;
@@ -53,7 +53,8 @@ inline constexpr std::uint32_t kFlashCode = 0;
 inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;
 inline constexpr std::uint32_t kShortRamCode = kRamCode + kRamSize / 2 + kGap;
 inline constexpr std::uint32_t kCodeSize = kShortRamCode + kShortRamSize / 2 + kGap;
-// Size of a line of RAM, bytes. Cpu::has_code has a flag for each line in which instructions may be decoded.
+// Size of a line of RAM, bytes. Cpu::has_code has one flag for each line. The flag is set if Cpu::code may
+// contain decoded instructions of the line.
 inline constexpr std::uint32_t kLine = 64;
 static_assert(kRam % kLine == 0 && kShortRam % kLine == 0);
 
@@ -126,7 +127,7 @@ struct Cpu {
   std::uint8_t request = 0;  // number of the semihosting request to handle; 0: no request
   bool normal = false;       // normal mode: 16-bit addresses
   bool two_level = false;    // interrupt control mode 1: exceptions also set UI
-  bool stc_copies = false;   // this and the next two members: see Options
+  bool stc_copies = false;   // Options describes this member and the next two
   bool rte_holds_off = false;
   bool predecrement_stores_decremented = true;
   bool hold_off = false;  // no interrupt is accepted before the next instruction
@@ -147,8 +148,8 @@ struct Cpu {
   std::uint32_t jumps = 0;
 };
 
-// Ends the inner loop at the next boundary. The value -1 is less than every time, and differences to -1 do
-// not overflow.
+// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than every time. The difference
+// between a time and -1 does not overflow.
 inline void end_stretch(Cpu& c) {
   c.stop = -1;
 }
@@ -226,7 +227,7 @@ void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);
 
-// Call Bus::hook_due and Bus::has_hook. These functions return false if there is no bus.
+// These functions return the results of Bus::hook_due and Bus::has_hook, or false if there is no bus.
 bool hooked_here(const Cpu& c, std::uint32_t pc);
 bool has_hook(const Cpu& c, std::uint32_t pc);
 

@@ -14,7 +14,7 @@ namespace kaz::h8s {
 struct Counts {
   std::uint8_t i = 1;  // instruction fetches
   std::uint8_t j = 0;  // branch address reads in advanced mode; half as many in normal mode
-  // Stack accesses in advanced mode; half as many in normal mode, unless `k_fixed`.
+  // Stack accesses in advanced mode; half as many in normal mode, unless `k_fixed` is true.
   std::uint8_t k = 0;
   std::uint8_t l = 0;  // byte data accesses
   std::uint8_t m = 0;  // word data accesses

@@ -91,7 +91,8 @@ struct Form {
 
 // Returns the whole instruction list.
 const std::vector<Form>& forms();
-// Returns the form that `units` (at least one unit) encode; null if `units` encode no instruction.
+// Returns the form of the instruction that begins at units[0]; null if there is no such instruction. `units`
+// must not be empty.
 const Form* find(std::span<const u16> units);
 
 // Runs the instruction `units` at w.pc. Returns the duration of the instruction in states, with on-chip

@@ -22,9 +22,9 @@ struct Watch {
   bool operator==(const Watch&) const = default;
 };
 
-// Conditions that halt a run. Except in a replay, a breakpoint replaces a code hook at the same address, and
-// neither the breakpoint nor the hook remains after the end of the run. A breakpoint at the first instruction
-// of a run halts the run only if `at_start` is true.
+// Conditions that halt a run. A breakpoint replaces a code hook at the same address. The end of the run
+// removes the breakpoint, so the address has no hook after the run. A replay leaves the code hooks unchanged.
+// A breakpoint at the first instruction of a run halts the run only if `at_start` is true.
 struct Triggers {
   std::vector<std::uint32_t> breakpoints;
   std::vector<Watch> watches;

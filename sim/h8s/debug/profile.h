@@ -42,8 +42,8 @@ struct FunctionProfile {
   States worst = 0, median = 0;  // durations of completed calls, with callees
 };
 
-// A repeated section of the program, from before the instruction at `begin` to before the instruction at
-// `end`.
+// A section of the program that runs repeatedly. The section begins just before the instruction at `begin`
+// runs and ends just before the instruction at `end` runs.
 struct ProfileWindow {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;

@@ -34,9 +34,9 @@ std::int64_t picoseconds(States at, std::int64_t hertz);
 // the time has passed the last entry.
 class VcdRecorder {
  public:
-  // Records from now until close() to a temporary file beside `path`, which close() renames to `path`. `chip`
-  // must outlive this object and must not be moved. `hertz`: states per second. Errors: `names` is empty, a
-  // name is unknown, a register is write-only, or the file cannot be created.
+  // Starts a recording in a temporary file in the folder of `path`. close() ends the recording and renames
+  // the file to `path`. `chip` must outlive this object and must not be moved. `hertz`: states per second.
+  // Errors: `names` is empty, a name is unknown, a register is write-only, or the file cannot be created.
   static Result<std::unique_ptr<VcdRecorder>> open(Chip& chip,
                                                    const std::vector<std::string>& names,
                                                    const std::string& path,

@@ -60,9 +60,8 @@ class Netlist {
     double pull_up_ohms = 50'000;     // resistance of the chip's internal pull-ups
     double weak_high_ohms = 1'000;    // resistance of high NMOS push-pull outputs (P47, P52)
   };
-  // Watches all pins of the chip that are on nets. Drives each of these pins whose net has a driver other
-  // than the pin. Becomes the analog source of the chip. `chip` must outlive this object and must not be
-  // moved.
+  // Watches all pins of the chip that are on nets. If another driver is on a pin's net, the netlist drives
+  // the pin. Becomes the analog source of the chip. `chip` must outlive this object and must not be moved.
   explicit Netlist(Chip& chip);
   Netlist(Chip& chip, const Settings& settings);
   ~Netlist();
@@ -82,7 +81,7 @@ class Netlist {
     place(p);
     return p;
   }
-  // Adds a source of constant voltage with a series resistance. 0 ohms makes a strong drive.
+  // Adds a source of constant voltage with a series resistance. If `ohms` is 0, the source is a strong drive.
   void source(Net net, double voltage, double ohms, const std::string& name);
   void pull_up(Net net, double ohms) { source(net, 1, ohms, "pull-up"); }
   void pull_down(Net net, double ohms) { source(net, 0, ohms, "pull-down"); }
@@ -115,8 +114,8 @@ class Netlist {
   // net until drive() is called.
   int output(const Part& part, Net net, const std::string& name);
   void listen(Part& part, Net net);
-  // Drives the output's net with `voltage` through a resistance of `ohms`. If `moving`, Part::voltage
-  // replaces `voltage`.
+  // Drives the output's net with `voltage` through a resistance of `ohms`. If `moving` is true, the function
+  // Part::voltage gives the voltage instead.
   void drive(int output, double voltage, double ohms = 0, bool moving = false);
   void release(int output);
   // Schedules woken() for `at` and replaces an earlier schedule. The maximum value of States cancels the

@@ -82,7 +82,7 @@ class Rc : public Part {
   void plan(Netlist& n, States at);
   Net in_, out_;
   double ohms_, farads_, tau_ = 1;  // tau_: time constant, states
-  double from_ = 0, to_ = 0;        // voltage at since_, and final voltage
+  double from_ = 0, to_ = 0;        // from_: voltage at the time since_; to_: final voltage
   bool driven_ = false;
   States since_ = 0;
   int output_ = -1;

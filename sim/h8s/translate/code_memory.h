@@ -25,8 +25,8 @@ class CodeMemory {
   CodeMemory& operator=(const CodeMemory&) = delete;
 
   // Appends finished code and returns its address. Returns null if asmjit fails, the range is full, or a
-  // security policy forbids executable memory. After a failure, earlier code may no longer be executable;
-  // call clear(). Must not be called while code of this memory runs.
+  // security policy forbids executable memory. Call clear() after a failure, because the pages of earlier
+  // code can have lost their execute permission. Must not be called while code of this memory runs.
   const void* add(asmjit::CodeHolder& code);
   // Discards all code. Code that is added later reuses the memory of the discarded code.
   void clear() { used_ = 0; }

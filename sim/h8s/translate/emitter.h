@@ -22,8 +22,8 @@ struct Entry {
 };
 static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
 
-// Record for the near-end version of a block. This version runs at the end of a stretch, if the time left
-// does not exceed the block's bound.
+// Record for the near-end version of a block. This version runs if the time left until Cpu::stop does not
+// exceed the block's bound (Block::bound).
 struct NearEnd {
   // Host code that checks the time left after each instruction; null: no code.
   const void* code = nullptr;
@@ -128,14 +128,15 @@ class Emitter {
   // --- interrupt mask and return from exceptions (emit_control.cpp)
   void emit_control(std::size_t k);
   void emit_exception_return(std::size_t k);
-  // Exits before step k if an interrupt request is pending or the stretch may end after the step.
+  // Exits before step k if an interrupt request is pending or if no time is left after step k.
   void leave_for_interrupts(std::size_t k);
-  // Replaces the address in r15 by twice the address's index in Cpu::code. Exits before the step if the
-  // address has no index.
+  // r15 contains an address. Looks up the index of this address in Cpu::code and writes twice the index to
+  // r15. Exits before the step if the address has no index.
   void find_target(std::size_t k);
-  // Continues after step k, through the table of entries, with the block at the index r15 / 2.
+  // Emits the jump from step k to a block. r15 is twice the index of this block in the table of entries.
   void leave_through_table(std::size_t k);
-  // Emits the edge to index `target` after `steps` steps have run.
+  // Emits the jump to the block at index `target` of Cpu::code. The jump is taken when the first `steps`
+  // steps of the current block have run.
   void emit_edge(std::size_t steps, std::uint32_t target);
   void emit_out(std::uint32_t index, std::uint32_t answer);
   // Returns the label of the exit that is taken before step k has any effect.
@@ -154,7 +155,7 @@ class Emitter {
   void store_flags(const Definition& d, unsigned mask);
   void store_pending(const Pending& pending, const Block& block, unsigned mask);
   void store_carry(bool inverted = false);
-  // Recomputes the guest flags defined by `d` in the host's flags.
+  // Emits code that sets the host's flags to the guest flags that `d` defines.
   void compare_again(const Definition& d);
 
   // --- registers (emit_registers.cpp)
@@ -178,8 +179,9 @@ class Emitter {
   Place address(const Step& s, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes,
                 host::Mem& at);
   host::Mem ram_check(unsigned size, std::uint32_t bytes, const asmjit::Label& outside);
-  // Returns the operand of step k's access through a register, if the access is known to be in RAM, or can be
-  // checked together with later accesses of the block. Otherwise returns nullopt.
+  // Returns the host operand for an access of step k through a register, if a range check covers the access.
+  // If no earlier check covers the access, emits one check for this access and later accesses of the block.
+  // Returns nullopt if there is no such check.
   std::optional<host::Mem> proved(std::size_t k, unsigned size);
   bool check_together(std::size_t k);
   void move_proofs(const Step& s);
@@ -213,9 +215,9 @@ class Emitter {
   const std::vector<Block>* blocks_ = nullptr;
   const Block* block_ = nullptr;
   std::map<std::uint32_t, std::size_t> block_at_;
-  std::vector<asmjit::Label> inside_;   // entries after the check of the time left
-  std::vector<asmjit::Label> outside_;  // entries through the table
-  std::vector<asmjit::Label> late_;     // entries when the time left does not exceed the bound
+  std::vector<asmjit::Label> inside_;   // entries of the blocks, without the check of the time left
+  std::vector<asmjit::Label> outside_;  // entries of the blocks for code outside the unit
+  std::vector<asmjit::Label> late_;     // code for blocks whose bound is at least the time left
   std::vector<std::function<void()>> side_, cold_;
 
   Pending pending_{};
@@ -227,7 +229,7 @@ class Emitter {
     bool even = false;  // the value of the register is even
   };
   std::array<Proof, 8> proofs_{};
-  Again again_;            // steps at which the first version may continue in the second version
+  Again again_;            // label in the second version for each step whose check can fail
   bool second_ = false;    // the second version is being emitted
   bool near_end_ = false;  // the time left is checked after each step
 

@@ -74,8 +74,8 @@ struct Form {
   std::uint8_t size = 1;  // operand size, bytes
   Mode src = Mode::none;  // source operand; its register is Insn::rs
   Mode dst = Mode::none;  // destination operand; its register is Insn::rd
-  // Depends on `op`. bcc: condition; shift: Shift; control: Control; bit operations: 1 if inverted; adds: 1
-  // for SUBS.
+  // The meaning depends on `op`. bcc: number of the condition. shift: a value of Shift. control: a value of
+  // Control. adds: 1 for SUBS. Bit operations: 1 for the inverting form (such as BIST).
   std::uint8_t detail = 0;
   // Literal operand of shifts, adds, inc and dec; number of registers of ldm and stm.
   std::uint8_t count = 0;

@@ -128,7 +128,7 @@ class Eyes {
                            vision::StereoImages& pair);
   static Result<Kept> kept_of(const vision::StereoImages& pair, Keep keep);
   Time exposure_time(std::uint64_t sequence) const;
-  Time arrival_time(Time exposure) const;  // for the pair being exposed
+  Time arrival_time(Time exposure) const;  // only valid for the pair that is being exposed
   void expose(Time now, ScenePose pose);
 
   RenderThread& draws_;

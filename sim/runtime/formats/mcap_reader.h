@@ -23,7 +23,7 @@ struct McapRecording {
   // file are in memory, too.
   static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
   static constexpr std::size_t max_facts = 10'000;
-  // Key in `facts` of the signal that interrupted the run.
+  // Key in `facts`; the value is the name of the signal that interrupted the run.
   static constexpr const char* kInterrupted = "interrupted";
   // Limit of message times: one year, which is longer than any run. For one year, the conversion to crystal
   // periods (time.h) does not overflow.
@@ -37,7 +37,7 @@ struct McapRecording {
   };
   std::map<std::uint16_t, std::string> topics;  // topic of each channel number
   std::map<std::string, std::string> facts;     // entries of all metadata records
-  std::vector<Message> messages;   // in file order; `topics` contains every channel of a message
+  std::vector<Message> messages;   // in file order; `topics` contains the channel of every message
   std::size_t damaged_chunks = 0;  // number of chunks skipped because of a wrong CRC
   bool whole = false;              // false: the file is truncated
 

@@ -21,7 +21,7 @@ struct evp_md_ctx_st;  // OpenSSL's digest context
 
 namespace kaz::sim {
 
-// Observer of the written channels and messages, in file order, on the writer's thread.
+// Observes the written channels and messages. The functions are called in file order, on the writer's thread.
 class MessageTap {
  public:
   virtual ~MessageTap() = default;

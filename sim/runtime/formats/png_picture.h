@@ -15,7 +15,8 @@ namespace kaz::sim {
 // Fails if `image` is empty, or if the number of pixels does not match the width and the height.
 Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image);
 
-// Decodes a PNG. Fails if the bytes are not a PNG, are damaged, or the picture has a side above 8192 px.
+// Decodes a PNG. Fails if the bytes are not a PNG or are damaged, or if a side of the picture is longer than
+// 8192 px.
 Result<vision::Image> decode_png(std::span<const std::uint8_t> bytes);
 
 }  // namespace kaz::sim

@@ -79,8 +79,8 @@ struct Marker {
   Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
-  // Name of the texture (Visual::texture). The name is written to the message field `text`, because ROS does
-  // not use this field for the types of Marker::Type.
+  // Name of the texture (Visual::texture). The name is written to the message field `text`. ROS uses this
+  // field only for text markers, and Marker::Type contains no text marker.
   std::string texture;
   bool removes_all = false;
 };

@@ -1,4 +1,5 @@
-// Executes commands of the control socket of `kaz sim --bus`: power, supply, damage, turning joints, status.
+// Executes the commands that the control socket of `kaz sim --bus` receives: power, supply, damage, turn,
+// status.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The port is a pty with a control socket beside it (bus_commands.h). The servos receive bytes at the bit
-// rate that the host has set. A reply reaches the host when the wire becomes idle or a USB packet is full,
-// like with a real adapter. No byte of a reply arrives before the wire could have carried this byte.
+// rate that the host has set. As with a real adapter, a reply reaches the host when the wire becomes idle or
+// a USB packet is full. No byte of a reply arrives before the wire could have carried this byte.
 #pragma once
 
 #include <atomic>
@@ -19,8 +19,8 @@ namespace kaz::sim {
 
 struct BusServerOptions {
   std::string serial_path;  // symbolic link to the pty; the control socket is serial_path + ".ctl"
-  // Receives messages for the user: host connected or gone, the host's rate, overruns. Each message is one
-  // line without newline.
+  // Receives messages for the user: the host opened or closed the port or changed the bit rate, or an overrun
+  // occurred. Each message is one line without newline.
   std::function<void(const std::string&)> report;
 };
 

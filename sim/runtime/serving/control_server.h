@@ -40,7 +40,7 @@ class ControlCommands {
     std::function<void()> clear_faults;
     std::function<Time()> now;  // simulated time
     // Executes the command `stand` of a motor stand. The argument is the rest of the line; the reply does not
-    // contain "ok". The function is empty if there is no motor stand.
+    // contain "ok". Without a motor stand, `stand` is null.
     std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand = nullptr;
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}

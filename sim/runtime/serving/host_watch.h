@@ -1,4 +1,4 @@
-// Reports events as text: host connected, silent or gone on the serial line, and motors on or off.
+// Reports events as text: the host opens or closes the port or is silent; the motors are switched on or off.
 // SPDX-License-Identifier: Apache-2.0
 //
 // All times are in simulated time.
@@ -32,8 +32,8 @@ class HostWatch {
   void drivers(Time now, bool enabled, const std::string& why = "");
   // Call this function if the board's link watchdog has expired and the joints hold their positions.
   void held(Time now);
-  // Returns whether the link watchdog may have expired although held() was not called since the host's last
-  // byte.
+  // Returns true if the host has been silent long enough for the link watchdog to expire, but held() was not
+  // called.
   bool may_hold(Time now) const {
     return heard_ && !held_ && now - last_byte_ >= shortest_watchdog;
   }

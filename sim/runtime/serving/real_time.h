@@ -34,8 +34,8 @@ struct RealTimeOptions {
   // at cameras_path need not have readers. The pixels of the pair may not be rendered yet.
   std::function<void(const vision::StereoPair&)> on_pair;
   std::function<bool()> wants_pairs;
-  // Receives messages for the user: host connected, silent or gone, motors on or off, overruns. Each message
-  // is one line without newline.
+  // Receives messages for the user, for example about the host, the motors, the power supply, or overruns.
+  // Each message is one line without newline.
   std::function<void(const std::string&)> report;
 };
 

@@ -1,9 +1,9 @@
 // Applies faults of sensors, power and mechanics to the board and the world, step by step.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A fault is reported in the step that contains the start of the fault. A power reset takes effect in the
-// same step. Other faults take effect in each step that begins within the duration of the fault. SerialLine
-// applies faults of the serial line, byte by byte.
+// A fault is reported in the step that contains the start of the fault. The fault `power_reset` takes effect
+// in the step in which the fault is reported. Other faults take effect in each step that begins within the
+// duration of the fault. SerialLine applies faults of the serial line, byte by byte.
 #pragma once
 
 #include <functional>
@@ -27,7 +27,7 @@ class FaultPlayer {
   // at `start`. Calls `begins` for each new fault.
   void begin_step(Time start, ServoBoard& board,
                   const std::function<void(const faults::Fault&)>& begins);
-  // Applies faults of joints and motors to the drives of the step that begins at `start`.
+  // Applies faults of joints and motors to `drives`, the motor drives in the step that begins at `start`.
   void apply(Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
 
   // Saves or restores the complete state (archive.hpp).

@@ -1,9 +1,9 @@
 // Simulates the robot on one clock: servo board, world, stereo camera, serial line, recorder.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Time advances only in step(), by one millisecond. The board first runs to the end of the step. The means of
-// the board's motor drives over the step then move the world. The new joint angles are the inputs of the
-// potentiometers in the next step. If the physics step is shorter than a millisecond, board and world
+// Time advances only in step(), by one millisecond. The board first runs to the end of the step. Then the
+// world moves; the board's drive of each motor is averaged over the step. The new joint angles are the inputs
+// of the potentiometers in the next step. If the physics step is shorter than a millisecond, board and world
 // alternate within the millisecond. A physics step may also be longer than a millisecond. The wall clock is
 // never read: the same options and calls give the same recording, byte for byte (docs/explanation/time.md).
 #pragma once
@@ -51,7 +51,7 @@ struct SimulationOptions {
   std::string camera_path;
   std::uint64_t seed = 1;
   std::string dynamics = "reduced";  // name of the dynamics (sim/body/world/world.h)
-  double physics_step_ms = 1;        // step of the world: 0.125, 0.25, 0.5, 1, 2 or 4
+  double physics_step_ms = 1;        // duration of a physics step: 0.125, 0.25, 0.5, 1, 2 or 4 ms
   // True: the robot is suspended. The root link is fixed, and the feet do not touch the ground
   // (WorldOptions::hung).
   bool suspended = false;
@@ -116,8 +116,8 @@ class Simulation {
   std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
   SerialLine& line() { return line_; }
 
-  // The eyes are closed initially, so a simulation renders nothing unless a program reads the pictures. If
-  // the robot has no eyes, open_eyes() has no effect.
+  // The eyes are closed initially, and a simulation with closed eyes renders no picture pairs. Call
+  // open_eyes() before reading picture pairs. If the robot has no eyes, open_eyes() has no effect.
   bool has_eyes() const { return world_->head_frame() >= 0 && options_.eyes != EyeKind::none; }
   // The error that a request for a picture pair returns if the robot has no eyes.
   static Error no_eyes();
@@ -149,8 +149,9 @@ class Simulation {
   void record_behavior(std::string_view json);
   // Records the host's map at the present time.
   void record_map(const RecordedMap& map);
-  // Starts a recording now. With SimulationOptions::recording_path, a recording starts at the beginning of
-  // the simulation instead. Fails if the file cannot be written or a recording is in progress.
+  // Starts a recording now. To record from the beginning of the simulation, set
+  // SimulationOptions::recording_path instead. Fails if the file cannot be written or a recording is in
+  // progress.
   Result<void> start_recording(const std::string& path);
   // Returns whether a recording is in progress and a write has failed. step() has then failed, too.
   bool recording_failed() const;
@@ -182,8 +183,8 @@ class Simulation {
   // takes microseconds; restore() takes milliseconds. Several simulations may begin from the same start
   // concurrently. Fails if a recording is in progress or `start` does not fit this simulation.
   Result<void> begin(const Start& start, std::uint64_t seed);
-  // Saves the state, runs `steps` steps without recording, and restores the state. A detour has no visible
-  // effect if save() is complete. Tests use detours to check save().
+  // Saves the state, runs `steps` steps without recording, and restores the state. If save() saves the
+  // complete state, a detour has no visible effect. Tests use detours to check save().
   Result<void> detour(int steps);
 
  private:

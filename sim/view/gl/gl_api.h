@@ -1,5 +1,5 @@
-// OpenGL functions. The functions are looked up at run time, so the program is not linked to a certain OpenGL
-// library.
+// OpenGL functions. The functions are looked up at run time, so the program needs no OpenGL library at link
+// time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -6,9 +6,9 @@
 // upper right front, casts shadows and makes a small specular highlight. Ambient light is hemispheric; a weak
 // fill light comes from the left. Distant surfaces fade to the color of the horizon.
 //
-// A surface with color c and unit normal n is seen from the unit direction v at distance d. The key light
-// comes from the direction l. The share of the key light that reaches the surface is s (0..1). The gain of
-// the key light is a, and the gain of the ambient light is b (View::light).
+// A surface with color c and unit normal n is seen from the unit direction v at distance d. The unit
+// direction l points to the key light. A share s (0..1) of the key light reaches the surface. The key light
+// has the gain a, and the ambient light has the gain b (View::light).
 //   ambient   = mix(ground, sky, (1 + n.z) / 2) + fill max(n . to_fill, 0)
 //   key       = max(n . l, 0) s a
 //   light     = c^2 (b ambient + key_light key) + highlight max(n . (v + l) / |v + l|, 0)^32 key

@@ -27,8 +27,8 @@ struct ShadowView {
 };
 // Fits the view to the shadow casters. `texels` is the length of the shadow map's side in texels. The
 // outermost ring of texels stays free. `to_key` is the direction to the key light. The bounds of the view
-// move in whole texels, so that shadow edges do not crawl if other objects move. A caster that is more than
-// 1.5 m from the mean position of the casters may cast no shadow.
+// move in whole texels, so that shadow edges do not crawl if other objects move. If a caster is more than 1.5
+// m from the mean position of all casters, the caster's shadow may be missing or incomplete.
 ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
                            const Eigen::Vector3d& to_key);
 

@@ -52,7 +52,7 @@ struct Vector3 {
   Floats x, y, z;
 };
 
-// Three linear functions of the column x in a row: at + by x.
+// Three linear functions of the column x in a row: `at[i] + by[i] * x`.
 struct Along {
   float at[3], by[3];
 };
@@ -260,13 +260,13 @@ KAZ_LANES_INLINE Pattern texel_at(const TextureLevels& t, Floats u, Floats v, In
 // Texture coordinates of a primitive in a row of samples, and the differences of these coordinates within
 // blocks of 2 x 2 samples.
 struct TextureRow {
-  Along plane;  // u w, v w and w at column x: at + by (x - x0)
+  Along plane;  // products u w and v w, and w, at column x: `at + by * (x - x0)`
   float x0;
   // Between neighboring columns with depths w and w', u changes by (by_u w - by_w u w) / (w w'). This
   // numerator is the same at all columns of a row. For neighboring rows, the formula is analogous. across_u
   // and across_v are the numerators for neighboring columns in the upper row of the block.
   float across_u, across_v;
-  Slope down_u, down_v;    // numerators for neighboring rows: at + by_x (x - x0)
+  Slope down_u, down_v;    // numerators for neighboring rows: `at + by_x * (x - x0)`
   float w_upper, w_lower;  // w of the upper and lower row of the block, at x0
   float by_w;
 };
@@ -313,8 +313,8 @@ KAZ_LANES_INLINE Ints exponent(Floats x) {
   return ((bits(x) >> 23) & 255) - 127;
 }
 
-// Returns round(log2(root(texels2))), limited to 0..last. The result is half the binary exponent of 2
-// texels2.
+// Returns round(log2(root(texels2))), limited to 0..last.
+// The result is half the binary exponent of `2 * texels2`.
 KAZ_LANES_INLINE Ints nearest_level(Floats texels2, int last) {
   const Ints level = exponent(texels2 * 2.0F) >> 1;
   return larger_int(smaller_int(level, splat_int(last)), splat_int(0));

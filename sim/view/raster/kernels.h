@@ -53,8 +53,8 @@ struct Projection {
   float width, height, near, far;
 };
 
-// Linear function of the sample position (x, y): at + by_x (x - x0) + by_y (y - y0). The origin (x0, y0) is
-// stored in Primitive.
+// Linear function of the sample position (x, y): `at + by_x * (x - x0) + by_y * (y - y0)`.
+// The origin (x0, y0) is stored in Primitive.
 struct Slope {
   float at = 0, by_x = 0, by_y = 0;
 };
@@ -88,7 +88,7 @@ struct Surface {
 struct Target {
   int left = 0, right = 0;  // columns left .. right - 1 are drawn
   int top = 0, bottom = 0;  // rows top .. bottom - 1
-  // Length of a row in memory, which begins at column 0 and is padded by kPad.
+  // Length of a row in memory: all columns of the picture, from column 0 on, and kPad more elements.
   int stride = 0;
   std::vector<float> w;                  // depth of each sample; 0: background
   std::vector<std::uint32_t> primitive;  // number of the primitive at each sample; 0: background
@@ -136,7 +136,7 @@ struct Shading {
   const ShadowTexels* shadow = nullptr;
   bool soft = false;      // true: soft shadows, and linear interpolation between mip levels
   int block_columns = 0;  // number of blocks in a row of the picture
-  // For each block, 1: a shadow may fall on a flat ground in this block.
+  // One value per block: 1 if a shadow can fall on a flat ground in this block, else 0.
   std::vector<std::uint8_t> blocks;
 };
 inline constexpr int kBlock = 32;  // side length of a block, in samples

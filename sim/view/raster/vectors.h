@@ -16,7 +16,7 @@
 #include <cmath>
 #endif
 
-#ifndef KAZ_RASTER_SET  // for tools that parse this file alone
+#ifndef KAZ_RASTER_SET  // defaults, used if a tool parses this file alone
 #define KAZ_RASTER_SET plain
 #define KAZ_RASTER_LANES 4
 #endif
@@ -118,8 +118,8 @@ struct ThreeWords {
   Ints first, second, third;
 };
 
-// The code uses the masked forms of the AVX-512 intrinsics. Reason: for the unmasked forms, GCC 12 warns
-// about its own headers.
+// The code uses only the masked forms of the AVX-512 intrinsics, because the unmasked forms cause warnings in
+// the headers of GCC 12.
 #if defined(__x86_64__) && KAZ_RASTER_LANES == 16
 KAZ_LANES_INLINE Floats root(Floats x) {
   return (Floats)_mm512_maskz_sqrt_ps(0xFFFF, (__m512)x);
@@ -129,7 +129,7 @@ KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return _mm512_movepi32_mask((__m512i)mask);
 }
 // Uses sixteen loads instead of AVX-512's gather instruction. On AMD processors, the gather instruction takes
-// twice as long as the loads, and in gather_three() three times as long. On Intel processors, the gather
+// twice as long as the loads (in gather_three(), three times as long). On Intel processors, the gather
 // instruction is slow since a microcode update that prevents data leaks.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[16];

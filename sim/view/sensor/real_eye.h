@@ -20,8 +20,8 @@ class RealEye {
           std::uint64_t noise_seed);
 
   void set_noise_seed(std::uint64_t seed) { sensor_.set_noise_seed(seed); }
-  // Returns the view for take(). `world_from_eye` is the world pose of the optical frame of the eye's
-  // mounting, m.
+  // Returns the view for take(). `world_from_eye` is the pose (m) of the eye's mounting in the world frame;
+  // the mounting has the axes of an optical frame.
   View view(const Eigen::Isometry3d& world_from_eye) const;
   // Takes a picture. `exposure` is the number of the exposure. `view` is the result of view(); the caller
   // sets the light of the world in `view`. Returns the errors of Renderer::render().

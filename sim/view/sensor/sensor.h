@@ -36,14 +36,14 @@ struct EyeModel {
   double focal_spread = 0.004;        // relative to the focal length
   double centre_spread = 0.004;       // principal point, relative to the picture's width
   double distortion_spread = 0.03;    // k1 and k2, relative to their values
-  double tangential_spread = 0.0003;  // p1 and p2: tilt of the lens against the sensor
+  double tangential_spread = 0.0003;  // p1 and p2: tilt of the lens relative to the sensor
   // Rotation of the camera about each axis; 0.004 rad = 0.23 degrees.
   double direction_spread_rad = 0.004;
 };
 
-// Returns the calibration of two cameras of the series at a distance of `baseline_m`. The same `unit` gives
-// the same cameras. Deviations are clamped to 2.5 sigma, because the factory would reject cameras with larger
-// deviations.
+// Returns the calibration of two cameras from the production series that are mounted `baseline_m` apart. The
+// same `unit` gives the same cameras. Deviations are clamped to 2.5 sigma, because the factory would reject
+// cameras with larger deviations.
 vision::StereoCalibration make_calibration(const EyeModel& model, std::uint64_t unit,
                                            double baseline_m);
 

@@ -10,8 +10,8 @@
 namespace kaz::sim {
 
 // Parameters of a photon-transfer model (EMVA 1288, shot and dark noise). A code c represents the light c^2
-// (lighting.h). Code 255 represents `full_well_e` electrons. If a pixel has n electrons in the mean, the
-// variance of this number is n + read_noise_e^2.
+// (lighting.h). Code 255 represents `full_well_e` electrons. If a pixel has n electrons on average, the
+// variance of the number of electrons is n + read_noise_e^2.
 struct NoiseLaw {
   double exposure = 1.0;  // factor that multiplies the light
   double full_well_e = 10'000;
@@ -30,7 +30,7 @@ class NoiseRow {
   // Converts the values of a row from units of 1/64 code to codes. A pixel with n electrons is read as n + z
   // sqrt(n + read_noise_e^2), where z has mean 0 and sigma 1. The random number z is a scaled sum of four
   // random bytes (nearly normal, |z| <= 3.46). These bytes depend on `key` and on the position in the row.
-  // The instruction set `with` must be available. All instruction sets give the same codes.
+  // `with` must be an available instruction set. All instruction sets give the same codes.
   void expose(const std::uint16_t* codes64, std::uint8_t* codes, Range range, std::uint64_t key,
               InstructionSet with = best_instructions()) const;
 
